@@ -3,7 +3,6 @@
 import pathlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
 
 from gateway.assembly.axis_signals import OUTPUT_SIGNALS, assumed_permits, rc_numbers
 from gateway.assembly.data_block_signals import signals_of
@@ -11,6 +10,7 @@ from gateway.files.dat import DatTables, read_tables
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.controller import Controller, ControllerPoint, ControllerProcess, ProcessStep
+from gateway.pure.controllers.control import Control
 from gateway.pure.controllers.reis.control import ReisControl, ReisSetup
 from gateway.pure.controllers.reis.regulator import Reference
 from gateway.pure.controllers.rho3.functions.addresses import STROBE_TIME, Places
@@ -32,7 +32,7 @@ from gateway.pure.controllers.val3.io.control import Val3Control
 from gateway.pure.controllers.val3.io.system import Board, Point
 from gateway.pure.cycle.enabling_inputs import SIGNAL_AXES
 from gateway.pure.image.error_list import ErrorList
-from gateway.pure.image.records.cell import RC_BYTES, CellState, InputImage, Permit, set_bit
+from gateway.pure.image.records.cell import RC_BYTES, Permit, set_bit
 from gateway.pure.image.signals import SignalList
 from motion.errors import MotionError
 from motion.geometry.units import from_si
@@ -44,47 +44,6 @@ PERMIT_BITS = (("chain", Permit.CHAIN), ("control", Permit.CONTROL), ("feed", Pe
 MOVABLE = {  # field of Places -> signal of ours, or of the manual with two numbers
     "select_strobe": "STBEXPA_RCI", "selected": "PROGSEL_RCO", "select_error": "SELERR_RCO", "msd_open": "MSD_ACTI_RCO",
 }  # fmt: skip
-
-
-class Control(Protocol):
-    """What the services know of a control; the three kinds of [controller] have it."""
-
-    @property
-    def outputs(self) -> bytes:
-        """RC outputs, the cycle's and its own."""
-
-    def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
-        """Once per cycle of the services; what a person should read."""
-
-    def flag_bytes(self) -> bytes:
-        """Flags or markers."""
-
-    def write_flags(self, first: int, data: bytes) -> bool:
-        """From byte `first` on; False: not there, or not the PLC's."""
-
-    def retained(self) -> bytes:
-        """Flags or markers worth keeping over power-off."""
-
-    def restore(self, flags: bytes, counters: Mapping[int, int]) -> None:
-        """What was kept, before the first step; b"": nothing was."""
-
-    def timer(self, number: int) -> int | None:
-        """Rest in ms; None: none of that number."""
-
-    def counter(self, number: int) -> int | None:
-        """None: none of that number."""
-
-    def names(self) -> list[str]:
-        """Values beside signals and flags."""
-
-    def value(self, name: str) -> float:
-        """KeyError: no such name; ValueError: it has no value."""
-
-    def put(self, name: str, value: float) -> None:
-        """KeyError: not written; ValueError: the value does not fit."""
-
-    def status(self) -> dict[str, object]:
-        """For tools and pages."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Collection, Mapping
 
-from gateway.assembly.controllers import Control, points_of
+from gateway.assembly.controllers import points_of
 from gateway.pure.cell.controller import Controller
+from gateway.pure.controllers.control import Control
 from gateway.pure.controllers.val3.io.control import Val3Control
 from gateway.pure.image.records.cell import InputImage
 from gateway.pure.modbus.other_views import Image, ReisView, Val3View

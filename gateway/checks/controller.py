@@ -3,13 +3,14 @@
 import pathlib
 from collections.abc import Iterator
 
-from gateway.assembly.controllers import Control, dat_tables, make_control
+from gateway.assembly.controllers import dat_tables, make_control
 from gateway.assembly.interpreter import memory_folder
 from gateway.checks.context import Context, number
 from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell, Notice
 from gateway.pure.cell.controller import Controller, ControllerPoint, ProcessStep
+from gateway.pure.controllers.control import Control
 from gateway.pure.controllers.rho3.functions.system_variables import VariableError
 from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX
 from gateway.pure.controllers.rho3.signals.control import RhoControl

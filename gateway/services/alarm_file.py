@@ -6,21 +6,18 @@ import io
 import json
 import pathlib
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
+from gateway.assembly.run import RunPlan
 from gateway.pure.arbitration.command_block import Code
+from gateway.pure.arbitration.jobs import DispatcherEvent
 from gateway.pure.image.alarms import Alarms, Record, told
 from gateway.runtime.journal import Journal
-
-if TYPE_CHECKING:
-    from gateway.assembly.run import RunPlan
-    from gateway.pure.arbitration.jobs import DispatcherEvent
 
 LIMIT = 4 << 20  # bytes of one file; the one before is kept beside it: some 40,000 records
 COLUMNS = ("number", "came", "acknowledged", "by", "gone", "code", "source", "text")
 
 
-def path_of(plan: "RunPlan") -> pathlib.Path:
+def path_of(plan: RunPlan) -> pathlib.Path:
     """Beside the retained data: in the folder `retain` on a machine, in the folder of the run in a simulation."""
     if plan.simulated:
         return plan.folder / "alarms.jsonl"
@@ -54,7 +51,7 @@ def as_csv(rows: Iterable[Record]) -> str:
 class AlarmFile:
     """What the services write."""
 
-    def __init__(self, plan: "RunPlan") -> None:
+    def __init__(self, plan: RunPlan) -> None:
         cell, path = plan.cell, path_of(plan)
         with contextlib.suppress(OSError):  # the journal of the history counts what it cannot write
             path.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
@@ -72,7 +69,7 @@ class AlarmFile:
         for record in self._alarms.look(errors):
             self._write(record)
 
-    def event(self, event: "DispatcherEvent", names: dict[int, str]) -> None:
+    def event(self, event: DispatcherEvent, names: dict[int, str]) -> None:
         """A command of a command source: a fault reset acknowledges."""
         if event.code == Code.FAULT_RESET and event.what == "accepted":
             self.acknowledge(self._doors.get(event.door) or names.get(event.door) or f"command source {event.door}")

@@ -1,23 +1,20 @@
 """All CANopen buses of a run as the services see them: their masters, and what is wrong with which axis; loaded only where there is one."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from gateway.assembly.run import RunPlan
 from gateway.pure.image.records.cell import AxisFlag, CellState
-from gateway.services.drive_parameters import Parameters
-
-if TYPE_CHECKING:
-    from gateway.links.canopen.master import CanopenMaster
+from gateway.services.drive_parameters import Master, Parameters
+from gateway.services.part import Part
 
 Write = Callable[..., None]  # Journal.write
 
 
-class CanopenServices:
+class CanopenServices(Part):
     """Masters by bus; `observe` every state the cycle publishes."""
 
     def __init__(self, plan: RunPlan, fds: dict[str, int], write: Write) -> None:
-        self.masters: dict[str, CanopenMaster] = {}
+        self.masters: dict[str, Master] = {}
         self.parameters = Parameters(self.place, write)
         self._places: dict[int, tuple[str, int]] = {}  # axis -> bus, node
         self._names: dict[str, tuple[str, int]] = {}
@@ -52,7 +49,7 @@ class CanopenServices:
             self._places |= {n: (bus.name, node) for node, (n, _) in here.items()}
             self._names |= {axis.name: (bus.name, node) for node, (_, axis) in here.items()}
 
-    def stop(self) -> None:
+    async def close(self) -> None:
         """Nodes stay as they are."""
         self.parameters.stop()
         if self._generation is not None:
@@ -79,7 +76,7 @@ class CanopenServices:
         found = master.nodes.get(node) if master is not None else None
         return found.why if found is not None else ""
 
-    def place(self, axis: str) -> "tuple[CanopenMaster, int]":
+    def place(self, axis: str) -> tuple[Master, int]:
         """Master and node of an axis; KeyError in words for one that is not on CANopen."""
         if axis not in self._names:
             raise KeyError(f"axis {axis} has no CANopen drive; those with one: {', '.join(self._names) or 'none'}")

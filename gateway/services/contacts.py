@@ -4,30 +4,34 @@ An input drives its signal while it is good; a bad one reads `on_loss`, or 0.  O
 on, for as long as it asks, and never the watchdog.
 """
 
-import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Mapping
 
 from gateway.assembly.contacts import CHIP, COUPLER, MODBUS, outputs_of, signal_bit
 from gateway.assembly.routes import symbols_of
 from gateway.pure.buses.contacts import SAID_LAYOUT, WATCHDOG, Said, pack_said, unpack_said
 from gateway.pure.buses.contacts import Source as Known
-from gateway.pure.image.records.cell import AxisFlag, Quality, set_bit
+from gateway.pure.image.records.cell import AxisFlag, Quality
 from gateway.runtime.regions import RegionReader, RegionWriter
+from gateway.services.context import RunContext
+from gateway.services.part import Part
+from gateway.services.shared_image import SharedImage
+from gateway.services.value_directory import Reader, ValueDirectory
 from protocols.base.machine import Ns, ms
-
-if TYPE_CHECKING:
-    from gateway.services.loop import Services
+from protocols.telegrams.fields import Value
 
 LONGEST_FORCE: Ns = ms(60_000)
 TELL_EVERY: Ns = ms(1000)
 
 
-class DigitalContacts:
-    """All contacts of a run, by their place among the [[io]] tables."""
+class DigitalContacts(Part):
+    """All contacts of a run, by their place among the [[io]] tables.  `listen` and `show` are called by the routes, once per cycle."""
 
-    def __init__(self, services: "Services", fds: dict[str, int]) -> None:
-        cell = services.cell
-        self._services, self.contacts = services, cell.io
+    def __init__(
+        self, run: RunContext, image: SharedImage, values: ValueDirectory, coupler_fault: Callable[[str, int], str], fds: Mapping[str, int]
+    ) -> None:
+        """`coupler_fault`: what is wrong with a node of a bus, in words; empty: nothing."""
+        cell = run.cell
+        self._run, self._image, self._values, self._coupler_fault, self.contacts = run, image, values, coupler_fault, cell.io
         self.by_name = {io.name: n for n, io in enumerate(cell.io)}
         self.said = [Said()] * len(cell.io)  # inputs as heard; outputs as their device confirms them
         self.shown = [Said()] * len(cell.io)  # what we say of outputs
@@ -48,11 +52,17 @@ class DigitalContacts:
         if any(io.device.type == MODBUS for io in cell.io):
             from gateway.services.contacts_modbus import ModbusContacts  # only where a cell asks for it
 
-            self.modbus = ModbusContacts(services, self)
+            self.modbus = ModbusContacts(run, image, self._heard_of)
+
+        values.register(ContactValues(self))
+
+    def _heard_of(self, n: int, said: Said | None) -> None:
+        """A Modbus coupler: contact n; None: it is silent, the value stays."""
+        self.said[n] = self.said[n]._replace(quality=Quality.BAD) if said is None else said
 
     # ---- routes ------------------------------------------------------------------------------------------------------
     def read(self, name: str) -> float | None:
-        """An input; None: invalid."""
+        """An input; None: it is not valid."""
         said = self.said[self.by_name[name]]
         return float(said.value) if said.quality is Quality.GOOD else None
 
@@ -61,12 +71,12 @@ class DigitalContacts:
         self._routed[self.by_name[name]] = value
 
     # ---- once per cycle and tick --------------------------------------------------------------------------------------
-    def start(self) -> None:
+    async def start(self) -> None:
         """Inside the running loop."""
         if self.modbus is not None:
             self.modbus.start()
 
-    def close(self) -> None:
+    async def close(self) -> None:
         if self.modbus is not None:
             self.modbus.close()
 
@@ -94,16 +104,16 @@ class DigitalContacts:
         """Outputs to the processes that drive them."""
         self._publish(now)
         if self.modbus is not None:
-            self.modbus.step(now)
+            self.modbus.show(self.shown, now)
 
     def _drive(self, now: Ns) -> None:
-        inputs = self._services.inputs
+        image = self._image
         for n, bit in self._bits.items():
             said = self.said[n]
             value = said.value if said.quality is Quality.GOOD else bool(self.contacts[n].on_loss)
-            set_bit(inputs.values, bit, value)
-            if inputs.quality[bit >> 3] != Quality.GOOD:
-                inputs.quality[bit >> 3], inputs.stamps[bit >> 3] = Quality.GOOD, now
+            image.put_bit(bit, value)
+            if image.inputs.quality[bit >> 3] != Quality.GOOD:
+                image.judge((bit >> 3,), Quality.GOOD, now)
         for n, io in enumerate(self.contacts):
             if io.device.input is not None and self.said[n].quality is Quality.GOOD:
                 self._note(n, self.said[n].value, now)
@@ -115,10 +125,10 @@ class DigitalContacts:
         if before not in (None, value) and now - self._told.get(n, -TELL_EVERY) >= TELL_EVERY:
             self._told[n] = now
             name = self.contacts[n].name
-            self._services.journal.write("contact", f"contact {name}: {int(before or 0)} -> {int(value)}", contact=name, value=int(value))
+            self._run.journal.write("contact", f"contact {name}: {int(before or 0)} -> {int(value)}", contact=name, value=int(value))
 
     def _publish(self, now: Ns) -> None:
-        state = self._services.values.state
+        state = self._image.state
         if any(axis.flags & AxisFlag.ENABLED for axis in state.axes):
             self._forced.clear()
         for n, (_, until) in list(self._forced.items()):
@@ -139,11 +149,11 @@ class DigitalContacts:
         signal = self.contacts[n].signal
         if signal == f"io.{self.contacts[n].name}":
             return Said(self._routed[n], Quality.GOOD) if n in self._routed else Said()
-        services = self._services
-        if signal in services.named:
-            sample = services.named.sample(signal)
+        named = self._values.named
+        if signal in named:
+            sample = named.sample(signal)
             return Said(bool(sample.value), sample.quality)
-        return Said(bool(services.values.get(signal)), Quality.GOOD)
+        return Said(bool(self._values.number(signal)), Quality.GOOD)
 
     def values(self) -> dict[str, list[int]]:
         """Name -> value, quality, whether forced; of an output what its device confirms."""
@@ -172,7 +182,7 @@ class DigitalContacts:
         device = self.contacts[n].device
         if device.type != COUPLER or device.node is None or self.said[n].quality is Quality.GOOD:
             return ""
-        return self._services.canopen.coupler_fault(device.bus, device.node)
+        return self._coupler_fault(device.bus, device.node)
 
     def faults(self) -> list[str]:
         """One sentence for each coupler that is not served whole, with the contacts that are not good."""
@@ -191,13 +201,13 @@ class DigitalContacts:
             return f"{name} is an input"
         if self.contacts[n].signal == WATCHDOG:
             return f"{name} is the watchdog: it toggles from completed cycles and is never forced"
-        if value is not None and any(axis.flags & AxisFlag.ENABLED for axis in self._services.values.state.axes):
+        if value is not None and any(axis.flags & AxisFlag.ENABLED for axis in self._image.state.axes):
             return f"{name}: drives are on; contacts are tried with all drives off"
         if value is None:
             self._forced.pop(n, None)
         else:
-            self._forced[n] = (value, time.monotonic_ns() + min(LONGEST_FORCE, int(seconds * 1e9)))
-        self.show(time.monotonic_ns())
+            self._forced[n] = (value, self._run.clock() + min(LONGEST_FORCE, int(seconds * 1e9)))
+        self.show(self._run.clock())
         return ""
 
     def answer(self, request: dict[str, object]) -> dict[str, object]:
@@ -207,3 +217,31 @@ class DigitalContacts:
         value = request.get("value")
         refused = self.force(str(request.get("name")), None if value is None else bool(value), float(str(request.get("seconds", 10))))
         return {"error": refused} if refused else {"contacts": self.rows()}
+
+
+class ContactValues:
+    """Provider of io.NAME: inputs as they were heard, outputs as their device confirms them; outputs routes drive can be written."""
+
+    def __init__(self, contacts: DigitalContacts) -> None:
+        self._contacts = contacts
+
+    def _number(self, name: str) -> int:
+        head, _, rest = name.partition(".")
+        if head != "io":
+            raise KeyError(name)
+        return self._contacts.by_name[rest]
+
+    def names(self) -> Iterable[str]:
+        return [f"io.{name}" for name in self._contacts.by_name]
+
+    def read(self, name: str, reader: Reader | None) -> Value:
+        return int(self._contacts.said[self._number(name)].value)
+
+    def valid(self, name: str) -> bool:
+        return self._contacts.said[self._number(name)].quality is Quality.GOOD
+
+    def write(self, name: str, value: Value, now: Ns, by: str) -> None:
+        io = self._contacts.contacts[self._number(name)]
+        if io.device.output is None or io.signal != name:
+            raise KeyError(f"{name}: an input, or an output with a signal of its own")
+        self._contacts.write(io.name, bool(value))

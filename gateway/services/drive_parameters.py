@@ -1,18 +1,65 @@
 """Parameters of CANopen drives that routes write: by SDO, in a thread of their own, the newest value of each; again after each start-up."""
 
 import threading
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from enum import Enum
+from typing import Protocol
 
 from drivers.drives.canopen_steps import Refused
 
-if TYPE_CHECKING:
-    from gateway.links.canopen.master import CanopenMaster
-
 LOOK_S = 0.05  # a drive that is not ready gets its parameters so long after it is
 Key = tuple[int, int]  # object, sub-index
-Place = Callable[[str], "tuple[CanopenMaster, int]"]
 Tell = Callable[..., None]  # Journal.write
+
+
+class DriveNode(Protocol):
+    """A node as its master keeps it."""
+
+    @property
+    def lock(self) -> AbstractContextManager[object]:
+        """One dialogue at a time."""
+
+    @property
+    def health(self) -> Enum:
+        """READY: it is configured and answers."""
+
+    @property
+    def booted(self) -> object:
+        """Its last start-up; None: there was none."""
+
+    @property
+    def why(self) -> str:
+        """Why it is not ready."""
+
+
+class Master(Protocol):
+    """The master of a CANopen bus (gateway.links.canopen.master); loaded only where a cell has one."""
+
+    @property
+    def nodes(self) -> Mapping[int, DriveNode]:
+        """By number."""
+
+    def upload(self, number: int, index: int, sub: int) -> object:
+        """bytes, or Refused."""
+
+    def download(self, number: int, index: int, sub: int, data: bytes) -> object:
+        """bytes, or Refused."""
+
+    def start(self, adopted: Sequence[int] = ()) -> None:
+        """`adopted`: nodes that run already."""
+
+    def again(self, number: int | None = None) -> None:
+        """All nodes are started up anew."""
+
+    def stop(self) -> None:
+        """Nodes stay as they are."""
+
+    def status(self) -> list[dict[str, object]]:
+        """A row a node."""
+
+
+Place = Callable[[str], tuple[Master, int]]
 
 
 class Parameters:

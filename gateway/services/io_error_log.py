@@ -3,16 +3,13 @@ until they are acknowledged, in the journal when they come and go (AX-431).
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from gateway.pure.controllers.rho3.can.ledger import LEDGER_LAYOUT, Complaint, unpack_ledger
 from gateway.pure.image.reasons import Reason, text
 from gateway.runtime.journal import Journal
 from gateway.runtime.regions import RegionReader
+from gateway.services.controller_host import ControllerHost
 from protocols.base.machine import Ns
-
-if TYPE_CHECKING:
-    from gateway.services.controller_host import ControllerHost
 
 Error = tuple[int, str]
 
@@ -26,28 +23,28 @@ class IoComplaints:
         self._payload = b""
         self._known: dict[str, Complaint] = {}
 
-    def look(self, desk: "ControllerHost", now: Ns) -> list[Error]:
+    def look(self, host: ControllerHost, now: Ns) -> list[Error]:
         """Pending errors, number and sentence; what came and went since the last look goes to list and journal."""
         if self._region is None:
             return []
         payload = self._region.read()
         if payload is not None and payload != self._payload:
             self._payload = payload
-            self._learn({each.where: each for each in unpack_ledger(payload)}, desk, now)
+            self._learn({each.where: each for each in unpack_ledger(payload)}, host, now)
         return [_error(each, self._language) for each in self._known.values() if each.standing]
 
-    def _learn(self, told: dict[str, Complaint], desk: "ControllerHost", now: Ns) -> None:
+    def _learn(self, told: dict[str, Complaint], host: ControllerHost, now: Ns) -> None:
         """An error may have come and gone between two looks: then its count is another one."""
         for where, each in told.items():
             before = self._known.get(where)
             if before is None or before.count != each.count:
-                desk.came(each.number, where, now)
+                host.came(each.number, where, now)
                 self._tell(each, "")
             if not each.standing and (before is None or before.standing or before.count != each.count):
-                desk.gone(each.number, where)
+                host.gone(each.number, where)
                 self._tell(each, ": good again")
         for where in self._known.keys() - told.keys():  # another cycle, which knows nothing of it
-            desk.gone(self._known[where].number, where)
+            host.gone(self._known[where].number, where)
         self._known = told
 
     def _tell(self, each: Complaint, end: str) -> None:

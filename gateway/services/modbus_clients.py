@@ -6,10 +6,9 @@ when it changes and again every `every_ms`, and only while it is good.  Loaded o
 
 import math
 import pathlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING
 
 from drivers.ports.base import BytePort
 from drivers.ports.open import tcp_address
@@ -17,14 +16,15 @@ from gateway.assembly.routes import routed_values
 from gateway.links.modbus.client import Device, Group, Kind, Link, ModbusClient, Result, exception_words, write_bits_pdu, write_words_pdu
 from gateway.pure.cell.modbus import Modbus, ModbusDevice, ModbusValue
 from gateway.pure.image.records.cell import Quality
+from gateway.services.context import RunContext
 from gateway.services.modbus_links import LinkReports
+from gateway.services.part import Part
+from gateway.services.value_directory import Reader, ValueDirectory, as_number
 from protocols.base.errors import EncodeError
 from protocols.base.machine import Ns, ms
 from protocols.modbus.numbers import decode_number, encode_number, words_of
 from protocols.modbus.orders import Done, Failed, Refused
-
-if TYPE_CHECKING:
-    from gateway.services.loop import Services
+from protocols.telegrams.fields import Value
 
 KINDS = {"coil": Kind.COILS, "discrete": Kind.DISCRETE_INPUTS, "input": Kind.INPUT_REGISTERS, "holding": Kind.HOLDING_REGISTERS}
 
@@ -108,15 +108,16 @@ class ClientLink:
     """One [[modbus]] with role client.  `routed`: values of registers that stand in routes, `registers`: how they are, by their keys."""
 
     def __init__(
-        self, services: "Services", settings: Modbus, url: str, routed: Sequence[ModbusValue], registers: dict[str, float | None]
+        self, run: RunContext, values: ValueDirectory, settings: Modbus, routed: Sequence[ModbusValue], registers: dict[str, float | None]
     ) -> None:
-        self._services, self.settings, self._registers = services, settings, registers
+        self._directory, self.settings, self._registers = values, settings, registers
+        url = str(run.plan.modbus[settings.name])
         self._values = (*settings.value, *routed)
         registers |= dict.fromkeys((value.name for value in routed), None)
         self._orders = {device.name: device.order for device in settings.device}
         link = Link(url, settings.framing, settings.format, ms(settings.patience_ms))
-        folder = pathlib.Path(services.cell.file).resolve().parent
-        self._reports = LinkReports(services.journal, f"Modbus client {settings.name}", link)
+        folder = pathlib.Path(run.cell.file).resolve().parent
+        self._reports = LinkReports(run.journal, f"Modbus client {settings.name}", link)
         devices, open_port = [device_of(device) for device in settings.device], secured(settings, url, folder)
         self.client = ModbusClient(link, devices, self._reports.device, open_port, self._reports.read)
         self._written = [Written(value, self._orders[value.device]) for value in self._values if value.from_]
@@ -137,10 +138,10 @@ class ClientLink:
                 self._write(written, value, now)
 
     def _given(self, name: str) -> float | None:
-        """What is to be written; None: nobody vouches for it.  What a route shows while it is lost is its own business."""
+        """What is to be written; None: it is not valid.  What a route shows while it is lost is its own business."""
         if name in self._registers:
             return self._registers[name]
-        sample = self._services.named.sample(name)
+        sample = self._directory.named.sample(name)
         value = sample.value
         return float(value) if sample.quality is Quality.GOOD and isinstance(value, int | float) else None
 
@@ -151,7 +152,7 @@ class ClientLink:
     def _read(self, block: Block, n: int, values: tuple[int, ...] | None, now: Ns) -> None:
         source = f"modbus.{self.settings.name}.{n}"
         if values is None:
-            self._services.named.source_gone(source)
+            self._directory.named.source_gone(source)
             for value in block.values:
                 if value.to in self._registers:
                     self._registers[value.to] = None
@@ -162,8 +163,8 @@ class ClientLink:
             if value.to in self._registers:
                 self._registers[value.to] = number if math.isfinite(number) else None
             elif math.isfinite(number):
-                self._services.named.put(value.to, number * value.scale, now, source)
-        self._services.settle()
+                self._directory.named.put(value.to, number * value.scale, now, source)
+        self._directory.changed()
 
     def _write(self, written: Written, value: float, now: Ns) -> None:
         settings = written.value
@@ -191,19 +192,43 @@ def pdu_of(value: ModbusValue, number: float, order: str) -> bytes:
     return write_words_pdu(value.at, encode_number(number / value.scale, value.type, order))
 
 
-class ModbusClients:
+class RegisterValues:
+    """Provider of registers that routes name; a read one is valid while it was read."""
+
+    def __init__(self, registers: dict[str, float | None]) -> None:
+        self._registers = registers
+
+    def names(self) -> Iterable[str]:
+        """Keys of places, for routes only."""
+        return ()
+
+    def read(self, name: str, reader: Reader | None) -> Value:
+        value = self._registers[name]
+        if value is None:
+            raise KeyError(name)
+        return value
+
+    def valid(self, name: str) -> bool:
+        return self._registers[name] is not None
+
+    def write(self, name: str, value: Value, now: Ns, by: str) -> None:
+        if name not in self._registers:
+            raise KeyError(name)
+        self._registers[name] = as_number(value)
+
+
+class ModbusClients(Part):
     """All clients of a cell; nothing at all without one."""
 
-    def __init__(self, services: "Services") -> None:
+    def __init__(self, run: RunContext, values: ValueDirectory) -> None:
         self.registers: dict[str, float | None] = {}  # those at the ends of routes, by `register_key`; None: not read, or lost
-        routed = routed_values(services.cell)
+        routed = routed_values(run.cell)
         self.links = [
-            ClientLink(services, each, str(services.plan.modbus[each.name]), routed.get(each.name, ()), self.registers)
-            for each in services.cell.modbus
-            if each.role == "client"
+            ClientLink(run, values, each, routed.get(each.name, ()), self.registers) for each in run.cell.modbus if each.role == "client"
         ]
+        values.register(RegisterValues(self.registers))
 
-    def start(self) -> None:
+    async def start(self) -> None:
         """Inside the loop."""
         for link in self.links:
             link.start()
@@ -213,7 +238,7 @@ class ModbusClients:
         for link in self.links:
             link.step(now)
 
-    def close(self) -> None:
+    async def close(self) -> None:
         """Gives the ports back."""
         for link in self.links:
             link.client.close()

@@ -4,20 +4,20 @@ Inputs of a PLC (E, I) are RC outputs, its outputs (A, Q) RC inputs, at the PIC'
 a PLC of the S5 family has them (AX-010); markers of a Reis the low byte (robotstar D-16).
 """
 
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
+from gateway.pure.cell.cell import Cell
 from gateway.pure.image.addresses import Kind, Operand
 from gateway.pure.image.records.cell import RC_BYTES
-
-if TYPE_CHECKING:
-    from gateway.services.loop import Services
+from gateway.services.shared_image import SharedImage
+from gateway.services.value_directory import ValueDirectory
 
 
 class Operands:
     """Reads, and in a simulation writes, operands of the running cell."""
 
-    def __init__(self, services: "Services") -> None:
-        self._services = services
+    def __init__(self, cell: Cell, image: SharedImage, values: ValueDirectory) -> None:
+        self._cell, self._image, self._values = cell, image, values
 
     def there(self, place: Operand) -> bool:
         """This cell has it: every cell has inputs and outputs, one with a control the rest."""
@@ -25,7 +25,7 @@ class Operands:
 
     def number(self, place: Operand) -> int | None:
         """Its value, unsigned; None: the cell has none."""
-        control = self._services.signals.control
+        control = self._image.control
         if place.kind is Kind.TIMER:
             return None if control is None else control.timer(place.number)
         if place.kind is Kind.COUNTER:
@@ -50,7 +50,7 @@ class Operands:
 
     def put(self, text: str, place: Operand, value: str) -> dict[str, object] | None:
         """As the PLC's program would write a flag; the answer when it cannot be."""
-        control = self._services.signals.control
+        control = self._image.control
         if place.kind is not Kind.FLAG or control is None:
             return {"error": f"{text}: only flags are written here; inputs are their command source's, outputs and timers the control's"}
         bits = 8 * place.bytes or 1
@@ -64,7 +64,7 @@ class Operands:
 
     def write(self, place: Operand, number: int) -> bool:
         """A flag, or the low bytes of the number to flag bytes; False: the system's, or not there."""
-        control = self._services.signals.control
+        control = self._image.control
         if control is None:
             return False
         if place.bit is None:
@@ -77,23 +77,18 @@ class Operands:
         return control.write_flags(place.number, bytes((old | mask if number else old & ~mask,)))
 
     def _area(self, kind: Kind) -> bytes:
-        services = self._services
         if kind is Kind.INPUT:
-            return services.rc_out.read() or bytes(RC_BYTES)
+            return self._image.outputs.read() or bytes(RC_BYTES)
         if kind is Kind.OUTPUT:
-            return bytes(services.forces.over(services.inputs).values)
-        return b"" if services.signals.control is None else services.signals.control.flag_bytes()
+            return bytes(self._image.for_cycle().values)
+        return b"" if self._image.control is None else self._image.control.flag_bytes()
 
     def _coordination(self, place: Operand) -> bool:
         """A coordination flag of a line stands at the same place."""
-        return any(
-            flag.byte == place.number and flag.bit == place.bit
-            for door in self._services.doors
-            for flag in getattr(getattr(door, "flags", None), "set", ())
-        )
+        return any(flag.byte == place.number and flag.bit == place.bit for line in self._values.lines for flag in line.flags.set)
 
     def _order(self) -> Literal["big", "little"]:
-        controller = self._services.cell.controller
+        controller = self._cell.controller
         return "little" if controller is not None and controller.kind == "reis" else "big"
 
     @staticmethod

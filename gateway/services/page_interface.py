@@ -5,37 +5,46 @@ blocks, named values, forces; tap: characters of the lines, requests of the Modb
 (AX-472); force_words, unforce_words: data words (AX-498).
 """
 
-import time
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from gateway.pure.arbitration.block_keys import block_name
+from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.web import PAGE_DOOR
-from gateway.pure.image.records.cell import set_bit
-from gateway.services.sources.modbus import ModbusSource
-from gateway.services.sources.rk512 import Rk512Source
-from gateway.services.sources.serial import SerialSource
+from gateway.services.canopen import CanopenServices
+from gateway.services.contacts import DigitalContacts
+from gateway.services.context import RunContext
+from gateway.services.part import Part
+from gateway.services.shared_image import SharedImage
+from gateway.services.sources.base import BaseSource
 from gateway.services.tool_interface import ENABLING_BITS, ENABLING_BYTE, ToolInterface
-from protocols.base.machine import Damage, Ns
-
-if TYPE_CHECKING:
-    from gateway.services.loop import Services
+from gateway.services.value_directory import ValueDirectory
+from protocols.base.machine import Ns
 
 
-class PageInterfaces:
+class PageInterfaces(Part):
     """The interfaces of tools and page, each a command source with its own life."""
 
-    def __init__(self, services: "Services") -> None:
-        self._services = services
-        self.forces = services.forces
-        self._tool = ToolInterface(services)
-        self._page = ToolInterface(services, PAGE_DOOR, "page")
+    def __init__(
+        self,
+        run: RunContext,
+        image: SharedImage,
+        values: ValueDirectory,
+        office: CommandDispatcher,
+        canopen: CanopenServices,
+        contacts: DigitalContacts,
+        sources: Sequence[BaseSource],
+    ) -> None:
+        self._run, self._image, self._values, self._contacts, self._sources = run, image, values, contacts, sources
+        self.forces = image.forces
+        self._tool = ToolInterface(run, image, office, canopen)
+        self._page = ToolInterface(run, image, office, canopen, PAGE_DOOR, "page")
 
     @property
     def permits(self) -> bool:
         """One of them has set the enabling inputs of a simulated cell."""
         return self._tool.permits or self._page.permits
 
-    def wake(self, now: Ns) -> None:
+    def step(self, now: Ns) -> None:
         """A silent one is a dead one."""
         self._tool.wake(now)
         kept = self._page.permits  # what the page shows as set stays set until somebody clears it, also while it asks for nothing
@@ -74,31 +83,29 @@ class PageInterfaces:
 
     def _clear_permits(self) -> dict[str, object]:
         """The enabling inputs of a simulation go off again."""
-        services, now = self._services, time.monotonic_ns()
-        if not services.plan.simulated:
+        if not self._run.plan.simulated:
             return {"error": "enabling inputs are set by their command source; the page may do it in a simulation only"}
         self._page.permits = False
         for bit in ENABLING_BITS:
-            set_bit(services.inputs.values, bit, False)
-        services.inputs.stamps[ENABLING_BYTE] = now
-        services.flush()
+            self._image.put_bit(bit, False)
+        self._image.judge((ENABLING_BYTE,), self._image.inputs.quality[ENABLING_BYTE], self._run.clock())
+        self._image.pass_on()
         return {"ok": True}
 
     def _look(self) -> dict[str, object]:
         """Bytes of every data block, named values with quality and age in ms, contacts, forced inputs."""
-        services, now = self._services, time.monotonic_ns()
+        now, store = self._run.clock(), self._values.named
         blocks: dict[str, dict[str, object]] = {}
-        for door in services.doors:
-            if isinstance(door, Rk512Source):
-                for number in sorted(door.data.blocks) if door.data is not None else (10, 11, 20, 21):
-                    data = door.block_bytes(number)
-                    blocks[str(number)] = {"line": door.name, "hex": (data or b"").hex(), "alive": door.watch.alive}
+        for line in self._values.lines:
+            for number in sorted(line.data.blocks) if line.data is not None else (10, 11, 20, 21):
+                data = line.block_bytes(number)
+                blocks[str(number)] = {"line": line.name, "hex": (data or b"").hex(), "alive": line.watch.alive}
         named: dict[str, list[object]] = {}
-        for name in services.named.names():
-            sample = services.named.sample(name)
+        for name in store.names():
+            sample = store.sample(name)
             age = round((now - sample.stamp_ns) / 1e6) if sample.stamp_ns else None
             named[name] = [sample.value, int(sample.quality), age, sample.source]
-        return {"blocks": blocks, "named": named, "contacts": services.contacts.values(), **self._forced()}
+        return {"blocks": blocks, "named": named, "contacts": self._contacts.values(), **self._forced()}
 
     def _forced(self) -> dict[str, object]:
         """RC inputs with their values; words as block:word with the mask of forced bits."""
@@ -109,20 +116,15 @@ class PageInterfaces:
         """{line: [[number, stamp ns, side, hex or kind of damage]]} after the numbers given for each line."""
         since = request.get("since")
         seen = since if isinstance(since, dict) else {}
-        found: dict[str, object] = {}
-        for door in self._services.doors:
-            if isinstance(door, SerialSource) and door.tap is not None:
-                pieces = door.tap.since(int(seen.get(door.name, 0)))
-                found[door.name] = [[n, at, side, f"!{w.name}" if isinstance(w, Damage) else w.hex()] for n, at, side, w in pieces]
-        servers = {
-            door.name: [exchange.row() for exchange in door.server.desk.since(int(seen.get(door.name, 0)))]
-            for door in self._services.doors
-            if isinstance(door, ModbusSource)
-        }
-        return {"lines": found, "modbus": servers}
+        found: dict[str, dict[str, object]] = {"lines": {}, "modbus": {}}
+        for source in self._sources:
+            passed = source.passed(int(seen.get(source.name, 0)))
+            if passed is not None:
+                found[source.medium][source.name] = passed
+        return {"lines": found["lines"], "modbus": found["modbus"]}
 
     def _force(self, request: dict[str, object], *, lay: bool) -> dict[str, object]:
-        services, who = self._services, str(request.get("who", "page"))
+        who = str(request.get("who", "page"))
         bit = request.get("bit")
         number = None if bit is None else int(str(bit))
         if not lay:
@@ -133,23 +135,23 @@ class PageInterfaces:
         else:
             if number is None:
                 raise ValueError("bit: number of an RC input")
-            if number in ENABLING_BITS and not services.plan.simulated:
+            if number in ENABLING_BITS and not self._run.plan.simulated:
                 raise ValueError(f"RC input {number} is an enabling input: it is forced in a simulation only")
             value = bool(int(str(request["value"])))
-            self.forces.put(number, value, time.monotonic_ns())
+            self.forces.put(number, value, self._run.clock())
             words = f"RC input {number} forced to {int(value)}"
-        services.journal.write("force", f"{words} by {who}", bit=number, who=who)
-        services.flush()
+        self._run.journal.write("force", f"{words} by {who}", bit=number, who=who)
+        self._image.pass_on()
         return {"ok": True, **self._forced()}
 
     def _force_words(self, request: dict[str, object], *, lay: bool) -> dict[str, object]:
         """{"block": key, "words": [[word, mask, value], ...]}: taken whole, so that no half of a double word stands alone."""
-        services, who, key = self._services, str(request.get("who", "page")), int(str(request["block"]))
-        door = next((each for each in services.doors if isinstance(each, Rk512Source) and each.data and key in each.data.blocks), None)
-        if door is None or door.data is None:
+        who, key = str(request.get("who", "page")), int(str(request["block"]))
+        line = next((each for each in self._values.lines if each.data and key in each.data.blocks), None)
+        if line is None or line.data is None:
             raise ValueError(f"{block_name(key)}: no line of this cell declares it")
-        block, rows = door.data.blocks[key], request["words"]
-        if lay and block.from_plc and not services.plan.simulated:
+        block, rows = line.data.blocks[key], request["words"]
+        if lay and block.from_plc and not self._run.plan.simulated:
             raise ValueError(f"{block_name(key)} is the PLC's: its words command axes and are forced in a simulation only")
         if not isinstance(rows, list) or any(not 0 <= int(word) < block.words for word, _, _ in rows):
             raise ValueError(f"{block_name(key)}: words 0..{block.words - 1}")
@@ -158,16 +160,16 @@ class PageInterfaces:
                 self.forces.put_word((key, int(word)), int(mask), int(value))
             else:
                 self.forces.drop_word((key, int(word)), int(mask))
-        door.data.forces_changed(key, time.monotonic_ns())
+        line.data.forces_changed(key, self._run.clock())
         told = ", ".join(f"DW {word} to {value:04X}h" if lay else f"DW {word}" for word, _, value in rows)
-        services.journal.write("force", f"{block_name(key)} {told} {'forced' if lay else 'no longer forced'} by {who}", block=key, who=who)
-        services.flush()
+        self._run.journal.write("force", f"{block_name(key)} {told} {'forced' if lay else 'no longer forced'} by {who}", block=key, who=who)
+        self._image.pass_on()
         return {"ok": True, **self._forced()}
 
     def _end_words(self, places: list[tuple[int, int]]) -> None:
         for place in places:
             self.forces.drop_word(place)
         for key in {key for key, _ in places}:
-            for door in self._services.doors:
-                if isinstance(door, Rk512Source) and door.data is not None and key in door.data.blocks:
-                    door.data.forces_changed(key, time.monotonic_ns())
+            for line in self._values.lines:
+                if line.data is not None and key in line.data.blocks:
+                    line.data.forces_changed(key, self._run.clock())

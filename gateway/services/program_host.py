@@ -2,8 +2,10 @@
 
 import time
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
+from gateway.pure.controllers.rho3.functions.processes import ProcessFault
+from gateway.pure.controllers.rho3.signals.codes import code_text
+from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.hosted import HostedPrograms
 from gateway.pure.image.records.interpreter import (
     REPORT_LAYOUT,
@@ -17,9 +19,6 @@ from gateway.pure.image.records.interpreter import (
 from gateway.runtime.regions import RegionReader, RegionWriter, RingReader, RingWriter
 from protocols.base.machine import ms
 
-if TYPE_CHECKING:
-    from gateway.pure.controllers.rho3.signals.control import RhoControl
-
 SILENT_NS = ms(12_000)  # a memory of many programs is read for seconds
 TAKEN = 256
 
@@ -27,7 +26,7 @@ TAKEN = 256
 class ProgramHost:
     """Rings and regions of the interpreter."""
 
-    def __init__(self, control: "RhoControl", fds: Mapping[str, int], language: str) -> None:
+    def __init__(self, control: RhoControl, fds: Mapping[str, int], language: str) -> None:
         self._control = control
         self.hosted = HostedPrograms(control, language)
         control.hosted = self.hosted
@@ -67,3 +66,49 @@ class ProgramHost:
         """Jobs of an interpreter that is gone."""
         jobs, self.hosted.ending = self.hosted.ending, []
         return jobs
+
+    # ---- tools ---------------------------------------------------------------------------------------------------------
+    def answer(self, request: dict[str, object], door: int) -> dict[str, object]:
+        """`do`: list, start and stop (`name`), state (`run`).  door: command source a program that is started moves as, 0: the PLC's."""
+        rho, hosted, name = self._control, self.hosted, str(request.get("name", "")).upper()
+        match request.get("do"):
+            case "list":
+                return {"programs": hosted.programs, "processes": hosted.rows, "id": hosted.language_id}
+            case "start":
+                return self._start_program(rho, hosted, name, door)
+            case "stop":
+                process = rho.processes.named(name)
+                if process is None or not rho.processes.stop(process.number):
+                    return {"error": f"{name}: no such process"}
+                return {"ok": True}
+            case "state":
+                return _outcome(hosted, request.get("run"))
+        return {"error": f"do {request.get('do')!r}; list, start, stop, state are known"}
+
+    @staticmethod
+    def _start_program(rho: RhoControl, hosted: HostedPrograms, name: str, door: int) -> dict[str, object]:
+        row = next((row for row in hosted.programs if row["name"] == name), None)
+        if row is None:
+            known = ", ".join(str(each["name"]) for each in hosted.programs) or "none"
+            why = f"the memory has {known}" if hosted.language_id else "the interpreter does not run"
+            return {"error": f"{name}: no such program; {why}"}
+        if row["fault"]:
+            return {"error": f"{name} has {row['errors']} errors and does not run; the first: {row['fault']}"}
+        hosted.starter = door
+        try:
+            return {"run": hosted.run_of(rho.start(name))}
+        except ProcessFault as fault:
+            return {"error": f"{name}: {code_text(fault.code) or 'error'} ({fault.code})"}
+        finally:
+            hosted.starter = 0
+
+
+def _outcome(hosted: HostedPrograms, run: object) -> dict[str, object]:
+    """How a run of a program is, or how it ended."""
+    if not isinstance(run, int):
+        return {"error": "state: run = a number that start has given"}
+    if (over := hosted.results.get(run)) is not None:
+        how, code, words, place = over
+        return {"over": True, "how": how, "code": code, "text": words, "place": place}
+    rows = [row for row in hosted.rows if row["run"] == run]
+    return {"over": False, "rows": rows}

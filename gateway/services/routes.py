@@ -4,11 +4,10 @@ The cycle signals through an event descriptor that it has published (AX-398), so
 as well, or a dead cycle would keep a lost source unnoticed.
 """
 
+import asyncio
 import os
-import time
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING
 
 from gateway.assembly.contact_regions import MARKS_LAYOUT
 from gateway.assembly.routes import Compiled, compile_routes, register_key
@@ -17,28 +16,37 @@ from gateway.pure.image.records.cell import Quality
 from gateway.pure.routes.addresses import Place, World, number_at, octets_of, put_at
 from gateway.pure.routes.route import RouteTable
 from gateway.runtime.regions import RegionReader
-from gateway.services.sources.rk512 import Rk512Source
-from protocols.base.machine import Ns, ms
-
-if TYPE_CHECKING:
-    import asyncio
-
-    from gateway.services.loop import Services
+from gateway.services.contacts import DigitalContacts
+from gateway.services.context import RunContext
+from gateway.services.part import Part
+from gateway.services.shared_image import SharedImage
+from gateway.services.value_directory import ValueDirectory
+from protocols.base.machine import Ns
 
 Read = Callable[[], float | None]
 Write = Callable[[float], None]
-CYCLE_SILENT: Ns = ms(250)  # as the services judge it: what the cycle publishes is old then
+ToDrive = Callable[[str, tuple[int, int], bytes], None]  # axis, object, octets
 
 
-class Bridge:
+class Bridge(Part):
     """All routes of one run."""
 
-    def __init__(self, services: "Services", fds: Mapping[str, int]) -> None:
-        """`fds`: without "wake", the cycle's event descriptor, the cell has nothing to join."""
-        self._services, self._wake, self._stepping = services, fds.get("wake"), False
+    def __init__(
+        self,
+        run: RunContext,
+        image: SharedImage,
+        values: ValueDirectory,
+        contacts: DigitalContacts,
+        to_drive: ToDrive,
+        fds: Mapping[str, int],
+        on_cycle: Callable[[], None],
+    ) -> None:
+        """`to_drive`: writes an object of a drive; `fds`: without "wake", the cycle's event descriptor, the cell has nothing to join;
+        `on_cycle`: the cycle has published."""
+        self._clock, self._image, self._values, self._contacts, self._to_drive = run.clock, image, values, contacts, to_drive
+        self._wake, self._on_cycle, self._stepping = fds.get("wake"), on_cycle, False
         self._marks = RegionReader(fds["marks"], "marks", MARKS_LAYOUT) if "marks" in fds else None
-        compiled = compile_routes(services.cell)
-        self._controlled = _controlled(services, compiled)
+        compiled = compile_routes(run.cell)
         self.table = RouteTable([each.settings for each in compiled])
         self._sources = [self._reader(each.source) for each in compiled]
         self._targets = [self._writer(each.target, each.settings.name) for each in compiled]
@@ -47,22 +55,22 @@ class Bridge:
         self._octets = _octets(compiled)
         self._names = [each.target.name if each.target.world is World.NAME else "" for each in compiled]
 
-    def start(self, loop: "asyncio.AbstractEventLoop") -> None:
+    async def start(self) -> None:
         """Wake with the cycle from now on."""
         if self._wake is not None:
-            loop.add_reader(self._wake, self._on_cycle)
+            asyncio.get_running_loop().add_reader(self._wake, self._woken)
 
-    def _on_cycle(self) -> None:
+    def _woken(self) -> None:
         assert self._wake is not None
         try:
             os.eventfd_read(self._wake)
         except BlockingIOError:  # a predecessor's wake-up, already taken
             return
-        self._services.on_cycle()
+        self._on_cycle()
 
     def step(self, now: Ns) -> None:
         """Inputs in, routes, outputs out; nothing in a cell that joins nothing."""
-        contacts = self._services.contacts
+        contacts = self._contacts
         if self._stepping or not (self.table.routes or contacts.contacts):
             return
         self._stepping = True  # what a telegram sets off may come back here
@@ -85,7 +93,7 @@ class Bridge:
             if valid is not None:
                 valid(float(route.valid))
             if self._names[n] and not route.valid:
-                self._services.named.source_gone(f"route.{route.settings.name}")
+                self._values.named.source_gone(f"route.{route.settings.name}")
         for n, life in enumerate(self._life):
             if life is not None:
                 life(float(routes[n].life))
@@ -94,10 +102,9 @@ class Bridge:
 
     def _mark(self, now: Ns) -> None:
         """An RC input byte is good while every route that writes into it is valid, else what stands there is marked stale."""
-        inputs = self._services.inputs
         for octet, writers in self._octets.items():
             good = all(self.table.routes[n].valid for n in writers)
-            inputs.quality[octet], inputs.stamps[octet] = Quality.GOOD if good else Quality.STALE, now
+            self._image.judge((octet,), Quality.GOOD if good else Quality.STALE, now)
 
     def status(self) -> dict[str, object]:
         """For `links`; nothing for a cell without routes."""
@@ -108,7 +115,7 @@ class Bridge:
     def told(self, name: str) -> dict[str, object] | None:
         """`io.NAME` and `route.NAME` for tools; None: it is neither."""
         kind, _, rest = name.partition(".")
-        contacts = self._services.contacts
+        contacts = self._contacts
         if kind == "io" and rest in contacts.by_name:
             said = contacts.said[contacts.by_name[rest]]
             return {"value": int(said.value), "quality": said.quality.name}
@@ -128,25 +135,21 @@ class Bridge:
             case World.RC_OUTPUT:
                 return self._from_outputs(place)
             case World.CONTACT:
-                return lambda: self._services.contacts.read(place.name)
+                return partial(self._values.current, f"io.{place.name}")
             case World.REGISTER:
-                return partial(self._from_register, register_key(place, reads=True))
-        return self._from_name(place.name)
-
-    def _from_register(self, key: str) -> float | None:
-        clients = self._services.clients
-        return clients.registers.get(key) if clients is not None else None
+                return partial(self._values.current, register_key(place, reads=True))
+        return partial(self._values.current, place.name)
 
     def _block(self, place: Place) -> DataBlock:
-        door = next(door for door in self._services.doors if isinstance(door, Rk512Source) and door.name == place.name)
-        assert door.data is not None  # it has a [[db]], or the cell's checks had refused the place
-        return door.data.blocks[place.db]
+        line = next(line for line in self._values.lines if line.name == place.name)
+        assert line.data is not None  # it has a [[db]], or the cell's checks had refused the place
+        return line.data.blocks[place.db]
 
     def _from_block(self, place: Place, block: DataBlock) -> Read:
         return lambda: number_at(place, block.data) if block.fresh else None
 
     def _from_inputs(self, place: Place) -> Read:
-        inputs, octets = self._services.inputs, range(place.byte, place.byte + place.size)
+        inputs, octets = self._image.inputs, range(place.byte, place.byte + place.size)
 
         def read() -> float | None:
             if any(inputs.quality[octet] != Quality.GOOD for octet in octets):
@@ -159,81 +162,32 @@ class Bridge:
         octets = slice(place.byte, place.byte + place.size)
 
         def read() -> float | None:
-            outputs = self._services.rc_out.read()
+            outputs = self._image.outputs.read()
             marks = self._marks.read() if self._marks is not None else None
-            if outputs is None or marks is None or not self._cycle_lives():
+            if outputs is None or marks is None or not self._image.cycle_lives():
                 return None
             return number_at(place, outputs) if all(mark == Quality.GOOD for mark in marks[octets]) else None
 
         return read
 
-    def _cycle_lives(self) -> bool:
-        return time.monotonic_ns() - self._services.axes.life[1] < CYCLE_SILENT
-
-    def _from_name(self, name: str) -> Read:
-        services = self._services
-
-        def named() -> float | None:
-            sample = services.named.sample(name)
-            value = sample.value if sample.quality is Quality.GOOD else None
-            return float(value) if isinstance(value, int | float) else None
-
-        def own() -> float | None:
-            return services.values.get(name) if self._cycle_lives() else None
-
-        def controlled() -> float | None:
-            control = services.signals.control
-            return control.value(name) if control is not None else None
-
-        if name in self._controlled:
-            return controlled
-        return named if name in services.named else own
-
     # ---- where values go ---------------------------------------------------------------------------------------------
     def _writer(self, place: Place, route: str) -> Write:
-        services = self._services
         match place.world:
             case World.BLOCK:
                 block = self._block(place)
                 return lambda value: put_at(place, block.data, value)
             case World.RC_INPUT:
-                return lambda value: put_at(place, services.inputs.values, value)
+                return lambda value: self._image.put_number(place, value)
             case World.CONTACT:
-                return lambda value: services.contacts.write(place.name, bool(value))
+                return partial(self._to_name, f"io.{place.name}", f"route.{route}")
             case World.REGISTER:
-                return partial(self._to_register, register_key(place, reads=False))
+                return partial(self._to_name, register_key(place, reads=False), f"route.{route}")
             case World.PARAMETER:
-                return lambda value: services.canopen.parameters.put(place.name, (place.db, place.byte), octets_of(place, value))
+                return lambda value: self._to_drive(place.name, (place.db, place.byte), octets_of(place, value))
+        return partial(self._to_name, place.name, f"route.{route}")
 
-        def wired(value: float) -> None:
-            control = services.signals.control
-            if control is not None:
-                control.put(place.name, value)
-                services.signals.wired = True
-
-        if place.name in self._controlled:
-            return wired
-
-        def name(value: float) -> None:
-            services.named.put(place.name, value, time.monotonic_ns(), f"route.{route}")
-            services.settle()
-
-        return name
-
-    def _to_register(self, key: str, value: float) -> None:
-        clients = self._services.clients
-        if clients is not None:
-            clients.registers[key] = value
-
-
-def _controlled(services: "Services", compiled: list[Compiled]) -> frozenset[str]:
-    """Values of [controller] that routes read or write; a cell without them loads nothing."""
-    ends = {place.name for each in compiled for place in (each.source, each.target) if place.world is World.NAME}
-    if services.cell.controller is None or not ends:
-        return frozenset()
-    from gateway.checks.controller import names_of
-
-    return names_of(services.cell) & ends
+    def _to_name(self, name: str, by: str, value: float) -> None:
+        self._values.write(name, value, self._clock(), by)
 
 
 def _octets(compiled: list[Compiled]) -> dict[int, list[int]]:

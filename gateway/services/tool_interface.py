@@ -7,19 +7,18 @@ rights than a PLC; only where everything is simulated it may set the enabling in
 """
 
 import threading
-import time
-from typing import TYPE_CHECKING
 
 from drivers.drives.canopen_steps import Refused
 from gateway.pure.arbitration.command_block import Code, Command
+from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job, OnLoss
 from gateway.pure.controllers.rho3.signals.modes import AUTO_MN
 from gateway.pure.image.reasons import CommandState, Reason, Refusal
-from gateway.pure.image.records.cell import Motion, Quality, set_bit
+from gateway.pure.image.records.cell import Motion, Quality
+from gateway.services.canopen import CanopenServices
+from gateway.services.context import RunContext
+from gateway.services.shared_image import SharedImage
 from protocols.base.machine import Ns, ms
-
-if TYPE_CHECKING:
-    from gateway.services.loop import Services
 
 TOOL_DOOR = 90
 SILENCE: Ns = ms(1000)
@@ -32,8 +31,17 @@ MOST_SDO, TICKETS_KEPT = 8, 64  # SDO requests under way at a time, each in a th
 class ToolInterface:
     """Requests of one tool at a time; the page has its own interface (gateway.services.page_interface)."""
 
-    def __init__(self, services: "Services", door: int = TOOL_DOOR, name: str = "commissioning tool") -> None:
-        self._services, self._door, self._name = services, door, name
+    def __init__(
+        self,
+        run: RunContext,
+        image: SharedImage,
+        office: CommandDispatcher,
+        canopen: CanopenServices,
+        door: int = TOOL_DOOR,
+        name: str = "commissioning tool",
+    ) -> None:
+        self._run, self._image, self._office, self._canopen = run, image, office, canopen
+        self._door, self._name = door, name
         self._heard: Ns = 0
         self.alive = False
         self.permits = False  # the tool has set the enabling inputs of a simulated cell
@@ -43,7 +51,7 @@ class ToolInterface:
         self._holder: object | None = None  # connection in control
         self._permitting: tuple[object, Ns] | None = None  # connection that set the enabling inputs, last heard
         self._leaving = False  # the one in control is gone: control ends as soon as the axes rest
-        services.office.control.link(door, alive=False)
+        office.control.link(door, alive=False)
 
     def wake(self, now: Ns) -> None:
         """A silent tool is a dead one; what it had ends at rest."""
@@ -53,19 +61,19 @@ class ToolInterface:
             self._permitting, self.permits = None, False
         if self._leaving and self._at_rest:
             self._leaving = False
-            if self._services.office.owner == self._door:
-                self._services.office.control.release(self._door, at_rest=True)
+            if self._office.owner == self._door:
+                self._office.control.release(self._door, at_rest=True)
 
     def heard(self) -> None:
         """The connection in control is there."""
-        self._heard = time.monotonic_ns()
+        self._heard = self._run.clock()
         if not self.alive:
             self.alive = True
-            self._services.office.link(self._door, OnLoss.STOP, alive=True)
+            self._office.link(self._door, OnLoss.STOP, alive=True)
 
     def holds(self, connection: object) -> bool:
         """This connection is in control."""
-        return self._holder is connection and self._services.office.owner == self._door
+        return self._holder is connection and self._office.owner == self._door
 
     def held_by_another(self, connection: object) -> bool:
         """A living connection other than this one is in control."""
@@ -83,16 +91,16 @@ class ToolInterface:
             self._holder, self._leaving = None, True
             if self.alive:
                 self._lost()
-            self._services.flush()
+            self._image.pass_on()
 
     def _lost(self) -> None:
         self.alive = False
-        self._services.office.link(self._door, OnLoss.STOP, alive=False)
-        self._services.journal.write("link", f"{self._name}: gone", door=self._door)
+        self._office.link(self._door, OnLoss.STOP, alive=False)
+        self._run.journal.write("link", f"{self._name}: gone", door=self._door)
 
     @property
     def _at_rest(self) -> bool:
-        return self._services.values.state.motion in (Motion.IDLE, Motion.STOPPED)
+        return self._image.state.motion in (Motion.IDLE, Motion.STOPPED)
 
     def answer(self, request: dict[str, object], connection: object = "") -> dict[str, object] | None:
         """None: not for this part.  KeyError, ValueError: reported to the tool as an error."""
@@ -100,7 +108,7 @@ class ToolInterface:
         if operation not in ("alive", "leave", "tool", "job", "axes", "sdo", "ticket", "permit", "programs"):
             return None
         if self._permitting is not None and self._permitting[0] is connection:
-            self._permitting = (connection, time.monotonic_ns())
+            self._permitting = (connection, self._run.clock())
         if operation in LIFE and self._holder is connection:
             self.heard()
         match operation:
@@ -139,17 +147,17 @@ class ToolInterface:
         job = self._given(command, connection, first_try=bool(request.get("first_try")))
         self._jobs = {key: old for key, old in self._jobs.items() if old.open}
         self._jobs[job.id] = job
-        self._services.flush()
+        self._image.pass_on()
         return {"job": job.id, **_told(job)}
 
     def _given(self, command: Command, connection: object, *, first_try: bool) -> Job:
         """To the office, if this connection may give it."""
-        office = self._services.office
+        office = self._office
         try:
             self._demand(Code(command.code), connection)
         except Refusal as refusal:
             return office.refuse(self._door, Code(command.code), refusal.reason, refusal.detail)
-        job = office.command(self._door, command, time.monotonic_ns(), first_try=first_try)
+        job = office.command(self._door, command, self._run.clock(), first_try=first_try)
         if command.code == Code.REQUEST_CONTROL and job.state is not CommandState.REFUSED:
             self._holder, self._leaving = connection, False
             self.heard()
@@ -165,8 +173,8 @@ class ToolInterface:
             raise Refusal(Reason.NOT_OWNER, f"another {self._name}")
         if code is not Code.REQUEST_CONTROL:
             raise Refusal(Reason.NOT_OWNER, "request control first")
-        if self._services.office.owner == self._door:  # left by a connection that is gone or silent
-            self._services.office.control.release(self._door, at_rest=self._at_rest)
+        if self._office.owner == self._door:  # left by a connection that is gone or silent
+            self._office.control.release(self._door, at_rest=self._at_rest)
 
     def _job(self, number: int) -> dict[str, object]:
         job = self._jobs.get(number) or next((job for job in self._jobs.values() if job.watch == number), None)
@@ -174,31 +182,31 @@ class ToolInterface:
 
     def _axes(self) -> dict[str, object]:
         """What the cycle published last, in the axes' own units."""
-        services, state = self._services, self._services.values.state
+        state, office = self._image.state, self._office
         rows: list[dict[str, object]] = []
-        for n, (fact, axis) in enumerate(zip(services.office.axes, state.axes, strict=False)):
+        for n, (fact, axis) in enumerate(zip(office.axes, state.axes, strict=False)):
             places = {"actual": axis.actual / fact.si, "set": axis.set / fact.si, "lag": axis.lag / fact.si, "torque": axis.torque}
             if state.measured_mask >> n & 1:
                 places["measured"] = axis.measured / fact.si  # @MPOS
-            words = services.canopen.fault(n, axis.fault_code) if axis.fault_code else ""
-            planner = services.office.planner
+            words = self._canopen.fault(n, axis.fault_code) if axis.fault_code else ""
+            planner = office.planner
             placed = planner is not None and bool(planner.placed >> n & 1)
             told = {
                 "flags": int(axis.flags),
                 "fault": axis.fault_code,
                 "words": words,
-                "why": services.canopen.why_not(n),
+                "why": self._canopen.why_not(n),
                 "placed": placed,
             }
             rows.append({"name": fact.name, "unit": fact.unit, **places, **told})
         return {"axes": rows, "cycle": state.cycle, "ready": state.ready, "motion": int(state.motion), "permits": state.permits,
-                "cause": state.stop_cause, "override": state.override, "simulated": services.plan.simulated,
-                "p5_ms": services.plan.p5_ms}  # fmt: skip
+                "cause": state.stop_cause, "override": state.override, "simulated": self._run.plan.simulated,
+                "p5_ms": self._run.plan.p5_ms}  # fmt: skip
 
     def _programs(self) -> dict[str, object]:
         """Programs of the cell by number, and how far the planner is; op "tool", code "program", mask = number orders one."""
-        office = self._services.office
-        planner, state = office.planner, self._services.values.state
+        office = self._office
+        planner, state = office.planner, self._image.state
         way = {} if planner is None else {"block": planner.block, "share": planner.share, "waiting": planner.waiting}
         return {
             "programs": {str(number): program.name for number, program in sorted(office.programs.items())},
@@ -208,21 +216,20 @@ class ToolInterface:
         }
 
     def _permit(self, connection: object) -> dict[str, object]:
-        services = self._services
-        if not services.plan.simulated:
+        if not self._run.plan.simulated:
             return {"error": "enabling inputs are set by their command source; a tool may do it in a simulation only"}
-        self.permits, self._permitting = True, (connection, time.monotonic_ns())
-        automatic = (AUTO_MN,) if services.signals.rho3 is not None else ()  # programs run in automatic alone
+        self.permits, self._permitting = True, (connection, self._run.clock())
+        controller = self._run.cell.controller
+        automatic = (AUTO_MN,) if controller is not None and controller.kind == "rho3" else ()  # programs run in automatic alone
         for bit in (*ENABLING_BITS, *automatic):
-            set_bit(services.inputs.values, bit, True)
-            services.inputs.quality[bit >> 3] = Quality.GOOD
-            services.inputs.stamps[bit >> 3] = time.monotonic_ns()
-        services.flush()
+            self._image.put_bit(bit, True)
+            self._image.judge((bit >> 3,), Quality.GOOD, self._run.clock())
+        self._image.pass_on()
         return {"ok": True}
 
     def _sdo(self, request: dict[str, object], connection: object) -> dict[str, object]:
         """In a thread: command sources do not wait for a node; `ticket` tells the outcome."""
-        master, node = self._services.canopen.place(str(request["axis"]))
+        master, node = self._canopen.place(str(request["axis"]))
         index, sub = int(str(request["index"])), int(str(request.get("sub", 0)))
         raw = request.get("data")
         data = None if raw is None else bytes.fromhex(str(raw))

@@ -8,10 +8,9 @@ import contextlib
 import difflib
 import json
 import pathlib
-import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
-from gateway.assembly.data_block_signals import signals_of
+from drivers.ports.base import runtime_dir
 from gateway.pure.arbitration.block_keys import AREA_BYTES
 from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.rho3.functions.system_variables import STOP_PROCESS, VariableError
@@ -21,10 +20,8 @@ from gateway.pure.image.addresses import (
     CellName,
     DataBit,
     DataWord,
-    Direction,
     FlagBit,
     Operand,
-    Part,
     RcBit,
     Register,
     Table,
@@ -32,20 +29,18 @@ from gateway.pure.image.addresses import (
     pic,
 )
 from gateway.pure.image.addresses import Kind as OperandKind
+from gateway.pure.image.addresses import Part as WordPart
 from gateway.pure.image.names import Kind as NameKind
 from gateway.pure.image.names import lookup
-from gateway.pure.image.records.cell import get_bit
 from gateway.pure.recording.messages import Source
-from gateway.services.operands import Operands
-from gateway.services.sources.base import BaseSource
-from gateway.services.sources.modbus import ModbusSource
-from gateway.services.sources.rk512 import Rk512Source
+from gateway.services.contacts import DigitalContacts
+from gateway.services.controller_host import ControllerHost, Panel
+from gateway.services.page_interface import PageInterfaces
+from gateway.services.part import Part
+from gateway.services.part_context import PartContext
+from gateway.services.plant_addresses import PlantAddresses, word_bytes
 from gateway.services.tool_interface import TOOL_DOOR
 from protocols.modbus.view import ExceptionCode, Kind
-
-if TYPE_CHECKING:
-    from gateway.pure.controllers.rho3.signals.phg_values import PhgValues
-    from gateway.services.loop import Services
 
 LONGEST = 4096
 CLIENTS = 64  # connected at once; one more is told so and sent away
@@ -59,15 +54,33 @@ _KINDS = {
 }
 
 
-class Variables:
+class Variables(Part):
     """Answers one request a line; a bad one gets {"error": ...}."""
 
-    def __init__(self, services: "Services") -> None:
-        self._services = services
-        self._signals = signals_of(services.cell)
-        self._symbols = self._signals.symbols()
-        self._operands = Operands(services)
+    def __init__(
+        self,
+        context: PartContext,
+        tools: PageInterfaces,
+        contacts: DigitalContacts,
+        host: ControllerHost,
+        addresses: PlantAddresses,
+        joined: Callable[[str], dict[str, object] | None],
+        status: Callable[[], dict[str, object]],
+    ) -> None:
+        """`joined`: io.NAME and route.NAME; `status`: of the whole process."""
+        self._run, self._image, self._values = context.run, context.image, context.values
+        self._tools, self._contacts, self._host, self._joined, self._status = tools, contacts, host, joined, status
+        self._addresses, self._operands = addresses, addresses.operands
         self._clients = 0
+        self._server: asyncio.Server | None = None
+
+    async def start(self) -> None:
+        """Answers at runtime_dir()/SLUG-services.sock."""
+        self._server = await self.listen(runtime_dir() / f"{self._run.plan.slug}-services.sock")
+
+    async def close(self) -> None:
+        if self._server is not None:
+            self._server.close()
 
     async def listen(self, path: pathlib.Path) -> asyncio.Server:
         """Start answering; a stale socket of a predecessor is replaced."""
@@ -88,7 +101,7 @@ class Variables:
                     await asyncio.sleep(0)  # one request a turn: a line that is here already would be answered before anything else
         finally:
             self._clients -= 1
-            self._services.tools.closed(writer)
+            self._tools.closed(writer)
             writer.close()
 
     def answer(self, line: bytes, connection: object = "") -> dict[str, object]:
@@ -96,10 +109,10 @@ class Variables:
         try:
             request = json.loads(line)
             if request.get("op") not in ASKING:
-                self._services.recorded.put(time.monotonic_ns(), Source.TOOL, TOOL_DOOR, line.strip())
+                self._run.recorder.put(self._run.clock(), Source.TOOL, TOOL_DOOR, line.strip())
             if request.get("op") in ("contacts", "force"):
-                return self._services.contacts.answer(request)
-            told = self._services.tools.answer(request, connection)
+                return self._contacts.answer(request)
+            told = self._tools.answer(request, connection)
             if told is not None:
                 return told
             match request.get("op"):
@@ -108,11 +121,11 @@ class Variables:
                 case "set":
                     return self._set(str(request["address"]), str(request["value"]))
                 case "names":
-                    return {"names": self.names()}
+                    return {"names": self._values.names()}
                 case "panel":
                     return self._panel(request, connection)
                 case "process" | "status" as op:
-                    return self._process(request, connection) if op == "process" else self._services.status()
+                    return self._process(request, connection) if op == "process" else self._status()
             return {"error": f"op {request.get('op')!r}; get, set, names, panel, process, status are known"}
         except (AddressFault, VariableError) as fault:
             return {"error": str(fault)}
@@ -120,39 +133,42 @@ class Variables:
             return {"error": str(fault.args[0]) if fault.args else repr(fault)}
 
     def _panel(self, request: dict[str, object], connection: object) -> dict[str, object]:
-        if {"key", "mode"} & request.keys() and self._services.tools.held_by_another(connection):
+        if {"key", "mode"} & request.keys() and self._tools.held_by_another(connection):
             return {"error": "not owner: another commissioning tool has control"}
-        return self._services.signals.panel(request, TOOL_DOOR, time.monotonic_ns())
+        panel = self._host.panel
+        if panel is None:
+            return {"error": 'no panel: this cell has no [controller] of kind "rho3"'}
+        return panel.answer(request, TOOL_DOOR, self._run.clock())
 
     def _process(self, request: dict[str, object], connection: object) -> dict[str, object]:
         """A program that a connection in control starts moves as the tool, any other one as the PLC's command source."""
-        tools = self._services.tools
-        if request.get("do") in ("start", "stop") and tools.held_by_another(connection):
+        if request.get("do") in ("start", "stop") and self._tools.held_by_another(connection):
             return {"error": "not owner: another commissioning tool has control"}
-        answer = self._services.signals.process(request, TOOL_DOOR if tools.holds(connection) else 0)
-        self._services.flush()
-        return answer
+        panel, source = self._host.panel, TOOL_DOOR if self._tools.holds(connection) else 0
+        answer = panel.process(request, source) if panel is not None else None
+        self._image.pass_on()
+        return answer or {"error": 'no programs: this cell has no [controller] with memory = "FOLDER"'}
 
     # ---- reading -----------------------------------------------------------------------------------------------------
     def _get(self, text: str) -> dict[str, object]:
-        place = parse_operand(text, self._symbols)
+        place = parse_operand(text, self._addresses.symbols)
         match place:
             case Operand():
                 return self._operands.get(text, place) or self._coordination(text, place)
             case RcBit():
-                return {"address": text, "place": self._name_of(place), "value": self._bit(place)}
+                return {"address": text, "place": self._name_of(place), "value": self._addresses.bit(place)}
             case DataBit():
-                door, data = self._block(place.db)
+                line, data = self._values.serving(place.db)
                 word = int.from_bytes(data[2 * place.word : 2 * place.word + 2], "big")
-                return {"address": text, "place": str(place), "value": word >> place.bit & 1, "door": door.name}
+                return {"address": text, "place": str(place), "value": word >> place.bit & 1, "door": line.name}
             case DataWord():
-                door, data = self._block(place.db)
-                size = 4 if place.part is Part.DOUBLE else 2
+                line, data = self._values.serving(place.db)
+                size = 4 if place.part is WordPart.DOUBLE else 2
                 raw = data[2 * place.word : 2 * place.word + size]
                 if len(raw) < size:
                     return {"error": f"{place}: the block has {len(data) // 2} words"}
-                unit = entry_unit(self._services.cell, door.name, place)
-                return {"address": text, "place": str(place), "door": door.name, **_columns(raw, place.part), **unit}
+                unit = entry_unit(self._run.cell, line.name, place)
+                return {"address": text, "place": str(place), "door": line.name, **_columns(raw, place.part), **unit}
             case CellName(name):
                 return self._named(text, name)
             case Register():
@@ -162,7 +178,7 @@ class Variables:
 
     def _register(self, text: str, place: Register) -> dict[str, object]:
         """As a Modbus client would read it from the first server of the cell."""
-        view = next((door.view for door in self._services.doors if isinstance(door, ModbusSource)), None)
+        view = next(iter(self._values.views), None)
         if view is None:
             return {"error": f"{text}: this cell has no [[modbus]] server"}
         kind = _KINDS[place.table]
@@ -174,65 +190,19 @@ class Variables:
         columns: dict[str, object] = {"KH": f"{value:04X}"} if not bits else {}
         return {"address": text, "place": f"{place.table.name.lower()} {place.address}", "value": value, **columns}
 
-    def value_of(self, name: str, door: BaseSource) -> float:
-        """What a telegram or block may be built of: names, signals, values of the control, addresses.  KeyError: unknown."""
-        place = self._symbols.get(name.upper())
-        if place is not None:
-            return self._bit(place)
-        try:
-            return self._services.values.get(name, door)
-        except KeyError:
-            return self._control_value(name)
-
-    def _control_value(self, name: str) -> float:
-        """A value of the control, or what an address points at; one that has no value now is 0."""
-        control = self._services.signals.control
-        try:
-            if name.startswith(PREFIX):
-                return self._phg().number(name)
-            if control is not None and name in control.names():
-                return control.value(name)
-            place = parse_operand(name, self._symbols)
-        except (AddressFault, VariableError) as fault:
-            raise KeyError(name) from fault
-        except ValueError:
-            return 0.0
-        if isinstance(place, RcBit):
-            return self._bit(place)
-        found = self._operands.number(place) if isinstance(place, Operand) else None
-        if found is None or not isinstance(place, Operand):
-            raise KeyError(name)
-        return float(found - (1 << 32) if place.bytes == 4 and found >> 31 else found)  # a double word is a DH
-
-    def write_flag(self, place: Operand, value: int) -> None:
-        """A block's entry that is a flag of the control; what does not fit is cut off, as a PLC's load and transfer does."""
-        self._operands.write(place, value)
-
-    def names(self) -> list[str]:
-        """Every name that can be read."""
-        control = self._services.signals.control
-        return [*self._services.values.names(), *self._services.named.names(), *(control.names() if control is not None else ())]
-
-    def _phg(self) -> "PhgValues":
-        """Variables of the PHG 2000; KeyError: this cell has none."""
-        rho = self._services.signals.rho3
-        if rho is None:
-            raise KeyError('phg: variables of the PHG need a cell with [controller] of kind "rho3"')
-        return rho.phg
-
     def _named(self, text: str, name: str) -> dict[str, object]:
         if name.startswith(PREFIX):
             variable, _ = variable_of(name)
             return {"address": text, "place": f"{name} ({variable.name})", "value": self._phg().read(name)}
-        joined = self._services.bridge.told(name)
+        joined = self._joined(name)
         if joined is not None:
             return {"address": text, "place": name, **joined}
-        values, control = self._services.values, self._services.signals.control
+        named, control = self._values.named, self._image.control
         if control is not None and name in control.names():
             return {"address": text, "place": name, "value": control.value(name)}
-        if name in self._services.named:
-            sample = self._services.named.sample(name)
-            age_ms = (time.monotonic_ns() - sample.stamp_ns) / 1e6 if sample.stamp_ns else None
+        if name in named:
+            sample = named.sample(name)
+            age_ms = (self._run.clock() - sample.stamp_ns) / 1e6 if sample.stamp_ns else None
             value = "never written" if sample.value is None else sample.value
             return {
                 "address": text,
@@ -243,11 +213,17 @@ class Variables:
                 "source": sample.source,
             }
         try:
-            return {"address": text, "place": name, "value": values.get(name), **name_unit(self._services.cell, name)}
+            return {"address": text, "place": name, "value": self._values.read(name), **name_unit(self._run.cell, name)}
         except KeyError:
-            close = difflib.get_close_matches(name, self.names(), n=1)
+            close = difflib.get_close_matches(name, self._values.names(), n=1)
             hint = f", did you mean {close[0]}?" if close else ""
             return {"error": f"{name}: no such name{hint}; axisgate var lists them"}
+
+    def _phg(self) -> Panel:
+        """Variables of the PHG 2000; KeyError: this cell has none."""
+        if self._host.panel is None:
+            raise KeyError('phg: variables of the PHG need a cell with [controller] of kind "rho3"')
+        return self._host.panel
 
     def _coordination(self, text: str, place: Operand) -> dict[str, object]:
         """A flag of a cell without a control of its own: the partner's."""
@@ -259,43 +235,28 @@ class Variables:
 
     def _flag(self, text: str, place: FlagBit) -> dict[str, object]:
         """A coordination flag, of whichever line has it set; 0 while none has."""
-        lines = [door for door in self._services.doors if isinstance(door, Rk512Source)]
-        holders = [door for door in lines if door.flag_bytes()[place.byte] >> place.bit & 1]
-        return {"address": text, "place": str(place), "value": int(bool(holders)), "door": ", ".join(door.name for door in holders)}
+        holders = [line for line in self._values.lines if line.flag_bytes()[place.byte] >> place.bit & 1]
+        return {"address": text, "place": str(place), "value": int(bool(holders)), "door": ", ".join(line.name for line in holders)}
 
     def _reset_flag(self, text: str, place: FlagBit, value: str) -> dict[str, object]:
         """A program that has used what came; a partner alone sets one."""
         if value != "0":
             return {"error": f"{text} = {value}: a coordination flag is set by the partner's job; it is reset with 0"}
-        for door in self._services.doors:
-            if isinstance(door, Rk512Source):
-                door.reset_flag(place.byte, place.bit)
+        for line in self._values.lines:
+            line.reset_flag(place.byte, place.bit)
         return self._flag(text, place)
 
     def _name_of(self, place: RcBit) -> str:
         """RC output 64 (E8.0, READY_RCO): the number, the PLC's address and the signal's name if it has one."""
-        signal = self._signals.at(place)
+        signal = self._addresses.signals.at(place)
         return f"{place.direction.value} {place.number} ({pic(place)}{', ' + signal.name if signal else ''})"
-
-    def _bit(self, place: RcBit) -> int:
-        if place.direction is Direction.INPUT:
-            return int(self._services.input_bit(place.number))
-        outputs = self._services.rc_out.read()
-        return int(outputs is not None and get_bit(outputs, place.number))
-
-    def _block(self, number: int) -> tuple[Rk512Source, bytes]:
-        for door in self._services.doors:
-            if isinstance(door, Rk512Source) and (data := door.block_bytes(number)) is not None:
-                return door, data
-        raise KeyError(f"DB {number}: no line of this cell serves it")
 
     # ---- writing -----------------------------------------------------------------------------------------------------
     def _set(self, text: str, value: str) -> dict[str, object]:
-        services = self._services
-        if not services.plan.simulated:
+        if not self._run.plan.simulated:
             return {"error": f"{text}: values are set only in a simulated run (axisgate run CELL --sim); here the PLC writes them"}
-        place = parse_operand(text, self._symbols)
-        control = services.signals.control
+        place = parse_operand(text, self._addresses.symbols)
+        control = self._image.control
         if isinstance(place, CellName) and place.name.startswith(PREFIX):
             typed = _typed(value)
             self._phg().write(place.name, int(typed) if isinstance(typed, bool) else typed)
@@ -307,21 +268,20 @@ class Variables:
             return self._operands.put(text, place, value) or self._get(text)
         if isinstance(place, Operand) and place.kind is OperandKind.FLAG and place.bit is not None and place.number < AREA_BYTES:
             return self._reset_flag(text, FlagBit(place.number, place.bit), value)
-        if isinstance(place, CellName) and place.name in services.named:
-            services.named.put(place.name, _typed(value), time.monotonic_ns(), "var")
-            services.settle()
+        if isinstance(place, CellName) and place.name in self._values.named:
+            self._values.write(place.name, _typed(value), self._run.clock(), "var")
             return self._get(text)
         if not isinstance(place, DataWord | DataBit):
             return {"error": f"{text}: a data word or bit a PLC writes is expected, e.g. DB10.DW2 or DB10.D0.8"}
-        door, data = self._block(place.db)
+        line, data = self._values.serving(place.db)
         word = int.from_bytes(data[2 * place.word : 2 * place.word + 2], "big")
         number = _whole(value)
         if number is None:
             return {"error": f"{text} = {value!r}: a whole number is expected, e.g. 1200, -5 or 0x04B0"}
-        raw = _put(place, word, number)
+        raw = word_bytes(place, word, number)
         if raw is None:
             return {"error": f"{text} = {value}: a DW takes -32768..65535, a DD -2147483648..4294967295, DL and DR 0..255, a bit 0 or 1"}
-        refused = door.write_as_plc(place.db, place.word, raw)
+        refused = line.write_as_plc(place.db, place.word, raw)
         return {"error": refused} if refused else self._get(text)
 
 
@@ -342,27 +302,11 @@ def _whole(text: str) -> int | None:
     return None
 
 
-def _put(place: DataWord | DataBit, word: int, number: int) -> bytes | None:
-    """The bytes from the place's word on, `word` being what stands there; None when the number does not fit."""
-    if isinstance(place, DataBit):
-        new = word | 1 << place.bit if number else word & ~(1 << place.bit)
-        return new.to_bytes(2, "big") if number in (0, 1) else None
-    match place.part:
-        case Part.WORD:
-            return (number & 0xFFFF).to_bytes(2, "big") if -0x8000 <= number <= 0xFFFF else None
-        case Part.DOUBLE:
-            return (number & 0xFFFFFFFF).to_bytes(4, "big") if -0x8000_0000 <= number <= 0xFFFF_FFFF else None
-        case Part.LEFT:
-            return bytes((number, word & 0xFF)) if 0 <= number <= 255 else None
-        case Part.RIGHT:
-            return bytes((word >> 8, number)) if 0 <= number <= 255 else None
-
-
-def _columns(raw: bytes, part: Part) -> dict[str, object]:
+def _columns(raw: bytes, part: WordPart) -> dict[str, object]:
     """The same bytes in the number formats an S5 programmer looks for."""
-    if part is Part.LEFT:
+    if part is WordPart.LEFT:
         return {"KH": raw[:1].hex().upper(), "value": raw[0]}
-    if part is Part.RIGHT:
+    if part is WordPart.RIGHT:
         return {"KH": raw[1:].hex().upper(), "value": raw[1]}
     signed = int.from_bytes(raw, "big", signed=True)
     columns: dict[str, object] = {"value": signed, "KF" if len(raw) == 2 else "DH": signed, "KH": raw.hex().upper()}

@@ -6,7 +6,6 @@ Nothing is written (AX-512).
 import ipaddress
 import time
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from gateway.assembly.data_block_signals import signals_of
 from gateway.links.modbus.responder import Client
@@ -26,9 +25,6 @@ from protocols.base.machine import Ns
 from protocols.modbus.mbap import Request
 from protocols.modbus.rights import Rights
 
-if TYPE_CHECKING:
-    from gateway.services.loop import Services
-
 MOST_READS, MOST_OPEN = 64, 256
 LIFE_WORD, FIRST_REAL = 7, 10  # of the status block (AX-011)
 OWN = ("lag", "speed")  # of an axis: the shadow's path stands beside the drives, so these are no answer
@@ -37,10 +33,13 @@ OWN = ("lag", "speed")  # of an axis: the shadow's path stands beside the drives
 class ShadowModbusSource(ModbusSource):
     """One tapped Modbus TCP server."""
 
-    def follow(self, services: "Services", settings: Modbus, tap: tuple[str, str]) -> None:
-        """After `listen`: views are made, nothing is bound.  `tap`: capture, host:port of the old control."""
+    async def start(self) -> None:
+        """Nothing is bound."""
+
+    def follow(self, settings: Modbus, tap: tuple[str, str]) -> None:
+        """`tap`: capture, host:port of the old control."""
         host, _, port = tap[1].rpartition(":")
-        self._services, self._settings, self._tap = services, settings, tap
+        self._settings, self._tap = settings, tap
         self._capture = CaptureTap(tap[0])
         self._talk = ModbusTalk((ipaddress.ip_address(host.strip("[]")).packed, int(port)))
         self.comparison = Comparison()
@@ -51,12 +50,12 @@ class ShadowModbusSource(ModbusSource):
         self._clients: dict[Endpoint, Client] = {}
         self._open: dict[tuple[Endpoint, int], bytes] = {}  # our answers until the old control's is there
         self._reads: dict[tuple[int, bytes], Request] = {}
-        self._signals = signals_of(services.cell)
-        self._numbers = numbers_of(services.cell, settings, services.plan.tolerances)
+        self._signals = signals_of(self._run.cell)
+        self._numbers = numbers_of(self._run.cell, settings, self._run.plan.tolerances)
 
     def take(self, now: Ns) -> None:
         """What waits in the capture."""
-        self._settled = self._settled or state_is_known(self._services, self.since, now)
+        self._settled = self._settled or state_is_known(self._image, len(self._run.cell.axis), self.since, now)
         for packet in self._capture.turn(now):
             for exchange in self._talk.take(packet, self._capture.offset):
                 if isinstance(exchange, Asked):

@@ -33,24 +33,21 @@ class ShadowServices(Services):
         self._keep_next: Ns = 0
         super().__init__(plan, fds)
 
-    def _line_door(self, post: SourceContext, line: Line) -> BaseSource:
-        return ShadowSource(post, line, self)
+    def _line(self, post: SourceContext, line: Line) -> BaseSource:
+        return ShadowSource(post, line)
 
-    def _modbus_door(self, post: SourceContext, settings: Modbus) -> ModbusSource:
+    def _server(self, post: SourceContext, settings: Modbus) -> ModbusSource:
         made = ShadowModbusSource(post)
-        made.follow(self, settings, self.plan.taps[settings.name])
+        made.follow(settings, post.run.plan.taps[settings.name])
         return made
 
     def _masters(self, fds: dict[str, int]) -> CanopenServices:
         """None: nodes are started up by the old control."""
-        return CanopenServices(replace(self.plan, buses={}), fds, self.journal.write)
-
-    async def _start_server(self, door: ModbusSource) -> None:
-        """Nobody is served."""
+        return CanopenServices(replace(self.run_context.plan, buses={}), fds, self.run_context.journal.write)
 
     def tick(self) -> None:
         """Also takes what the captures hold, and keeps what was found."""
-        tapped = [door for door in self.doors if isinstance(door, ShadowModbusSource)]
+        tapped = [door for door in self.sources if isinstance(door, ShadowModbusSource)]
         for door in tapped:
             door.take(time.monotonic_ns())
         super().tick()
@@ -63,14 +60,14 @@ class ShadowServices(Services):
 
     def keep(self, now: Ns) -> None:
         """For the report, whatever becomes of this process."""
-        lines = [door.result(now) for door in self.doors if isinstance(door, ShadowSource | ShadowModbusSource)]
+        lines = [door.result(now) for door in self.sources if isinstance(door, ShadowSource | ShadowModbusSource)]
         heard_s = round((now - self.started_ns) / 1e9, 3)
-        keep(self.plan.folder / LINES, {"pid": os.getpid(), "heard_s": heard_s, "lines": lines})
+        keep(self.run_context.plan.folder / LINES, {"pid": os.getpid(), "heard_s": heard_s, "lines": lines})
 
     async def run(self) -> None:
         """Until SIGTERM; what still waits is judged at the end."""
         await super().run()
-        for door in self.doors:
+        for door in self.sources:
             if isinstance(door, ShadowSource | ShadowModbusSource):
                 door.comparison.finish()
         self.keep(time.monotonic_ns())

@@ -5,7 +5,6 @@ is compared with what we would have answered.  Nothing is written (AX-493).
 
 import time
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from gateway.pure.arbitration.block_keys import KINDS, block_key, block_name
 from gateway.pure.arbitration.own_jobs import OwnJobs
@@ -21,15 +20,12 @@ from gateway.shadow.taps import TapPair
 from protocols.base.machine import Ns
 from protocols.rk512.header import REACTION_BYTES
 
-if TYPE_CHECKING:
-    from gateway.services.loop import Services
-
 
 class ShadowSource(Rk512Source):
     """One tapped line."""
 
-    def __init__(self, post: SourceContext, line: Line, services: "Services") -> None:
-        super().__init__(post, line, services)
+    def __init__(self, post: SourceContext, line: Line) -> None:
+        super().__init__(post, line)
         self._own = OwnJobs(())  # jobs of ours would need a partner that answers
         self.comparison = Comparison()
         self.telegrams = {"heard": 0, "answered": 0, "other_number": 0}
@@ -41,12 +37,12 @@ class ShadowSource(Rk512Source):
         self._settled = False  # our own state is known: before that nothing can be compared
         self._closed = self._connected = False
 
-    def open(self, url: str) -> None:
+    async def start(self) -> None:
         """The taps instead of the line."""
-        ports, check = self.services.plan.taps[self.name], self.line.protocol == "3964R"
+        ports, check = self._run.plan.taps[self.name], self.line.protocol == "3964R"
         self._taps = TapPair(ports, self.line.format, time.monotonic_ns, self._told, block_check=check)
 
-    def close(self) -> None:
+    async def close(self) -> None:
         if self._taps is not None:
             self._connected = self._taps.connected
             self._taps.close()
@@ -67,7 +63,7 @@ class ShadowSource(Rk512Source):
             self._taps.turn()
         super().settle()
         now = time.monotonic_ns()
-        self._settled = self._settled or state_is_known(self.services, self.since, now)
+        self._settled = self._settled or state_is_known(self._image, len(self._run.cell.axis), self.since, now)
         for key in self.comparison.blocks:
             assert isinstance(key, int)
             content = self._content_of(key)
@@ -126,7 +122,7 @@ class ShadowSource(Rk512Source):
             return
         self.write_block(_key(telegram.kind, telegram.db), telegram.word + answered.at // 2, data, answered.stamp)
         self.heard(answered.stamp, None)
-        self.services.flush()
+        self._image.pass_on()
 
     def _said(self, job: bytes, at: int, data: bytes, asked: Ns, answered: Ns, *, job_word: str = "FETCH") -> None:
         telegram = telegram_of(job)
@@ -165,7 +161,7 @@ class ShadowSource(Rk512Source):
         return {
             "line": self.name,
             "kind": "line",
-            "taps": list(self.services.plan.taps[self.name]),
+            "taps": list(self._run.plan.taps[self.name]),
             "connected": self.connected,
             "comparing": self._settled,
             "characters": self._taps.characters if self._taps is not None else 0,

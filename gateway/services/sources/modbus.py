@@ -8,88 +8,27 @@ import ipaddress
 import pathlib
 import struct
 import time
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Collection, Sequence
 
 from gateway.links.modbus.rtu_server import ModbusLine
 from gateway.links.modbus.tcp_server import Limits, ModbusServer
-from gateway.pure.cell.controller import Controller
 from gateway.pure.cell.modbus import Modbus, ModbusRole
-from gateway.pure.image.records.cell import InputImage, Quality
+from gateway.pure.controllers.control import Control
+from gateway.pure.image.records.cell import Quality
+from gateway.pure.modbus.other_views import ReisView, Val3View
 from gateway.pure.modbus.registers import Placed, Registers, RegistersView, place
 from gateway.pure.modbus.rho3_view import RhoView
 from gateway.pure.recording.messages import Source
-from gateway.services.recording_tap import ServicesTap
-from gateway.services.sources.base import BaseSource, Tell
+from gateway.services.sources.base import BaseSource, SourceContext, Tell
 from protocols.base.machine import Ns, ms
 from protocols.modbus.rights import Rights, Span
 from protocols.modbus.station import Identity
 from protocols.modbus.view import View
 
-if TYPE_CHECKING:
-    from gateway.assembly.modbus_views import ReisView, Val3View
-    from gateway.pure.arbitration.data_blocks import DataBlock, DataBlocks
-    from gateway.services.loop import Services
-    from gateway.services.modbus_clients import ModbusClients
-
 REFUSAL_EVERY, MOST_REFUSED = ms(60_000), 256  # of one address in the journal; addresses kept
+QUICK = 40  # attempts to listen, 50 ms apart; then it is reported and tried every second
 WRITES = (5, 6, 15, 16, 21, 22, 23)
 Bind = tuple[str, int] | str  # host and port, or the url of a serial port
-
-
-@dataclass(frozen=True, slots=True)
-class CellSide:
-    """What the rest of the services gives a command source."""
-
-    inputs: InputImage
-    owned: Collection[int]
-    flush: Callable[[], None]
-    value: Callable[[str], float]
-    block: Callable[[int], bytes | None]
-    files: "Callable[[int], DataBlock | None]"  # data blocks this command source writes, once all command sources are made
-    written_files: Collection[int]  # and their numbers (AX-479)
-    errors: Callable[[], Sequence[int]]
-    recorded: ServicesTap
-    axes: Sequence[str]
-    controller: Controller | None
-    folder: pathlib.Path  # beside which certificates are looked for
-
-
-def side_of(services: "Services", door: "ModbusSource", owned: Collection[int]) -> CellSide:
-    """The services as a command source sees them."""
-
-    def block(number: int) -> bytes | None:
-        return next((bytes(data.fill(number)) for data in _data(services) if number in data.blocks), None)
-
-    return CellSide(
-        services.inputs,
-        owned,
-        services.flush,
-        lambda name: services.variables.value_of(name, door),
-        block,
-        lambda number: next((data.blocks[number] for data in _data(services) if number in data.blocks), None),
-        tuple(block.number for block in services.cell.db if block.writer == door.name),
-        lambda: [code for code, _ in services.values.errors],
-        services.recorded,
-        [axis.name for axis in services.cell.axis],
-        services.cell.controller,
-        pathlib.Path(services.cell.file).resolve().parent,
-    )
-
-
-def _data(services: "Services") -> "list[DataBlocks]":
-    """Of all lines."""
-    return [data for door in services.doors if (data := getattr(door, "data", None)) is not None]
-
-
-def modbus_clients(services: "Services") -> "ModbusClients | None":
-    """The clients of a cell that has some."""
-    if not any(modbus.role == "client" for modbus in services.cell.modbus):
-        return None
-    from gateway.services.modbus_clients import ModbusClients
-
-    return ModbusClients(services)
 
 
 def placed(settings: Modbus, axes: Sequence[str]) -> list[Placed]:
@@ -100,71 +39,142 @@ def placed(settings: Modbus, axes: Sequence[str]) -> list[Placed]:
 class ModbusSource(BaseSource):
     """One Modbus server."""
 
+    medium = "modbus"
     view: RhoView
     server: ModbusServer | ModbusLine
-    pictures: "tuple[ReisView | Val3View, ...]" = ()  # units that show another control's
+    other_views: tuple[ReisView | Val3View, ...] = ()  # units that show another control's
     writers: "WriterRights | None" = None  # [[modbus.writers]]
     _writer = ""  # host:port of the client that wrote last
-    _mine: "Callable[[], list[DataBlock]]" = list  # data blocks this server's clients write
 
-    def listen(self, settings: Modbus, bind: Bind, side: CellSide) -> None:
+    def __init__(self, post: SourceContext) -> None:
+        super().__init__(post)
+        self._written_files = tuple(block.number for block in post.run.cell.db if block.writer == self.name)
+        self._late: asyncio.Task[None] | None = None  # waits for its address, port or adapter
+
+    def listen(self, settings: Modbus) -> None:
         """Make views and server; not started yet."""
-        inputs, flush = side.inputs, side.flush
-
-        def written(octets: Collection[int]) -> None:
-            now = time.monotonic_ns()
-            pairs = bytes(each for octet in octets for each in (octet, inputs.values[octet]))
-            side.recorded.put(now, Source.WRITTEN, self.number, pairs)
-            for octet in octets:
-                inputs.quality[octet], inputs.stamps[octet] = Quality.GOOD, now
-            flush()  # routes and the cycle have it now, not with the next tick
-
-        def command(first: int, values: Sequence[int]) -> None:
-            now = time.monotonic_ns()
-            side.recorded.put(now, Source.COMMAND, self.number, struct.pack(f"<{len(values) + 1}H", first, *values))
-            self.write_words(first, values, now)
-            self.view.status = self.block.status_words(self.status)  # the answer to the next read is fresh without waiting for a tick
-            flush()
-
-        extras = placed(settings, side.axes)
-        registers = Registers(extras, side.value, settings.float) if extras else None
-        taken = command if settings.command_block else None
-        self._mine = lambda: [block for number in side.written_files if (block := side.files(number)) is not None]
-
-        def file_written(number: int, word: int, data: bytes) -> None:
-            block = side.files(number)
-            if block is not None:
-                block.data[2 * word : 2 * word + len(data)] = data
-                block.fresh = True
-            flush()
-
-        self.view = RhoView(inputs, side.owned, written, taken, registers, side.block, side.errors, side.written_files, file_written)
+        run, image, values = self._run, self._image, self._values
+        axes = [axis.name for axis in run.cell.axis]
+        owned = [octet for octet, owner in run.cell.rc_inputs.owner.items() if owner == self.name]
+        extras = placed(settings, axes)
+        registers = Registers(extras, self._value, settings.float) if extras else None
+        taken = self._command_words if settings.command_block else None
+        self.view = RhoView(
+            image.inputs,
+            owned,
+            self._inputs_written,
+            taken,
+            registers,
+            values.filled_block,
+            lambda: [code for code, _ in self._errors()],
+            self._written_files,
+            self._file_written,
+        )
         self.view.command_words = self.block.words
-        bare = RegistersView(Registers(extras, side.value, settings.float))
+        values.views.append(self.view)
+        bare = RegistersView(Registers(extras, self._value, settings.float))
         shown: dict[str, View] = {"rho3": self.view, "registers": bare}
         asked = {settings.view, *(unit.view for unit in settings.units)}
-        if asked & {"reis", "val3"} and side.controller is not None:  # the cell's checks have seen to its kind
+        controller = run.cell.controller
+        if asked & {"reis", "val3"} and controller is not None:  # the cell's checks have seen to its kind
             from gateway.assembly.modbus_views import picture
 
-            shown[side.controller.kind] = made = picture(side.controller, inputs, side.owned, written, registers, settings.float)
-            self.pictures = (made,)
+            shown[controller.kind] = made = picture(controller, image.inputs, owned, self._inputs_written, registers, settings.float)
+            self.other_views = (made,)
         views = {unit.unit: shown[unit.view] for unit in settings.units}
         views[settings.unit] = shown[settings.view]
-        self.server = self._line(settings, bind, views) if isinstance(bind, str) else self._tcp(settings, bind, views, side.folder)
+        bind = run.plan.modbus[self.name]
+        folder = pathlib.Path(run.cell.file).resolve().parent  # beside which certificates are looked for
+        self.server = self._line(settings, bind, views) if isinstance(bind, str) else self._tcp(settings, bind, views, folder)
+
+    # ---- what clients write and read ---------------------------------------------------------------------------------
+    def _value(self, name: str) -> float:
+        return self._values.number(name, self)
+
+    def _errors(self) -> Sequence[tuple[int, str]]:
+        return self._values.errors
+
+    def _inputs_written(self, octets: Collection[int]) -> None:
+        now, values = self._run.clock(), self._image.inputs.values
+        pairs = bytes(each for octet in octets for each in (octet, values[octet]))
+        self._run.recorder.put(now, Source.WRITTEN, self.number, pairs)
+        self._image.judge(octets, Quality.GOOD, now)
+        self._image.pass_on()  # routes and the cycle have it now, not with the next tick
+
+    def _command_words(self, first: int, values: Sequence[int]) -> None:
+        now = self._run.clock()
+        self._run.recorder.put(now, Source.COMMAND, self.number, struct.pack(f"<{len(values) + 1}H", first, *values))
+        self.write_words(first, values, now)
+        self.view.status = self.block.status_words(self.block_status)  # the answer to the next read is fresh without waiting for a tick
+        self._image.pass_on()
+
+    def _file_written(self, number: int, word: int, data: bytes) -> None:
+        block = self._values.data_block(number)
+        if block is not None:
+            block.data[2 * word : 2 * word + len(data)] = data
+            block.fresh = True
+        self._image.pass_on()
+
+    # ---- life --------------------------------------------------------------------------------------------------------
+    async def start(self) -> None:
+        """Listens; while its address, port or adapter is missing it is tried again."""
+        if await self._try():
+            self._late = asyncio.create_task(self._start_late())
+
+    async def _try(self) -> str:
+        """Empty: it listens; else why it does not."""
+        try:
+            await self.server.start()
+        except OSError as error:  # a predecessor's port still in use, an address or adapter that is not there yet
+            return str(error)
+        return ""
+
+    async def _start_late(self) -> None:
+        """Quickly at first, then every second; reported once, and when it is over."""
+        attempts = 0
+        while words := await self._try():
+            attempts += 1
+            if attempts == QUICK:
+                self._tell("alarm", f"{words}; it is tried again every second", door=self.name)
+            await asyncio.sleep(0.05 if attempts < QUICK else 1.0)
+        if attempts >= QUICK:
+            self._tell("link", f"Modbus server {self.name} listens now", door=self.name)
+
+    async def close(self) -> None:
+        if self._late is not None:
+            self._late.cancel()
+        await self.server.close()
+
+    def counters(self) -> dict[str, object]:
+        return {"requests": self.server.counters.requests}
+
+    def passed(self, number: int) -> list[list[object]] | None:
+        """Exchanges of the server."""
+        return [exchange.row() for exchange in self.server.desk.since(number)]
+
+    def join(self, control: Control) -> None:
+        """Flags or markers for its views."""
+        self.view.flags = control
+        for shown in self.other_views:
+            from gateway.assembly.modbus_views import join
+
+            join(shown, control)
 
     def restart(self) -> None:
         """What was written before is old."""
         super().restart()
-        for block in self._mine():
-            block.fresh = False
+        for number in self._written_files:
+            block = self._values.data_block(number)
+            if block is not None:
+                block.fresh = False
 
     def show(self, outputs: bytes | None) -> None:
         """What the next requests read; None: RC outputs have not been published yet."""
-        self.view.status = self.block.status_words(self.status)
+        self.view.status = self.block.status_words(self.block_status)
         if outputs is not None:
             self.view.outputs = outputs
-            for picture in self.pictures:
-                picture.image.outputs = outputs
+            for shown in self.other_views:
+                shown.image.outputs = outputs
 
     def _line(self, settings: Modbus, url: str, views: dict[int, View]) -> ModbusLine:
         from drivers.ports.open import open_bytes
@@ -214,7 +224,7 @@ class ModbusSource(BaseSource):
         if function in WRITES:
             self._writer = address
         if self._writer in ("", address):
-            self.heard(time.monotonic_ns())
+            self.heard(self._run.clock())
 
 
 class Refusals:

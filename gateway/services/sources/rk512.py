@@ -5,11 +5,10 @@ Where the cell declares no blocks, DB 10 is the command block, DB 11 the status 
 """
 
 import struct
-import time
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
-from gateway.assembly.data_block_signals import flags_of
+from gateway.assembly.axis_signals import rc_numbers
+from gateway.assembly.data_block_signals import flags_of, inputs_of
 from gateway.pure.arbitration.block_keys import block_key
 from gateway.pure.arbitration.command_block import COMMAND_WORDS, STATUS_WORDS, Code, Command
 from gateway.pure.arbitration.data_blocks import RC_NAMES, DataBlock, DataBlocks, HandshakeBits, Slot
@@ -18,7 +17,7 @@ from gateway.pure.arbitration.own_jobs import OwnJob, OwnJobs
 from gateway.pure.cell.cell import Cell, Db, Entry, Handshake, Line
 from gateway.pure.image.addresses import DataBit, DataWord, Part, parse
 from gateway.pure.image.reasons import Reason
-from gateway.pure.image.records.cell import RC_BYTES, Motion, Quality, set_bit
+from gateway.pure.image.records.cell import RC_BYTES, Motion, Quality
 from gateway.pure.lines.fault_texts import fault_words
 from gateway.pure.lines.line_profiles import BUEP64, buep64_fault, link_profile, rk512_dialect
 from gateway.pure.lines.rk512_link import Rk512Link
@@ -35,9 +34,6 @@ from protocols.rk512.header import ErrorNumber, Flag, Kind
 from protocols.rk512.passive import Continued, Fetched, Refused, UnexpectedReaction, Written
 from protocols.rk512.station import Repeated
 
-if TYPE_CHECKING:
-    from gateway.services.loop import Services
-
 COMMAND_DB, STATUS_DB, INPUTS_DB, OUTPUTS_DB = 10, 11, 20, 21
 WAITS = (ErrorNumber.LOCKED, ErrorNumber.STOPPED)  # refusals that a partner awaits as it should: a sign of life (AX-650)
 ANY_DB = 1  # entries say only where in their block they stand
@@ -52,29 +48,32 @@ class Rk512Source(SerialSource):
 
     counted = ("sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults")
 
-    def __init__(self, post: SourceContext, line: Line, services: "Services") -> None:
-        super().__init__(post, line, services)
-        self.services = services
-        mine = [db for db in services.cell.db if db.line == line.name]
+    def __init__(self, post: SourceContext, line: Line) -> None:
+        super().__init__(post, line)
+        cell = post.run.cell
+        mine = [db for db in cell.db if db.line == line.name]
         self.data = self._data_door([compile_block(db) for db in mine]) if mine else None
         self._own = OwnJobs(compile_job(db) for db in mine if db.every_ms or db.on_change)
         self._life: int | None = None
+        self._now: Ns = 0  # of the block or tick that is being worked on
         self._refusal: Refused | None = None  # of the last job, where it counts for no sign of life
         self._life_place = _word_of(line.supervision.life_word)
         priority = Priority.HIGH if line.priority == "high" else Priority.LOW
-        self._areas = LineAreas(self)
+        self._areas = LineAreas(self, post.image, post.run.clock, remote=cell.controller is not None and cell.controller.remote)
         link = Rk512Link(link_profile(line), priority, self, rk512_dialect(line), line.baud, self._areas)
         self.flags = link.passive.flags
         self._link = self.machine = link
+        post.values.lines.append(self)
 
     def _data_door(self, blocks: list[DataBlock]) -> DataBlocks:
-        services = self._services
-        handshake = services.cell.handshake.get("move")
-        inputs = services.entry_inputs.get(self.name, {})
-        flags = flags_of(services.cell, self.name)
+        cell = self._run.cell
+        handshake = cell.handshake.get("move")
+        inputs = inputs_of(cell).get(self.name, {})
+        flags = flags_of(cell, self.name)
+        numbers = rc_numbers(cell)
 
         def command(fresh: Command) -> None:
-            self.office.command(self.number, fresh, time.monotonic_ns())
+            self.office.command(self.number, fresh, self._now)
 
         def refuse(code: Code, words: str) -> None:
             self.office.refuse(self.number, code, Reason.FORMAT_SUSPICION, words)
@@ -84,24 +83,23 @@ class Rk512Source(SerialSource):
 
         def level(name: str, value: float) -> None:
             if name in flags:
-                services.variables.write_flag(flags[name], round(value))
+                self._values.write(str(flags[name]), round(value), self._now, self.name)
                 return
-            number: int = getattr(services.numbers, RC_NAMES[name]) if name in RC_NAMES else inputs[name]
-            octet = number >> 3
-            if services.owned.get(octet) == self.number:
-                set_bit(services.inputs.values, number, bool(value))
-                services.inputs.quality[octet], services.inputs.stamps[octet] = Quality.GOOD, time.monotonic_ns()
+            number: int = getattr(numbers, RC_NAMES[name]) if name in RC_NAMES else inputs[name]
+            if self._image.owned_by(self.number, (number >> 3,)):
+                self._image.put_bit(number, bool(value))
+                self._image.judge((number >> 3,), Quality.GOOD, self._now)
 
-        names = [axis.name for axis in services.cell.axis]
+        names = [axis.name for axis in cell.axis]
 
         def value(name: str) -> float:
-            return services.variables.value_of(name, self)
+            return self._values.number(name, self)
 
         door = DataBlocks(
             blocks, names, compile_handshake(handshake) if handshake else None, command, value, bad_number, level, (*inputs, *flags),
-            *compile_pattern(services.cell), refuse,
+            *compile_pattern(cell), refuse,
         )  # fmt: skip
-        door.forced = services.forces.words
+        door.forced = self._image.forces.words
         return door
 
     # ---- life --------------------------------------------------------------------------------------------------------
@@ -113,15 +111,19 @@ class Rk512Source(SerialSource):
 
     def settle(self) -> None:
         """At each tick: our own jobs, coordination flags, the handshake's outcome, and control given back at rest."""
-        self._give_own_jobs(time.monotonic_ns())
+        self._now = self._run.clock()
+        self._give_own_jobs(self._now)
         if self.data is not None:
             jobs = self.office.door(self.number).by_code
             ordered = [jobs[code] for code in (Code.PTP_ABSOLUTE, Code.PROGRAM) if code in jobs]
             if ordered:
                 self.data.move_state(max(ordered, key=lambda job: job.id).state)
-            state = self._services.values.state
-            self.data.settle(at_rest=state.motion in (Motion.IDLE, Motion.STOPPED))
+            self.data.settle(at_rest=self._image.state.motion in (Motion.IDLE, Motion.STOPPED))
         self.reset_used_flags()
+
+    def move_bit(self, key: str) -> bool:
+        """Of its data blocks."""
+        return super().move_bit(key) if self.data is None else self.data.handshake_bit(key)
 
     def reset_used_flags(self) -> None:
         """Coordination flags fall when what came has been used: edges are taken at once, a move it started has ended (AX-251)."""
@@ -140,7 +142,7 @@ class Rk512Source(SerialSource):
 
     def started(self) -> None:
         """A job was given to `active`."""
-        self._link.start(time.monotonic_ns())
+        self._link.start(self._run.clock())
         self.kick()
 
     def _give_own_jobs(self, now: Ns) -> None:
@@ -170,11 +172,12 @@ class Rk512Source(SerialSource):
         job = self._own.over(event.job)
         self._partner["own_jobs"] += 1
         if job is not None and job.fetch and self.data is not None:
+            self._now = now
             self.data.written(job.key, 0, event.data, now)
             self._note_life(job.key, 0, event.data)
         life, self._life = self._life, None
         self.heard(now, life)
-        self._services.flush()
+        self._image.pass_on()
 
     def _on_event(self, event: object, now: Ns) -> None:
         """The store was read or written inside the machine; here it is counted and handed on."""
@@ -185,7 +188,7 @@ class Rk512Source(SerialSource):
             else:
                 life, self._life, self._refusal = self._life, None, None
                 self.heard(now, life)
-            self._services.flush()
+            self._image.pass_on()
         elif isinstance(event, Done):
             self._done(event, now)
         elif isinstance(event, Denied | Failed | Unasked):
@@ -219,11 +222,10 @@ class Rk512Source(SerialSource):
         """The whole block as it would be fetched; None where there is none."""
         if self.data is not None and db in self.data.blocks:
             return self.data.fill(db)
-        services = self._services
         if db == INPUTS_DB:
-            return bytes(services.inputs.values)
+            return bytes(self._image.inputs.values)
         if db == OUTPUTS_DB:
-            return services.rc_out.read() or bytes(RC_BYTES)
+            return self._image.outputs.read() or bytes(RC_BYTES)
         if db == SENT_DB and self._areas.coupling.remote:
             return self._areas.coupling.sent_blocks()
         if self.data is not None:
@@ -231,7 +233,7 @@ class Rk512Source(SerialSource):
         if db == COMMAND_DB:
             return struct.pack(f">{COMMAND_WORDS}H", *self.block.words)
         if db == STATUS_DB:
-            return struct.pack(f">{STATUS_WORDS}H", *self.block.status_words(self.status))
+            return struct.pack(f">{STATUS_WORDS}H", *self.block.status_words(self.block_status))
         return None
 
     def refused(self, kind: str) -> ErrorNumber | None:
@@ -255,7 +257,7 @@ class Rk512Source(SerialSource):
         return self.refused("D") or self._write(db, word, data)
 
     def _write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        now = time.monotonic_ns()
+        now = self._run.clock()
         if self.data is not None and db in self.data.blocks:
             return self.write_block(db, word, data, now)
         if db == INPUTS_DB:
@@ -277,6 +279,7 @@ class Rk512Source(SerialSource):
             return ErrorNumber.BLOCK
         if not block.from_plc:
             return ErrorNumber.NOT_ALLOWED
+        self._now = now
         self.data.written(key, word, data, now)
         self._note_life(key, word, data)
         return None
@@ -284,14 +287,11 @@ class Rk512Source(SerialSource):
     def write_inputs(self, first: int, data: bytes) -> ErrorNumber | None:
         """RC input bytes from `first` on; all of them must belong to this source."""
         octets = range(first, first + len(data))
-        services = self._services
         if octets.stop > RC_BYTES:
             return ErrorNumber.BLOCK
-        if any(services.owned.get(octet) != self.number for octet in octets):
+        if not self._image.owned_by(self.number, octets):
             return ErrorNumber.NOT_ALLOWED
-        services.inputs.values[octets.start : octets.stop] = data
-        for octet in octets:
-            services.inputs.quality[octet], services.inputs.stamps[octet] = Quality.GOOD, time.monotonic_ns()
+        self._image.write(first, data, self._run.clock())
         return None
 
     def reset_flag(self, byte: int, bit: int) -> bool:
@@ -313,7 +313,7 @@ class Rk512Source(SerialSource):
     def write_as_plc(self, db: int, word: int, data: bytes) -> str:
         """`axisgate var --set`: as if the PLC had sent it; empty when done, else why not."""
         refused = self._write(db, word, data)
-        self._services.flush()
+        self._image.pass_on()
         return "" if refused is None else f"DB {db} DW {word}: refused with RK512 error {int(refused):02X}h ({refused.name})"
 
 

@@ -3,7 +3,6 @@ words."""
 
 from collections import Counter
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 from drivers.ports.open import open_bytes
 from gateway.links.serial.dialogue_log import journaled
@@ -13,11 +12,8 @@ from gateway.pure.cell.cell import Line
 from gateway.pure.lines.fault_texts import fault_words
 from gateway.pure.recording.messages import Source
 from gateway.services.sources.base import BaseSource, SourceContext
-from protocols.base.machine import Machine, Ns
+from protocols.base.machine import Damage, Machine, Ns
 from protocols.p3964r.events import SamePriority
-
-if TYPE_CHECKING:
-    from gateway.services.loop import Services
 
 TOLD_EVERY: Ns = 1_000_000_000  # a partner's faults reach the journal at most so often; all are counted
 
@@ -25,13 +21,13 @@ TOLD_EVERY: Ns = 1_000_000_000  # a partner's faults reach the journal at most s
 class SerialSource(BaseSource):
     """One [[line]].  Below it: `machine`, made by the command source of its layer."""
 
+    medium = "lines"
     machine: Machine[object]
     counted: Iterable[str] = ()  # names of its counters
 
-    def __init__(self, post: SourceContext, line: Line, services: "Services") -> None:
+    def __init__(self, post: SourceContext, line: Line) -> None:
         super().__init__(post)
         self.line = line
-        self._services = services
         self._partner: Counter[str] = Counter(dict.fromkeys((*self.counted, "same_priority"), 0))
         self._advice = ""  # what is to be set right by hand
         self._runner: LineRunner[object] | None = None
@@ -39,19 +35,20 @@ class SerialSource(BaseSource):
         self._journal_next: Ns = 0
         self._tell(
             "link",
-            f"command source {self.number} {self.name}: {line.protocol} {line.profile} on {services.plan.lines[line.name]}",
+            f"command source {self.number} {self.name}: {line.protocol} {line.profile} on {self._run.plan.lines[line.name]}",
             door=self.number,
         )
 
-    def open(self, url: str) -> None:
-        """Start the line; inside the running loop."""
-        self.tap = Tap(journaled(self.machine, self._services.plan, self.line), self._record)
+    async def start(self) -> None:
+        """Opens the line; inside the running loop."""
+        url = self._run.plan.lines[self.name]
+        self.tap = Tap(journaled(self.machine, self._run.plan, self.line), self._record)
         self._runner = LineRunner[object](lambda: open_bytes(url, self.line.format), self.tap, self._on_event)
 
     def _record(self, now: Ns, side: str, data: bytes) -> None:
-        self._services.recorded.put(now, Source.HEARD if side == "A" else Source.SAID, self.number, data)
+        self._run.recorder.put(now, Source.HEARD if side == "A" else Source.SAID, self.number, data)
 
-    def close(self) -> None:
+    async def close(self) -> None:
         """Give the port back."""
         if self._runner is not None:
             self._runner.close()
@@ -61,8 +58,19 @@ class SerialSource(BaseSource):
         """The port is there."""
         return self._runner is not None and self._runner.state.connected
 
+    def step(self, now: Ns) -> None:
+        super().step(now)
+        self.settle()
+
     def settle(self) -> None:
         """At each tick."""
+
+    def passed(self, number: int) -> list[list[object]] | None:
+        """Number, stamp, side, characters in hex or the kind of damage."""
+        if self.tap is None:
+            return None
+        pieces = self.tap.since(number)
+        return [[n, at, side, f"!{what.name}" if isinstance(what, Damage) else what.hex()] for n, at, side, what in pieces]
 
     def kick(self) -> None:
         """The machine was given something to do."""

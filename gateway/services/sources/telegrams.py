@@ -4,9 +4,6 @@ It commands no axes: values and signals are what a program (or another command s
 reported.
 """
 
-import time
-from typing import TYPE_CHECKING
-
 from gateway.assembly.telegrams import incoming, is_incoming, outgoing
 from gateway.pure.cell.cell import Line
 from gateway.pure.lines.line_profiles import link_profile
@@ -22,24 +19,22 @@ from protocols.telegrams.fields import Value
 from protocols.telegrams.layout import Outgoing, Received, Refused
 from protocols.telegrams.reader import Reader
 
-if TYPE_CHECKING:
-    from gateway.services.loop import Services
-
 
 class TelegramSource(SerialSource):
     """One serial line to a host computer."""
 
     counted = ("received", "refused", "unknown", "bad_blocks", "sent", "failed", "unbuilt")
 
-    def __init__(self, post: SourceContext, line: Line, services: "Services") -> None:
-        super().__init__(post, line, services)
-        self._named = services.named
-        mine = [telegram for telegram in services.cell.telegram if telegram.line == line.name]
+    def __init__(self, post: SourceContext, line: Line) -> None:
+        super().__init__(post, line)
+        self._named = post.values.named
+        mine = [telegram for telegram in post.run.cell.telegram if telegram.line == line.name]
         self.reader = Reader([incoming(telegram, line) for telegram in mine if is_incoming(telegram)])
         self._rules = [(self._watch(telegram.when), outgoing(telegram, line)) for telegram in mine if not is_incoming(telegram)]
         self.link = Link(link_profile(line), Priority.HIGH if line.priority == "high" else Priority.LOW)
         self.machine = self.link
         self._jobs: dict[int, str] = {}
+        post.values.listen(self.settle)
 
     def _watch(self, text: str) -> EdgeWatch:
         when = parse_when(text)
@@ -67,13 +62,11 @@ class TelegramSource(SerialSource):
             except KeyError:
                 value = None
             if watch.fires(value):
-                self._send(telegram, time.monotonic_ns())
+                self._send(telegram, self._run.clock())
 
     # ---- out ---------------------------------------------------------------------------------------------------------
     def _value(self, name: str) -> Value:
-        if name in self._named:
-            return self._named.get(name)
-        return self._services.variables.value_of(name, self)
+        return self._named.get(name) if name in self._named else self._values.number(name, self)
 
     def _send(self, telegram: Outgoing, now: Ns) -> None:
         try:
@@ -100,8 +93,8 @@ class TelegramSource(SerialSource):
                 self._fault("failed", f"{name} not delivered: {event}", now)
             case _:
                 self._link_fault(event, now)
-        self._services.settle()
-        self._services.flush()
+        self._values.changed()
+        self._image.pass_on()
 
     def _block(self, data: bytes, now: Ns) -> None:
         self.heard(now)

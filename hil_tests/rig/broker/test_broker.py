@@ -179,7 +179,7 @@ def test_a_killed_broker_is_a_port_error_and_its_successor_takes_the_name(bus: B
         a.send(CYCLE)
     with pytest.raises(PortError, match="open the port again"):
         b.receive()
-    with pytest.raises(PortError, match=r"start it with: python -m gateway\.processes\.broker --name t"):
+    with pytest.raises(PortError, match=r"start it with: python -m gateway\.simulation\.bus\.broker --name t"):
         b.reconnect()
     bus.start()
     a.reconnect()

@@ -1,33 +1,22 @@
 """The life of a Modbus command source hangs on the client that commands, not on a panel that reads (AX-148)."""
 
-import os
+import time
 from collections.abc import Iterator
 
 import pytest
 
-from gateway.assembly.axes import axis_facts, make_planner
-from gateway.assembly.run import DOOR_BYTES, CommandSource
-from gateway.pure.arbitration.dispatcher import CommandDispatcher
-from gateway.pure.arbitration.jobs import OnLoss
-from gateway.pure.arbitration.link_watch import LinkWatch
-from gateway.runtime.regions import RegionWriter, create_region
-from gateway.services.sources.base import SourceContext
 from gateway.services.sources.modbus import ModbusSource
 from hil_tests.lab.virtual.cell_bench import DEMO
-from protocols.base.machine import ms
+from hil_tests.lab.virtual.source_bench import SourceBench
 
 READ, WRITE = 4, 15
 
 
 @pytest.fixture
 def door() -> Iterator[ModbusSource]:
-    fd = create_region("door-2", DOOR_BYTES)
-    office = CommandDispatcher(axis_facts(DEMO), make_planner(DEMO), 1)
-    watch = LinkWatch(ms(500), False)
-    yield ModbusSource(
-        SourceContext(CommandSource(2, "plc2", "modbus"), office, watch, OnLoss.STOP, RegionWriter(fd), lambda *_, **__: None)
-    )
-    os.close(fd)
+    bench = SourceBench(DEMO, clock=time.monotonic_ns)
+    yield ModbusSource(bench.context("plc2"))
+    bench.close()
 
 
 def heard_at(door: ModbusSource, address: str, function: int) -> bool:

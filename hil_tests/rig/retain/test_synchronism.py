@@ -1,13 +1,13 @@
 """What the axes of a Reis were synchronised with outlives power-off without being asked for (robotstar L4734-4740; AX-409)."""
 
+import asyncio
 import dataclasses
 import pathlib
-from types import SimpleNamespace
-from typing import Any
 
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.records.cell import AxisFlag, AxisState
 from gateway.services.retained import RetainedData, known_references
+from hil_tests.lab.virtual.source_bench import SourceBench
 from hil_tests.unit.gateway.pure.arbitration.controls.bench import ControlBench, cell_with
 from hil_tests.unit.gateway.pure.arbitration.controls.test_reis_and_val3 import stepped
 
@@ -16,44 +16,40 @@ ON = AxisFlag.REFERENCED
 
 
 def started(cell: Cell, folder: pathlib.Path) -> tuple[ControlBench, RetainedData]:
-    """Control and retained data as the services join them; only the services around them are bare."""
+    """Control and retained data as the services join them."""
     robot = ControlBench(cell)
-    services: Any = SimpleNamespace(
-        cell=cell,
-        plan=SimpleNamespace(simulated=True, folder=folder, cell=cell),
-        journal=SimpleNamespace(write=lambda *_: None),
-        named=SimpleNamespace(names=list, signals=set(), source_gone=lambda _: None),
-        signals=SimpleNamespace(control=robot.control, errors=robot.errors),
-    )
-    desk = RetainedData(services, 0)
-    desk.restore(robot.control)
-    return robot, desk
+    bench = SourceBench(cell, folder=folder)
+    bench.image.control = robot.control
+    kept = RetainedData(bench.run, bench.image, bench.values, bench.office, robot.errors, folder / "retain.sqlite", 0)
+    kept.restore(robot.control)
+    bench.close()  # its regions are not read here
+    return robot, kept
 
 
 def test_a_reference_point_changed_while_the_control_was_off_is_told_at_the_start(tmp_path: pathlib.Path) -> None:
-    robot, desk = started(REIS, tmp_path)
+    robot, kept = started(REIS, tmp_path)
     stepped(robot, ON, ON)
-    desk.look()
-    desk.close()
+    kept.look()
+    asyncio.run(kept.close())
     first = REIS.axis[0]
     moved = dataclasses.replace(
         REIS, axis=(dataclasses.replace(first, home=dataclasses.replace(first.home, position=12.5)), *REIS.axis[1:])
     )
     for _ in range(2):  # the error stands over a second start as well: nobody has referenced the axis
-        robot, desk = started(moved, tmp_path)
+        robot, kept = started(moved, tmp_path)
         stepped(robot, ON, ON)
         assert robot.reis.markers.number(944) == 677 and not robot.reis.markers.bit(1020, 6)
-        desk.look()
-        desk.close()
-    robot, desk = started(moved, tmp_path)
+        kept.look()
+        asyncio.run(kept.close())
+    robot, kept = started(moved, tmp_path)
     for flag in (ON, AxisFlag(0), ON):
         stepped(robot, flag, ON)
-    desk.look()
-    desk.close()
-    robot, desk = started(moved, tmp_path)
+    kept.look()
+    asyncio.run(kept.close())
+    robot, kept = started(moved, tmp_path)
     stepped(robot, ON, ON)
     assert robot.reis.markers.number(944) == 0 and robot.reis.markers.bit(1020, 6)
-    desk.close()
+    asyncio.run(kept.close())
 
 
 def test_what_cannot_be_read_was_never_kept() -> None:

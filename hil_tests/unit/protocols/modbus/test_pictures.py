@@ -4,12 +4,12 @@ import struct
 
 import pytest
 
-from gateway.assembly.controllers import Control
 from gateway.assembly.modbus_views import join, picture
 from gateway.cell_file.load import CellFaults, load_cell
 from gateway.checks.controller import trial
 from gateway.files.find import find_config, read_text
 from gateway.pure.cell.cell import Cell
+from gateway.pure.controllers.control import Control
 from gateway.pure.controllers.reis.control import ReisControl
 from gateway.pure.controllers.val3.io.control import Val3Control
 from gateway.pure.image.records.cell import RC_BYTES, CellState, InputImage, Quality

@@ -16,6 +16,7 @@ from gateway.pure.controllers.rho3.pendant.panel import Panel
 from gateway.pure.controllers.rho3.signals.codes import EMERGENCY_STOP, PIC_TIMER, PLC_SILENT, CycleErrors, code_text
 from gateway.pure.controllers.rho3.signals.commands import AxisCommands
 from gateway.pure.controllers.rho3.signals.control_state import ControlState
+from gateway.pure.controllers.rho3.signals.coupling import Coupled
 from gateway.pure.controllers.rho3.signals.drives import DriveOn
 from gateway.pure.controllers.rho3.signals.errors import RHO3
 from gateway.pure.controllers.rho3.signals.fast_io import Channels
@@ -83,6 +84,12 @@ class RhoControl:
     def outputs(self) -> bytes:
         """RC outputs of the cycle and of the control."""
         return bytes(self.image.outputs)
+
+    @property
+    def coupled(self) -> Coupled | None:
+        """Its bit coupling; None: P20 has none."""
+        coupling = self.setup.coupling
+        return None if coupling is None else Coupled(coupling, self.image, self.board_in, self.board_out)
 
     # ---- one cycle -----------------------------------------------------------------------------------------------------
     def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:

@@ -173,3 +173,13 @@ class BlockJoiner:
             return None
         frame, self._parts = b"".join(part.data for part in self._parts), []
         return frame
+
+
+@dataclass(frozen=True, slots=True)
+class Coupled:
+    """The bit coupling of a running control: frame, image, and the bytes of the board in the rack (filled in place)."""
+
+    coupling: Coupling
+    image: PicImage
+    board_in: bytearray
+    board_out: bytearray

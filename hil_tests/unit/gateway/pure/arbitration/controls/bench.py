@@ -9,10 +9,11 @@ from drivers.drives.family import BusFamily
 from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.cia402.slave import Cia402Slave
 from drivers.emulator.servodyn.slave import ServodynSlave
-from gateway.assembly.controllers import Control, make_control
+from gateway.assembly.controllers import make_control
 from gateway.assembly.plant import bus_settings
 from gateway.cell_file.load import load_cell
 from gateway.pure.cell.cell import Cell
+from gateway.pure.controllers.control import Control
 from gateway.pure.controllers.reis.control import ReisControl
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.val3.io.control import Val3Control

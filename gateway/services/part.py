@@ -1,0 +1,20 @@
+"""A part of the services process: the process starts its parts, steps them in order with its tick, asks for their status, closes them."""
+
+from protocols.base.machine import Ns
+
+
+class Part:
+    """A part leaves out what it does not need."""
+
+    async def start(self) -> None:
+        """Inside the running loop."""
+
+    def step(self, now: Ns) -> None:
+        """At each tick."""
+
+    def status(self) -> dict[str, object]:
+        """For tools, by key; {}: nothing to report."""
+        return {}
+
+    async def close(self) -> None:
+        """The process ends."""

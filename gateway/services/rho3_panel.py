@@ -1,0 +1,92 @@
+"""The pendant and the variables of a rho 3 in the services; loaded only where the control is one."""
+
+from gateway.pure.arbitration.command_block import Code, Command
+from gateway.pure.arbitration.dispatcher import CommandDispatcher
+from gateway.pure.controllers.rho3.pendant.modes import RESET
+from gateway.pure.controllers.rho3.signals.control import RhoControl
+from gateway.pure.controllers.rho3.signals.coupling import Coupled
+from gateway.pure.image.reasons import CommandState, text
+from gateway.services.program_host import ProgramHost
+from protocols.base.machine import Ns
+from protocols.telegrams.fields import Value
+
+USED_NS = 2_000_000_000  # the panel counts as used for so long after a key
+
+
+class Rho3Panel:
+    """Keys in, screen out; a reset chosen at the panel is a fault reset of the command source that pressed."""
+
+    def __init__(self, rho: RhoControl, office: CommandDispatcher, programs: ProgramHost | None) -> None:
+        """`programs`: the interpreter, where the cell has one."""
+        self.rho, self._programs = rho, programs
+        self._office = office
+        self._pressed: Ns = 0
+        self._source = 0  # who pressed last
+
+    @property
+    def halted(self) -> bool:
+        """The PIC has stopped (AX-478)."""
+        return self.rho.halted
+
+    @property
+    def coupled(self) -> Coupled | None:
+        """Its bit coupling."""
+        return self.rho.coupled
+
+    def look(self, now: Ns) -> None:
+        """Before a step of the control."""
+        self.rho.panel_used = bool(self._pressed) and now - self._pressed < USED_NS
+        if self._programs is not None:
+            self._programs.before(now)
+
+    def after(self) -> tuple[list[str], list[int]]:
+        """Behind a step of the control: what a person should read, jobs of an interpreter that is gone."""
+        return ([], []) if self._programs is None else (self._programs.after(), self._programs.ending())
+
+    def process(self, request: dict[str, object], source: int) -> dict[str, object] | None:
+        """Programs of the interpreter: list, start, stop, state; None: the cell has none."""
+        return None if self._programs is None else self._programs.answer(request, source)
+
+    def judge_reset(self, now: Ns) -> str:
+        """Mode 11.1 was chosen at the panel: a fault reset as any command source gives it; why it is refused."""
+        panel = self.rho.panel
+        if not panel.reset_wanted:
+            return ""
+        panel.reset_wanted = False
+        job = self._office.command(self._source, Command(Code.FAULT_RESET), now)
+        if job.state is CommandState.REFUSED:
+            why = text(job.reason, "en", job.detail)
+            panel.refuse(why)
+            return why
+        panel.enter(RESET)
+        return ""
+
+    def answer(self, request: dict[str, object], source: int, now: Ns) -> dict[str, object]:
+        """Its screen; with `key` after a key, with `mode` in another mode.  Mode 11.1 resets, and needs control for it."""
+        functions = self.rho.functions
+        if "key" in request:
+            self._pressed, self._source = now, source
+            functions.press(str(request["key"]))
+        if "mode" in request:
+            self._pressed, self._source = now, source
+            self.rho.panel.go(f"0.{request['mode']}".removesuffix(".0"))
+            refused = self.judge_reset(now)
+            if refused:
+                return {"error": f"mode {request['mode']}: {refused}"}
+        display = functions.display
+        return {"screen": list(display.screen()), "mode": functions.phg.mode, "lost_keys": display.lost_keys}
+
+    # ---- variables of the PHG 2000 -----------------------------------------------------------------------------------
+    def read(self, name: str) -> Value:
+        """KeyError, VariableError."""
+        return self.rho.phg.read(name)
+
+    def number(self, name: str) -> float:
+        """KeyError, VariableError; ValueError: a text."""
+        return self.rho.phg.number(name)
+
+    def write(self, name: str, value: Value) -> None:
+        """KeyError, VariableError; ValueError: a row of values."""
+        if isinstance(value, tuple):
+            raise ValueError(f"{name}: one value is expected")
+        self.rho.phg.write(name, int(value) if isinstance(value, bool) else value)
