@@ -1,19 +1,21 @@
-"""Receiving side of 3964R.  Source: rho 3 Releases part 1, section 7.1 (below: 7.1); refusals: AX-007, AX-008; rests of blocks: AX-240."""
+"""Receiving side of 3964R.  Source: rho 3 Releases part 1, section 7.1 (below: 7.1); refusals: AX-007, AX-008; remainders: AX-240."""
 
 from enum import Enum, auto
 
 from protocols.base.machine import Damage, Ns
+from protocols.p3964r.block_buffer import BlockBuffer
 from protocols.p3964r.characters import DLE, DLE_BYTE, ETB, ETX, NAK, STX, check_of
 from protocols.p3964r.events import (
     BlockReceived,
     BlockRefused,
     LineBreak,
     Outbox,
-    ReceptionFailed,
     Refusal,
     StrayCharacters,
 )
 from protocols.p3964r.profiles import BrokenPair, Profile, Stray, TooLong
+from protocols.p3964r.remainders import Remainders
+from protocols.p3964r.repeats import Repeats
 
 
 class State(Enum):
@@ -29,36 +31,23 @@ class State(Enum):
 
 IDLE, NO_BUFFER, DATA, ESCAPED, CHECK, DEAF = State  # asked at every character: State.DATA costs a search in its class
 INSIDE = (DATA, ESCAPED, CHECK)
-BLOCK_ENDS = (bytes((DLE, ETX)), bytes((DLE, ETB)))
 
 
 class Receiver:
     """Takes blocks off the line and answers them; half of a Link, which passes it its characters."""
 
     def __init__(self, profile: Profile, box: Outbox, keep_one: bool) -> None:
-        self._profile, self._box, self._keep_one = profile, box, keep_one
+        self._profile, self._box = profile, box
         self._most = profile.most_received
         self._cut = profile.too_long is TooLong.NAK_AT_ONCE
         self._state = IDLE
         self._due: Ns | None = None  # end of the gap, of the wait for a buffer, or of the quiet after stray characters
-        self._repeat_due: Ns | None = None
         self._why: Refusal | None = None  # first fault of the running block; it is heard to its end all the same (AX-007)
         self._check, self._data, self._count = 0, bytearray(), 0
-        self._untouched = False  # nothing heard since our DLE
-        self._torn = False  # a block was refused without having come to its end: its rest may still come
-        self._restless, self._heard_at = False, 0  # what was heard last had no place, or was refused; and when that was
-        self._doubted = False  # the opening under way came on such a line
-        self._leaving = False  # our DLE to it has not left
-        self._early = False  # what was heard of the block came in one burst with the STX
-        self._opened_in, self._ended_in = -1, -1  # turns of the box: our answer to STX, to the end of a block
         self._strays = 0
-        self._wish = False  # the last of them was STX: a partner that waits for DLE, if nothing follows (AX-654)
-        self._passed = b""  # the last two of them
-        self._refusals, self._first_why = 0, Refusal.GAP
-        self._awaits_repeat = False
-        self._free = True
-        self._asked_at: Ns = 0  # when STX found no buffer
-        self._stored: bytes | None = None
+        self._guard = Remainders(box, profile.char_delay)
+        self._repeats = Repeats(box, profile.block_attempts, profile.block_wait)
+        self._buffer = BlockBuffer(keep_one, profile.no_buffer_wait, profile.no_buffer_poll)
 
     @property
     def busy(self) -> bool:
@@ -73,12 +62,13 @@ class Receiver:
     # ---- the table
     def hear(self, data: bytes, at: int, now: Ns) -> int:
         """Take characters from index `at` on until idle again or none are left; returns the index of the next one."""
-        if self._early and self._box.turn != self._opened_in:
+        guard = self._guard
+        if guard.outrun:
             self._forget()
         size = len(data)
         while at < size:
             byte = data[at]
-            if self._untouched and self._other_than_begun(byte):
+            if guard.untouched and self._other_than_begun(byte):
                 at += 1
             elif self._state is DATA and byte != DLE:
                 at = self._collect(data, at)
@@ -87,16 +77,16 @@ class Receiver:
                 at += 1
             if self._state is IDLE:
                 break
-        self._heard_at = now
-        if not self._untouched and self._state is not IDLE and self._state is not NO_BUFFER:
+        guard.heard_at = now
+        if not guard.untouched and self._state is not IDLE and self._state is not NO_BUFFER:
             self._due = now + self._profile.char_delay
         return at
 
     def _other_than_begun(self, byte: int) -> bool:
         """The first character after our DLE, where it is a wish again or shows that there was none.  True: it is taken."""
-        if self._doubted and self._before_our_dle() and not (byte == STX and self._box.turn == self._opened_in):
+        if self._guard.not_opened(byte):
             self._close_again(byte)
-        elif byte in (STX, NAK) and self._box.turn == self._opened_in:
+        elif byte in (STX, NAK) and self._guard.same_burst:
             self._wish_again(byte)
             return True
         return False
@@ -111,7 +101,7 @@ class Receiver:
         elif state is CHECK:
             self._judge(byte)
         elif state is IDLE:
-            if byte == STX and self._box.turn != self._ended_in:  # else in one breath with the end of a block: part of it
+            if byte == STX and not self._guard.behind_an_end:  # else in one breath with the end of a block: part of it
                 self._open(now)
                 return
             if byte != NAK:  # the partner gave up or started; never answered, so two stations cannot loop
@@ -121,8 +111,7 @@ class Receiver:
             self._strays += 1
             self._pass_over(byte)
         # NO_BUFFER: still the same wish to send (AX-006)
-        self._untouched = False
-        self._early = self._box.turn == self._opened_in and self._state in INSIDE
+        self._guard.heard(inside=self._state in INSIDE)
 
     def _second_of_pair(self, byte: int) -> None:
         """What the DLE before it meant."""
@@ -145,8 +134,7 @@ class Receiver:
             run = run[: self._most + 1 - self._count]  # the first one too many ends the block
         self._check ^= check_of(run)
         self._store(run)
-        self._untouched = False
-        self._early = self._box.turn == self._opened_in and self._state in INSIDE
+        self._guard.heard(inside=self._state in INSIDE)
         return at + len(run)
 
     def _store(self, run: bytes) -> None:
@@ -174,7 +162,7 @@ class Receiver:
         self._why = self._why or why
 
     def damaged(self, kind: Damage, now: Ns) -> None:
-        self._wish, self._passed = False, b""
+        self._guard.damaged()
         if kind is Damage.BREAK:
             self._break(now)
         elif self._state is IDLE:
@@ -184,7 +172,7 @@ class Receiver:
             self._due = now + self._profile.char_delay
         elif self._state is not NO_BUFFER:
             self._blame(Refusal.DAMAGED)
-            self._untouched = False
+            self._guard.untouched = False
             self._due = now + self._profile.char_delay
             if self._state is CHECK:
                 self._judge(self._check)  # the spoiled character was the check
@@ -193,7 +181,7 @@ class Receiver:
 
     # ---- the ends of a block
     def _judge(self, check: int) -> None:
-        self._ended_in, self._torn = self._box.turn, False
+        self._guard.ended()
         why = self._why or (None if check == self._check else Refusal.CHECK)
         if why is None:
             self._deliver()
@@ -204,29 +192,19 @@ class Receiver:
         data = bytes(self._data)
         self._box.say(DLE)
         self._box.tell(BlockReceived(data))
-        if self._keep_one:
-            self._stored, self._free = data, False
-        self._refusals = 0
+        self._buffer.store(data)
+        self._repeats.delivered()
         self._rest()
 
     def _refuse(self, why: Refusal) -> None:
         """NAK, once; the repeat is expected within the block wait time, which runs from when the NAK has left."""
-        if self._early and self._box.turn == self._opened_in:
+        if self._guard.unsaid:
             del self._box.output[-1:]  # our DLE was not given out: before a NAK it would read "block good"
         self._box.say(NAK)
         self._box.tell(BlockRefused(why, self._count))
-        self._restless = True
-        if self._refusals == 0:
-            self._first_why = why
-        self._refusals += 1
+        self._guard.refused()
         self._rest()
-        self._awaits_repeat = True
-        if self._refusals == self._profile.block_attempts:
-            self._report_failure()
-
-    def _report_failure(self) -> None:
-        self._box.tell(ReceptionFailed(self._first_why, self._refusals))
-        self._refusals, self._awaits_repeat, self._repeat_due = 0, False, None
+        self._repeats.refused(why)
 
     def _break(self, now: Ns) -> None:
         """BREAK: no answer, and back to idle; from inside a block once the line is quiet (AX-228)."""
@@ -235,18 +213,17 @@ class Receiver:
             self._box.tell(BlockRefused(Refusal.BREAK, self._count) if self.busy else LineBreak())
         self._rest()
         if inside:
-            self._state, self._due, self._untouched = DEAF, now + self._profile.char_delay, False
+            self._state, self._due, self._guard.untouched = DEAF, now + self._profile.char_delay, False
 
     def _rest(self) -> None:
-        self._state, self._due, self._early = IDLE, None, False
+        self._state, self._due = IDLE, None
+        self._guard.begins()
         self._why, self._data, self._count, self._check = None, bytearray(), 0, 0
 
     # ---- idle
     def _pass_over(self, byte: int) -> None:
-        """Behind DLE ETX a 02h is the check of a block whose sender waits for DLE as well, but to hear that it was taken."""
-        refused = self._state is IDLE and self._profile.stray is Stray.NAK_AT_ONCE
-        self._wish = byte == STX and self._passed not in BLOCK_ENDS and not refused
-        self._passed = (self._passed + bytes((byte,)))[-2:]
+        """A character without a place."""
+        self._guard.pass_over(byte, refused=self._state is IDLE and self._profile.stray is Stray.NAK_AT_ONCE)
 
     def _grant(self, now: Ns) -> None:
         """The line has been quiet since the last stray character, which was STX: nobody but a partner that waits is silent behind one."""
@@ -255,46 +232,40 @@ class Receiver:
 
     def _open(self, now: Ns) -> None:
         self.settle()
-        self._wish, self._passed = False, b""
-        self._doubted = self._torn or (self._restless and now - self._heard_at < self._profile.char_delay)
-        self._restless = False
-        self._awaits_repeat, self._repeat_due = False, None
-        if self._free:
+        self._guard.opening(now)
+        self._repeats.opened()
+        if self._buffer.free:
             self._admit(now)
-        elif self._profile.no_buffer_wait:
-            self._state, self._asked_at = NO_BUFFER, now
-            self._due = now + self._profile.no_buffer_wait
+        elif self._buffer.wait:
+            self._state, self._due = NO_BUFFER, self._buffer.asked(now)
         else:
             self._turn_away()
 
     def _admit(self, now: Ns) -> None:
         self._box.say(DLE)
-        self._opened_in, self._leaving = self._box.turn, True
-        self._state, self._untouched = DATA, True
+        self._guard.answered()
+        self._state = DATA
         self._due = now + self._profile.char_delay  # prolonged when the DLE has left
-
-    def _before_our_dle(self) -> bool:
-        """What comes now did not wait for the DLE: in one burst with the STX, or, after a torn block, before the DLE has left."""
-        return self._box.turn == self._opened_in or (self._torn and self._leaving)
 
     def _forget(self) -> None:
         """In one burst with the STX and no whole block: the block begins now, behind our DLE."""
-        self._state, self._early = DATA, False
+        self._state = DATA
+        self._guard.begins()
         self._why, self._data, self._count, self._check = None, bytearray(), 0, 0
 
     def _wish_again(self, byte: int) -> None:
         """In one burst with the STX: STX is the same wish once more, NAK takes it back."""
         if byte == NAK:
             del self._box.output[-1:]
-            self._untouched = False
+            self._guard.untouched = False
             self._rest()
 
     def _close_again(self, byte: int) -> None:
         """That STX was a character out of the rest of a block: nothing was opened, and nothing is until the line is quiet (AX-240)."""
-        if self._box.turn == self._opened_in:
+        if self._guard.same_burst:
             del self._box.output[-1:]
         self._strays += 1
-        self._state, self._untouched = DEAF, False
+        self._state, self._guard.untouched = DEAF, False
         self._pass_over(byte)
 
     def _turn_away(self) -> None:
@@ -311,7 +282,7 @@ class Receiver:
 
     def disquiet(self, now: Ns) -> None:
         """A character without a place was heard, here or by the sender."""
-        self._restless, self._heard_at = True, now
+        self._guard.disquiet(now)
 
     def settle(self) -> None:
         """Something else begins: report the stray characters so far."""
@@ -321,24 +292,24 @@ class Receiver:
 
     # ---- time
     def deadline(self) -> Ns | None:
-        if self._due is None or self._repeat_due is None:
-            return self._due if self._repeat_due is None else self._repeat_due
-        return min(self._due, self._repeat_due)
+        repeat = self._repeats.due
+        if self._due is None or repeat is None:
+            return self._due if repeat is None else repeat
+        return min(self._due, repeat)
 
     def sent(self, now: Ns) -> None:
-        self._leaving = False
-        if self._untouched and self._state is DATA:
+        self._guard.left()
+        if self._guard.untouched and self._state is DATA:
             self._due = now + self._profile.char_delay
-        if self._awaits_repeat and self._repeat_due is None:
-            self._repeat_due = now + self._profile.block_wait
+        self._repeats.left(now)
 
     def expire(self, now: Ns) -> None:
         """The earlier of the timers is over."""
         if self._due is None or self._due > now:
-            self._report_failure()
+            self._repeats.fail()
             return
         match self._state:
-            case State.IDLE if self._wish:
+            case State.IDLE if self._guard.waits:
                 self._grant(now)
             case State.IDLE:
                 self.settle()
@@ -348,37 +319,36 @@ class Receiver:
                 self._look_for_room(now)
             case State.DEAF:
                 self._rest()
-                self._torn = False
-                if self._wish:
+                self._guard.torn = False
+                if self._guard.waits:
                     self._grant(now)
                 else:
                     self.settle()
             case _:
-                self._torn = True
+                self._guard.torn = True
                 self._refuse(self._why or Refusal.GAP)
 
     # ---- the one-block buffer
     def set_free(self, free: bool, now: Ns) -> None:
-        self._free = free
+        self._buffer.free = free
         if free and self._state is NO_BUFFER:
-            poll, last = self._profile.no_buffer_poll, self._asked_at + self._profile.no_buffer_wait
-            if poll == 0:
+            look = self._buffer.next_look(now)
+            if look is None:
                 self._admit(now)
             else:
-                self._due = min(last, self._asked_at - (self._asked_at - now) // poll * poll)  # the next step, this moment included
+                self._due = look
 
     def _look_for_room(self, now: Ns) -> None:
         """A polling step, or the end of the wait for a buffer."""
-        last = self._asked_at + self._profile.no_buffer_wait
-        if self._free:
+        if self._buffer.free:
             self._admit(now)
-        elif now < last:
-            self._due = last
+        elif now < self._buffer.last:
+            self._due = self._buffer.last
         else:
             self._turn_away()
 
     def take_block(self, now: Ns) -> bytes | None:
-        block, self._stored = self._stored, None
+        block = self._buffer.take()
         if block is not None:
             self.set_free(True, now)
         return block
@@ -386,9 +356,8 @@ class Receiver:
     def lost(self) -> None:
         """The port is gone.  A block already acknowledged stays in the buffer: the partner will not send it again."""
         self.settle()
-        self._torn = self._restless = self._wish = False
-        self._opened_in = self._ended_in = -1
+        self._guard.lost()
         if self.busy:
             self._box.tell(BlockRefused(Refusal.LOST, self._count))
         self._rest()
-        self._refusals, self._awaits_repeat, self._repeat_due = 0, False, None
+        self._repeats.forget()

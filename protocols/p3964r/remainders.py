@@ -1,0 +1,111 @@
+"""Guard of the receiver against remainders of blocks: which STX opens a block, and which is a character of an old one.
+
+A block that was torn (a gap, a BREAK) or refused at once may go on behind our answer, and 02h is as frequent in it as any other character.
+Two things give a remainder away: it does not wait for our DLE, and it comes without a pause.  Source: AX-228, AX-240, AX-654.
+
+| question | yes, when |
+|---|---|
+| is this STX a part of the block before? (`behind_an_end`) | it came in one breath with the end of that block |
+| was nothing opened? (`not_opened`) | the line was restless or a block torn, and this character did not wait for our DLE |
+| is this the same wish again? (`same_burst`) | it came in one burst with the STX, before our DLE was given out |
+| does the block begin only now? (`outrun`) | a burst came with the STX and held no whole block, and our DLE has left since |
+| does a partner wait? (`waits`) | the last character without a place was STX, not the check of a block, and silence followed |
+"""
+
+from protocols.base.machine import Ns
+from protocols.p3964r.characters import DLE, ETB, ETX, STX
+from protocols.p3964r.events import Outbox
+
+BLOCK_ENDS = (bytes((DLE, ETX)), bytes((DLE, ETB)))
+
+
+class Remainders:
+    """Asked by the receiver, and told by it what happens; says and sends nothing itself."""
+
+    def __init__(self, box: Outbox, char_delay: Ns) -> None:
+        self._box, self._char_delay = box, char_delay
+        self.untouched = False  # nothing heard since our DLE
+        self.torn = False  # a block was refused without having come to its end: its remainder may still come
+        self._restless, self.heard_at = False, 0  # what was heard last had no place, or was refused; and when that was
+        self._doubted = False  # the opening under way came on such a line
+        self._leaving = False  # our DLE to it has not left
+        self._early = False  # what was heard of the block came in one burst with the STX
+        self._opened_in, self._ended_in = -1, -1  # turns of the box: our answer to STX, to the end of a block
+        self.waits = False  # the last stray character was STX: a partner that waits for DLE, if nothing follows
+        self._passed = b""  # the last two of them
+
+    # ---- the five questions
+    @property
+    def behind_an_end(self) -> bool:
+        """What comes now is in one breath with the end of a block: part of it."""
+        return self._box.turn == self._ended_in
+
+    @property
+    def same_burst(self) -> bool:
+        """What comes now is in one burst with the STX: our DLE was not given out."""
+        return self._box.turn == self._opened_in
+
+    @property
+    def outrun(self) -> bool:
+        """In one burst with the STX came no whole block: the block begins now, behind our DLE."""
+        return self._early and self._box.turn != self._opened_in
+
+    def not_opened(self, byte: int) -> bool:
+        """This first character behind a doubtful opening did not wait for our DLE: that STX was a character of a remainder."""
+        same = self.same_burst
+        return self._doubted and (same or (self.torn and self._leaving)) and not (byte == STX and same)
+
+    @property
+    def unsaid(self) -> bool:
+        """Our DLE to the block under way was not given out, and nothing but that burst was heard of it."""
+        return self._early and self._box.turn == self._opened_in
+
+    # ---- what happens
+    def opening(self, now: Ns) -> None:
+        """STX, to be answered."""
+        self.waits, self._passed = False, b""
+        self._doubted = self.torn or (self._restless and now - self.heard_at < self._char_delay)
+        self._restless = False
+
+    def answered(self) -> None:
+        """DLE is said to it."""
+        self._opened_in, self._leaving, self.untouched = self._box.turn, True, True
+
+    def left(self) -> None:
+        """What we said has left the line."""
+        self._leaving = False
+
+    def heard(self, *, inside: bool) -> None:
+        """A character; `inside`: of a block."""
+        self.untouched = False
+        self._early = inside and self._box.turn == self._opened_in
+
+    def begins(self) -> None:
+        """The block begins anew, or there is none."""
+        self._early = False
+
+    def ended(self) -> None:
+        """A block has come to its end."""
+        self._ended_in, self.torn = self._box.turn, False
+
+    def refused(self) -> None:
+        """A block was refused: its remainder would be heard as a block of its own."""
+        self._restless = True
+
+    def disquiet(self, now: Ns) -> None:
+        """A character without a place was heard, here or by the sender."""
+        self._restless, self.heard_at = True, now
+
+    def pass_over(self, byte: int, *, refused: bool) -> None:
+        """Behind DLE ETX a 02h is the check of a block whose sender waits for DLE as well, but to hear that it was taken."""
+        self.waits = byte == STX and self._passed not in BLOCK_ENDS and not refused
+        self._passed = (self._passed + bytes((byte,)))[-2:]
+
+    def damaged(self) -> None:
+        """No character in line order: no wish."""
+        self.waits, self._passed = False, b""
+
+    def lost(self) -> None:
+        """The port is gone."""
+        self.torn = self._restless = self.waits = False
+        self._opened_in = self._ended_in = -1
