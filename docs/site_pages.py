@@ -1,7 +1,7 @@
 """Pages of the docs site that are made of the program itself, in build/docs-src beside a copy of docs; `make docs` runs it, then MkDocs.
 
-Nothing of it is kept in the tree, so it cannot differ from what it tells.  A line `<!-- wiring: CELL -->` in a page becomes the wiring
-sheet of that shipped cell, as `axisgate map CELL --wiring` prints it.
+None of these pages is kept in the tree, so they cannot differ from the program.  A line `<!-- wiring: CELL -->` in a page becomes the
+wiring table of that shipped cell, as `axisgate map CELL --wiring` prints it; docs/assemble.py puts the same tables into the tree.
 """
 
 import contextlib
@@ -29,7 +29,8 @@ from gateway.tools.progress import steps
 HERE = pathlib.Path(__file__).resolve().parent
 TARGET = HERE.parent / "build" / "docs-src"
 KEPT = ("*.md", "guide/*.md", "howto/*.md", "pictures/*.png", "requirements/*.csv")
-WIRING = re.compile(r"^<!-- wiring: ([\w-]+) -->$", re.MULTILINE)
+WIRING = re.compile(r"^<!-- wiring: ([\w-]+) -->$\n?(?:(?:(?!<!-- wiring:).)*?<!-- /wiring -->)?", re.DOTALL | re.MULTILINE)
+QUESTIONS = re.compile(r"^<!-- questions -->$\n?(?:.*?<!-- /questions -->)?", re.DOTALL | re.MULTILINE)
 OUTSIDE = re.compile(r"\]\((?:\.\./)+(configs|hil_tests|gateway|drivers|protocols|motion|README\.md|LICENSE)[^)]*\)")
 MADE = "Made by `make docs` out of the program; it is never edited.\n"
 
@@ -39,7 +40,7 @@ MADE = "Made by `make docs` out of the program; it is never edited.\n"
 
 def cell_keys() -> str:
     """Every key of the cell file: tables in the order of the file, from the classes that check it."""
-    sections = [f"# Keys of the cell file\n\n{MADE}\n`axisgate explain KEY --cell CELL` tells what a key came to, and why.\n"]
+    sections = [f"# Keys of the cell file\n\n{MADE}\n`axisgate explain KEY --cell CELL` shows the value of a key and its source.\n"]
     for path, table in tables(CellTables, ""):
         rows = "".join(_key(column) for column in columns(table).values() if not column.table and not column.loaded)
         if rows:
@@ -125,9 +126,7 @@ def signals() -> str:
         f"| {row['direction']} {row['bit']} | `{row['name']}` | {_cell(str(row['en']))} | {_cell(str(row['de']))} | {row['source']} |\n"
         for row in read_signals()
     )
-    head = (
-        "`axisgate explain NAME` tells more; `[signals]` of a cell moves one to another number. *axisgate* as source: our own (AX-002).\n"
-    )
+    head = "`axisgate explain NAME` shows more; `[signals]` of a cell moves one to another number. Source *axisgate*: AX-002.\n"
     return f"# Signals\n\n{MADE}\n{head}\n| bit | name | text | Text | source |\n|---|---|---|---|---|\n{rows}"
 
 
@@ -135,7 +134,7 @@ PLAIN = {"p15": "3", "axes": "6", "risk": "J. Muster"}  # an answer to each ques
 
 
 def questions() -> str:
-    """The ten questions of `axisgate assess`, and what it says to each answer."""
+    """The ten questions of `axisgate assess`, and the verdict on each answer."""
     usual = {asked.key: next(iter(asked.answers), PLAIN.get(asked.key, "-")) for asked in ASKED}
     rows = []
     for number, asked in enumerate(ASKED, 1):
@@ -148,7 +147,7 @@ def questions() -> str:
 
 def pictures() -> str:
     """Every page in both themes, at two sizes."""
-    parts = ["# The page in pictures\n\nTaken by the tests from a running cell, simulated.\n"]
+    parts = ["# Screenshots of the page\n\nTaken by the tests from a running cell, simulated.\n"]
     for name in sorted({path.stem.split("-")[0] for path in (HERE / "pictures").glob("*-*-*.png")}):
         shots = "\n".join(f"![{path.stem}](../pictures/{path.name})" for path in sorted((HERE / "pictures").glob(f"{name}-*-*.png")))
         parts.append(f"## {name.capitalize()}\n\n{shots}\n")
@@ -156,7 +155,7 @@ def pictures() -> str:
 
 
 def wiring(name: str) -> str:
-    """The wiring sheet of a shipped cell."""
+    """The wiring table of a shipped cell."""
     return f"Wiring of the shipped cell `{name}` (`axisgate map {name} --wiring`):\n\n{_sheet(name, 'wiring')}"
 
 
@@ -175,25 +174,30 @@ GENERATED = {
 }
 
 
+def in_tree(text: str) -> str:
+    """A page with the same tables between its marks, so that they can be read on a code host."""
+    text = QUESTIONS.sub(lambda _: f"<!-- questions -->\n{questions()}<!-- /questions -->", text)
+    return WIRING.sub(lambda found: f"<!-- wiring: {found[1]} -->\n{wiring(found[1])}<!-- /wiring -->", text)
+
+
 def filled(text: str) -> str:
-    """A page with its sheets put in; what lies outside the site is named and not linked."""
-    text = text.replace("<!-- questions -->", questions())
+    """A page with its tables put in; what lies outside the site is named and not linked."""
+    text = QUESTIONS.sub(lambda _: questions(), text)
     text = WIRING.sub(lambda found: wiring(found[1]), text)
     return OUTSIDE.sub(r"]", text)
 
 
-BEGINNING = ("tutorial", "new-cell")  # guides that stand elsewhere in the navigation
 GUIDES = "      # every page of docs/guide\n"
 
 
 def settings() -> str:
-    """mkdocs.yml with the guides by their titles."""
-    rows = []
+    """mkdocs.yml; guides that it does not name follow by their titles."""
+    rows, text = [], (HERE.parent / "mkdocs.yml").read_text(encoding="utf-8")
     for path in sorted((HERE / "guide").glob("*.md")):
-        if path.stem not in BEGINNING:
+        if f"guide/{path.name}" not in text:
             title = path.read_text(encoding="utf-8").partition("\n")[0].lstrip("# ").replace("`", "").replace('"', "")
             rows.append(f'      - "{title}": guide/{path.name}\n')
-    return (HERE.parent / "mkdocs.yml").read_text(encoding="utf-8").replace(GUIDES, "".join(rows))
+    return text.replace(GUIDES, "".join(rows))
 
 
 def main() -> int:

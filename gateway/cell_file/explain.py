@@ -1,6 +1,7 @@
 """Explains a key of a cell: value, unit, source; also addresses and words.  Used by `axisgate explain`."""
 
 import dataclasses
+import textwrap
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from gateway.cell_file.glossary import ALIASES, ALSO_CALLED, MEANINGS, PARAMETER
 from gateway.cell_file.keys import line_of, steps_of, written
 from gateway.cell_file.rho3_parameters import LEGAL
 from gateway.checks.blocks import place_of
+from gateway.files.decisions import read_decision
 from gateway.files.find import find_config, read_signals, read_text
 from gateway.files.texts import read_texts
 from gateway.pure.cell.cell import Cell
@@ -124,6 +126,26 @@ class Explainer:
     def _place(self, key: str) -> str:
         line = line_of(self._raw, self._places, _toml(key))
         return self._name if line is None else f"{self._name}:{line}"
+
+
+def parameter_of_any_cell(number: str) -> list[Line]:
+    """What a P number sets; [] for one the rho 3 does not have."""
+    if number not in LEGAL:
+        return []
+    meaning, unit = PARAMETERS.get(number) or _not_used(number)
+    return [Line(f"rho3.{number}", meaning, f"[{unit}]" if unit else "", "its value: --cell CELL")]
+
+
+def decision_lines(number: str) -> list[Line]:
+    """A decision: title and text; [] where there is none of that number."""
+    found = read_decision(number)
+    return [Line(number, found.title, "", found.chapter), *(Line("", part) for part in lines_in(found.text))] if found else []
+
+
+def lines_in(text: str) -> Iterator[str]:
+    """Paragraphs in lines of a terminal; tables and code stay as they are."""
+    for line in text.splitlines():
+        yield from textwrap.wrap(line, 110) if line and line[0] not in "| " else [line]
 
 
 def word(text: str, cell: Cell | None) -> list[Line]:

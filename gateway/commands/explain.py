@@ -1,4 +1,4 @@
-"""`axisgate explain KEY`: a value of a cell with unit and source, a P number, a word, an address in all worlds, or an error."""
+"""`axisgate explain KEY`: a value of a cell with unit and source, a P number, a word, an address, an error, or a decision."""
 
 import argparse
 import dataclasses
@@ -8,7 +8,7 @@ import pathlib
 import re
 import sys
 
-from gateway.cell_file.explain import Explainer, Line, address, word
+from gateway.cell_file.explain import Explainer, Line, address, decision_lines, parameter_of_any_cell, word
 from gateway.cell_file.load import load_cell
 from gateway.files.error_catalogue import explain as errors_of
 from gateway.files.find import ConfigNotFound
@@ -22,6 +22,8 @@ EXAMPLES = """examples:
   axisgate explain axis.1 --cell cell.toml                all values of the first axis and where each comes from
   axisgate explain axis.A1.limits.speed --cell demo       one value
   axisgate explain P5 --cell rho3-servodyn                a machine parameter and what it sets
+  axisgate explain P303                                   what a machine parameter sets, without a cell
+  axisgate explain AX-334                                 a decision of axisgate
   axisgate explain QVZ                                    a word; also ZVZ, KF, KG, Kv, SYNC
   axisgate explain "RC 7.3"                               an address: number, PIC, CL300, RC, meaning
   axisgate explain 647                                    an error: text, cause, what to do, reset, what the partner shows
@@ -64,10 +66,15 @@ def explain(key: str, cell: Cell | None, path: str | None, spoken: str = "en") -
     """What is known about a key; [] when nothing is."""
     last = key.rsplit(maxsplit=1)[-1:]
     numbered = errors_of(key) if last and number_of(last[0]) is not None else []
+    if re.fullmatch(r"[Aa][Xx]-?\d{3}", key):
+        return decision_lines(f"AX-{key[-3:]}")
+    parameter = re.fullmatch(r"(?:rho3\.)?[Pp](\d+)", key)
+    if parameter and cell is None:
+        return parameter_of_any_cell(f"P{parameter[1]}")
     if cell is not None and path is not None:
         explainer = Explainer(cell, path)
-        if re.fullmatch(r"(rho3\.)?[Pp]\d+", key):
-            return explainer.parameter(key.removeprefix("rho3.").upper())
+        if parameter:
+            return explainer.parameter(f"P{parameter[1]}")
         if lines := explainer.key(key) or explainer.block_place(key):
             return lines
     found = word(key, cell) or address(key, cell.cell.language if cell else "en", cell)
@@ -89,8 +96,10 @@ def error_lines(entry: Entry, language: str) -> list[Line]:
 
 def unknown(key: str, cell: Cell | None) -> str:
     """Why nothing was found."""
+    if re.fullmatch(r"[Pp]\d+", key):
+        return f"the rho 3 has no machine parameter {key.upper()}"
     if cell is None:
-        return "no word, address or error of that name; keys of a cell need --cell CELL"
+        return "no word, address, P number, decision or error of that name; keys of a cell need --cell CELL"
     return f"no such key, word or address; keys begin with axis.{cell.axis[0].name if cell.axis else 'NAME'}, line., bus., db., cell."
 
 

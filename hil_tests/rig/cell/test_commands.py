@@ -110,6 +110,8 @@ def test_own_configs_come_before_the_packaged_ones(tmp_path: pathlib.Path) -> No
 def test_a_command_line_that_is_none() -> None:
     assert axisgate("check").returncode == 2
     assert axisgate("explain", "no.such.thing", "--cell", "demo").returncode == 2
+    assert "the rho 3 has no machine parameter P9999" in axisgate("explain", "P9999").stderr
+    assert "decision" in axisgate("explain", "AX-999").stderr
     assert axisgate("doctor", "--nonsense").returncode == 2
 
 
@@ -123,6 +125,9 @@ def test_a_command_line_that_is_none() -> None:
         (("QVZ", "--cell", "s5-rk512"), ("ADT", "2000 ms", "550 ms", "line.plc")),
         (("DB10.DW2", "--cell", "demo"), ("move.A1.target", "KF")),
         (("RC 7.3",), ("66", "O8.2", "O7.2", "7.3", "drive on, all axes")),
+        (("P303",), ("rho3.P303", "axis type", "--cell")),
+        (("AX-334",), ("AX-334", "EXPROG.DAT")),
+        (("ax-001",), ("AX-001", "SERVODYN")),
         (("READY_RCO",), ("64", "I8.0", "axisgate (AX-002)")),
     ],
 )

@@ -19,6 +19,7 @@ def test_a_wheel_has_the_parts_in_c_and_their_sources(tmp_path: pathlib.Path) ->
     tree.mkdir()
     for name in ("gateway", "drivers", "protocols", "motion", "configs"):
         shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("*.so", "__pycache__"))
+    shutil.copytree(ROOT / "docs" / "decisions.d", tree / "docs" / "decisions.d")
     (tree / "hil_tests").mkdir()
     for name in ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, tree)
@@ -29,3 +30,4 @@ def test_a_wheel_has_the_parts_in_c_and_their_sources(tmp_path: pathlib.Path) ->
     names = set(zipfile.ZipFile(wheel).namelist())
     assert {f"gateway/cycle/native/{built.library(part).name}" for part in built.PARTS} <= names
     assert {f"gateway/cycle/native/{part}.c" for part in built.PARTS} <= names and "none-any" not in wheel.name
+    assert "configs/decisions/AX-334-declared-processes.md" in names, "axisgate explain AX-334"

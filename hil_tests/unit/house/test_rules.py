@@ -10,6 +10,8 @@ import tomllib
 
 import pytest
 
+from gateway.files.decisions import files as decision_files
+from gateway.files.decisions import parsed
 from hil_tests.matrix.catalogue import rows
 from hil_tests.matrix.spelled import faults_of
 from hil_tests.purity import GUARDED_FOLDERS, ROOT
@@ -18,6 +20,7 @@ PACKAGES = ("gateway", "drivers", "protocols", "motion", "hil_tests", "configs")
 SOURCES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
 IGNORE = re.compile(r"#\s*type:\s*ignore(?P<codes>\[[\w, -]+\])?(?P<reason>.*)$")
 MOST_IGNORES = 20
+MOST_UNSORTED = 12  # decisions
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 
 
@@ -115,12 +118,36 @@ def test_every_link_of_our_texts_leads_somewhere(path: pathlib.Path) -> None:
     assert dead == []
 
 
+ANCHORED = re.compile(r"\]\((?!https?:|mailto:)([^)#\s]*)#([^)\s]+)\)")
+
+
+def anchors(path: pathlib.Path) -> set[str]:
+    """Of a page: explicit ones, and those a code host makes of headings."""
+    text = path.read_text(encoding="utf-8")
+    headings = re.findall(r"^#+ (.+)$", text, re.MULTILINE)
+    return {*re.findall(r'<a id="([^"]+)">', text), *(re.sub(r"[^\w -]", "", each.lower()).replace(" ", "-") for each in headings)}
+
+
+@pytest.mark.parametrize("path", texts(), ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_link_to_a_place_in_a_page_lands_there(path: pathlib.Path) -> None:
+    """Decisions have the anchor #ax-nnn, wherever their chapter is."""
+    dead = [
+        (name, place) for name, place in ANCHORED.findall(path.read_text()) if place not in anchors(path.parent / name if name else path)
+    ]
+    assert dead == []
+
+
+def test_nearly_every_decision_has_a_chapter_of_the_page() -> None:
+    unsorted = [path.name for path in decision_files() if not parsed(path.name, path.read_text(encoding="utf-8")).chapter]
+    assert len(unsorted) <= MOST_UNSORTED, unsorted
+
+
 def test_the_page_of_decisions_says_what_its_files_say() -> None:
     done = subprocess.run([sys.executable, ROOT / "docs" / "assemble.py", "--check"], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, ""), "run make docs"
 
 
 def test_every_decision_that_is_named_exists() -> None:
-    known = set(re.findall(r"^## (AX-\d{3})", (ROOT / "docs" / "decisions.md").read_text(), re.MULTILINE))
+    known = set(re.findall(r"^### (AX-\d{3})", (ROOT / "docs" / "decisions.md").read_text(), re.MULTILINE))
     named = {number for path in SOURCES for number in re.findall(r"\bAX-\d{3}\b", path.read_text())}
     assert named - known == set()
