@@ -5,11 +5,14 @@ the supervisor starts it again, and open pages connect by themselves.
 """
 
 import argparse
+import logging
 import os
 import pathlib
 import resource
 import signal
 import socket
+import sqlite3
+import time
 
 import uvicorn
 
@@ -18,7 +21,7 @@ from gateway.observer.regions import Regions
 from gateway.pure.scope.records import SCOPE_LAYOUT
 from gateway.runtime.journal import Journal
 from gateway.runtime.late_address import listening, patiently
-from gateway.runtime.life import Life
+from gateway.runtime.life import BEAT_S, Life
 from gateway.runtime.page_data import data_file
 from gateway.runtime.realtime import die_with_parent
 from gateway.runtime.regions import RingReader, fds_from_text
@@ -28,15 +31,17 @@ from gateway.web.store import Store
 from gateway.web.unfinished_requests import PatientHttp, PatientServer
 
 NICE = 5
+SETTLE_TICKS = 10  # between two looks at what the disk did not take; a second
+SELDOM_S, MOST_WORDS = 60.0, 100
 MOST_FILES = 8192  # handshakes that never end hold one each for five seconds
 
 
 class LivingServer(PatientServer):
     """Shows life whenever its loop comes round, ten times a second."""
 
-    def __init__(self, config: uvicorn.Config, journal: Journal) -> None:
+    def __init__(self, config: uvicorn.Config, journal: Journal, life: Life | None = None, store: Store | None = None) -> None:
         super().__init__(config)
-        self._life, self._journal = Life(), journal
+        self._life, self._journal, self._store = life or Life(), journal, store
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Waits for an address that comes late, alive."""
@@ -54,7 +59,53 @@ class LivingServer(PatientServer):
 
     async def on_tick(self, counter: int) -> bool:
         self._life.beat()
+        if self._store is not None and counter % SETTLE_TICKS == 0:
+            self._store.settle()
         return await super().on_tick(counter)
+
+
+class Seldom(logging.Filter):
+    """What a visitor can make the server say as often as he likes is said once a minute, with how often."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._said: dict[str, float] = {}
+        self._more: dict[str, int] = {}
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        words, now = str(record.msg), time.monotonic()
+        if record.levelno >= logging.ERROR:
+            return True
+        if now - self._said.get(words, -SELDOM_S) < SELDOM_S:
+            self._more[words] = self._more.get(words, 0) + 1
+            return False
+        if len(self._said) > MOST_WORDS:
+            self._said.clear()
+        self._said[words] = now
+        if more := self._more.pop(words, 0):
+            record.msg, record.args = f"{record.getMessage()} ({more} times more in between)", ()
+        return True
+
+
+def opened(path: pathlib.Path, journal: Journal, life: Life) -> Store:
+    """Users and audit of the page, as soon as its disk lets them be opened; waiting is reported once and is no death."""
+    waits = False
+    while True:
+        try:
+            store = Store(path, lambda words: journal.write("alarm", words))
+        except (sqlite3.Error, OSError) as error:
+            if not waits:
+                journal.write(
+                    "alarm", f"the page's data {path} cannot be opened ({error}); make room on its disk; tried again every second"
+                )
+            waits = True
+            for _ in range(round(1.0 / BEAT_S)):
+                life.beat()
+                time.sleep(BEAT_S)
+        else:
+            if waits:
+                journal.write("alarm", f"the page's data {path} is open")
+            return store
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -67,7 +118,9 @@ def main(argv: list[str] | None = None) -> int:
     plan = load_plan(arguments.plan)
     assert plan.web is not None
     web, folder = plan.web, pathlib.Path(plan.cell.file).parent
-    store = Store(data_file(plan.cell, web, simulated=plan.simulated))
+    logging.getLogger("uvicorn.error").addFilter(Seldom())
+    journal, life = Journal(plan.journal, "web"), Life()
+    store = opened(data_file(plan.cell, web, simulated=plan.simulated), journal, life)
     fds, kept = fds_from_text(arguments.fds), data_file(plan.cell, web, simulated=plan.simulated)
     scope = Scope(plan, RingReader(fds["scope"], "scope", SCOPE_LAYOUT), kept.parent / "scope" / kept.stem)
     app = make_app(plan, web, Regions(plan, fds), store, scope)
@@ -80,8 +133,7 @@ def main(argv: list[str] | None = None) -> int:
     )  # fmt: skip
     hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, MOST_FILES) if hard != resource.RLIM_INFINITY else MOST_FILES, hard))
-    journal = Journal(plan.journal, "web")
-    server = LivingServer(config, journal)
+    server = LivingServer(config, journal, life, store)
     os.nice(NICE)  # from here on: the start itself is to be short
     server.run()
     store.close()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
@@ -60,6 +60,8 @@ def _answerer(endpoint: Endpoint, access: Access) -> Callable[[Request], Awaitab
             person = _judge(endpoint, access, request)
             body = await _body(endpoint, request)
             told = await endpoint.handler(Call(person, body, dict(request.query_params), request.path_params, request))
+        except ClientDisconnect:
+            return Response(status_code=400)  # nobody is there to read it
         except Denied as denied:
             return _no(denied.status, denied.words)
         except ValidationError as error:

@@ -1,8 +1,10 @@
 """Users, sessions, tokens and the audit, in one SQLite file; secrets are kept as argon2 or SHA-256 hashes only.
 
-The audit is a chain: each entry's hash covers the entry before it, so a changed or missing entry is found by `verify` (AX-474).
+The audit is a chain: each entry's hash covers the entry before it, so a changed or missing entry is found by `verify` (AX-474).  Where
+the disk takes nothing, what was ordered is carried out and its entries wait; everything else is refused in a sentence (AX-823).
 """
 
+import contextlib
 import hashlib
 import json
 import pathlib
@@ -10,6 +12,8 @@ import secrets
 import sqlite3
 import threading
 import time
+from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -21,6 +25,7 @@ from gateway.runtime.clock import wall
 SHORTEST = 10  # characters of a password
 SESSION_S = 12 * 3600
 MOST_KEPT = 100  # watch lists, and layouts
+MOST_WAITING = 1000  # entries of the audit that the disk did not take yet
 BEGIN = "0" * 64  # what the first entry of the audit follows
 SCHEMA = """
 create table if not exists user (name text primary key, role integer not null, hash text not null);
@@ -59,7 +64,12 @@ class Session:
 class Store:
     """One file; safe to use from several threads."""
 
-    def __init__(self, path: pathlib.Path) -> None:
+    def __init__(self, path: pathlib.Path, report: Callable[[str], None] = lambda words: None) -> None:
+        """`report` gets a sentence when the disk takes nothing any more, and one when that is over.  sqlite3.Error, OSError."""
+        self._report = report
+        self._waiting: deque[tuple[str, str, str, str, str]] = deque()
+        self._lost = 0  # entries beyond those that may wait
+        self._full = False
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         self.path = path
         self._lock = threading.Lock()
@@ -184,16 +194,47 @@ class Store:
     def note(self, who: str, source: str, what: str, detail: dict[str, object] | str = "") -> None:
         """One more entry of the chain."""
         words = detail if isinstance(detail, str) else json.dumps(detail, sort_keys=True, ensure_ascii=False)
-        moment = wall()
         with self._lock:
+            if len(self._waiting) < MOST_WAITING:
+                self._waiting.append((wall(), who, source, what, words))
+            else:
+                self._lost += 1
+            self._write_waiting()
+
+    def settle(self) -> None:
+        """Entries that wait are written where the disk has room again; to be called now and then."""
+        with self._lock:
+            if self._waiting:
+                self._write_waiting()
+
+    def _write_waiting(self) -> None:
+        kept = len(self._waiting)
+        try:
             self._db.execute("begin immediate")
-            last = self._db.execute("select number, hash from audit order by number desc limit 1").fetchone() or (0, BEGIN)
-            number = int(last[0]) + 1
-            self._db.execute(
-                "insert into audit values (?, ?, ?, ?, ?, ?, ?)",
-                (number, moment, who, source, what, words, _link(str(last[1]), number, moment, who, source, what, words)),
-            )
+            for entry in self._waiting:
+                self._append(*entry)
+            if self._lost:
+                self._append(wall(), "axisgate", "local", "audit", f"{self._lost} entries were lost: the disk took nothing")
             self._db.execute("commit")
+        except sqlite3.Error as error:
+            with contextlib.suppress(sqlite3.Error):
+                self._db.execute("rollback")  # SQLite may have done so by itself
+            if not self._full:
+                self._report(
+                    f"the audit of the page is not written ({error}); orders are carried out; make room on the disk of {self.path}"
+                )
+            self._full = True
+            return
+        self._waiting.clear()
+        if self._full:
+            self._report(f"the audit of the page is written again; {kept} entries had waited, {self._lost} are lost")
+        self._full, self._lost = False, 0
+
+    def _append(self, moment: str, who: str, source: str, what: str, words: str) -> None:
+        last = self._db.execute("select number, hash from audit order by number desc limit 1").fetchone() or (0, BEGIN)
+        number = int(last[0]) + 1
+        link = _link(str(last[1]), number, moment, who, source, what, words)
+        self._db.execute("insert into audit values (?, ?, ?, ?, ?, ?, ?)", (number, moment, who, source, what, words, link))
 
     def audit(self, last: int = 200) -> list[dict[str, object]]:
         """The newest entries, newest first."""
@@ -217,8 +258,12 @@ class Store:
             return self._db.execute(text, values).fetchall()
 
     def _do(self, text: str, *values: object) -> int:
+        """StoreError: the disk takes nothing."""
         with self._lock:
-            return self._db.execute(text, values).rowcount
+            try:
+                return self._db.execute(text, values).rowcount
+            except sqlite3.OperationalError as error:
+                raise StoreError(f"it cannot be kept ({error}); make room on the disk of {self.path.parent}") from error
 
 
 def _hashed(secret: str) -> str:

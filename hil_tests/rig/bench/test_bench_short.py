@@ -11,7 +11,7 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 KEYS = {"figure", "value", "unit", "reference", "reference_value", "ratio", "goal", "met"}
 FIGURES = {
-    "cycle": {"skipped", "incomplete", "sync_error_p99", "sync_error_p999", "compute_p999", "modbus_rate"},
+    "cycle": {"skipped", "incomplete", "sync_error_p99", "sync_error_p999", "compute_p999", "drives_in_fault", "modbus_rate"},
     "3964r": {"wire_ratio", "blocks_per_s", "decode_MBps", "sim_telegrams_per_s"},
     "emulator": {"six_axes_cpu"},
     "drives": {"skipped_2ms", "incomplete_2ms", "cycle_cpu", "skipped_2ms_12", "incomplete_2ms_12", "emulated_24"},

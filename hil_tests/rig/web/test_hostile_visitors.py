@@ -13,7 +13,7 @@ from websockets.sync.client import connect
 from websockets.typing import Origin
 
 from gateway.web.unfinished_requests import PLACES, REQUEST_S
-from hil_tests.lab.running.cell_running import P5_MS, free_port, running_cell
+from hil_tests.lab.running.cell_running import P5_MS, CellRun, free_port, running_cell
 from hil_tests.lab.running.web_running import ADMIN, PASSWORD, WebAsk, until
 
 HALVES = (
@@ -24,13 +24,22 @@ HALVES = (
 
 
 @pytest.fixture(scope="module")
-def web() -> Iterator[WebAsk]:
-    port = free_port()
-    with running_cell("demo", "hostile", plc=False, p5_ms=max(10, P5_MS), more=("--web", str(port))):
-        page = WebAsk(port)
-        until(page.answers, "the page answers")
-        assert page.ask("POST", "/api/setup", {"name": ADMIN, "password": PASSWORD}, x_axisgate="1")[0] == 200
-        yield page
+def port() -> int:
+    return free_port()
+
+
+@pytest.fixture(scope="module")
+def run(port: int) -> Iterator[CellRun]:
+    with running_cell("demo", "hostile", plc=False, p5_ms=max(10, P5_MS), more=("--web", str(port))) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def web(run: CellRun, port: int) -> WebAsk:
+    page = WebAsk(port)
+    until(page.answers, "the page answers")
+    assert page.ask("POST", "/api/setup", {"name": ADMIN, "password": PASSWORD}, x_axisgate="1")[0] == 200
+    return page
 
 
 def halves(web: WebAsk, count: int) -> list[socket.socket]:
@@ -79,6 +88,22 @@ def test_half_requests_end_after_five_seconds(web: WebAsk) -> None:
         assert time.monotonic() < began + REQUEST_S + 3.0, "they go on"
         time.sleep(0.1)
     assert stopped(web) < 3.0
+
+
+def test_visitors_who_leave_in_the_middle_or_speak_no_http_do_not_fill_the_journal(web: WebAsk, run: CellRun) -> None:
+    before = len(run.journal("output"))
+    for n in range(60):
+        link = socket.create_connection(("127.0.0.1", web.port), timeout=10)
+        if n % 2:
+            link.sendall(HALVES[2])
+            time.sleep(0.02)  # the page has begun to wait for the rest
+        else:
+            link.sendall(b"\x16\x03\x01\x02 no request\r\n\r\n")
+        link.close()
+    time.sleep(1.0)
+    told = [entry["text"] for entry in run.journal("output")][before:]
+    assert len(told) <= 3 and not any("Traceback" in each or "ClientDisconnect" in each for each in told), told
+    assert web.answers()
 
 
 def test_a_stop_gets_through_hundreds_of_half_requests(web: WebAsk) -> None:

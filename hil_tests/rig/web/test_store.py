@@ -123,3 +123,47 @@ def test_the_host_of_a_header(header: str, host: str) -> None:
 )
 def test_who_sits_at_the_gateway(address: str, local: bool) -> None:
     assert is_local(address) is local
+
+
+def pages(store: Store) -> int:
+    return int(store._db.execute("pragma page_count").fetchone()[0])
+
+
+def test_a_full_disk_keeps_entries_waiting_and_the_chain_whole(tmp_path: pathlib.Path) -> None:
+    """SQLite itself says that the disk is full."""
+    told: list[str] = []
+    store = Store(tmp_path / "cell.sqlite", told.append)
+    store.note("anna", "local", "before")
+    store._db.execute(f"pragma max_page_count = {pages(store)}")
+    for n in range(40):
+        store.note("anna", "local", "POST /api/stop", "x" * 2000 + str(n))
+    assert len(told) == 1 and "is not written (database or disk is full); orders are carried out" in told[0]
+    with pytest.raises(StoreError, match=r"it cannot be kept \(database or disk is full\); make room on the disk of"):
+        store.put_token("x" * 20_000, Role.VIEWER)
+    assert store.verify() is None, "what is there is whole"
+    store.settle()
+    assert len(told) == 1, "nothing is reported while it is full"
+    store._db.execute("pragma max_page_count = 100000")
+    store.settle()
+    assert len(told) == 2 and "is written again; " in told[1] and "0 are lost" in told[1]
+    entries = [row for row in store.audit(100) if row["what"] == "POST /api/stop"]
+    assert [str(row["detail"])[2000:] for row in entries] == [str(n) for n in reversed(range(40))], "all of them, in their order"
+    assert store.verify() is None
+    store.note("anna", "local", "after")
+    assert store.audit(1)[0]["what"] == "after" and store.verify() is None
+    store.close()
+
+
+def test_what_no_room_is_left_for_is_counted_in_the_chain_itself(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gateway.web.store.MOST_WAITING", 5)
+    store = Store(tmp_path / "cell.sqlite")
+    store._db.execute(f"pragma max_page_count = {pages(store)}")
+    for n in range(12):
+        store.note("anna", "local", "order", "x" * 5000 + str(n))
+    store._db.execute("pragma max_page_count = 100000")
+    store.settle()
+    newest = store.audit(1)[0]
+    waiting = sum(row["what"] == "order" for row in store.audit(100))
+    assert newest["what"] == "audit" and newest["detail"] == f"{12 - waiting} entries were lost: the disk took nothing"
+    assert store.verify() is None
+    store.close()
