@@ -132,7 +132,10 @@ def robot_masks(cell: Cell) -> tuple[int, ...]:
     """Axes of each robot, for programs of the interpreter."""
     from gateway.assembly.programs import machines_of_cell, mask_of
 
-    return tuple(mask_of(cell, machine) for machine in machines_of_cell(cell))
+    try:
+        return tuple(mask_of(cell, machine) for machine in machines_of_cell(cell))
+    except MotionError:  # a robot that does not fit: its own check says so
+        return ()
 
 
 def option_of(cell: Cell) -> int:
