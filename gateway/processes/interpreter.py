@@ -68,7 +68,7 @@ class CellPort:
             Channels() if seen is None else unpack_channels(seen),
             tuple(from_si(axis.set, unit) for unit, axis in axes),
             tuple(from_si(axis.measured, unit) if state.measured_mask >> n & 1 else None for n, (unit, axis) in enumerate(axes)),
-            PathState(planner.job, planner.passed, planner.failed_job, planner.fault_block),
+            PathState(planner.job, planner.passed, planner.failed_job, planner.fault_block, state.met),
         )
 
     def say(self, what: str, **facts: Fact) -> None:
@@ -89,6 +89,10 @@ class CellPort:
     def line(self, job: int, text: str) -> None:
         """A statement for the planner."""
         self._line(Say.LINE, job, text)
+
+    def whole(self, job: int) -> None:
+        """The lines that follow are read when `end` has come."""
+        self._line(Say.WHOLE, job)
 
     def finish(self, job: int) -> None:
         """Nothing follows for the time being."""

@@ -92,6 +92,7 @@ class Programs:
     _reader: Reader | TeamReader = field(default_factory=Reader)
     _number: int = 0  # of the program of the cell; 0: a stream
     _factors: Factors = FULL
+    _whole: list[str] | None = None  # lines of a stream that is read whole
     _lines: Iterator[tuple[int, str]] | None = None  # of a program of the cell, not read yet
     _line_of: list[int] = field(default_factory=list)  # block - 1 -> line
     _out: list[PieceRecord] = field(default_factory=list)
@@ -204,7 +205,7 @@ class Programs:
         self._chain.begin()
         self.state = PlannerState(job=job, failed_job=self.state.failed_job)
         self._reader, self._number, self._planner, self._factors, self._ended = Reader(), 0, None, FULL, False
-        self._lines, self._line_of = None, []
+        self._lines, self._line_of, self._whole = None, [], None
         self._tool.begin()
         self._last, self._handed, self._before, self._blocks, self._error = None, False, 0, 0, ""
         self._measuring, self._measured, self._trial = Measuring(self.channels, self.systems), (), Trial(self._belts, self.files)
@@ -218,8 +219,8 @@ class Programs:
             self._number = self._trial.program = order.number
             self._lines = enumerate(self.text_of(order.number).splitlines(), 1)
             return
-        if record.say is Say.STREAM:
-            self._number = -int(record.text)
+        if record.say in (Say.STREAM, Say.WHOLE) or (self._whole is not None and record.say in (Say.LINE, Say.END)):
+            self._collect(record)
             return
         if record.text:
             yield from self._statement(record.text, 0, standing)
@@ -229,6 +230,17 @@ class Programs:
             self._quiet = QUIET_TURNS
         if record.say is Say.END:
             yield from self._end()
+
+    def _collect(self, record: BlockRecord) -> None:
+        """Of a stream: whose it is, that it is read whole, and what it says then."""
+        if record.say is Say.STREAM:
+            self._number, self._whole = -int(record.text), None
+        elif record.say is Say.WHOLE:
+            self._whole = []
+        elif self._whole is not None and record.say is Say.LINE:
+            self._whole.append(record.text)
+        elif self._whole is not None:
+            self._lines, self._whole = enumerate(self._whole, 1), None
 
     def _statement(self, text: str, line: int, standing: Sequence[float]) -> Work[None]:
         self._reader = reader_for(text, self._reader)

@@ -129,9 +129,8 @@ _TABLE: Mapping[str, Mapping[str, Verdict]] = {
 def _by_table(answers: Mapping[str, str]) -> list[Reason]:
     found = []
     for key, rows in _TABLE.items():
-        other = (
-            key in ("pic", "baps") and answers[key] == "yes" and answers["control"] != "rho3"
-        )  # timers, counters and sources are those of a rho 3
+        own = key in ("pic", "baps") and answers[key] == "yes"  # timers, counters and sources are those of a rho 3
+        other = own and answers["control"] != "rho3"
         found.append(Reason(key, answers[key], rows[answers[key]], TEXTS.said(f"r.{key}.{answers[key]}{'.other' if other else ''}")))
     return found
 

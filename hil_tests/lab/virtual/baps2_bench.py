@@ -55,7 +55,9 @@ from motion.geometry.units import from_si
 from motion.planner.robot import Machine
 
 AUTOMATIC, ACKNOWLEDGE, RESET = 23, 62, 19
-FIRST_INPUT, FIRST_OUTPUT = 464, 0
+KEEP, ABORT, SELECT, PARITY, CODE = 61, 80, 81, 83, 88
+SELECTION = (KEEP, ABORT, SELECT, PARITY, *range(CODE, CODE + 8))
+FIRST_INPUT = 464
 CELL: Cell = load_cell("palletiser")
 HEAD = """;;CONTROL = RHO3
 ;;KINEMATICS : (1 = PORTAL)
@@ -85,6 +87,9 @@ class VirtualPort:
 
     def line(self, job: int, text: str) -> None:
         self.lines.append(pack_block(BlockRecord(Say.LINE, job, text)))
+
+    def whole(self, job: int) -> None:
+        self.lines.append(pack_block(BlockRecord(Say.WHOLE, job)))
 
     def finish(self, job: int) -> None:
         self.lines.append(pack_block(BlockRecord(Say.FINISH, job)))
@@ -136,7 +141,7 @@ class ProgramCell:
         self._pieces: deque[bytes] = deque()
         self.born(1)
         self.bench.each = self.turn
-        self.bench.permit(AUTOMATIC, ACKNOWLEDGE, RESET, *range(FIRST_INPUT, FIRST_INPUT + 16), value=False)
+        self.bench.permit(AUTOMATIC, ACKNOWLEDGE, RESET, *SELECTION, *range(FIRST_INPUT, FIRST_INPUT + 16), value=False)
         self.bench.permit(AUTOMATIC)
         self.bench.run(0.2)
         for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
@@ -172,6 +177,8 @@ class ProgramCell:
             self.port.lines.clear()
         records += [BlockRecord(Say.END, job) for job in self.hosted.ending]
         self.hosted.ending.clear()
+        while self.planning.preparing:
+            self.planning.prepare(standing(state, len(self.cell.axis)))
         while self.planning.working and not self.planning.work():
             pass
         axes = len(self.cell.axis)
@@ -211,7 +218,7 @@ class ProgramCell:
             unpack_channels(pack_channels(self.control.seen())),
             tuple(from_si(axis.set, own.unit) for own, axis in axes),
             tuple(from_si(axis.measured, own.unit) if state.measured_mask >> n & 1 else None for n, (own, axis) in enumerate(axes)),
-            PathState(planner.job, planner.passed, planner.failed_job, planner.fault_block),
+            PathState(planner.job, planner.passed, planner.failed_job, planner.fault_block, state.met),
         )
         orders, self.hosted.orders = self.hosted.orders, []
         for order in (unpack_facts(pack_facts(each)) for each in orders):

@@ -31,6 +31,7 @@ class Say(IntEnum):
     DROP = 5  # forget everything (the cycle abandoned the motion, or the program is aborted)
     RUN = 6  # a whole program of the cell; text: its number, velocity and acceleration factor (run_record)
     STREAM = 7  # a stream of the interpreter begins, at rest; text: number of its robot, from 1
+    WHOLE = 8  # the lines of this stream are read when END has come, and run as a program of the cell is
 
 
 @dataclass(frozen=True, slots=True)

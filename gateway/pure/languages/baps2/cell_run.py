@@ -126,6 +126,8 @@ class CellRun(Control):
         self.path.given(ticket, job)
         stretch = self.path.now
         if stretch is not None and stretch.job == job:
+            if stretch.whole:
+                self.port.whole(job)
             for text in lines.head(self.robots[stretch.robot - 1]):
                 self.port.line(job, text)
 
@@ -200,16 +202,26 @@ class CellRun(Control):
     # ---- movement
 
     def _ready(self, task: Task, lane: Lane, block: Block, request: demands.MoveTo) -> None:
-        if request.until is not None:
-            raise fault(222, "MOVE UNTIL")
+        until = "" if request.until is None else self._until(request.until)
         factors = {**lane.factors, **dict(request.factors)}
         passing = self.passing if self._robot(request.kinematic).number == 1 else ()
         robot = self._robot(request.kinematic)
-        block.wanted = Wanted(robot, request.way, request.via, request.joint, request.relative, block.target, factors, passing, lane.frame)
-        if request.way == "circular" and not request.relative and not request.joint and robot.plain:
-            return
+        how = request.way, request.via, request.joint, request.relative
+        block.wanted = Wanted(robot, *how, block.target, factors, passing, lane.frame, until)
         if not request.relative and not request.joint and request.way != "circular":
             robot.target(block.target, lane.position)  # its faults belong to the statement
+
+    def _until(self, until: demands.Until) -> str:
+        """The input that ends a movement, as the planner knows it."""
+        if until.limit is not None:
+            raise fault(222, "MOVE UNTIL with MAX_TIME")
+        number, sign = until.channel % EARLY, "" if until.level else "!"
+        self.signal(number, self.now)  # one that is not there is a runtime error of this statement
+        if 1 <= number <= USER:
+            return f"until={sign}{FIRST_INPUT + number - 1}"
+        if FIRST_FAST <= number < FIRST_FAST + FAST:
+            return f"until={sign}ch{number}"
+        raise fault(222, f"MOVE UNTIL with input {until.channel}")
 
     def _target(self, task: Task, lane: Lane, request: demands.MoveTo) -> tuple[float, ...]:
         values = tuple(float(value) for value in request.target if value is not None)
@@ -225,7 +237,13 @@ class CellRun(Control):
             self._hand_on(task)
             return False
         self._hand_on(task)
-        return block.stretch is not None and block.stretch.passed >= block.index
+        if block.stretch.passed < block.index:
+            return False
+        if block.until is not None:
+            if not block.stretch.over:
+                return False
+            block.met = self.port.view.path.met
+        return True
 
     def _hand_on(self, task: Task) -> None:
         """What is prepared goes to the planner, as far as it follows without a question."""
@@ -240,6 +258,8 @@ class CellRun(Control):
                 last = item
                 continue
             assert item.wanted is not None
+            if item.until is not None and last is not None:
+                return  # it begins from rest
             if last is not None and (last.wanted is None or last.wanted.robot is not item.wanted.robot):
                 return  # the one before ends first
             if last is not None and last.stops and self.path.contended:
@@ -249,10 +269,13 @@ class CellRun(Control):
                 continue
             if under_way > self.lane(item.kinematic).most:
                 return
-            stretch = self.path.wanted(task, task.unit.name, item.wanted.robot.number)
+            stretch = self.path.wanted(task, task.unit.name, item.wanted.robot.number, whole=item.until is not None)
             if stretch is None:
                 return
             self._say(stretch, item, through)
+            if item.until is not None:
+                self.path.release(task)
+                return
             last, through = item, None
             under_way += 1
 

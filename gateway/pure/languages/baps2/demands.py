@@ -32,11 +32,12 @@ class ReadPosition(Request):
 
 @dataclass(frozen=True, slots=True)
 class Until:
-    """Ends a movement.  `channel` of the input; `test` without effect; `limit` in seconds."""
+    """Ends a movement.  `channel` of the input; `test` without effect; `limit` in seconds; `level` of the input that ends it."""
 
     channel: int
     test: Callable[[], bool]
     limit: float | None = None
+    level: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,6 +26,7 @@ class Wanted:
     factors: Mapping[str, float]
     passing: Sequence[float] = ()
     frame: Frame = NO_FRAME
+    until: str = ""
 
 
 def head(robot: CellRobot) -> list[str]:
@@ -50,7 +51,7 @@ def line(wanted: Wanted, world: Sequence[float], shares: Sequence[float], throug
         target = f"via {_point(through, world)} to {_point(wanted, world)}"
     else:
         target = _target(wanted, world)
-    return " ".join([way, target, *_speeds(wanted, shares), *_passed(wanted)])
+    return " ".join([way, target, *_speeds(wanted, shares), *_passed(wanted), *([wanted.until] if wanted.until else [])])
 
 
 def _target(wanted: Wanted, near: Sequence[float]) -> str:

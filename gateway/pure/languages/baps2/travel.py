@@ -52,7 +52,16 @@ def _until(bodies: Writer, statement: Move) -> str:
     if not channel:
         bodies.names.faults.error("until-condition", statement.until.at, "UNTIL of a MOVE takes one binary input, = or <>, and 0 or 1")
     limit = "None" if statement.until_time is None else bodies.typing.number(statement.until_time, "MAX_TIME").code
-    return f"Until({channel or 0}, lambda: {condition}, {limit})"
+    return f"Until({channel or 0}, lambda: {condition}, {limit}, {_level(bodies, statement.until)})"
+
+
+def _level(bodies: Writer, tree: Expression) -> bool:
+    """The value of the input with which the condition holds."""
+    if isinstance(tree, Unary) and tree.sign == "NOT":
+        return not _level(bodies, tree.value)
+    if isinstance(tree, Binary):
+        return bool(bodies.typing.of(tree.right).constant) == (tree.sign == "=")
+    return True
 
 
 def _input_of(tree: Expression) -> str:

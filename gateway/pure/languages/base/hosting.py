@@ -10,12 +10,14 @@ from gateway.pure.languages.base.requests import Ns, RuntimeFault
 
 @dataclass(frozen=True, slots=True)
 class PathState:
-    """What the planner says of the job under way: blocks that are over, and the last fault with its block."""
+    """What the planner says of the job under way: blocks that are over, and the last fault with its block; of the cycle: whether the last
+    movement that an input ends was ended by it."""
 
     job: int = 0
     passed: int = 0
     failed_job: int = 0
     fault_block: int = 0
+    met: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +71,9 @@ class Port(Protocol):
 
     def line(self, job: int, text: str) -> None:
         """A statement of the text form for the planner."""
+
+    def whole(self, job: int) -> None:
+        """The lines that follow are read when `end` has come."""
 
     def finish(self, job: int) -> None:
         """Nothing follows for the time being: the path is run to its end."""

@@ -24,6 +24,7 @@ class Stretch:
     places: list[int] = field(default_factory=list)
     finished: bool = True  # nothing was handed on since the last word that nothing follows
     ended: bool = False
+    whole: bool = False  # a movement that an input ends: alone, and read whole
     over: bool = False
     passed: int = 0
     fault: RuntimeFault | None = None
@@ -48,21 +49,21 @@ class Path:
         """Another one waits for the axes."""
         return self.now is not None and any(each is not self.now.owner for each in self._waiting)
 
-    def wanted(self, owner: object, program: str, robot: int) -> Stretch | None:
+    def wanted(self, owner: object, program: str, robot: int, *, whole: bool = False) -> Stretch | None:
         """The stretch of this owner, if it may hand on blocks now; else it is asked for, and the owner waits its turn."""
         now = self.now
-        if now is not None and now.owner is owner and now.robot == robot and not now.ended:
+        if now is not None and now.owner is owner and now.robot == robot and not now.ended and now.whole is whole:
             return now if now.job and now.fault is None else None
         if owner not in self._waiting:
             self._waiting.append(owner)
         if now is not None:
             if now.owner is owner:
-                self.release(owner)  # another robot, or the one before is ending
+                self.release(owner)  # another robot, another kind, or the one before is ending
             return None
         if self._waiting[0] is owner:
             self._waiting.popleft()
             self._tickets += 1
-            self.now = Stretch(owner, program, robot, self._tickets)
+            self.now = Stretch(owner, program, robot, self._tickets, whole=whole)
             self.port.ask_path(self._tickets, program, robot)
         return None
 

@@ -8,7 +8,7 @@ import pytest
 import configs
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.image.records.cell import Motion
-from hil_tests.lab.virtual.baps2_bench import ACKNOWLEDGE, AUTOMATIC, ProgramCell, one
+from hil_tests.lab.virtual.baps2_bench import ABORT, ACKNOWLEDGE, AUTOMATIC, CODE, KEEP, PARITY, RESET, SELECT, ProgramCell, one
 
 MEMORY = pathlib.Path(configs.__file__).parent / "cells" / "palletiser"
 
@@ -252,3 +252,70 @@ MOVE LINEAR TO HERE
     assert cell.run("P")[0] == "ended"
     assert near(cell, 150, 60, 65, 30)
     assert (cell.memory.text("P.PKT") or "").splitlines() == ["HERE = (150, 60, 65, 30) ; taught", "@THERE = @(150, 60, 40, 30)"]
+
+
+def test_move_until_ends_at_its_input_and_says_whether_it_came() -> None:
+    cell = ProgramCell(
+        one(
+            """
+V = 100
+MOVE PTP TO @(60, 60, 40, 12)
+MOVE LINEAR UNTIL PROBE = 1 ERROR LAMP = 1 TO (300, 60, 40, 12)
+HERE = POS
+MOVE_REL LINEAR (0, 0, 30, 0)
+MOVE LINEAR UNTIL PROBE = 0 ERROR LAMP = 1 TO (300, 100, 70, 12)
+""",
+            "INPUT : 1 = PROBE\nOUTPUT : 3 = LAMP\nDEF POINT : HERE",
+        )
+    )
+    run = cell.start("P")
+    cell.until(lambda: cell.at()[0] > 150)
+    cell.give(1)
+    assert cell.ends(run)[0] == "ended"
+    assert near(cell, 300, 100, 70, 12), "the second input never came"
+    assert [(channel, value) for _, channel, value in cell.outputs] == [(3, True)]
+    here = (cell.memory.text("P.PKT") or "").partition("(")[2].partition(",")[0]
+    assert 150 < float(here) < 165, "it stopped on its path"
+
+
+@pytest.mark.requirement("RHO-BAP-12", by="gateway.pure.controllers.rho3.signals.hosted:HostedPrograms._program")
+def test_a_permanent_process_outlasts_a_control_reset_and_ends_by_the_abort_of_the_plc() -> None:
+    files = one("AGAIN:\nLAMP = 1\nWAIT 0.1\nLAMP = 0\nWAIT 0.1\nJUMP AGAIN", "OUTPUT : 3 = LAMP", name="PALLET")
+    files["PALLET.QLL"] = ";;PROCESS_KIND = PERMANENT\n" + files["PALLET.QLL"]
+    cell = ProgramCell(files)
+    cell.bench.permit(CODE, PARITY)
+    cell.bench.run(0.1)
+    cell.bench.permit(SELECT)
+    cell.bench.run(1.0)
+    assert [(process.name, process.kind.name) for process in cell.control.processes.processes] == [("PALLET", "PERMANENT")]
+    assert len(cell.outputs) >= 6
+    cell.bench.permit(SELECT, value=False)
+    cell.bench.permit(KEEP, RESET)
+    cell.bench.run(0.5)
+    assert cell.control.processes.processes, "RC input 61 keeps it"
+    cell.bench.permit(ABORT)
+    cell.bench.run(0.2)
+    assert not cell.control.processes.processes and not cell.language.rows()
+
+
+def test_runtime_errors_have_the_manuals_number_text_and_line() -> None:
+    cell = ProgramCell(one("N = 0\nN = 5 / N", "INTEGER : N"))
+    how, code, text, place = cell.run("P")
+    assert (how, code, text, place) == ("aborted", 209, "division by zero", "P.QLL line 9")
+    assert [(each.code, each.where) for each in cell.errors.records] == [(209, "P.QLL line 9")]
+    assert "P: 209 division by zero (P.QLL line 9)" in cell.told
+
+
+def test_what_a_cell_cannot_do_ends_the_program_in_words() -> None:
+    cell = ProgramCell(one("REF_PNT"))
+    assert cell.run("P")[1:3] == (222, "not possible in a cell: REF_PNT; the PLC references")
+    cell = ProgramCell(one("IF X = 1 THEN WAIT 1", "INPUT : 150 = X"))
+    assert cell.run("P")[1:3] == (206, "inadmissable input: 150")
+
+
+def test_an_endless_loop_delays_nobody() -> None:
+    files = one("N = 0\nAGAIN:\nN = (N + 1) MOD 1000\nJUMP AGAIN", "INTEGER : N", name="BUSY")
+    files |= one("MOVE PTP TO @(100, 60, 40, 12)")
+    cell = ProgramCell(files)
+    cell.start("BUSY")
+    assert cell.run("P")[0] == "ended" and near(cell, 100, 60, 40, 12)
