@@ -188,7 +188,11 @@ def files(cell: Cell) -> Iterator[Notice]:
         known |= set(library.names())
         for name in sorted(library.names()):
             if found := library.unit(name)[1].errors:
-                yield Notice("warning", f"{table.memory}/{name}.QLL", f"{found} errors, it does not run: axisgate program check tells them")
+                yield Notice(
+                    "warning",
+                    f"{table.memory}/{name}.QLL",
+                    f"{found} error{'s' * (found > 1)}, it does not run: axisgate program check names them",
+                )
     for code, name in sorted((tables.programs.entries if tables.programs else {}).items()):
         if name not in known:
             nobody = "which no [[controller.process]] declares" if folder is None else "which is no program of the memory"

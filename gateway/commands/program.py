@@ -18,6 +18,7 @@ EXAMPLES = """examples:
   axisgate program check memory/QUICKST.QLL memory/MAIN.QLL      every fault with file, line and column
   axisgate program trace memory QUICKST --feed feed.toml --json  what the program does, event by event, in virtual time
   axisgate program list memory                                   all programs of a memory folder
+  axisgate program points memory PICK                            points as the PKT file has them
   axisgate program run palletiser PALLET --sim                   in a cell that is simulated for it: drives on, program, drives off
   axisgate program run cell.toml PALLET                          in the running cell, until it is over; Ctrl-C stops it
   axisgate program start cell.toml PALLET                        as the panel does: it moves if the PLC has control
@@ -43,12 +44,16 @@ def main(argv: list[str]) -> int:
     listed = tools.add_parser("list", help="lists the programs of a memory folder")
     listed.add_argument("folder", metavar="FOLDER", type=pathlib.Path, nargs="?", default=pathlib.Path())
     listed.add_argument("--json", action="store_true", help="a JSON list of programs")
+    points = tools.add_parser("points", help="lists the points of a program as its PKT file has them")
+    points.add_argument("folder", metavar="FOLDER", type=pathlib.Path, help="the memory folder")
+    points.add_argument("program", metavar="PROGRAM")
+    points.add_argument("--json", action="store_true", help="a JSON object: name and components")
     add_to(tools)
     options = parser.parse_args(argv)
     if options.tool in IN_CELLS:
         return run_in_cell(options)
     try:
-        return int({"check": _check, "trace": _trace, "list": _list}[options.tool](options))
+        return int({"check": _check, "trace": _trace, "list": _list, "points": _points}[options.tool](options))
     except OSError as error:
         return _invalid(f"{error.filename}: {error.strerror}")
 
@@ -122,6 +127,22 @@ def _list(options: argparse.Namespace) -> int:
     for row in rows:
         print(f"{row['program']:<13} {row['kind']:<10} {row['lines']:>6} lines {row['errors']:>4} errors {row['warnings']:>4} warnings")
     return Exit.OK
+
+
+def _points(options: argparse.Namespace) -> int:
+    faults, name = Faults(), options.program.upper().removesuffix(".QLL").removesuffix(".PKT")
+    memory = folder_memory(options.folder)
+    if memory.text(f"{name}.PKT") is None:
+        return _invalid(f"there is no {name}.PKT in {options.folder}")
+    points = memory.points(name, faults)
+    for fault in faults:
+        print(fault, file=sys.stderr)
+    if options.json:
+        print(json.dumps(points, indent=1))
+    else:
+        for point, values in points.items():
+            print(f"{point:<13} {', '.join(f'{value:g}' for value in values)}")
+    return Exit.FINDING if faults.errors else Exit.OK
 
 
 def _row(name: str, library: Library, memory: Memory) -> dict[str, str | int]:

@@ -267,8 +267,14 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parser.parse_args(argv)
     die_with_parent(number=signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    with contextlib.suppress(KeyboardInterrupt):
-        InterpreterProcess(load_plan(arguments.plan), fds_from_text(arguments.fds)).run()
+    plan = load_plan(arguments.plan)
+    try:
+        InterpreterProcess(plan, fds_from_text(arguments.fds)).run()
+    except KeyboardInterrupt:
+        return 0
+    except OSError as error:
+        print(f"the memory {memory_folder(plan.cell)} cannot be read: {error.strerror}; it is tried again")
+        return 1
     return 0
 
 

@@ -117,9 +117,10 @@ class CellRun(Control):
             self.stop(task, "stopped")
 
     def stop_all(self, now: Ns) -> None:
-        """Nothing runs any more."""
+        """Nothing runs any more, and no order is under way: the services have begun anew."""
         for run in list(self._runs):
             self.stop_run(run, now)
+        self.path.drop()
 
     def path_given(self, ticket: int, job: int) -> None:
         """The robot moves for a program from now on."""

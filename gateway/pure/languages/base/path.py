@@ -101,6 +101,13 @@ class Path:
             self.release(owner)
             stretch.owner = None  # it is over when the cell says so
 
+    def drop(self) -> None:
+        """Whoever gives orders has begun anew and knows of none: what was handed on ends, and nobody waits."""
+        if self.now is not None:
+            self.release(self.now.owner)
+        self.now = None
+        self._waiting.clear()
+
     def given(self, ticket: int, job: int) -> None:
         """The cell moves for it."""
         if self.now is not None and self.now.ticket == ticket:

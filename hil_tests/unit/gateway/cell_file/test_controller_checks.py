@@ -30,6 +30,9 @@ def faults(more: str, *edits: tuple[str, str]) -> list[str]:
     [
         ("[controller]\nkind = 'siemens'", "controller.kind"),
         ("[controller]\nfiles = 'nowhere'", "no such folder"),
+        ("[controller]\nmemory = 'nowhere'", "no such folder"),
+        ("[controller]\nkind = 'reis'\nmemory = '.'", 'programs belong to kind = "rho3"'),
+        ("[controller]\nmemory = '.'", "programs need the kinematics of a [robot] with a model"),
         ("[controller]\nhardware = 'rho3.0'\n[rho3]\nP36 = [24, 18]", "signals stand in I24"),
         ("[controller]\n[rho3]\nP20 = 19\nP21 = [5, 92, 0, 87]", "a start above 0"),
         ("[controller]\n[rho3]\nP20 = 15\nP21 = [0, 44]", "four numbers"),
@@ -93,3 +96,17 @@ def test_lines_the_dat_files_lose_are_warnings(tmp_path: pathlib.Path) -> None:
     cell: Cell = load_cell(str(path))
     told = [str(notice.text) for notice in cell.notices if notice.where.startswith("dat/")]
     assert [text.partition(":")[0] for text in told] == ["line 3", "code 03 selects WHO, which no [[controller.process]] declares"]
+
+
+def test_programs_with_errors_and_two_of_one_name_are_named(tmp_path: pathlib.Path) -> None:
+    shipped = find_config("palletiser", "cells")
+    (tmp_path / "palletiser").mkdir()
+    for path in (shipped.parent / "palletiser").iterdir():
+        (tmp_path / "palletiser" / path.name).write_bytes(path.read_bytes())
+    (tmp_path / "palletiser" / "BAD.QLL").write_text("PROGRAM BAD\nBEGIN\nX = 1\nPROGRAM_END\n")
+    cell = load_cell(str(tmp_path / "palletiser.toml"), read_text(shipped))
+    told = [str(notice) for notice in cell.notices if "QLL" in str(notice)]
+    assert len(told) == 1 and "palletiser/BAD.QLL" in told[0] and "1 error, it does not run" in told[0]
+    text = read_text(shipped) + PROCESS.format(step="{ output = 1 }").replace("PICK", "PALLET")
+    with pytest.raises(CellFaults, match="palletiser has a program of this name"):
+        load_cell(str(tmp_path / "palletiser.toml"), text)

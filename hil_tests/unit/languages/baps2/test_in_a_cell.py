@@ -7,6 +7,7 @@ import pytest
 
 import configs
 from gateway.pure.arbitration.command_block import Code
+from gateway.pure.controllers.rho3.signals.hosted import HostedPrograms
 from gateway.pure.image.records.cell import Motion
 from hil_tests.lab.virtual.baps2_bench import ABORT, ACKNOWLEDGE, AUTOMATIC, CODE, KEEP, PARITY, RESET, SELECT, ProgramCell, one
 
@@ -318,4 +319,17 @@ def test_an_endless_loop_delays_nobody() -> None:
     files |= one("MOVE PTP TO @(100, 60, 40, 12)")
     cell = ProgramCell(files)
     cell.start("BUSY")
+    assert cell.run("P")[0] == "ended" and near(cell, 100, 60, 40, 12)
+
+
+def test_services_that_begin_anew_find_no_process_and_can_start_one() -> None:
+    cell = ProgramCell(one("V = 100\nMOVE LINEAR TO (300, 60, 40, 12)\nMOVE LINEAR TO (100, 60, 40, 12)"))
+    cell.start("P")
+    cell.until(lambda: cell.at()[0] > 150)
+    for process in cell.control.processes.processes:
+        cell.control.processes.stop(process.number)
+    cell.hosted = cell.control.hosted = HostedPrograms(cell.control)
+    cell.language.stop_all(cell.bench.now)
+    assert not cell.language.rows() and cell.language.path.now is None
+    cell.until(lambda: cell.bench.core.state.motion is Motion.IDLE, 60.0)
     assert cell.run("P")[0] == "ended" and near(cell, 100, 60, 40, 12)

@@ -82,3 +82,19 @@ def test_what_is_not_there_is_one_sentence(
 def test_list_names_all_programs(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list", str(folder), "--json"]) == Exit.OK
     assert [(row["program"], row["errors"]) for row in json.loads(capsys.readouterr().out)] == [("BAD", 1), ("PICK", 0)]
+
+
+def test_points_are_listed_with_their_components(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["points", str(folder), "pick", "--json"]) == Exit.OK
+    assert json.loads(capsys.readouterr().out) == {"HERE": [1.0, 2.0]}
+    (folder / "PICK.PKT").write_text("HERE = (1, 2)\nno point\n")
+    assert main(["points", str(folder), "PICK"]) == Exit.FINDING
+    told = capsys.readouterr()
+    assert told.out == "HERE          1, 2\n" and told.err.startswith("PICK.PKT:2")
+    assert main(["points", str(folder), "NONE"]) == Exit.INVALID
+    assert "there is no NONE.PKT" in capsys.readouterr().err
+
+
+def test_a_cell_without_a_memory_is_told_in_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["start", "portal", "PICK"]) == Exit.INVALID
+    assert capsys.readouterr().err == 'axisgate program: portal has no programs: [controller] with memory = "FOLDER" names their folder\n'
