@@ -17,6 +17,7 @@ from gateway.pure.cell.web import Web
 from gateway.pure.image.records import cell as records
 from gateway.pure.image.records import interpreter as interpreterrecords
 from gateway.pure.image.records import planner as plannerrecords
+from gateway.pure.image.records import plc as plcrecords
 from gateway.pure.image.records.cell import (
     ACYCLIC_RECORDS,
     ASIDE_BYTES,
@@ -47,6 +48,8 @@ CHIPS_LIFE_MS = 1_000  # a chip behind USB may take its time; its contacts are m
 PLANNER_LIFE_MS = 10_000  # a law of a long run takes a second, much more on a busy machine; nothing depends on it meanwhile (AX-420)
 INTERPRETER_LIFE_MS = 10_000  # a long program is checked for seconds
 PROGRAM_REGIONS = ("interpreter", "channels", "program-orders", "program-says")
+PLC_LIFE_MS = 2_000  # twice the longest scan the watchdog allows
+PLC_REGIONS = ("plc", "plc-robot", "plc-orders", "plc-says")
 STRETCHED_LIFE_MS = 1_000  # of a cycle in a stretched simulation, which waits for its drives
 
 
@@ -246,6 +249,9 @@ def core_processes(cell: Cell, period_ms: int, doors: Sequence[CommandSource], *
         core[2] = replace(core[2], regions=(*core[2].regions, "lines"))
         own = ("axes", "planner", "lines", *PROGRAM_REGIONS)
         core.append(Child("interpreter", "gateway.processes.interpreter", (), own, "interpreter", INTERPRETER_LIFE_MS * MS))
+    if cell.controller is not None and cell.controller.plc is not None:
+        core[1] = replace(core[1], regions=(*core[1].regions, *PLC_REGIONS))
+        core.append(Child("plc", "gateway.processes.plc", (), ("rc_in", *PLC_REGIONS), "plc", PLC_LIFE_MS * MS))
     planner = ("planner",) if cell.robot else ()
     if page:
         core.append(Child("web", "gateway.processes.web", (), ("axes", "rc_in", "rc_out", "links", "scope", *planner)))
@@ -362,6 +368,11 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
         fds["program-orders"] = create_ring("program-orders", *texts)
         fds["program-says"] = create_ring("program-says", *texts)
         fds["lines"] = create_ring("lines", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)
+    if any(child.name == "plc" for child in plan.children):
+        texts = interpreterrecords.TEXT_SIZE, plcrecords.ORDERS, interpreterrecords.TEXT_LAYOUT
+        fds["plc"] = create_region("plc", plcrecords.PLC_SIZE, plcrecords.PLC_LAYOUT)
+        fds["plc-robot"] = create_region("plc-robot", plcrecords.ROBOT_SIZE, plcrecords.ROBOT_LAYOUT)
+        fds |= {name: create_ring(name, *texts) for name in ("plc-orders", "plc-says")}
     fds |= {child.life: create_region(child.life, 8) for child in plan.children if child.module in WATCHED_MS and child.life}
     fds |= make_joined(plan.cell)
     for door in plan.doors:

@@ -4,8 +4,10 @@ import pathlib
 from collections.abc import Iterator
 
 from gateway.assembly.controllers import dat_tables, make_control
+from gateway.assembly.integrated_plc import plc_folder
 from gateway.assembly.interpreter import memory_folder
 from gateway.checks.context import Context, number
+from gateway.files.plc_programs import ProgramFileFault, read_programs
 from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell, Notice
@@ -17,6 +19,8 @@ from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.fast_io import InputFault
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.plc.plc import Plc
+from gateway.pure.languages.plc.translation import key_of
 
 STEP_KEYS = ("to", "program", "output", "input", "wait_ms")
 
@@ -78,6 +82,7 @@ def controller(check: Context) -> None:
     if table.door and table.door not in check.known["line"] | check.known["modbus"]:
         check.fault("controller.door", table.door, "no such command source")
     _memory(check, table)
+    _plc(check, table)
     sound = [_process(check, table, index) for index in range(len(table.process))]
     sound += [_point(check, table, point) for point in table.point]
     if table.kind == "reis":
@@ -106,6 +111,24 @@ def _memory(check: Context, table: Controller) -> None:
         for process in table.process:
             if process.name.upper() in programs:
                 check.fault(f"controller.process.{process.name}", process.name, f"{table.memory} has a program of this name")
+
+
+def _plc(check: Context, table: Controller) -> None:
+    """The integrated PLC (AX-900): its folder and its start program."""
+    folder = plc_folder(check.cell)
+    if table.plc is None or folder is None:
+        return
+    key = "controller.plc"
+    if table.kind != "reis":
+        check.fault(key, table.plc.start, 'the integrated PLC belongs to kind = "reis"')
+        return
+    try:
+        programs = read_programs(folder)
+    except (ProgramFileFault, OSError) as error:
+        check.fault(f"{key}.path", table.plc.path, f"{error} (looked for beside the cell file)")
+        return
+    if key_of(table.plc.start) not in {key_of(name) for name in programs}:
+        check.fault(f"{key}.start", table.plc.start, f"no such program; {table.plc.path} has {', '.join(sorted(programs)) or 'none'}")
 
 
 def _process(check: Context, table: Controller, index: int) -> bool:
@@ -173,6 +196,20 @@ def _overlap(check: Context, table: Controller) -> None:
             check.fault("controller.first_byte", table.first_byte, f"CAN I/O block {block.id} lies in byte {min(shared)} (AX-515)")
 
 
+def plc_programs(cell: Cell) -> Iterator[Notice]:
+    """Faults with which the integrated PLC refuses its start."""
+    folder, table = plc_folder(cell), cell.controller
+    if folder is None or table is None or table.plc is None:
+        return
+    try:
+        refused = Plc(read_programs(folder)).start(table.plc.start)
+    except (ProgramFileFault, OSError):
+        return  # refused by `controller`
+    for message in refused:
+        place = f"{message.program} step {message.step}: " if message.program else ""
+        yield Notice("warning", f"{table.plc.path}/{table.plc.start}", f"{place}{message.text}; the PLC does not start")
+
+
 def files(cell: Cell) -> Iterator[Notice]:
     """Lines the DAT files lose, and undeclared programs."""
     table = cell.controller
@@ -200,4 +237,4 @@ def files(cell: Cell) -> Iterator[Notice]:
 
 
 CHECKS = (controller,)
-NOTES = (files, inputs)
+NOTES = (files, inputs, plc_programs)

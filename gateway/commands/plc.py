@@ -4,7 +4,9 @@ import argparse
 import json
 import pathlib
 import sys
+import time
 
+from gateway.assembly.run import slug_of
 from gateway.files.plc_programs import ProgramFileFault, read_listing, read_programs, write_programs
 from gateway.pure.languages.plc.awl.report import imported
 from gateway.pure.languages.plc.check import check_programs
@@ -12,11 +14,21 @@ from gateway.pure.languages.plc.orders import OrderFault, orders_of
 from gateway.pure.languages.plc.plc import Settings
 from gateway.pure.languages.plc.virtual import Event, VirtualRun
 from gateway.runtime.exit_codes import Exit
+from gateway.tools.client import Row, ToolError, running
+from gateway.tools.command_support import ENVIRONMENT, load
 
+ACTS_S = 0.3  # an order is carried out between two scans; a long program takes some time to be translated
+IN_CELLS = {
+    "status": "state and message of the PLC of a running cell",
+    "start": "translate and start, as Start PLC does",
+    "stop": "end the cyclic treatment; all outputs are 0",
+    "ack": "acknowledge the message that is shown",
+}
 EXAMPLES = """examples:
   axisgate plc check cell/PLC                                        all faults of all programs
   axisgate plc run cell/PLC --start MAIN --virtual --scans 200       what 200 scans do, without any process
   axisgate plc run cell/PLC --start MAIN --virtual --at "3 E0.6=1" --at "9 E0.6=0" --json
+  axisgate plc status reis-plc                                       the PLC of a running cell; also start [PROGRAM], stop, ack
   axisgate plc import LIST.TXT --to cell/PLC                         a statement list of STEP 5 or STEP 7 becomes NAME.PLC files
 exit code: 0 done, 1 a finding (faults, a refused start, PLC error, lines not translated), 2 wrong arguments or files"""
 
@@ -24,7 +36,7 @@ exit code: 0 done, 1 a finding (faults, a refused start, PLC error, lines not tr
 def main(argv: list[str]) -> int:
     options = parser().parse_args(argv)
     try:
-        return {"check": check, "run": run, "import": import_list}[options.action](options)
+        return {"check": check, "run": run, "import": import_list}.get(options.action, in_cell)(options)
     except (ProgramFileFault, OrderFault) as error:
         print(f"axisgate plc: {error}", file=sys.stderr)
     except OSError as error:
@@ -57,9 +69,42 @@ def parser() -> argparse.ArgumentParser:
     three.add_argument("file", type=pathlib.Path, metavar="FILE", help="text file: listing of STEP 5 or source of STEP 7")
     three.add_argument("--to", type=pathlib.Path, required=True, metavar="FOLDER", help="where the NAME.PLC files are written")
     three.add_argument("--words", type=pathlib.Path, metavar="TABLE", help="data words and markers: one `DB10.DW5 = M200` a line")
-    for each in (one, two, three):
+    others = [actions.add_parser(word, help=text) for word, text in IN_CELLS.items()]
+    for each in others:
+        each.add_argument("cell", metavar="CELL", help="cell file of the run, or its name")
+        each.add_argument("--name", help="name of the run, when it is not the file's")
+    others[1].add_argument("program", nargs="?", default="", metavar="PROGRAM", help="start program (default: that of the cell)")
+    for each in (one, two, three, *others):
         each.add_argument("--json", action="store_true", help="one JSON object on standard output")
     return whole
+
+
+def in_cell(options: argparse.Namespace) -> int:
+    """The PLC of a running cell."""
+    cell = load(options.cell)
+    if isinstance(cell, int):
+        return cell
+    if cell.controller is None or cell.controller.plc is None:
+        print(f"axisgate plc: {options.cell} has no PLC: [controller.plc] with start = PROGRAM gives it one", file=sys.stderr)
+        return Exit.INVALID
+    try:
+        with running(options.name or slug_of(cell)) as client:
+            if options.action != "status":
+                client.ask("plc", do=options.action, name=getattr(options, "program", ""))
+                time.sleep(ACTS_S)
+            answer = client.ask("plc", do="status")
+    except ToolError as error:
+        print(f"axisgate plc: {error}", file=sys.stderr)
+        return ENVIRONMENT
+    print(json.dumps(answer, indent=1) if options.json else sentence(answer))
+    return Exit.OK
+
+
+def sentence(answer: Row) -> str:
+    """The state of a PLC in words."""
+    message = answer["message"]
+    shown = f"; message: {message['text']}" if isinstance(message, dict) else ""
+    return f"PLC {answer['state']}, {answer['scans']} scans{shown}"
 
 
 def _count(text: str) -> int:

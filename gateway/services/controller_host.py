@@ -13,7 +13,7 @@ from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX
 from gateway.pure.controllers.rho3.signals.coupling import Coupled
 from gateway.pure.controllers.rho3.signals.errors import RESETS, RHO3, kind_of
 from gateway.pure.image.error_list import ErrorList, Reset
-from gateway.pure.image.records.cell import RC_BYTES, InputImage, Quality
+from gateway.pure.image.records.cell import RC_BYTES, AxisFlag, InputImage, Quality
 from gateway.services.part import Part
 from gateway.services.part_context import PartContext
 from gateway.services.value_directory import Reader, as_number
@@ -64,6 +64,19 @@ class Panel(Protocol):
         """A variable of the PHG."""
 
 
+class PlcProcess(Protocol):
+    """The integrated PLC of a Reis (gateway.services.plc_host); loaded only where there is one."""
+
+    def before(self) -> None:
+        """Before a step of the control."""
+
+    def after(self, *, drives: bool) -> list[str]:
+        """After it: what a person should read."""
+
+    def order(self, request: dict[str, object]) -> dict[str, object]:
+        """Status, start, stop, acknowledge."""
+
+
 class ControllerHost(Part):
     """The error list of the run, and its control where there is one; provider of the control's values."""
 
@@ -85,6 +98,7 @@ class ControllerHost(Part):
         self._seen = b""
         self.wired = False  # a route has changed an input of the control since its last cycle
         self.panel: Panel | None = None
+        self.plc: PlcProcess | None = None
         context.values.register(ControlValues(self))
         if run.cell.controller is None:
             return
@@ -101,6 +115,12 @@ class ControllerHost(Part):
             programs = ProgramHost(image.control, fds, run.cell.cell.language) if "interpreter" in fds else None
             self.panel = Rho3Panel(image.control, context.office, programs)
             image.coupled = self.panel.coupled
+        if "plc" in fds:
+            from gateway.pure.controllers.reis.control import ReisControl
+            from gateway.services.plc_host import PlcHost
+
+            assert isinstance(image.control, ReisControl) and run.cell.controller.plc is not None  # as `check` and the plan have it
+            self.plc = PlcHost(image.control, fds, run.cell.controller.plc.watchdog)
         for fault in faults:
             run.journal.write("plc", fault)
 
@@ -119,6 +139,8 @@ class ControllerHost(Part):
         self._seen, self.wired = bytes(image.inputs.values), False
         if self.panel is not None:
             self.panel.look(now)
+        if self.plc is not None:
+            self.plc.before()
         for line in control.step(image.for_cycle(), cycle, image.state, now, heard=heard > self._heard):
             self._run.journal.write("plc", line)
         if self.panel is not None:
@@ -126,6 +148,9 @@ class ControllerHost(Part):
             for line in lines:
                 self._run.journal.write("plc", line)
             self._end_programs(ended)
+        if self.plc is not None:
+            for line in self.plc.after(drives=any(axis.flags & AxisFlag.ENABLED for axis in image.state.axes)):
+                self._run.journal.write("plc", line)
         self._heard = heard
         if self.panel is not None and self.panel.judge_reset(now):
             self._run.journal.write("plc", "reset at the panel: refused")

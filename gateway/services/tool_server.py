@@ -122,11 +122,9 @@ class Variables(Part):
                     return self._set(str(request["address"]), str(request["value"]))
                 case "names":
                     return {"names": self._values.names()}
-                case "panel":
-                    return self._panel(request, connection)
-                case "process" | "status" as op:
-                    return self._process(request, connection) if op == "process" else self._status()
-            return {"error": f"op {request.get('op')!r}; get, set, names, panel, process, status are known"}
+                case "panel" | "plc" | "process" | "status" as op:
+                    return self._controlled(op, request, connection)
+            return {"error": f"op {request.get('op')!r}; get, set, names, panel, plc, process, status are known"}
         except (AddressFault, VariableError) as fault:
             return {"error": str(fault)}
         except (KeyError, ValueError, TypeError, AttributeError) as fault:
@@ -139,6 +137,23 @@ class Variables(Part):
         if panel is None:
             return {"error": 'no panel: this cell has no [controller] of kind "rho3"'}
         return panel.answer(request, TOOL_DOOR, self._run.clock())
+
+    def _controlled(self, op: str, request: dict[str, object], connection: object) -> dict[str, object]:
+        match op:
+            case "panel":
+                return self._panel(request, connection)
+            case "plc":
+                return self._plc(request, connection)
+            case "process":
+                return self._process(request, connection)
+        return self._status()
+
+    def _plc(self, request: dict[str, object], connection: object) -> dict[str, object]:
+        if self._host.plc is None:
+            return {"error": "no PLC: this cell has no [controller.plc]"}
+        if request.get("do") != "status" and self._tools.held_by_another(connection):
+            return {"error": "not owner: another commissioning tool has control"}
+        return self._host.plc.order(request)
 
     def _process(self, request: dict[str, object], connection: object) -> dict[str, object]:
         """A program that a connection in control starts moves as the tool, any other one as the PLC's command source."""

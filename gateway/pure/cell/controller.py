@@ -61,6 +61,17 @@ class ControllerPoint:
 
 
 @dataclass(frozen=True, slots=True)
+class ControllerPlc:
+    """[controller.plc]: the integrated PLC of a Reis; without the table a command source writes the markers (AX-900)."""
+
+    start: Annotated[str, MinLen(1)]  # start program (_SSTARTPLC), with FOLDER/ in front where it lies in one
+    path: Annotated[str, MinLen(1)] = "PLC"  # folder of NAME.PLC files (S:/PLC); relative to the cell file
+    # commands a period (IPLC_LOAD); none: a whole scan each period; 0: the PLC is off
+    load: Annotated[int | None, Ge(0), Le(1_000_000), Unit("commands")] = None
+    watchdog: Annotated[int, Ge(1), Le(100), Unit("1/100 s")] = 30  # longest scan (_ITIME_PLC)
+
+
+@dataclass(frozen=True, slots=True)
 class Controller:
     """[controller]: the control that is replaced, as its PLC sees it."""
 
@@ -79,5 +90,6 @@ class Controller:
     first_byte: Annotated[int, Ge(0), Le(88), Unit("PIC byte")] = 88  # reis: where its 40 bytes lie
     plc_only: tuple[OutputByte, ...] = ()  # reis: output bytes of the PLC alone
     robot_only: tuple[OutputByte, ...] = ()
+    plc: ControllerPlc | None = None  # reis
     process: tuple[ControllerProcess, ...] = ()
     point: tuple[ControllerPoint, ...] = ()  # val3

@@ -14,6 +14,7 @@ from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.controllers.pic_image import PicImage
 from gateway.pure.controllers.reis.analog import ana_inp, output_volts
 from gateway.pure.controllers.reis.binary import FIRST_BYTE, Area, BinaryIo, SharedOutputs
+from gateway.pure.controllers.reis.integrated import DRIVES_OFF, STOPS, IntegratedPlc
 from gateway.pure.controllers.reis.markers import (
     ACKNOWLEDGED,
     ERROR_NUMBER,
@@ -35,6 +36,8 @@ HOLD, MOVES = (1020, 7), (1021, 5)
 OVERRIDE, ACTUAL = 1436, 1024
 AUTO, HAND = 0x0300, 0x0101  # operating mode codes (robotstar 5.9)
 AUTO_MN = 23  # RC input that says which
+OUTPUT_BYTES = 40
+ACKNOWLEDGE = 62  # RC input: error acknowledgement
 WATCHDOG, LAG, POWER = 667, 647, 654
 LAST_OF_BOOSTERS = 0xFF  # one byte of the booster's telegram; a drive of CiA 402 begins at 1000h
 FAULTS = (  # first fault code of CiA 402 -> regulator error, the last that is not above it counts (AX-337)
@@ -78,6 +81,9 @@ class ReisControl:
         self.io = BinaryIo(self.image, setup.first_byte)
         self.shared = SharedOutputs(self.io, setup.plc_only, setup.robot_only)
         self.markers = Markers(self.io)
+        self.plc: IntegratedPlc | None = None  # a process of its own, where the cell has [controller.plc]
+        self._drives_off = False  # wanted by a message of the PLC
+        self._acknowledged = True  # a level at start is no edge
         self.messages: list[Message] = []
         self.synchronised: dict[int, Reference] = {}  # axis -> machine data it was synchronised with last; kept over power-off
         self._asynchronous: set[int] = set()  # axes whose machine data have changed since
@@ -107,6 +113,8 @@ class ReisControl:
         own = bytes(self.image.outputs[self._keep])
         self.image.outputs[:] = cycle
         self.image.outputs[self._keep] = own
+        if self.plc is not None:
+            self._take_plc(self.plc)
         self.shared.end_of_cycle()
         told = [message.text for message in self.messages]
         self.messages = []
@@ -114,7 +122,38 @@ class ReisControl:
             told += self._errors(state)
             self._tell(state)
             self._obey(state, now)
+            if self.plc is not None:
+                self._react(self.plc, state, now)
         return told
+
+    # ---- the integrated PLC --------------------------------------------------------------------------------------------
+    def _take_plc(self, plc: IntegratedPlc) -> None:
+        """Markers and outputs behind its last scan; all outputs 0 where it has stopped or is gone."""
+        if plc.fresh:
+            plc.fresh = False
+            if plc.report.id:
+                self.markers.by_plc(plc.report.markers)
+        outputs = {(byte, bit): False for byte in range(OUTPUT_BYTES) for bit in range(8)} if plc.released() else plc.outputs()
+        for (byte, bit), level in outputs.items():
+            if byte not in self.setup.robot_only:
+                self.shared.by_plc(level, byte, bit)
+
+    def _react(self, plc: IntegratedPlc, state: CellState, now: Ns) -> None:
+        """Red messages stop the robot, those of class 7 switch the drives off; input 62 acknowledges."""
+        reactions = [int(message["reaction"]) & 0xFF for message in plc.messages]
+        plc.messages = []
+        if any(reaction >= STOPS for reaction in reactions) and state.motion is not Motion.IDLE:
+            self._say(Command(Code.STOP), now)
+        self._drives_off = self._drives_off or any(reaction >= DRIVES_OFF for reaction in reactions)
+        enabled = any(axis.flags & AxisFlag.ENABLED for axis in state.axes[: len(self.setup.axes)])
+        if self._drives_off and not enabled:
+            self._drives_off = False
+        elif self._drives_off and state.motion in (Motion.STOPPED, Motion.IDLE):
+            self._office.command(self._office.owner or self.setup.door, Command(Code.DISABLE, (1 << len(self.setup.axes)) - 1), now)
+        level = self.image.input(ACKNOWLEDGE)
+        if level and not self._acknowledged:
+            plc.acknowledge()
+        self._acknowledged = level
 
     def _errors(self, state: CellState) -> list[str]:
         seen: dict[tuple[int, int], None] = {}
@@ -188,6 +227,8 @@ class ReisControl:
     # ---- what others see -----------------------------------------------------------------------------------------------
     def flag_bytes(self) -> bytes:
         """M0..M2047."""
+        if self.plc is not None and self.plc.report.id:
+            return self.plc.report.markers + self.markers.content()[INPUTS:]
         return self.markers.content()
 
     def write_flags(self, first: int, data: bytes) -> bool:
@@ -199,6 +240,8 @@ class ReisControl:
             return False
         if any(byte >= OUTPUTS and byte - OUTPUTS in self.setup.robot_only for byte in range(first, first + len(data))):
             return False
+        if self.plc is not None:
+            return self.plc.write(first, data)
         for byte, value in enumerate(data, first):
             if byte < OUTPUTS:
                 kept = _ROBOTS_BITS.get(byte, 0)
@@ -224,12 +267,12 @@ class ReisControl:
             self._percent = self.markers.number(OVERRIDE)
 
     def timer(self, number: int) -> int | None:
-        """The timers of the integrated PLC are not played."""
-        return None
+        """Of the integrated PLC, where the cell has one."""
+        return None if self.plc is None else self.plc.timer(number)
 
     def counter(self, number: int) -> int | None:
-        """Nor are its counters."""
-        return None
+        """Of the integrated PLC, where the cell has one."""
+        return None if self.plc is None else self.plc.counter(number)
 
     def names(self) -> list[str]:
         """Values beside the markers."""
@@ -264,6 +307,7 @@ class ReisControl:
         return {
             "kind": "reis", "error": markers.number(ERROR_NUMBER), "in_error": markers.bit(*IN_ERROR),
             "synchronous": markers.bit(*SYNCHRONOUS), "mode": f"{markers.byte(MODE):02X}{markers.byte(MODE + 1):02X}",
+            **({"plc": self.plc.status()} if self.plc is not None else {}),
         }  # fmt: skip
 
 

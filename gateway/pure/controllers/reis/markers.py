@@ -81,6 +81,30 @@ SYSTEM = (
     SystemMarker("binary outputs", OUTPUTS, BYTES, "both"),
 )
 
+PLC_KEEPS = (POWER_ON, IN_ERROR, ACKNOWLEDGED, (1021, 6))  # of the robot's bits: those the integrated PLC itself keeps, and M944
+
+
+def _robots_bits() -> int:
+    """Bits of M0..M1967 the robot fills in before each scan of the integrated PLC, as one number; bit 0 is M0.0."""
+    mask = 0
+    for row in SYSTEM:
+        if row.writer == "robot" and row.byte < INPUTS and row.byte != ERROR_NUMBER:
+            bits = (1 << 8 * row.bytes) - 1 if row.bit is None else 1 << row.bit
+            mask |= bits << 8 * row.byte
+    for byte, bit in PLC_KEEPS:
+        mask &= ~(1 << 8 * byte + bit)
+    return mask
+
+
+ROBOTS_BITS = _robots_bits()
+ALL_BITS = (1 << 8 * INPUTS) - 1
+
+
+def merged(robot: bytes, plc: bytes) -> bytes:
+    """M0..M1967: the robot's bits from its side, all others from the PLC's."""
+    bits = int.from_bytes(robot, "little") & ROBOTS_BITS | int.from_bytes(plc, "little") & ALL_BITS & ~ROBOTS_BITS
+    return bits.to_bytes(INPUTS, "little")
+
 
 def meaning(byte: int, bit: int) -> SystemMarker | None:
     """The system marker a bit belongs to; None for free and reserved ones.  IoFault outside M0.0..M2047.7."""
@@ -138,6 +162,14 @@ class Markers:
     def content(self) -> bytes:
         """M0..M2047 as they stand."""
         return bytes(self._own) + self._io.content(Area.INPUT) + self._io.content(Area.OUTPUT)
+
+    def own(self) -> bytes:
+        """M0..M1967."""
+        return bytes(self._own)
+
+    def by_plc(self, plc: bytes) -> None:
+        """M0..M1967 as the integrated PLC has them; the robot's bits stay."""
+        self._own[:] = merged(bytes(self._own), plc)
 
     def retained(self) -> bytes:
         """What outlives power-off: markers, without the binary inputs and outputs."""

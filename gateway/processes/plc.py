@@ -1,0 +1,295 @@
+"""The process of a Reis' integrated PLC: a scan each interpolation period (AX-900).
+
+It alone writes its region: markers, timers and counters, outputs.  What command sources and tools write comes by a ring and is laid in
+between two scans.  Killed, it comes back with the copy that ran, its markers and its times; outputs are 0 until its first whole scan.
+"""
+
+import argparse
+import contextlib
+import pathlib
+import select
+import signal
+import threading
+import time
+
+from gateway.assembly.integrated_plc import kept_file, plc_folder
+from gateway.assembly.run import RunPlan, load_plan
+from gateway.files.plc_programs import ProgramFileFault, read_programs
+from gateway.pure.controllers.reis.markers import ERROR_NUMBER, IN_ERROR, merged
+from gateway.pure.image.records.cell import InputImage, Quality, unpack_inputs
+from gateway.pure.image.records.interpreter import TEXT_LAYOUT, Fact, pack_facts, unpack_facts
+from gateway.pure.image.records.plc import (
+    AREA,
+    MARKERS,
+    PLC_LAYOUT,
+    ROBOT_LAYOUT,
+    PlcReport,
+    pack_plc,
+    unpack_plc,
+    unpack_robot,
+)
+from gateway.pure.languages.plc.messages import Message
+from gateway.pure.languages.plc.plc import TICK_NS, Plc, PlcState, Settings
+from gateway.pure.languages.plc.state import TimeError
+from gateway.runtime.journal import Journal
+from gateway.runtime.realtime import Timerfd, die_with_parent
+from gateway.runtime.regions import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
+from gateway.runtime.safe_file import write_whole
+
+TAKEN = 256  # orders a period
+GO_ON = 20_000  # commands a scan may run before the clock is asked again
+KEEP_NS = 500_000_000  # what outlives power-off is written so often, when it has changed
+
+
+class Keeper:
+    """Writes the newest of what outlives power-off; a slow disk delays nobody."""
+
+    def __init__(self, path: pathlib.Path | None, journal: Journal) -> None:
+        self._path, self._journal = path, journal
+        self._waiting: bytes | None = None
+        self._change = threading.Condition()
+        self._closing = self._failing = False
+        self._thread = threading.Thread(target=self._work, name="keeper", daemon=True)
+        if path is not None:
+            self._thread.start()
+
+    def read(self) -> bytes:
+        """What the last run left; b"": nothing."""
+        if self._path is None:
+            return b""
+        try:
+            return self._path.read_bytes()
+        except FileNotFoundError:
+            return b""
+        except OSError as error:
+            self._journal.write("alarm", f"{self._path}: {error.strerror}; markers of the PLC begin with 0")
+            return b""
+
+    def keep(self, data: bytes) -> None:
+        """The data as they are now."""
+        with self._change:
+            self._waiting = data
+            self._change.notify()
+
+    def close(self) -> None:
+        """What waits is written."""
+        with self._change:
+            self._closing = True
+            self._change.notify()
+        if self._thread.is_alive():
+            self._thread.join(5.0)
+
+    def _work(self) -> None:
+        while True:
+            with self._change:
+                while self._waiting is None and not self._closing:
+                    self._change.wait()
+                data, self._waiting = self._waiting, None
+            if data is None:
+                return
+            self._write(data)
+
+    def _write(self, data: bytes) -> None:
+        assert self._path is not None
+        try:
+            write_whole(self._path, data)
+        except OSError as error:
+            if not self._failing:
+                self._journal.write("alarm", f"{self._path}: {error.strerror}; markers of the PLC do not outlive power-off now")
+            self._failing = True
+            return
+        if self._failing:
+            self._journal.write("retain", f"{self._path}: markers of the PLC are kept again")
+        self._failing = False
+
+
+class PlcProcess:
+    """One run's integrated PLC."""
+
+    def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
+        controller, folder = plan.cell.controller, plc_folder(plan.cell)
+        assert controller is not None and controller.plc is not None and folder is not None  # there is no such process without them
+        self.plan, self.folder, self.table = plan, folder, controller.plc
+        self.journal = Journal(plan.journal, "plc")
+        self.region = RegionWriter(fds["plc"], "plc", PLC_LAYOUT)
+        self.robot = RegionReader(fds["plc-robot"], "plc-robot", ROBOT_LAYOUT)
+        self.inputs = RegionReader(fds["rc_in"], "rc_in")
+        self.orders = RingReader(fds["plc-orders"], "plc-orders", TEXT_LAYOUT)
+        self.says = RingWriter(fds["plc-says"], "plc-says", TEXT_LAYOUT)
+        self.run_id = time.monotonic_ns()
+        self.sources: dict[str, str] = {}
+        self._scan_begun = 0
+        self.plc = Plc(self.sources, Settings(self.table.load, self.table.watchdog, self._more))
+        self._first, self._stop = controller.first_byte, False
+        self._copy = plan.folder / "plc.copy"
+        self._state = PlcState.STOP
+        self.keeper = Keeper(kept_file(plan), self.journal)
+        self._kept, self._kept_ns = b"", 0
+        self._begin()
+
+    # ---- start ---------------------------------------------------------------------------------------------------------
+    def _begin(self) -> None:
+        """After a death the copy that ran, with its markers; else the start program with what outlived power-off."""
+        self._read_sources()
+        last, now = self.region.latest(), time.monotonic_ns()
+        if last is not None:
+            self._come_back(unpack_plc(last), now)
+            return
+        kept = self.keeper.read()
+        if kept:
+            try:
+                self.plc.power_on(kept, now)
+            except ValueError as error:
+                self.journal.write("alarm", f"markers of the PLC: {error}; they begin with 0")
+        self._start(self.table.start)
+
+    def _come_back(self, before: PlcReport, now: int) -> None:
+        self.plc.data.memory[:MARKERS] = before.markers
+        self.plc.data.cells.now = now
+        self.plc.data.cells.restore(before.cells)
+        if not before.running:
+            return
+        try:
+            copy = self._copy.read_bytes()
+        except OSError as error:
+            self.journal.write("alarm", f"{self._copy}: {error.strerror}; the PLC stays stopped: start it anew")
+            return
+        if not self.plc.start_copy(copy):
+            self.journal.write("plc", "the PLC process was gone and goes on with the program that ran")
+
+    def _read_sources(self) -> None:
+        """The programs as they are on the disk now; a folder that cannot be read leaves those of before."""
+        try:
+            found = read_programs(self.folder)
+        except (ProgramFileFault, OSError) as error:
+            self.journal.write("alarm", f"PLC programs: {error}")
+            return
+        self.sources.clear()
+        self.sources.update(found)
+
+    def _start(self, name: str) -> None:
+        if self.plc.start(name):
+            return
+        try:
+            write_whole(self._copy, self.plc.copy(), 0o600)
+        except OSError as error:
+            self.journal.write("alarm", f"{self._copy}: {error.strerror}; the PLC would not come back after its process was gone")
+
+    # ---- periods -------------------------------------------------------------------------------------------------------
+    def run(self) -> None:
+        """Until SIGTERM."""
+        signal.signal(signal.SIGTERM, self._on_signal)
+        timer = Timerfd()
+        period = self.plan.p5_ms * 1_000_000
+        timer.set(time.monotonic_ns() + period, period)
+        while not self._stop:
+            select.select([timer], (), ())
+            if timer.expired():
+                self.turn()
+        timer.close()
+        self._keep(time.monotonic_ns())
+        self.keeper.close()
+        self.journal.close()
+
+    def _on_signal(self, number: int, frame: object) -> None:
+        self._stop = True
+
+    def turn(self) -> None:
+        """Orders, the robot's markers, one period, what came of it."""
+        now = self._scan_begun = time.monotonic_ns()
+        for _, data in self.orders.take(TAKEN):
+            self._obey(unpack_facts(data))
+        self._lay_in()
+        self.plc.scan(now, self._read_inputs())
+        self._report(now)
+        if now - self._kept_ns >= KEEP_NS:
+            self._keep(now)
+        self.region.beat(time.monotonic_ns())
+
+    def _more(self, routine: str, line: int) -> int:
+        """A scan that has used its allowance goes on while the watchdog allows it."""
+        if time.monotonic_ns() - self._scan_begun >= self.table.watchdog * TICK_NS:
+            raise TimeError(routine, line)
+        return GO_ON
+
+    def _obey(self, order: dict[str, Fact]) -> None:
+        match order["do"]:
+            case "write":
+                for at, value in enumerate(bytes.fromhex(str(order["data"])), int(order["first"])):
+                    self.plc.set_marker(at, value)
+            case "start":
+                self._read_sources()
+                self._start(str(order["name"]) or self.table.start)
+            case "stop":
+                self.plc.stop()
+            case "ack":
+                self.plc.acknowledge()
+
+    def _lay_in(self) -> None:
+        """Markers of the system (robotstar 5.8), as the robot has them."""
+        payload = self.robot.read()
+        if payload is None:
+            return
+        side = unpack_robot(payload)
+        memory, shown = self.plc.data.memory, self.plc.shown_message
+        memory[:MARKERS] = merged(side.markers, bytes(memory[:MARKERS]))
+        if shown is None or not shown.reaction:  # an error of the PLC's own is not covered by one of the robot
+            byte, bit = IN_ERROR
+            self.plc.set_bit(byte, bit, bool(side.markers[byte] >> bit & 1))
+            memory[ERROR_NUMBER : ERROR_NUMBER + 4] = side.markers[ERROR_NUMBER : ERROR_NUMBER + 4]
+        self.plc.drives = side.drives
+
+    def _read_inputs(self) -> bytes:
+        """The 40 bytes of the image; a byte without a living source reads 0."""
+        payload = self.inputs.read()
+        image = InputImage() if payload is None else unpack_inputs(payload)
+        chosen = slice(self._first, self._first + AREA)
+        pairs = zip(image.values[chosen], image.quality[chosen], strict=True)
+        return bytes(0 if quality == Quality.BAD else value for value, quality in pairs)
+
+    def _report(self, now: int) -> None:
+        plc = self.plc
+        for message in plc.take_messages():
+            self._say(message)
+        if plc.state is not self._state:
+            self._state = plc.state
+            self.journal.write("plc", f"PLC {plc.state.value}")
+        shown = plc.shown_message
+        report = PlcReport(
+            self.run_id,
+            plc.state is PlcState.RUN,
+            shown is not None and shown.reaction >= 7,
+            plc.scans,
+            bytes(plc.data.memory[:MARKERS]),
+            plc.outputs,
+            plc.outputs_written,
+            plc.data.cells.kept(),
+        )
+        self.region.write(pack_plc(report), now)
+
+    def _say(self, message: Message) -> None:
+        facts: dict[str, Fact] = {"text": message.text, "number": message.number or 0, "reaction": message.reaction}
+        self.says.put(pack_facts({**facts, "program": message.program, "step": message.step, "id": self.run_id}))
+
+    def _keep(self, now: int) -> None:
+        self._kept_ns = now
+        data = self.plc.retained(now)
+        if data != self._kept:
+            self._kept = data
+            self.keeper.keep(data)
+
+
+def main(argv: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="axisgate plc process", description="the PLC process; started by the supervisor")
+    parser.add_argument("--plan", type=int, required=True)
+    parser.add_argument("--fds", required=True)
+    arguments = parser.parse_args(argv)
+    die_with_parent(number=signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(KeyboardInterrupt):
+        PlcProcess(load_plan(arguments.plan), fds_from_text(arguments.fds)).run()
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,100 @@
+"""The integrated PLC as the control sees it: what its process reported last, orders to it, its messages.  Pure.  Source: AX-900."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from gateway.pure.image.records.interpreter import Fact
+from gateway.pure.image.records.plc import AREA, CELL, CELLS, MARKERS, PlcReport
+from gateway.pure.languages.plc.cells import COUNTER, KEPT, NONE
+
+STOPS, DRIVES_OFF = 3, 7
+CHUNK = 512  # octets of an order
+NS_PER_MS = 1_000_000
+
+
+@dataclass(slots=True)
+class IntegratedPlc:
+    """One PLC of another process."""
+
+    report: PlcReport = field(default_factory=lambda: PlcReport(0))
+    alive: bool = False
+    orders: list[dict[str, Fact]] = field(default_factory=list)
+    told: list[str] = field(default_factory=list)
+    messages: list[dict[str, Fact]] = field(default_factory=list)  # that the control has not looked at
+    shown: dict[str, Fact] | None = None  # the message that is not acknowledged
+    fresh: bool = False  # a report has come since the control looked
+    _was_on: bool = False
+
+    def take(self, report: PlcReport, *, alive: bool) -> None:
+        """What the process has published."""
+        if self.alive and not alive:
+            self.told.append("the PLC process is gone: its outputs are 0 until it is back")
+        self.report, self.alive, self.fresh = report, alive, True
+
+    def hear(self, facts: dict[str, Fact]) -> None:
+        """A message of the PLC."""
+        self.messages.append(facts)
+        self.shown = facts
+        place = f" ({facts['program']} step {facts['step']})" if facts["program"] else ""
+        self.told.append(f"PLC: {facts['text']}{place}")
+
+    @property
+    def on(self) -> bool:
+        """It runs, and its outputs count."""
+        return self.alive and self.report.running
+
+    def released(self) -> bool:
+        """True once when the PLC has stopped: all outputs become 0."""
+        before, self._was_on = self._was_on, self.on
+        return before and not self.on
+
+    def outputs(self) -> Mapping[tuple[int, int], bool]:
+        """Output bits the last whole scan wrote."""
+        found: dict[tuple[int, int], bool] = {}
+        for byte in range(AREA if self.on else 0):
+            written, level = self.report.written[byte], self.report.outputs[byte]
+            for bit in range(8 if written else 0):
+                if written >> bit & 1:
+                    found[byte, bit] = bool(level >> bit & 1)
+        return found
+
+    def write(self, first: int, data: bytes) -> bool:
+        """Markers M0..M1967, between two scans; False: inputs and outputs are not a command source's where a PLC runs."""
+        if first + len(data) > MARKERS:
+            return False
+        for at in range(0, len(data), CHUNK):
+            self.orders.append({"do": "write", "first": first + at, "data": data[at : at + CHUNK].hex()})
+        shown = bytearray(self.report.markers)  # read back at once; the next report has it from the PLC
+        shown[first : first + len(data)] = data
+        self.report = replace(self.report, markers=bytes(shown))
+        return True
+
+    def acknowledge(self) -> None:
+        """The message shown is acknowledged."""
+        if self.shown is not None:
+            self.shown = None
+            self.orders.append({"do": "ack"})
+
+    def timer(self, number: int) -> int | None:
+        """Rest in ms; None: none of that number."""
+        kind, _, left = self._cell(number)
+        return None if kind in (NONE, COUNTER) else max(0, left) // NS_PER_MS
+
+    def counter(self, number: int) -> int | None:
+        """None: none of that number."""
+        kind, _, count = self._cell(number)
+        return count if kind == COUNTER else None
+
+    def _cell(self, number: int) -> tuple[int, int, int]:
+        if not 0 <= number < CELLS:
+            return NONE, 0, 0
+        kind, flags, left = KEPT.unpack_from(self.report.cells, CELL * number)
+        return kind, flags, left
+
+    def status(self) -> dict[str, object]:
+        """For tools and pages."""
+        return {
+            "state": "RUN" if self.on else "STOP" if self.alive else "GONE",
+            "scans": self.report.scans,
+            "message": dict(self.shown) if self.shown is not None else None,
+        }
