@@ -14,7 +14,8 @@ from gateway.pure.cell.faults import CellFaults
 from gateway.pure.languages.val3.loader import Loader, family_of_arm
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.moves import Moves
-from gateway.pure.languages.val3.virtual import EventFault, Run, declare_links, event_of, summary
+from gateway.pure.languages.val3.virtual import Run, declare_links, summary
+from gateway.pure.languages.val3.virtual_events import EventFault, event_of
 from gateway.runtime.exit_codes import Exit
 from motion.errors import MotionError
 from motion.robot import Robot

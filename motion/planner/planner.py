@@ -409,6 +409,8 @@ class Planner:
         while len(self._planned) > 1 and self._planned[0].end <= tau:
             self._planned.popleft()
         if not self._planned:
+            if not self._fresh and self._work is None and not self._route.pending:
+                self._done = self._route.added  # all of them without way: there is no law they could end with
             return self._done, 1.0 if self._done else 0.0
         now = self._planned[0]
         block, share = now.run.place(now.s(tau))

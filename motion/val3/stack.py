@@ -226,11 +226,11 @@ class MotionStack:
             self._fault = RuntimeFault(error.code or 154, error.what)
             self._raise_earlier()
         self.observe()
-        return self.is_empty()
+        return not self._dropping and self.is_empty()
 
     def is_empty(self) -> bool:
-        """All moves are done."""
-        return self.mover.place().waiting == 0
+        """All moves are done, or dropped: the arm may brake yet."""
+        return self._dropping or self.mover.place().waiting == 0
 
     def get_move_id(self) -> float:
         """id of the move under way plus its progress; id + 1 at the end of the last one; 0 before any."""

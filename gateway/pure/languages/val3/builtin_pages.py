@@ -1,13 +1,14 @@
 """Popups, log, user pages, screens, profile, language, date.  Source: VAL 3 reference 4, L2810-3313; what a page shows goes to the log."""
 
 import math
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.dates import date_at
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
+from gateway.pure.languages.val3.pages import Where
 from gateway.pure.languages.val3.strings import f_to_string
 from gateway.pure.languages.val3.values import ScreenV, cut
 
@@ -41,6 +42,7 @@ def f_user_page(own: Instance, name: str) -> float:
     if own.machine.disk.read(f"{start}interface/{name}.html") is None:
         return -1.0
     own.machine.note(f"user page {name}", "PAGE")
+    own.machine.pages.load(name)
     return 0.0
 
 
@@ -49,27 +51,72 @@ def f_user_page_none(own: Instance) -> float:
     return 0.0
 
 
-def f_page(own: Instance, instruction: str, texts: Sequence[str | None]) -> bool:
-    """A binding of a page: noted."""
-    own.machine.note(f"{instruction} {' '.join(text for text in texts if text is not None)}".rstrip(), "PAGE")
-    return True
+def f_page_bind(own: Instance, page: str, name: str, attribute: str, where: Where, size: float, way: str, refresh: float = 1.0) -> None:
+    """userPageBind; 70."""
+    warning = own.machine.pages.bind(page, name, attribute, where, size, way, refresh)
+    if warning:
+        own.machine.note(warning, "PAGE")
 
 
-def f_user_page_alert(own: Instance, text: str) -> None:
-    """Confirmed at once in a virtual run."""
-    own.machine.popup(text)
+def f_page_unbind(own: Instance, page: str, name: str, attribute: str) -> bool:
+    """userPageUnbind."""
+    return own.machine.pages.unbind(page, name, attribute)
 
 
-def f_user_page_confirm(own: Instance, text: str) -> bool:
-    """OK at once in a virtual run."""
-    own.machine.popup(text)
-    return True
+def f_page_bind_event(own: Instance, page: str, name: str, event: str, where: Where, value: object = None) -> None:
+    """userPageBindClick, ..Mouseup, ..Mousedown."""
+    own.machine.pages.react(page, name, event, where, value)
 
 
-def f_user_page_prompt(own: Instance, text: str, entry: Place) -> bool:
-    """CANCEL at once in a virtual run: there is no input."""
-    own.machine.popup(text)
-    return False
+def f_page_unbind_event(own: Instance, page: str, name: str, event: str, where: Where) -> bool:
+    """userPageUnbindClick, ..Mouseup, ..Mousedown."""
+    return own.machine.pages.ignore(page, name, event, where)
+
+
+def f_page_set(own: Instance, page: str, name: str, attribute: str, value: object) -> None:
+    """userPageSet; 70."""
+    own.machine.pages.put(page, name, attribute, value)
+
+
+def _answer(own: Instance, text: str, otherwise: str) -> Generator[Ns | None, None, str]:
+    """The operator's answer; `otherwise` at once where a run has no operator."""
+    machine = own.machine
+    machine.popup(text)
+    while machine.operator and not machine.answers:
+        yield None
+    return machine.answers.pop(0) if machine.answers else otherwise
+
+
+def f_user_page_alert(own: Instance, text: str) -> Waiting:
+    """Until OK."""
+    yield from _answer(own, text, "ok")
+    return None
+
+
+def f_user_page_confirm(own: Instance, text: str) -> Waiting:
+    """OK true, CANCEL false."""
+    answer = yield from _answer(own, text, "ok")
+    return not answer.lower().startswith("cancel")
+
+
+def f_user_page_prompt(own: Instance, text: str, entry: Place) -> Waiting:
+    """OK true and the entry, CANCEL false; an entry that is no number is asked for again."""
+    while True:
+        answer = yield from _answer(own, text, "cancel")
+        word, separator, given = answer.partition(":")
+        if word.lower() == "cancel":
+            return False
+        old = entry[0][entry[1]]
+        if not separator:
+            return True
+        value: object = cut(given)
+        if isinstance(old, float):
+            try:
+                value = float(given)
+            except ValueError:
+                continue
+        entry[0][entry[1]] = value
+        return True
 
 
 def f_get_profile(own: Instance) -> str:

@@ -10,6 +10,8 @@ from gateway.pure.languages.val3.numbers import Place
 from gateway.pure.languages.val3.robot_state import REMOTE
 from gateway.pure.languages.val3.values import Container, DioV, Grid, JointV, ToolV, TrsfV
 from gateway.pure.languages.val3.virtual_io import last_name
+from motion.kinematics.arm6 import Arm6
+from motion.kinematics.dh import default_dh
 
 Waiting = Generator[Ns | None, None, object]
 FAST = ("fin0", "fin1")
@@ -210,6 +212,26 @@ def f_get_events(own: Instance, number: Place, ids: Place, types: Place, infos: 
 def f_get_licence(own: Instance, name: str, password: str) -> str:
     """ "" : no OEM licence is installed."""
     return own.machine.licences.get(name, "")
+
+
+def f_get_default_dh(own: Instance, *arrays: Place) -> None:
+    """theta, d, a[, b], alpha, beta of the arm as built (D16), mm and degrees; 570 for an arm without that chain, 70 for small arrays."""
+    kinematics = own.machine.arm.kinematics if own.machine.arm is not None else None
+    if not isinstance(kinematics, Arm6):
+        raise Rte(570, "the arm has no such chain")
+    chain = default_dh(kinematics.geometry)
+    rows = [chain.theta, chain.d, chain.a, chain.b, chain.alpha, chain.beta]
+    if len(arrays) == len(rows) - 1:
+        del rows[3]
+    for array, row in zip(arrays, rows, strict=True):
+        if len(array[0]) - array[1] < len(row):
+            raise Rte(70, f"{len(row)} elements are needed")
+        array[0][array[1] : array[1] + len(row)] = list(row)
+
+
+def f_get_dh(own: Instance, *arrays: Place) -> None:
+    """As built: nothing else is in force in a virtual run."""
+    f_get_default_dh(own, *arrays)
 
 
 def f_set_dh(own: Instance, *arrays: Place) -> bool:

@@ -9,6 +9,7 @@ from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.loader import Loader, family_of_arm
 from gateway.pure.languages.val3.moves import Moves
+from gateway.pure.languages.val3.pages import PageBoard
 from gateway.pure.languages.val3.robot_state import RobotState
 from gateway.pure.languages.val3.screen import Screen
 from gateway.pure.languages.val3.tasks import SYSTEM_CYCLE, Line, Owner, Task
@@ -77,6 +78,9 @@ class Controller:
         self.arm: Arm | None = self.moves_or_none.geometry if self.moves_or_none is not None else None
         self.world, self.flange = FrameV(root=True), ToolV(root=True)
         self.io, self.sio, self.screen, self.latch = VirtualIo(), VirtualSio(), Screen(), Latch()
+        self.pages = PageBoard(self.io)
+        self.operator = False  # prompts wait for an answer; without an operator they are answered at once
+        self.answers: list[str] = []
         self.tasks: list[Task] = []
         self.current: Task | None = None
         self.log: list[str] = []

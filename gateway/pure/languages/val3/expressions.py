@@ -305,10 +305,42 @@ class Translator:
         return self._made(node, self._choose(node, LIBRARY[name], values), values, first=repr(node.library))
 
     def _page(self, node: Invoke, name: str) -> Value:
-        """Bindings of user pages: any variables are taken; they are noted, nothing is shown."""
-        values = [self.value(each) for each in node.arguments]
-        codes = [self.need(v, "string").code if v.type == "string" else "None" for v in values]
-        return Value(f"f_page({name!r}, [{', '.join(codes)}])", "bool", node, waits=any(v.waits for v in values))
+        """Bindings of user pages: page, object, then attribute or variable."""
+        set_once, event = name == "userpageset", name.partition("bind")[2]
+        names = 3 if not event else 2
+        texts = [self.of(each, "string") for each in node.arguments[:names]]
+        rest = node.arguments[names:]
+        least, most = _page_rest(name, event)
+        if len(texts) < names or not least <= len(rest) <= most:
+            raise self.fault(node, "invalid number of parameters")
+        codes = [each.code for each in texts]
+        if set_once:
+            value = self.value(rest[0])
+            if value.type not in ("bool", "num", "string"):
+                raise self.fault(rest[0], "invalid type")
+            codes.append(self.need(value, value.type).code)
+        elif rest:
+            codes += self._bound(rest, event)
+        function = "page_set" if set_once else f"page_{'unbind' if 'unbind' in name else 'bind'}{'_event' if event else ''}"
+        if event:
+            codes.insert(2, repr(event))
+        return Value(f"f_{function}({', '.join(codes)})", "bool" if "unbind" in name else "void", node, waits=any(v.waits for v in texts))
+
+    def _bound(self, rest: Sequence[Node], event: str) -> list[str]:
+        """The variable and what follows it."""
+        variable = self.variable(rest[0], "variable expected as parameter")
+        self._element(variable)
+        if variable.type not in ("bool", "num", "string", "dio", "aio"):
+            raise self.fault(rest[0], "invalid type")
+        if variable.local:
+            raise self.fault(rest[0], "a local variable cannot be bound to a page")
+        kinds: list[Type] = ["num", "string", "num"]
+        if event:
+            kinds = [{"dio": "bool", "aio": "num"}.get(str(variable.type), variable.type)]
+            if len(rest) == 1 and variable.type not in ("bool", "dio"):
+                raise self.fault(rest[0], "value expected")
+        codes = [f"({variable.c}, {variable.k})"]
+        return codes + [self.of(each, kind).code for each, kind in zip(rest[1:], kinds, strict=False)]
 
     # ---- instructions on variables ---------------------------------------------------------------------------------------
     def _special(self, node: Invoke, name: str) -> Value | None:
@@ -484,6 +516,15 @@ class Translator:
         if value.indexed:
             raise self.fault(value.node, f"unexpected indices for the {'array' if parameter.dims else 'collection'}")
         return [value.whole]
+
+
+def _page_rest(name: str, event: str) -> tuple[int, int]:
+    """How many parameters follow page, object and attribute."""
+    if not event and "unbind" in name:
+        return 0, 0
+    if "unbind" in name or name == "userpageset":
+        return 1, 1
+    return (1, 2) if event else (3, 4)
 
 
 def nodes(node: Node) -> Iterator[Node]:

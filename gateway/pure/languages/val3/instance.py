@@ -7,6 +7,7 @@ from gateway.pure.languages.val3.controller import Controller
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.loader import Loaded
 from gateway.pure.languages.val3.model import ProgramText, UserType
+from gateway.pure.languages.val3.scope import width
 from gateway.pure.languages.val3.tasks import Step, bytes_of
 from gateway.pure.languages.val3.translate import Code
 from gateway.pure.languages.val3.values import Container, Grid, Structure, Surroundings, container_of, default
@@ -20,10 +21,13 @@ class Program:
     text: ProgramText
     code: Code
     bytes: int = 0
+    sockets: tuple[int, ...] = ()  # slots of local sio variables
     _steps: list[Step] | None = None
 
     def __post_init__(self) -> None:
         self.bytes = bytes_of(self.text)
+        first = sum(width(each) for each in self.text.parameters)
+        self.sockets = tuple(first + at for at, local in enumerate(self.text.locals) if local.type == "sio")
 
     @property
     def name(self) -> str:

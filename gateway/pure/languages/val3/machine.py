@@ -25,9 +25,9 @@ from gateway.pure.languages.val3.disk import application_of
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance, Program
 from gateway.pure.languages.val3.model import Application
-from gateway.pure.languages.val3.tasks import LINES_A_CYCLE, RUNNING, SYSTEM_CYCLE, Owner, Task
+from gateway.pure.languages.val3.tasks import LINES_A_CYCLE, RUNNING, SYSTEM_CYCLE, Frame, Owner, Task
 from gateway.pure.languages.val3.translate import CALL, END
-from gateway.pure.languages.val3.values import copied, equal, literal, places
+from gateway.pure.languages.val3.values import SioV, copied, equal, literal, places
 from motion.errors import MotionError
 from motion.val3.errors import RuntimeFault
 
@@ -118,12 +118,16 @@ class Machine(Controller):
             return 1
         return 0
 
-    def start(self, own: Instance) -> None:
-        """start() in a task of its own."""
-        self.application = own
+    def start(self, own: Instance) -> bool:
+        """start() in a task of its own; False: an application runs already (L509)."""
+        if self.application is not None and not self.ended:
+            self.note(f"{own.loaded.app.name} is not started: {self.application.loaded.app.name} is running", "VAL3")
+            return False
+        self.application, self.ended, self.stopping = own, False, False
         task = Task(f"{own.loaded.app.name}~", own, START_PRIORITY)
         task.enter(own.programs["start"], [])
         self.add(task)
+        return True
 
     def stop(self) -> None:
         """The operator stops: the start task goes at once, then stop() runs."""
@@ -150,6 +154,7 @@ class Machine(Controller):
             if self.stop_task not in self.tasks:
                 for task in reversed(list(self.tasks)):
                     self.kill(task)
+                self.sio.end_application()
                 self.ended = True
         elif not any(task.owner is self.application for task in self.tasks):
             self._run_stop()
@@ -288,6 +293,7 @@ class Machine(Controller):
             if pc >= 0:
                 frame.pc = pc
             elif pc == END:
+                self._forget_sockets(frame)
                 task.leave()
                 if not task.frames:
                     return True
@@ -300,6 +306,14 @@ class Machine(Controller):
                 task.waiting = self.gen
             if task.dead or task.status != RUNNING:
                 return True
+
+    def _forget_sockets(self, frame: Frame) -> None:
+        """A local sio variable ends with its program."""
+        for at in frame.program.sockets:
+            local = frame.v[at]
+            for variable in local if isinstance(local, list) else ():
+                if isinstance(variable, SioV):
+                    self.sio.forget(variable)
 
     def _fast(self, task: Task) -> int | None:
         """Plain lines one after the other; what the last one returned, None: no line is left."""

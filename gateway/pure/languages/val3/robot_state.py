@@ -6,6 +6,7 @@ from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.errors import Rte
 
 MANUAL, TEST, LOCAL, REMOTE = 1, 2, 3, 4
+SAFE_RESTART, SS1, SS2 = 1, 2, 3  # esStatus (L4246-4257)
 POWER_UP_NS: Ns = 0
 
 
@@ -33,6 +34,22 @@ class RobotState:
         """Power is on, nothing holds."""
         return self.powered and self.estop == 0 and not self.hold
 
+    def stop(self, code: int) -> None:
+        """The safety chain: 0 is closed again, then a safe restart is waited for; 1 or 2 opens it (SS1), 3 holds under power (SS2)."""
+        if code == 0:
+            self.estop = SAFE_RESTART if self.estop == SS1 else 0
+            return
+        self.estop = SS2 if code == SS2 else SS1
+        if self.estop == SS1:
+            self.powered = False
+
+    def switch(self, on: bool) -> None:
+        """The operator switches the power; off remains off while the safety chain is open."""
+        if on and self.estop in (0, SAFE_RESTART):
+            self.estop, self.powered = 0, True
+        elif not on:
+            self.powered = False
+
     def refresh_watchdog(self, now: Ns) -> bool:
         """Whether it was active; 45 where there is none, and power stays off then."""
         if self.watchdog_ns <= 0:
@@ -51,11 +68,11 @@ class RobotState:
 
     def enable(self) -> bool:
         """enablePower: only in remote mode."""
-        if self.mode != REMOTE or self.estop or self.watchdog_broken:
+        if self.mode != REMOTE or self.estop not in (0, SAFE_RESTART) or self.watchdog_broken:
             return False
         if self.watchdog_ns > 0 and self.watchdog_until is None:
             return False
-        self.powered = True
+        self.estop, self.powered = 0, True
         return True
 
     def set_speed(self, speed: float) -> int:

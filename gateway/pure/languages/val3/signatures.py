@@ -68,10 +68,10 @@ num sioCtrl(sio,string,string)
 num sioCtrl(sio,string,bool)
 num userPage(string)
 num userPage() = user_page_none
-void userPageAlert(string)
-bool userPageConfirm(string)
-bool userPagePrompt(string,string&)
-bool userPagePrompt(string,num&)
+~void userPageAlert(string)
+~bool userPageConfirm(string)
+~bool userPagePrompt(string,string&)
+~bool userPagePrompt(string,num&)
 void popUpMsg(string)
 void popUpMsg(string,num)
 bool logMsg(string)
@@ -186,6 +186,10 @@ num alterEnd() = alter_none
 num alter(trsf) = alter_none_of
 num alterStopTime() = alter_stop_time
 string getLicence(string,string)
+void getDH(num[],num[],num[],num[],num[]) = get_dh
+void getDH(num[],num[],num[],num[],num[],num[]) = get_dh
+void getDefaultDH(num[],num[],num[],num[],num[]) = get_default_dh
+void getDefaultDH(num[],num[],num[],num[],num[],num[]) = get_default_dh
 bool setDH(num[],num[],num[],num[],num[],num[]) = set_dh
 joint resetTurn(joint)
 """
@@ -236,5 +240,5 @@ LIBRARY = {  # identifier:instruction
 SPECIAL = frozenset("wait watch size isdefined insert delete append resize first last next prev getdata".split())
 PAGES = frozenset(
     "userpagebind userpageunbind userpageset userpagebindmouseup userpagebindmousedown userpagebindclick userpageunbindmouseup "
-    "userpageunbindmousedown userpageunbindclick getdh getdefaultdh".split()
+    "userpageunbindmousedown userpageunbindclick".split()
 )

@@ -37,6 +37,7 @@ class Callee(Protocol):
     text: ProgramText
     code: Code
     bytes: int
+    sockets: tuple[int, ...]
 
     @property
     def name(self) -> str:

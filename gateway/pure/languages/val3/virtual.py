@@ -1,13 +1,11 @@
-"""A virtual run: an application in virtual time, what happens from outside at given moments, and its result as plain data."""
+"""A virtual run: an application in virtual time, and its result as plain data."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from gateway.pure.languages.base.requests import Ns
-from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.machine import Machine
-from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, REMOTE, TEST
 from gateway.pure.languages.val3.values import (
     AioV,
     Container,
@@ -15,119 +13,11 @@ from gateway.pure.languages.val3.values import (
     Grid,
     LinkV,
     ScreenV,
+    SioV,
     Structure,
     UserV,
-    places,
 )
-
-MODES = {"manual": MANUAL, "test": TEST, "local": LOCAL, "remote": REMOTE}
-WORDS = {"true": 1.0, "on": 1.0, "false": 0.0, "off": 0.0}
-
-
-class EventFault(Exception):
-    """An event that cannot be carried out; one sentence."""
-
-
-@dataclass(frozen=True, slots=True)
-class Event:
-    """WHAT=VALUE at a moment."""
-
-    at: Ns
-    what: str
-    value: str
-
-
-def event_of(seconds: str, text: str) -> Event:
-    """From the command line.  EventFault names the fault."""
-    try:
-        at = float(seconds)
-    except ValueError:
-        raise EventFault(f"--at {seconds}: a number of seconds is expected") from None
-    what, separator, value = text.partition("=")
-    if not separator or not what or not 0 <= at < 1e9:
-        raise EventFault(f"--at {seconds} {text}: seconds from 0 and WHAT=VALUE are expected")
-    return Event(round(at * 1e9), what.strip(), value.strip())
-
-
-def number(event: Event) -> float:
-    """The value as a number."""
-    try:
-        return WORDS[event.value.lower()] if event.value.lower() in WORDS else float(event.value)
-    except ValueError:
-        raise EventFault(f"{event.what}={event.value}: a number, true or false is expected") from None
-
-
-def happen(machine: Machine, own: Instance, event: Event) -> None:
-    """What the operator, the plant or the safety board does."""
-    kind, _, name = event.what.partition(".")
-    match kind:
-        case "dio" | "aio" if name:
-            value = number(event)
-            machine.io.declare(name).value = value if kind == "aio" else float(value != 0)
-        case "mode":
-            if event.value.lower() not in MODES:
-                raise EventFault(f"mode={event.value}: {', '.join(MODES)} are expected")
-            machine.robot.mode = MODES[event.value.lower()]
-        case "power":
-            machine.robot.powered = number(event) != 0
-        case "speed":
-            value = number(event)
-            if not 0 <= value <= 100:
-                raise EventFault(f"speed={event.value}: 0 to 100 is expected")
-            machine.robot.speed = value
-        case "estop":
-            machine.robot.estop = 2 if number(event) else 0
-            if machine.robot.estop:
-                machine.robot.powered = False
-        case "hold":
-            machine.robot.hold = number(event) != 0
-        case "app":
-            if event.value.lower() != "stop":
-                raise EventFault(f"app={event.value}: stop is expected")
-            machine.stop()
-        case _:
-            put(machine, own, event)
-
-
-def put(machine: Machine, own: Instance, event: Event) -> None:
-    """A global: name, name[3], name[key], name.field."""
-    steps = event.what.replace("]", "").replace("[", ".[").split(".")
-    container: object = own.data.get(steps[0])
-    if container is None:
-        raise EventFault(
-            f"{event.what}: there is no global of that name; dio., aio., mode, power, speed, estop, hold and app are known, too"
-        )
-    place: object = 0
-    try:
-        for step in steps[1:]:
-            if step.startswith("["):
-                container, place = _element(container, step[1:])
-            else:
-                value = places(container)[place]
-                inner = getattr(value, f"u_{step}", None)
-                container, place = (inner, 0) if inner is not None else (value, step)
-        if isinstance(container, dict | Grid) and place == 0:
-            raise LookupError
-        old = places(container)[place]
-    except (LookupError, ValueError, AttributeError, TypeError, Rte):
-        raise EventFault(f"{event.what}: there is no such value") from None
-    match old:
-        case bool():
-            places(container)[place] = number(event) != 0
-        case float():
-            places(container)[place] = number(event)
-        case str():
-            places(container)[place] = event.value
-        case DioV() | AioV() if old.link:
-            machine.io.declare(old.link).value = number(event)
-        case _:
-            raise EventFault(f"{event.what}: only numbers, bools, strings, dio and aio are set")
-
-
-def _element(container: object, text: str) -> tuple[object, object]:
-    if isinstance(container, Grid):
-        return container.flat, container.at(*(float(part) for part in text.split(",")))
-    return (container, text.strip('"')) if isinstance(container, dict) else (container, int(text))
+from gateway.pure.languages.val3.virtual_events import Event, happen
 
 
 @dataclass(slots=True)
@@ -142,6 +32,9 @@ class Run:
     def go(self) -> None:
         """To the end of the application, to `until`, or until nothing can happen any more."""
         machine, waiting = self.machine, sorted(self.events, key=lambda event: event.at)
+        machine.operator = any(event.what == "answer" for event in waiting)
+        while waiting and waiting[0].at <= 0:  # as it is before the start
+            happen(machine, self.own, waiting.pop(0))
         machine.start(self.own)
         while not machine.ended and machine.clock < self.until:
             moment = min([self.until, *(event.at for event in waiting[:1])])
@@ -209,11 +102,14 @@ def shown(machine: Machine, value: object) -> object:
     return value
 
 
-def declare_links(machine: Machine, containers: Iterable[Container]) -> None:
+def declare_links(machine: Machine, containers: Collection[Container]) -> None:
     """Links with a path first, so that bare names find them."""
     links = [link for container in containers for value in values_of(container) for link in links_of(value)]
     for link in sorted(set(links), key=lambda each: ("\\" not in each, each)):
         machine.io.declare(link)
+    for variable in (value for container in containers for value in values_of(container) if isinstance(value, SioV)):
+        if variable.link:
+            machine.sio.declare(variable.link)
 
 
 def values_of(container: Container) -> Iterable[object]:

@@ -1,12 +1,24 @@
-"""Serial lines and sockets of a virtual run: the core is the real one, the other end never answers."""
+"""Serial lines and sockets of a virtual run: the core is the real one, its partners are played by events; without them nobody answers."""
 
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
 from gateway.pure.controllers.val3.sio.core import SioCore
-from gateway.pure.controllers.val3.sio.orders import Listen, Open
+from gateway.pure.controllers.val3.sio.orders import Close, Listen, Open, StopListening
 from gateway.pure.controllers.val3.sio.variable import Sio
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.values import SioV
+
+PEER = "127.0.0.1"
+
+
+def kind_of(link: str) -> Kind:
+    """A serial line, a server, UDP or a client, as the path of the link says."""
+    text = link.lower()
+    if "serial" in text or text.split("\\", maxsplit=1)[0].startswith("com"):
+        return Kind.SERIAL
+    if "udp" in text:
+        return Kind.UDP
+    return Kind.TCP_SERVER if "server" in text or "srv" in text else Kind.TCP_CLIENT
 
 
 class VirtualSio:
@@ -15,18 +27,56 @@ class VirtualSio:
     def __init__(self) -> None:
         self.core = SioCore([])
         self.now: Ns = 0
-        self._declared: dict[str, Channel] = {}
         self.sent: dict[str, bytes] = {}
+        self.open: dict[int, str] = {}  # connection -> its channel, in the order they were made
+        self._declared: dict[str, Channel] = {}
+        self._there: set[str] = set()  # channels with a partner
+        self._early: dict[str, int] = {}  # clients that came before their server listened
 
-    def declare(self, link: str) -> None:
-        """A channel of that name: serial by its path, else a client that gets no answer."""
+    # ---- what the run's events do ------------------------------------------------------------------------------------------
+    def name_of(self, text: str) -> str:
+        """The channel of that path or last name; the text itself where none is declared yet."""
+        wanted = text.lower()
+        found = (name for name in self._declared if wanted in (name.lower(), name.lower().rpartition("\\")[2]))
+        return next(found, text)
+
+    def connect(self, text: str) -> None:
+        """A partner is there: it answers a client, or comes to a server."""
+        name = self.name_of(text)
+        self.declare(name)
+        self._there.add(name)
+        if self._declared[name].kind is Kind.TCP_SERVER:
+            self._early[name] = self._early.get(name, 0) + 1
+        self.settle()
+
+    def disconnect(self, text: str) -> None:
+        """The partner closes and is gone."""
+        name = self.name_of(text)
+        self._there.discard(name)
+        for number in self._numbers(name):
+            self.core.ended(number, self.now)
+        self.settle()
+
+    def hear(self, text: str, data: bytes, which: int = 0) -> bool:
+        """Bytes come in; False: no connection is open.  which: 1 the first one, 0 the last."""
+        numbers = self._numbers(self.name_of(text))
+        if not numbers or which > len(numbers):
+            return False
+        self.core.received(numbers[which - 1], data, self.now, PEER)
+        self.settle()
+        return True
+
+    def _numbers(self, name: str) -> list[int]:
+        return [number for number, own in self.open.items() if own == name]
+
+    # ---- what instructions ask -----------------------------------------------------------------------------------------------
+    def declare(self, link: str, channel: Channel | None = None) -> None:
+        """A channel of that name; `channel` where its parameters are known."""
         if link in self._declared:
             return
-        serial = "serial" in link.lower() or "com" in link.lower().split("\\")[0]
-        kind = Kind.SERIAL if serial else Kind.TCP_CLIENT
-        channel = Channel(link, kind, address="127.0.0.1", port=1, device="virtual")
-        self._declared[link] = channel
-        self.core.declare(channel, self.now)
+        made = channel or Channel(link, kind_of(link), address=PEER, port=1, device="virtual")
+        self._declared[link] = made
+        self.core.declare(made, self.now)
         self.settle()
 
     def of(self, variable: SioV) -> Sio:
@@ -37,6 +87,18 @@ class VirtualSio:
         if not isinstance(variable.made, Sio) or variable.made.link != variable.link:
             variable.made = self.core.variable(variable.link)
         return variable.made
+
+    def forget(self, variable: SioV) -> None:
+        """The variable ends with its program: its connection to a server closes (L2646)."""
+        if isinstance(variable.made, Sio):
+            self.core.delete(variable.made)
+            variable.made = None
+            self.settle()
+
+    def end_application(self) -> None:
+        """Sockets close (L2644)."""
+        self.core.end_application()
+        self.settle()
 
     def link(self, variable: SioV, source: SioV) -> None:
         """sioLink."""
@@ -52,29 +114,53 @@ class VirtualSio:
 
     def clear(self, variable: SioV) -> int:
         """clearBuffer."""
-        return self.core.clear_buffer(self.of(variable))[0]
+        count = self.core.clear_buffer(self.of(variable))[0]
+        self.settle()
+        return count
 
     def control(self, variable: SioV, name: str, value: float | str | bool) -> int:
         """sioCtrl."""
         return int(self.core.control(self.of(variable), name, value))
 
+    # ---- the network ---------------------------------------------------------------------------------------------------------
     def settle(self) -> None:
-        """Carries out what the core orders: serial lines open, connections are refused; what is sent is noted."""
-        for order in self.core.take_orders():
-            if isinstance(order, Open):
-                if order.channel.kind in (Kind.SERIAL, Kind.UDP):
-                    self.core.opened(order.number, self.now)
-                    self._drain(order.number, order.channel.name)
-                else:
-                    self.core.refused(order.number, self.now)
-            elif isinstance(order, Listen):
-                pass
-        for number in list(range(1, 200)):
-            self._drain(number, str(number))
+        """Carries out what the core orders; takes what is sent."""
+        while orders := self.core.take_orders():
+            for order in orders:
+                match order:
+                    case Open(number, channel):
+                        self._opens(number, channel)
+                    case Close(number):
+                        self.open.pop(number, None)
+                    case Listen(channel):
+                        self._early.setdefault(channel.name, 0)
+                        self._arrive(channel.name)
+                    case StopListening(name):
+                        self._early[name] = 0
+        for name in [name for name, count in self._early.items() if count]:
+            self._arrive(name)
+        for number in list(self.open):
+            self._drain(number)
         self.core.wake(self.now)
 
-    def _drain(self, number: int, name: str) -> None:
-        data = self.core.output(number)
-        if data:
+    def _opens(self, number: int, channel: Channel) -> None:
+        if channel.kind in (Kind.SERIAL, Kind.UDP) or channel.name in self._there:
+            self.open[number] = channel.name
+            self.core.opened(number, self.now)
+            self._drain(number)
+        else:
+            self.core.refused(number, self.now)
+
+    def _arrive(self, name: str) -> None:
+        while self._early.get(name, 0):
+            number, _ = self.core.accepted(name, PEER, self.now)
+            if number is None:  # nobody listens yet, or all places are taken
+                return
+            self._early[name] -= 1
+            self.open[number] = name
+
+    def _drain(self, number: int) -> None:
+        while data := self.core.output(number):
+            name = self.open.get(number, str(number))
             self.sent[name] = self.sent.get(name, b"") + data
             self.core.taken(number, len(data), self.now)

@@ -10,7 +10,8 @@ from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.languages.val3.loader import Loader
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.moves import Moves
-from gateway.pure.languages.val3.virtual import Run, declare_links, event_of
+from gateway.pure.languages.val3.virtual import Run, declare_links
+from gateway.pure.languages.val3.virtual_events import event_of
 
 HEAD = '\ufeff<?xml version="1.0" encoding="utf-8"?>\n<!-- written by hand -->\n'
 SPACE = "http://www.staubli.com/robotics/VAL3/"

@@ -131,3 +131,14 @@ def test_power_by_program() -> None:
     )
     data, _ = made(code, at=((0.5, "mode=local"),))
     assert (data["n"], data["i"], data["j"]) == (1, 1, 1)
+
+
+def test_a_first_move_without_way_is_done_at_once() -> None:
+    for before in ("", "movej(q[1],t,m)\nwaitEndMove()\nresetMotion()\nq[2]=q[1]\n"):
+        data, _ = made(before + ("q[2]=herej()\n" if not before else "") + "movej(q[2],t,m)\nwaitEndMove()\nn=1")
+        assert data["n"] == 1
+
+
+def test_reset_motion_empties_the_queue_at_once() -> None:
+    data, _ = made("movej(q[1],t,m)\ndelay(0.1)\nresetMotion()\nb=isEmpty()\nn=getMoveId()")
+    assert (data["b"], data["n"]) == (True, 0)

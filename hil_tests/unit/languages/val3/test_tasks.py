@@ -237,3 +237,29 @@ def test_events_from_outside_reach_globals() -> None:
         [[0, 0], [0, 4]],
         "text",
     )
+
+
+@pytest.mark.requirement("VAL-APP-06", by=M + "start")
+def test_a_second_application_is_refused() -> None:
+    other = App("other", DATA, {"start": "n=1"})
+    made = machine(App(data=DATA, programs={"start": "delay(1)"}), other)
+    first, second = made.instance("demo", "demo", ""), made.instance("other", "other", "")
+    assert first is not None and second is not None
+    assert made.start(first) and not made.start(second)
+    assert "other is not started: demo is running" in made.log[-1]
+    made.run(2_000_000_000)
+    assert made.ended and made.start(second)
+
+
+@pytest.mark.requirement("VAL-TASK-02", by=B + "f_delay")
+def test_instructions_that_wait_give_the_turn_away() -> None:
+    data = DATA + datum("port", "sio", values=value(link="Serial\\1"))
+    programs = {
+        "start": 'taskCreate "t1", 100, reader()\ntaskCreate "t2", 1, other()\ndelay(0.1)\ni=taskStatus("t1")\nj=n\n'
+        'taskKill("t1")\ntaskKill("t2")',
+        "reader": "wait(true)\nk=n\ndelay(0)\na[0]=n\nsioGet(port,a)",
+        "other": "while true\nn=n+1\nendWhile",
+    }
+    found = run(App(data=data, programs=programs))["globals"]
+    assert isinstance(found, dict)
+    assert found["k"] == 0 and found["a"][0] in (0, 1) and found["i"] == 1 and found["j"] > 1000

@@ -1,0 +1,213 @@
+"""User pages as data: what is bound to what, what a page shows, what its events and entries do.  Source: VAL 3 reference 4.1 and 14.2.
+
+Nothing is drawn here.  A binding is a variable (container and place) and an attribute of an object of a page.
+"""
+
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.values import AioV, DioV, places
+from gateway.pure.languages.val3.virtual_io import VirtualIo
+
+DIRECTIONS = ("r", "w", "rw", "r1", "rw1")  # the last one: doubt D08
+FORBIDDEN = frozenset(
+    "id hidden for name style.height style.left style.margin style.padding style.width style.top".split()
+)  # of all objects (L6744-6828); on... and data-... besides
+WRITABLE = ("value",)  # L6982
+EITHER = ("selectedIndex", "value")  # L6983-6987: only one of them
+EVENTS = ("mouseup", "mousedown", "click")
+MOST = 1000  # bindings of an application
+
+Where = tuple[object, object]  # container and place
+
+
+@dataclass(slots=True)
+class Binding:
+    """variable <-> attribute."""
+
+    page: str
+    id: str
+    attribute: str
+    where: Where
+    size: int
+    direction: str
+
+    @property
+    def reads(self) -> bool:
+        """The page follows the variable."""
+        return self.direction in ("r", "rw")
+
+    @property
+    def writes(self) -> bool:
+        """An entry on the page sets the variable."""
+        return self.direction in ("w", "rw", "rw1")
+
+
+@dataclass(slots=True)
+class Reaction:
+    """An event sets a variable; value None: it is toggled."""
+
+    page: str
+    id: str
+    event: str
+    where: Where
+    value: object
+
+
+@dataclass(slots=True)
+class PageBoard:
+    """All pages of the applications."""
+
+    io: VirtualIo
+    current: str = ""
+    bindings: list[Binding] = field(default_factory=list)
+    reactions: list[Reaction] = field(default_factory=list)
+    fixed: dict[tuple[str, str, str], str] = field(default_factory=dict)
+
+    # ---- instructions ------------------------------------------------------------------------------------------------------
+    def load(self, page: str) -> None:
+        """userPage: what is read once is read now."""
+        self.current = page
+        for binding in self.bindings:
+            if binding.page == page and binding.direction in ("r1", "rw1"):
+                self._once(binding)
+
+    def bind(self, page: str, name: str, attribute: str, where: Where, size: float, direction: str, refresh: float = 1.0) -> str:
+        """userPageBind; a warning for the log, "" for none.  70: a forbidden attribute, direction, size or refresh."""
+        if direction not in DIRECTIONS:
+            raise Rte(70, f"direction {direction!r}: {', '.join(DIRECTIONS)}")
+        self._judge(attribute)
+        if "w" in direction and attribute not in WRITABLE:
+            raise Rte(70, f"{attribute} cannot be bound with {direction!r}: the page writes {', '.join(WRITABLE)} only")
+        count = int(size)
+        container, place = where
+        room = len(container) - place if isinstance(container, list) and isinstance(place, int) else 1
+        if count != size or not 1 <= count <= room or refresh < 1:
+            raise Rte(70, f"nSize {size:g} of {room}, nRefresh {refresh:g}")
+        if len(self.bindings) >= MOST:
+            raise Rte(40, f"{MOST} bindings")
+        made = Binding(page, name, attribute, where, count, direction)
+        others = [each for each in self.bindings if (each.page, each.id) == (page, name)]
+        self.bindings = [each for each in self.bindings if not _same(each, made)] + [made]
+        if direction in ("r1", "rw1"):
+            self._once(made)
+        if attribute in EITHER and any(each.attribute in EITHER and each.attribute != attribute for each in others):
+            return f"page {page}, {name}: only one of {' and '.join(EITHER)} can be bound"
+        return ""
+
+    def unbind(self, page: str, name: str, attribute: str) -> bool:
+        """userPageUnbind: whether there was one."""
+        kept = [each for each in self.bindings if (each.page, each.id, each.attribute) != (page, name, attribute)]
+        found, self.bindings = len(kept) < len(self.bindings), kept
+        return found
+
+    def react(self, page: str, name: str, event: str, where: Where, value: object) -> None:
+        """userPageBindClick and its like; an event may have several."""
+        if len(self.reactions) >= MOST:
+            raise Rte(40, f"{MOST} bindings")
+        self.reactions.append(Reaction(page, name, event, where, value))
+
+    def ignore(self, page: str, name: str, event: str, where: Where) -> bool:
+        """userPageUnbindClick and its like: whether there was one."""
+        wanted = (page, name, event)
+        kept = [
+            each
+            for each in self.reactions
+            if (each.page, each.id, each.event) != wanted or each.where[0] is not where[0] or each.where[1] != where[1]
+        ]
+        found, self.reactions = len(kept) < len(self.reactions), kept
+        return found
+
+    def put(self, page: str, name: str, attribute: str, value: object) -> None:
+        """userPageSet: once."""
+        self._judge(attribute)
+        self.fixed[page, name, attribute] = _text(value)
+
+    # ---- the operator --------------------------------------------------------------------------------------------------------
+    def happen(self, page: str, name: str, event: str) -> None:
+        """A click, or a button pressed or released."""
+        for each in [each for each in self.reactions if (each.page, each.id, each.event) == (page, name, event)]:
+            old = self._value(each.where, 0)
+            self._write(each.where, (not old) if each.value is None else each.value)
+
+    def enter(self, page: str, name: str, attribute: str, text: str) -> bool:
+        """An entry; False: nothing of this object can be written, or the text is no such value."""
+        found = [each for each in self.bindings if (each.page, each.id, each.attribute) == (page, name, attribute) and each.writes]
+        for each in found:
+            old = self._value(each.where, 0)
+            value = _value_of(old, text)
+            if value is None:
+                return False
+            self._write(each.where, value)
+        if found:
+            self.fixed[page, name, attribute] = text
+        return bool(found)
+
+    # ---- what is seen ----------------------------------------------------------------------------------------------------------
+    def shown(self) -> dict[str, dict[str, dict[str, str]]]:
+        """Page -> object -> attribute -> text."""
+        now = dict(self.fixed)
+        for each in self.bindings:
+            if each.reads:
+                now[each.page, each.id, each.attribute] = self._texts(each)
+        found: dict[str, dict[str, dict[str, str]]] = {}
+        for (page, name, attribute), text in now.items():
+            found.setdefault(page, {}).setdefault(name, {})[attribute] = text
+        return found
+
+    def _once(self, binding: Binding) -> None:
+        self.fixed[binding.page, binding.id, binding.attribute] = self._texts(binding)
+
+    def _texts(self, binding: Binding) -> str:
+        return ",".join(_text(self._value(binding.where, at)) for at in range(binding.size))
+
+    def _value(self, where: Where, at: int) -> object:
+        container, place = where
+        if isinstance(place, int) and isinstance(container, list):
+            value: object = container[place + at] if place + at < len(container) else ""
+        else:
+            value = places(container)[place]
+        if isinstance(value, DioV):
+            return self.io.usable(value.link).value != 0
+        return self.io.usable(value.link).value if isinstance(value, AioV) else value
+
+    def _write(self, where: Where, value: object) -> None:
+        container, place = where
+        old = places(container)[place]
+        if isinstance(old, DioV | AioV):
+            self.io.write(old.link, float(value) if isinstance(value, int | float) else 0.0)
+        else:
+            places(container)[place] = value
+
+    @staticmethod
+    def _judge(attribute: str) -> None:
+        if attribute in FORBIDDEN or attribute.startswith(("on", "data-")) or not attribute:
+            raise Rte(70, f"the attribute {attribute!r} must not be used")
+
+
+def _same(one: Binding, other: Binding) -> bool:
+    return (one.page, one.id, one.attribute, one.reads, one.writes) == (
+        other.page,
+        other.id,
+        other.attribute,
+        other.reads,
+        other.writes,
+    )
+
+
+def _text(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.14g}" if isinstance(value, float) else str(value)
+
+
+def _value_of(old: object, text: str) -> object:
+    """The text as a value of the variable's type; None: it is none."""
+    if isinstance(old, bool):
+        return {"true": True, "1": True, "false": False, "0": False}.get(text.lower())
+    if isinstance(old, float):
+        try:
+            return float(text)
+        except ValueError:
+            return None
+    return text

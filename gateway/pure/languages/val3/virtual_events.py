@@ -1,0 +1,199 @@
+"""What happens from outside in a virtual run: WHAT=VALUE at a moment."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.instance import Instance
+from gateway.pure.languages.val3.machine import Machine
+from gateway.pure.languages.val3.pages import EVENTS
+from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, REMOTE, TEST
+from gateway.pure.languages.val3.values import AioV, DioV, Grid, places
+from gateway.pure.languages.val3.virtual_io import Status
+
+STATES = {"works": Status.WORKS, "locked": Status.LOCKED, "simulated": Status.SIMULATED, "fault": Status.FAULT, "unknown": Status.UNKNOWN}
+MODES = {"manual": MANUAL, "test": TEST, "local": LOCAL, "remote": REMOTE}
+WORDS = {"true": 1.0, "on": 1.0, "false": 0.0, "off": 0.0}
+
+
+class EventFault(Exception):
+    """An event that cannot be carried out; one sentence."""
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """WHAT=VALUE at a moment."""
+
+    at: Ns
+    what: str
+    value: str
+
+
+def event_of(seconds: str, text: str) -> Event:
+    """From the command line.  EventFault says what is wrong."""
+    try:
+        at = float(seconds)
+    except ValueError:
+        raise EventFault(f"--at {seconds}: a number of seconds is expected") from None
+    what, separator, value = text.partition("=")
+    if not separator or not what or not 0 <= at < 1e9:
+        raise EventFault(f"--at {seconds} {text}: seconds from 0 and WHAT=VALUE are expected")
+    return Event(round(at * 1e9), what.strip(), value.strip())
+
+
+def number(event: Event) -> float:
+    """The value as a number."""
+    try:
+        return WORDS[event.value.lower()] if event.value.lower() in WORDS else float(event.value)
+    except ValueError:
+        raise EventFault(f"{event.what}={event.value}: a number, true or false is expected") from None
+
+
+def happen(machine: Machine, own: Instance, event: Event) -> None:
+    """What the operator, the plant or the safety board does."""
+    kind, _, name = event.what.partition(".")
+    if kind in PLANT and name:
+        PLANT[kind](machine, name, event)
+    elif event.what in OPERATOR:
+        OPERATOR[event.what](machine, event)
+    else:
+        put(machine, own, event)
+
+
+def signal(machine: Machine, name: str, event: Event) -> None:
+    """dio.NAME=0 or 1, aio.NAME=value."""
+    value = number(event)
+    machine.io.declare(name).value = value if event.what.startswith("aio") else float(value != 0)
+
+
+def state(machine: Machine, name: str, event: Event) -> None:
+    """io.NAME=locked: what ioStatus shows."""
+    machine.io.declare(name).status = STATES[_one_of(event, STATES)]
+
+
+def _one_of(event: Event, words: Iterable[str]) -> str:
+    if event.value.lower() not in words:
+        raise EventFault(f"{event.what}={event.value}: {', '.join(words)} are expected")
+    return event.value.lower()
+
+
+def mode(machine: Machine, event: Event) -> None:
+    """The key switch."""
+    machine.robot.mode = MODES[_one_of(event, MODES)]
+
+
+def speed(machine: Machine, event: Event) -> None:
+    """The monitor speed, by the operator."""
+    value = number(event)
+    if not 0 <= value <= 100:
+        raise EventFault(f"speed={event.value}: 0 to 100 is expected")
+    machine.robot.speed = value
+
+
+def hold(machine: Machine, event: Event) -> None:
+    """The button hold."""
+    machine.robot.hold = number(event) != 0
+
+
+def app(machine: Machine, event: Event) -> None:
+    """app=stop."""
+    _one_of(event, ("stop",))
+    machine.stop()
+
+
+def channel(machine: Machine, name: str, event: Event) -> None:
+    """The partner of a socket or serial line: connect, disconnect, hex:.. or text, in which \\r and \\n are control characters."""
+    machine.sio.now, value = machine.clock, event.value
+    plain, _, last = name.rpartition(".")
+    which = int(last) if plain and last.isdecimal() else 0
+    name = plain if which else name
+    match value:
+        case "connect":
+            machine.sio.connect(name)
+        case "disconnect":
+            machine.sio.disconnect(name)
+        case _:
+            try:
+                data = bytes.fromhex(value[4:]) if value.startswith("hex:") else text_bytes(value)
+            except ValueError:
+                raise EventFault(f"sio.{name}={value}: pairs of hexadecimal digits are expected") from None
+            if not machine.sio.hear(name, data, which):
+                machine.note(f"sio {name}: no connection is open, {len(data)} bytes are lost", "SYS")
+
+
+def text_bytes(text: str) -> bytes:
+    """UTF-8 with \\r, \\n and \\t."""
+    return text.replace("\\r", "\r").replace("\\n", "\n").replace("\\t", "\t").encode()
+
+
+def page(machine: Machine, name: str, event: Event) -> None:
+    """page.PAGE.OBJECT=click, mousedown, mouseup; page.PAGE.OBJECT.ATTRIBUTE=VALUE is an entry."""
+    parts = name.split(".", 2)
+    if len(parts) == 2 and event.value.lower() in EVENTS:
+        machine.pages.happen(parts[0], parts[1], event.value.lower())
+    elif len(parts) == 3:
+        if not machine.pages.enter(parts[0], parts[1], parts[2], event.value):
+            machine.note(f"page {parts[0]}, {parts[1]}.{parts[2]}: the entry {event.value!r} is not taken", "PAGE")
+    else:
+        raise EventFault(f"{event.what}={event.value}: page.PAGE.OBJECT={'|'.join(EVENTS)} or page.PAGE.OBJECT.ATTRIBUTE=VALUE")
+
+
+def put(machine: Machine, own: Instance, event: Event) -> None:
+    """A global: name, name[3], name[key], name.field."""
+    steps = event.what.replace("]", "").replace("[", ".[").split(".")
+    container: object = own.data.get(steps[0])
+    if container is None:
+        raise EventFault(
+            f"{event.what}: there is no global of that name; dio., aio., io., sio., page., mode, power, speed, estop, hold, answer "
+            "and app are known, too"
+        )
+    place: object = 0
+    try:
+        for step in steps[1:]:
+            if step.startswith("["):
+                container, place = _element(container, step[1:])
+            else:
+                value = places(container)[place]
+                inner = getattr(value, f"u_{step}", None)
+                container, place = (inner, 0) if inner is not None else (value, step)
+        if isinstance(container, dict | Grid) and place == 0:
+            raise LookupError
+        old = places(container)[place]
+    except (LookupError, ValueError, AttributeError, TypeError, Rte):
+        raise EventFault(f"{event.what}: there is no such value") from None
+    match old:
+        case bool():
+            places(container)[place] = number(event) != 0
+        case float():
+            places(container)[place] = number(event)
+        case str():
+            places(container)[place] = event.value
+        case DioV() | AioV() if old.link:
+            machine.io.declare(old.link).value = number(event)
+        case _:
+            raise EventFault(f"{event.what}: only numbers, bools, strings, dio and aio are set")
+
+
+def _element(container: object, text: str) -> tuple[object, object]:
+    if isinstance(container, Grid):
+        return container.flat, container.at(*(float(part) for part in text.split(",")))
+    return (container, text.strip('"')) if isinstance(container, dict) else (container, int(text))
+
+
+PLANT: dict[str, Callable[[Machine, str, Event], None]] = {
+    "dio": signal,
+    "aio": signal,
+    "io": state,
+    "sio": channel,
+    "page": page,
+}
+OPERATOR: dict[str, Callable[[Machine, Event], None]] = {
+    "mode": mode,
+    "power": lambda machine, event: machine.robot.switch(number(event) != 0),
+    "speed": speed,
+    "estop": lambda machine, event: machine.robot.stop(round(number(event))),
+    "hold": hold,
+    "answer": lambda machine, event: machine.answers.append(event.value),
+    "app": app,
+}
