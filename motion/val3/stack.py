@@ -165,13 +165,16 @@ class MotionStack:
             raise RuntimeFault(error.code or 154, error.what) from error
         self._begin_connection(start, here)
 
-    def _begin_connection(self, path: Sequence[float], here: Sequence[float]) -> None:
+    def connects(self, path: Sequence[float], here: Sequence[float]) -> Connection:
+        """Whether a connection move from here to the path runs by itself or waits for the operator."""
         limits = self.following_error or [0.0] * len(here)
         distance = max((abs(a - b) / e if e > 0 else 2.0) for a, b, e in zip(path, here, limits, strict=True))
-        if connects_by_itself(self.mode, distance, 1.0, self.auto_connect):
-            self.connection = Connection.RUNNING
-        else:
-            self.connection = Connection.OPERATOR
+        alone = connects_by_itself(self.mode, distance, 1.0, self.auto_connect)
+        return Connection.RUNNING if alone else Connection.OPERATOR
+
+    def _begin_connection(self, path: Sequence[float], here: Sequence[float]) -> None:
+        self.connection = self.connects(path, here)
+        if self.connection is Connection.OPERATOR:
             self.mover.stop()
 
     def confirm_connection(self) -> None:

@@ -2,16 +2,15 @@
 
 import math
 from collections.abc import Generator
-from dataclasses import replace
 
 from gateway.pure.languages.base.requests import Ns
-from gateway.pure.languages.val3.builtin_geometry import joint_in, point_in, scale_of, tool_in
+from gateway.pure.languages.val3.builtin_geometry import frame_in, joint_in, point_in, scale_of, tool_in, trsf_in
 from gateway.pure.languages.val3.builtin_io import io_put
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.moves import Moves, refused
 from gateway.pure.languages.val3.numbers import Place
-from gateway.pure.languages.val3.values import JointV, MdescV, PointV, ToolV
+from gateway.pure.languages.val3.values import FrameV, JointV, MdescV, PointV, ToolV, TrsfV
 from motion.val3.errors import RuntimeFault
 from motion.val3.mdesc import BlendKind, Mdesc
 
@@ -205,26 +204,67 @@ def f_reset_turn(own: Instance, reference: JointV) -> JointV:
     turns = math.floor((joint_in(own, reference)[last] - values[last]) / 360.0 + 0.5)
     values[last] += 360.0 * turns
     if turns:
-        start = replace(moves, start=tuple(values))
-        moves.arm, moves.stack = start.arm, start.stack
+        moves.restart(values)
     return JointV(values, own.machine.axes)
 
 
-def f_alter_off(own: Instance, reference: object, mdesc: MdescV) -> float:
-    """-2: the option is not enabled in a virtual run."""
-    return -2.0
+# ---- alter (13.1) ----------------------------------------------------------------------------------------------------------
 
 
-def f_alter_none(own: Instance) -> float:
-    """-1: not started."""
-    return -1.0
+def _alterable(own: Instance, move: Waiting) -> Waiting:
+    """The move is queued as an alterable one."""
+    arm = moves_of(own).altered
+    while True:
+        arm.alterable = True
+        try:
+            turn = next(move)
+        except StopIteration as stop:
+            return stop.value
+        finally:
+            arm.alterable = False
+        yield turn
 
 
-def f_alter_none_of(own: Instance, change: object) -> float:
-    """-1: not started."""
-    return -1.0
+def f_alter_movej_joint(own: Instance, joint: JointV, tool: ToolV, mdesc: MdescV) -> Waiting:
+    """As movej, alterable."""
+    return _alterable(own, f_movej_joint(own, joint, tool, mdesc))
+
+
+def f_alter_movej_point(own: Instance, point: PointV, tool: ToolV, mdesc: MdescV) -> Waiting:
+    """As movej, alterable."""
+    return _alterable(own, _to_points(own, "alterMovej", [point], tool, mdesc))
+
+
+def f_alter_movel(own: Instance, point: PointV, tool: ToolV, mdesc: MdescV) -> Waiting:
+    """As movel, alterable."""
+    return _alterable(own, _to_points(own, "alterMovel", [point], tool, mdesc))
+
+
+def f_alter_movec(own: Instance, through: PointV, point: PointV, tool: ToolV, mdesc: MdescV) -> Waiting:
+    """As movec, alterable."""
+    return _alterable(own, _to_points(own, "alterMovec", [through, point], tool, mdesc))
+
+
+def f_alter_begin_frame(own: Instance, reference: FrameV, mdesc: MdescV) -> float:
+    """1, 0, -1, -2, -3; 100 .. 106."""
+    return float(moves_of(own).alter_begin(frame_in(own, reference), mdesc_in(mdesc), scale_of(own) * 1e-3))
+
+
+def f_alter_begin_tool(own: Instance, reference: ToolV, mdesc: MdescV) -> float:
+    """As with a frame."""
+    return float(moves_of(own).alter_begin(tool_in(own, reference), mdesc_in(mdesc), scale_of(own) * 1e-3))
+
+
+def f_alter_end(own: Instance) -> float:
+    """1, -1, -3."""
+    return float(moves_of(own).altered.alter.end())
+
+
+def f_alter(own: Instance, change: TrsfV) -> float:
+    """In force in the next system cycle: 1, 0, -1, -2, -3."""
+    return float(moves_of(own).altered.alter.alter(trsf_in(own, change)))
 
 
 def f_alter_stop_time(own: Instance) -> float:
-    """0: alter mode is off."""
-    return 0.0
+    """Negative: no stop is pending; 0: locked, or alter mode is off."""
+    return float(moves_of(own).altered.alter.stop_time())

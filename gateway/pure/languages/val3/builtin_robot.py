@@ -43,11 +43,12 @@ def f_is_calibrated(own: Instance) -> bool:
 
 
 def f_working_mode(own: Instance, status: Place | None = None) -> float:
-    """1 manual, 2 test, 3 local, 4 remote; status 0 programmed move, hold by mode."""
-    robot = own.machine.robot
+    """1 manual, 2 test, 3 local, 4 remote; status 0 programmed move, 1 connection move, hold by mode."""
+    robot, moves = own.machine.robot, own.machine.moves_or_none
     if status is not None:
         held = {1: 6, 2: 3}.get(robot.mode, 2)
-        status[0][status[1]] = float(held if robot.hold or not robot.powered else 0)
+        connects = moves is not None and moves.connecting
+        status[0][status[1]] = float(held if robot.hold or not robot.powered else connects)
     return float(robot.mode)
 
 

@@ -25,11 +25,13 @@ from gateway.pure.languages.val3.disk import application_of
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance, Program
 from gateway.pure.languages.val3.model import Application
+from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, REMOTE, TEST
 from gateway.pure.languages.val3.tasks import LINES_A_CYCLE, RUNNING, SYSTEM_CYCLE, Frame, Owner, Task
 from gateway.pure.languages.val3.translate import CALL, END
 from gateway.pure.languages.val3.values import SioV, copied, equal, literal, places
 from motion.errors import MotionError
 from motion.val3.errors import RuntimeFault
+from motion.val3.stack import Mode
 
 PLAIN = (numbers, strings, arrays)
 BOUND = (builtin_geometry, builtin_io, builtin_libraries, builtin_moves, builtin_pages, builtin_robot, builtin_tasks)
@@ -38,6 +40,7 @@ OPERATORS = frozenset(
     "trsf_product trsf_inverse".split()
 )
 START_PRIORITY = 10
+WORKING = {MANUAL: Mode.MANUAL, TEST: Mode.TEST, LOCAL: Mode.LOCAL, REMOTE: Mode.REMOTE}
 
 
 @dataclass(eq=False)
@@ -182,6 +185,7 @@ class Machine(Controller):
         if self.moves_or_none is not None:
             moves = self.moves_or_none
             moves.blocked = not self.robot.moving_allowed
+            moves.stack.mode = WORKING[self.robot.mode]
             failed = moves.step(self.clock / 1e9, self.robot.speed / 100)
             if failed:
                 self.note(f"motion: {failed}", "MOTION")

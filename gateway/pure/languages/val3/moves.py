@@ -9,14 +9,17 @@ from motion.geometry.frames import compose
 from motion.geometry.units import from_si, to_si
 from motion.planner.arm import QUIET, Arm
 from motion.planner.robot import machine_of
-from motion.program.blocks import JointTarget, PoseTarget
+from motion.program.blocks import Block, Interpolation, JointTarget, Pace, PoseTarget
+from motion.program.blocks import Frame as BlockFrame
 from motion.program.blocks import Tool as BlockTool
 from motion.robot import Robot, kinematics_of
+from motion.sync.alter import Alter, Mode
+from motion.sync.altered import AlteredArm, AlterMotion
 from motion.val3.cartesian import Arm as Geometry
-from motion.val3.cartesian import Point, Tool
+from motion.val3.cartesian import Frame, Point, Tool
 from motion.val3.errors import RuntimeFault
 from motion.val3.mdesc import Mdesc
-from motion.val3.stack import MotionStack, Place
+from motion.val3.stack import CONNECTION_SPEED, Connection, MotionStack, Place
 
 PERIOD_S = 0.004
 STILL = QUIET + 5  # cycles at rest after which the arm is left alone
@@ -30,7 +33,9 @@ class Moves:
     start: tuple[float, ...] = ()
     list: "list[dict[str, object]]" = field(default_factory=list)
     arm: Arm = field(init=False)
+    altered: AlteredArm = field(init=False)
     stack: MotionStack = field(init=False)
+    alters: AlterMotion = field(init=False)
     geometry: Geometry = field(init=False)
     speed: float = 0.0  # m/s of the tool centre point
 
@@ -38,21 +43,45 @@ class Moves:
         self.units = tuple(axis.limits.unit for axis in self.robot.axes)
         self.machine = machine_of(self.robot)
         start = tuple(to_si(value, unit) for value, unit in zip(self.start or (0.0,) * len(self.units), self.units, strict=True))
-        self.arm = Arm(self.machine, start, PERIOD_S)
-        self.stack = MotionStack(self.arm)
+        self._begin(start)
         own = tuple(unit for axis, unit in zip(self.robot.axes, self.units, strict=True) if axis.role is None)
         self.geometry = Geometry(
             kinematics_of(self.robot), own if len(own) == kinematics_of(self.robot).axes else self.units, self.robot.base
         )
         self._open: list[dict[str, object]] = []
         self.blocked = False  # no power, hold or emergency stop
+        self._stopping = False  # alter has been informed of the stop
+        self._away: tuple[float, ...] | None = None  # where the arm was moved to while its path waited, SI
+        self._back: Arm | None = None  # the connection move
         self._key: tuple[float, bool, bool] = (1.0, False, False)
         self._still = 0  # cycles at rest
+
+    def _begin(self, start: Sequence[float]) -> None:
+        self.arm = Arm(self.machine, start, PERIOD_S)
+        self.altered = AlteredArm(self.arm, self.machine.kinematics, Alter(PERIOD_S))
+        self.stack = MotionStack(self.altered)
+        self.alters = AlterMotion(self.stack, self.altered, self._nominal())
+
+    def _nominal(self) -> tuple[float, ...]:
+        """Joint speeds, rad/s or m/s."""
+        return tuple(limit.speed for limit in self.machine.limits[: self.machine.kinematics.axes])
+
+    def restart(self, joints: Sequence[float]) -> None:
+        """The arm is at rest where it is; its joints count anew (deg and mm)."""
+        self._begin(self._si(joints))
+
+    def _si(self, joints: Sequence[float]) -> tuple[float, ...]:
+        return tuple(to_si(value, unit) for value, unit in zip(joints, self.units, strict=True))
+
+    @property
+    def position(self) -> tuple[float, ...]:
+        """Set values, SI: of the path with its alteration, or off the path."""
+        return self.altered.joints if self._away is None else self._away
 
     # ---- questions -------------------------------------------------------------------------------------------------------
     def joints(self) -> tuple[float, ...]:
         """As commanded."""
-        return tuple(from_si(value, unit) for value, unit in zip(self.arm.joints, self.units, strict=True))
+        return tuple(from_si(value, unit) for value, unit in zip(self.position, self.units, strict=True))
 
     def in_range(self, joints: Sequence[float]) -> bool:
         """Inside the software limits."""
@@ -62,23 +91,23 @@ class Moves:
     @property
     def place(self) -> Place:
         """Of the arm on its path."""
-        return self.arm.place()
+        return self.altered.place()
 
     # ---- orders ----------------------------------------------------------------------------------------------------------
     def joint_move(self, joints: Sequence[float], tool: Tool, mdesc: Mdesc, unit_m: float, note: dict[str, object]) -> int | None:
-        """movej to a joint position."""
+        """movej, alterMovej to a joint position."""
         if not self.in_range(joints):
             raise RuntimeFault(520, "the target")
-        target = JointTarget(tuple(to_si(value, unit) for value, unit in zip(joints, self.units, strict=True)))
+        target = JointTarget(self._si(joints))
         return self._noted(self._with(unit_m).movej(target, self._tool(tool), mdesc), note)
 
     def point_move(
         self, kind: str, points: Sequence[Point], tool: Tool, mdesc: Mdesc, unit_m: float, note: dict[str, object]
     ) -> int | None:
-        """movej, movel, movec to points."""
+        """movej, movel, movec to points, or alterMovej and its like."""
         targets = [PoseTarget(compose(self.robot.base.inverse(), point.in_world()), point.config) for point in points]
         stack, hand = self._with(unit_m), self._tool(tool)
-        match kind:
+        match kind.lower().removeprefix("alter"):
             case "movej":
                 number = stack.movej(targets[0], hand, mdesc)
             case "movel":
@@ -104,11 +133,26 @@ class Moves:
 
     def reset(self, start: Sequence[float] | None = None) -> None:
         """resetMotion: what is queued is dropped."""
-        given = None
-        if start is not None:
-            given = [to_si(value, unit) for value, unit in zip(start, self.units, strict=True)]
-        self.stack.reset_motion(given)
+        if self._away is not None:  # the next move begins where the arm is
+            self.arm.joints = self.altered.joints = self._away
+            self._away, self._back = None, None
+        self.stack.reset_motion(self._si(start) if start is not None else None)
         self._open.clear()
+
+    def alter_begin(self, reference: Frame | Tool, mdesc: Mdesc, unit_m: float) -> int:
+        """alterBegin: a frame of the world, or a tool."""
+        self.alters.unit_m = unit_m
+        if isinstance(reference, Tool):
+            return self.alters.alter_begin(self._tool(reference), mdesc)
+        return self.alters.alter_begin(BlockFrame("alter", compose(self.robot.base.inverse(), reference.in_world())), mdesc)
+
+    def push(self, joints: Sequence[float]) -> bool:
+        """The arm is moved off its path, by jogging or by hand; False: it is under program control, or the position is none."""
+        if not self.blocked or len(joints) != len(self.units) or not self.in_range(joints) or not self.arm.resting:
+            return False
+        there = self._si(joints)
+        self._away, self._back = (None if there == self.altered.joints else there), None
+        return True
 
     # ---- time ------------------------------------------------------------------------------------------------------------
     @property
@@ -117,34 +161,86 @@ class Moves:
         key = (self.arm.override, self.arm._held, self.arm._dropping)
         if key != self._key or not self.arm.resting:
             self._key, self._still = key, 0
-        return self._still > STILL and self.arm._quiet > STILL and not self.arm._dropping
+        quiet = self._still > STILL and self.arm._quiet > STILL and not self.arm._dropping
+        return quiet and self.altered.alter.mode is Mode.OFF and not self.altered._later
 
     def step(self, now_s: float, override: float) -> str | None:
         """One system cycle; the text of a move that could not be run on."""
         self.arm.override = 0.0 if self.blocked else override
+        self._stops()
+        if self._away is not None:
+            self._connect(override)
+            return None
         if self.idle:
             self.speed = 0.0
             return None
-        before = self.arm.joints
+        before = self.altered.joints
         self._still += 1
+        fault = self.altered.fault
         try:
-            self.arm.step()
+            self.altered.step()
         except MotionError as error:
             self.stack.failed(error)
-            self.arm.abandon()
+            self.altered.abandon()
             self._open.clear()
             return str(error)
         self.speed = self._speed(before)
         self.stack.observe()
-        waiting = self.arm.place().waiting
+        if self.altered.fault is not None and fault is None:
+            self.stack.failed(self.altered.fault)
+            return str(self.altered.fault)
+        waiting = self.altered.place().waiting
         while len(self._open) > waiting:
             self._open.pop(0)["end_s"] = round(now_s, 6)
         return None
 
+    def _stops(self) -> None:
+        """Power, hold and stopMove end the time in which alter is accepted."""
+        stopping = self.blocked or not self.stack.permitted
+        if stopping and not self._stopping:
+            self.altered.alter.stopping()
+        elif self._stopping and not stopping:
+            self.altered.alter.running()
+        self._stopping = stopping
+
+    def _connect(self, override: float) -> None:
+        """The connection move: back to where the path was left, at reduced speed, before anything else (L5483-5487)."""
+        assert self._away is not None
+        if self.blocked or not self.stack.permitted or not self.altered.place().waiting:
+            return
+        path = self.altered.joints
+        if self._back is None:
+            self._back = Arm(self.machine, self._away, PERIOD_S)
+            self._back.add(Block(Interpolation.PTP, JointTarget(path), pace=Pace(CONNECTION_SPEED, CONNECTION_SPEED, CONNECTION_SPEED)))
+            self._back.finish()
+            self.stack.connection = self.stack.connects(path, self._away)
+        if self.stack.connection is Connection.OPERATOR and self.stack.connects(path, self._away) is Connection.OPERATOR:
+            return
+        self.stack.connection = Connection.RUNNING
+        self._back.override = override
+        before = self._away
+        self._away = self._back.step()
+        self.speed = self._way(before, self._away)
+        if self._back.resting and self._back.place().waiting == 0:
+            self._away, self._back, self.stack.connection = None, None, Connection.NONE
+
+    @property
+    def connecting(self) -> bool:
+        """A connection move is under way or waits for the operator."""
+        return self._back is not None or self.stack.connection is not Connection.NONE
+
+    def confirm(self) -> None:
+        """The operator lets the connection move run."""
+        if self._back is not None:
+            self.stack.connection = Connection.RUNNING
+        else:
+            self.stack.confirm_connection()
+
     def _speed(self, before: Sequence[float]) -> float:
-        if before == self.arm.joints:
-            return 0.0
-        first, second = self.machine.forward(before).position, self.machine.forward(self.arm.joints).position
+        return 0.0 if before == self.altered.joints else self._way(before, self.altered.joints)
+
+    def _way(self, before: Sequence[float], after: Sequence[float]) -> float:
+        first, second = self.machine.forward(before).position, self.machine.forward(after).position
         return float(sum((a - b) ** 2 for a, b in zip(first, second, strict=True)) ** 0.5) / PERIOD_S
 
 

@@ -156,10 +156,10 @@ config config(joint)
 ~num movej(point,tool,mdesc) = movej_point
 ~num movel(point,tool,mdesc)
 ~num movec(point,point,tool,mdesc)
-~num alterMovej(joint,tool,mdesc) = movej_joint
-~num alterMovej(point,tool,mdesc) = movej_point
-~num alterMovel(point,tool,mdesc) = movel
-~num alterMovec(point,point,tool,mdesc) = movec
+~num alterMovej(joint,tool,mdesc) = alter_movej_joint
+~num alterMovej(point,tool,mdesc) = alter_movej_point
+~num alterMovel(point,tool,mdesc)
+~num alterMovec(point,point,tool,mdesc)
 void stopMove()
 void restartMove()
 void resetMotion()
@@ -180,11 +180,11 @@ num setPayload(tool,num,trsf,num[*])
 num getPayload(tool,num&,trsf&,num[*])
 void getIds(num[])
 num getEvents(num&,num[],num[],string[])
-num alterBegin(frame,mdesc) = alter_off
-num alterBegin(tool,mdesc) = alter_off
-num alterEnd() = alter_none
-num alter(trsf) = alter_none_of
-num alterStopTime() = alter_stop_time
+num alterBegin(frame,mdesc) = alter_begin_frame
+num alterBegin(tool,mdesc) = alter_begin_tool
+num alterEnd()
+num alter(trsf)
+num alterStopTime()
 string getLicence(string,string)
 void getDH(num[],num[],num[],num[],num[]) = get_dh
 void getDH(num[],num[],num[],num[],num[],num[]) = get_dh

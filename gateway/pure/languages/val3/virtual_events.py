@@ -96,6 +96,25 @@ def hold(machine: Machine, event: Event) -> None:
     machine.robot.hold = number(event) != 0
 
 
+def joints(machine: Machine, event: Event) -> None:
+    """joints=J1,J2,..: the arm is jogged or pushed while its power is off or it is held."""
+    try:
+        values = [float(part) for part in event.value.split(",")]
+    except ValueError:
+        values = []
+    moves = machine.moves_or_none
+    if moves is None or not moves.push(values):
+        raise EventFault(
+            f"joints={event.value}: one number a joint inside its travel, and an arm at rest without power or on hold, are expected"
+        )
+
+
+def connect(machine: Machine, event: Event) -> None:
+    """connect=1: the operator lets the connection move run."""
+    if number(event) and machine.moves_or_none is not None:
+        machine.moves_or_none.confirm()
+
+
 def app(machine: Machine, event: Event) -> None:
     """app=stop."""
     _one_of(event, ("stop",))
@@ -145,8 +164,8 @@ def put(machine: Machine, own: Instance, event: Event) -> None:
     container: object = own.data.get(steps[0])
     if container is None:
         raise EventFault(
-            f"{event.what}: there is no global of that name; dio., aio., io., sio., page., mode, power, speed, estop, hold, answer "
-            "and app are known, too"
+            f"{event.what}: there is no global of that name; dio., aio., io., sio., page., mode, power, speed, estop, hold, joints, "
+            "connect, answer and app are known, too"
         )
     place: object = 0
     try:
@@ -195,5 +214,7 @@ OPERATOR: dict[str, Callable[[Machine, Event], None]] = {
     "estop": lambda machine, event: machine.robot.stop(round(number(event))),
     "hold": hold,
     "answer": lambda machine, event: machine.answers.append(event.value),
+    "joints": joints,
+    "connect": connect,
     "app": app,
 }
