@@ -8,7 +8,7 @@ import sys
 
 from gateway.cell_file.load import load_cell
 from gateway.files.find import ConfigNotFound
-from gateway.files.texts import read_texts
+from gateway.files.texts import read_texts, spoken
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.faults import CellFaults, Fault
 from gateway.pure.lines.texts import LANGUAGES, language_of
@@ -33,7 +33,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--strict", action="store_true", help="exit 1 when there are warnings")
     parser.add_argument("--language", choices=LANGUAGES, help="of the report (default: the system's)")
     options = parser.parse_args(argv)
-    language = language_of(options.language, os.environ)
+    language = language_of(options.language, dict(os.environ))
     try:
         cell = load_cell(options.cell)
     except CellFaults as found:
@@ -51,7 +51,7 @@ def valid(name: str, cell: Cell, language: str = "en") -> list[str]:
     """The lines for a valid file."""
     parts = [_counted(len(cell.axis), "axis", "axes"), _counted(len(cell.line), "line", "lines"), _counted(len(cell.bus), "bus", "buses")]
     found = [_counted(len(cell.warnings), "warning", "warnings"), _counted(len(cell.notes), "note", "notes")]
-    rows = [(notice.level, notice.where, in_language(notice.text, language)) for notice in cell.notices]
+    rows = [(notice.level, _said(notice.where, language), _said(notice.text, language)) for notice in cell.notices]
     lines = [TEXTS.said("valid", name, *parts, *found)]
     if cell.not_playable() or not cell.axis:
         last = TEXTS.said("explain", name, f"axis.{cell.axis[0].name}" if cell.axis else "cell")
@@ -66,7 +66,7 @@ def told(name: str, faults: tuple[Fault, ...], language: str = "en") -> list[str
     crossed = sum(fault.kind == "cross" for fault in faults)
     count = _counted(len(faults), "error", "errors")
     head = TEXTS.said("errors", name, count, len(faults) - crossed, crossed) if crossed else TEXTS.said("only_errors", name, count)
-    rows = [_level("error", language) + str(fault) for fault in faults]
+    rows = [_level("error", language) + _fault(fault, language) for fault in faults]
     return [in_language(head, language), *rows, in_language(TEXTS.said("correct", name), language)]
 
 
@@ -88,6 +88,22 @@ def valid_json(cell: Cell) -> dict[str, object]:
         "buses": [bus.name for bus in cell.bus],
         "not_playable": cell.not_playable(),
     }
+
+
+def _said(text: str, language: str) -> str:
+    """A notice or a hint; one that was made in both languages, or is found by its words."""
+    if language != "de" or isinstance(text, Sentence):
+        return in_language(text, language)
+    return spoken("check-notices").german(text)
+
+
+def _fault(fault: Fault, language: str) -> str:
+    """File, line, key and value stay as they are in the file."""
+    if language != "de":
+        return str(fault)
+    allowed = f": {_said(f'allowed {fault.range} {fault.unit}'.strip(), language)}" if fault.range else ""
+    bare = str(dataclasses.replace(fault, range="", hint=""))
+    return f"{bare}{allowed}{': ' if fault.hint else ''}{_said(fault.hint, language)}"
 
 
 def _counted(count: int, one: str, many: str) -> Sentence:

@@ -6,8 +6,10 @@ from typing import Any
 
 from gateway.assembly.run import RunPlan
 from gateway.files.find import PACKAGED, read_evidence
+from gateway.files.texts import spoken
 from gateway.pure.cell.cell import Axis, Bus, Cell, Line
-from gateway.web.german import german, says
+from gateway.pure.reports.sentences import Sentence, in_language
+from gateway.web.german import german, says, umlauts
 from gateway.web.plant_view import Plant
 from gateway.web.skeleton import Skeleton
 
@@ -42,7 +44,7 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
         "safety": {name: str(getattr(cell.safety, name)) for name in cell.safety.__slots__} if cell.safety else {},
         "routes": [{"name": r.name, "from": r.from_, "to": r.to, "type": r.type, "edge": r.edge, "on_loss": r.on_loss} for r in cell.route],
         "wiring": wiring(cell),
-        "notices": [{"level": notice.level, "where": notice.where, "text": notice.text} for notice in cell.notices],
+        "notices": [{"level": notice.level, "where": _both(notice.where), "text": _both(notice.text)} for notice in cell.notices],
         "evidence": evidence(plan),
         "faults": plant.known(),
         "robot": {"kind": skeleton.kind, "reach": skeleton.reach, "why": skeleton.why, "model": cell.robot[0].model if cell.robot else ""},
@@ -53,6 +55,12 @@ def shown_file(file: str) -> str:
     """Path of the cell; a shipped one by its name."""
     path = pathlib.Path(file).resolve()
     return f"{path.stem} (shipped with axisgate)" if path.is_relative_to(PACKAGED) else file
+
+
+def _both(text: str) -> list[str]:
+    """What `check` says, in the letters of a page."""
+    german = in_language(text, "de") if isinstance(text, Sentence) else spoken("check-notices").german(text)
+    return [str(text), umlauts(german)]
 
 
 def _axis(axis: Axis) -> Row:

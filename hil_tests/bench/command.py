@@ -57,9 +57,9 @@ def motion(arguments: argparse.Namespace) -> list[Figure]:
 
 
 def route(arguments: argparse.Namespace) -> list[Figure]:
-    from hil_tests.bench.route_bench import figures
+    from hil_tests.bench.route_bench import BLOCKS, ROUNDS, figures
 
-    return figures()
+    return figures(min(arguments.blocks, BLOCKS), ROUNDS if arguments.seconds is None else max(4, round(ROUNDS * arguments.seconds / 10.0)))
 
 
 def modbus(arguments: argparse.Namespace) -> list[Figure]:

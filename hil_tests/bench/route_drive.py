@@ -1,10 +1,10 @@
-"""`route.both_ways` over a drive (issue 6): a Modbus client releases feed hold, a route carries that to the cycle, the drive moves, and a
-second route shows its actual position at the command source.
+"""`route.one_way` and `route.both_ways` over a drive: a Modbus client releases feed hold, a route carries that to the cycle, the drive gets
+another set value and moves, and a second route shows its actual position at the command source.
 
-Every round: a move stands held at its beginning; write, first telegram of the drive with another position (stamped by the broker), first
-read-back of another position by the client.  Limits of the axis are so wide that the drive, whose position loop takes 12 ms to follow
-(kv 80/s), has moved by more than the threshold at the end of the first cycle of 4 ms (AX-551).  Both clocks are CLOCK_MONOTONIC; the time
-on loopback counts against us.
+Every round: a move is held at its beginning; write, first telegram to the drive with another set value and first telegram of the drive
+with another position (both stamped by the broker, a third process), first read-back of another position by the client.  The axis has the
+limits of its cell, so the first set values are less than an increment away and the position loop follows (AX-551).  Both clocks are
+CLOCK_MONOTONIC; the time on loopback counts against us.
 """
 
 import random
@@ -16,18 +16,15 @@ import time
 from drivers.ports.can.open import open_can
 from hil_tests.lab.running.joined_running import JoinedRun, cell_copy, running_joined
 from hil_tests.lab.running.modbus_running import RawClient
-from protocols.servodyn.plan import actual_id
+from protocols.servodyn.plan import actual_id, set_id
 
 NAME = "routedrive"
-MOVED_INC, MOVED_UM = 16, 20  # about the same way: 819 increments are a millimetre
+MOVED_INC, MOVED_UM = 2, 3  # more than a drive at rest moves; about the same way: 819 increments are a millimetre
 WRITTEN, READ_BACK = 5, 6  # holding registers: RC input byte 10, bit 0 of a high byte; bytes 12..15
 RUN, WAY_MM = 0x0100, 2.0
 ENABLE, RELATIVE, RESET, OVERRIDE, REQUEST = 1, 5, 9, 10, 11
 RUNNING, DONE, REFUSED, ABORTED = 2, 3, 4, 5
-QUICK = (
-    ("accel = 3000.0, jerk = 30000.0", "accel = 60000.0, jerk = 1000000000.0"),
-    ('home      = { by = "gateway", mode = 0, speed = 100.0, slow_speed = 20.0, direction = "-" }', 'home      = { by = "none" }'),
-)
+QUICK = (('home      = { by = "gateway", mode = 0, speed = 100.0, slow_speed = 20.0, direction = "-" }', 'home      = { by = "none" }'),)
 DOOR = """
 [rc_inputs]
 owner = { "10" = "door", "11" = "door" }
@@ -49,8 +46,8 @@ scale = 1000.0
 """
 
 
-def measure(rounds: int, p5_ms: int, seed: int = 1) -> tuple[list[float], list[float]]:
-    """(command source to drive, command source to command source) in cycles."""
+def measure(rounds: int, p5_ms: int, seed: int = 1) -> tuple[list[float], list[float], list[float]]:
+    """(command source to set value, to actual value, back to the command source) in cycles."""
     with (
         running_joined(lambda folder: cell_copy("host-telegrams", folder, *QUICK, more=DOOR), NAME, p5_ms=p5_ms) as run,
         RawClient(run.port) as door,
@@ -63,32 +60,38 @@ def measure(rounds: int, p5_ms: int, seed: int = 1) -> tuple[list[float], list[f
 
 
 class _Ear:
-    """When the drive's telegram said another position first."""
+    """When a telegram to the drive, and one of it, said another position first."""
 
     def __init__(self) -> None:
         self.moved_ns, self.place, self._rest, self._stop = 0, 0, 0, threading.Event()
+        self.ordered_ns, self._wanted, self._wanted_at_rest = 0, 0, 0
         self._port = open_can(f"broker:{NAME}-drives")
         self._thread = threading.Thread(target=self._listen, daemon=True)
         self._thread.start()
 
     def begin(self) -> None:
         """From here on a move is looked for."""
-        self._rest, self.moved_ns = self.place, 0
+        self._rest, self._wanted_at_rest = self.place, self._wanted
+        self.moved_ns = self.ordered_ns = 0
 
     def _listen(self) -> None:
         while not self._stop.is_set():
             if select.select([self._port], (), (), 0.05)[0]:
                 for frame in self._port.receive():
-                    if frame.identifier == actual_id(1):
+                    if frame.identifier == set_id(1):
+                        self._wanted = struct.unpack_from("<i", frame.data, 2)[0]
+                        if not self.ordered_ns and self._wanted != self._wanted_at_rest:
+                            self.ordered_ns = frame.stamp_ns
+                    elif frame.identifier == actual_id(1):
                         self.place = struct.unpack_from("<i", frame.data, 2)[0]
                         if not self.moved_ns and abs(self.place - self._rest) > MOVED_INC:
                             self.moved_ns = frame.stamp_ns
 
     def wait(self) -> None:
-        """The telegram is on the bus before the client reads it back; this thread may be later."""
+        """The telegrams are on the bus before the client reads it back; this thread may be later."""
         end = time.monotonic() + 5.0
-        while not self.moved_ns:
-            assert time.monotonic() < end, "the drive's telegram was never seen on the bus"
+        while not (self.moved_ns and self.ordered_ns):
+            assert time.monotonic() < end, "set value and actual value were never seen on the bus"
             time.sleep(0.001)
 
     def close(self) -> None:
@@ -147,7 +150,10 @@ class _Commands:
         return bool(high & 0x80), low
 
 
-def _rounds(run: JoinedRun, door: RawClient, ear: _Ear, rounds: int, p5_ms: int, chance: random.Random) -> tuple[list[float], list[float]]:
+def _rounds(
+    run: JoinedRun, door: RawClient, ear: _Ear, rounds: int, p5_ms: int, chance: random.Random
+) -> tuple[list[float], list[float], list[float]]:
+    orders: list[float] = []
     acts: list[float] = []
     back: list[float] = []
     run.until(lambda: door.ask(f"06 {WRITTEN:04x} 0000").startswith("06"), "the command source takes a write")
@@ -158,8 +164,9 @@ def _rounds(run: JoinedRun, door: RawClient, ear: _Ear, rounds: int, p5_ms: int,
         try:
             commands.give(RELATIVE, WAY_MM if len(back) % 2 == 0 else -WAY_MM)
             time.sleep(chance.uniform(20.0, 21.0) * p5_ms / 1000)  # at rest, at any moment of the cycle
-            began, moved, seen = _round(door, ear)
+            began, ordered, moved, seen = _round(door, ear)
             commands.wait(DONE)
+            orders.append((ordered - began) / (p5_ms * 1e6))
             acts.append((moved - began) / (p5_ms * 1e6))
             back.append((seen - began) / (p5_ms * 1e6))
         except Spoiled as why:
@@ -168,11 +175,11 @@ def _rounds(run: JoinedRun, door: RawClient, ear: _Ear, rounds: int, p5_ms: int,
                 raise AssertionError(f"{why}\n{run.words()}") from why
             commands.ready()
         door.ask(f"06 {WRITTEN:04x} 0000")
-    return acts, back
+    return orders, acts, back
 
 
-def _round(door: RawClient, ear: _Ear) -> tuple[int, int, int]:
-    """Stamps of the write, of the drive's telegram, of the read-back; Spoiled."""
+def _round(door: RawClient, ear: _Ear) -> tuple[int, int, int, int]:
+    """Stamps of the write, of the telegram to the drive, of the drive's telegram, of the read-back; Spoiled."""
     rest = _place(door)
     ear.begin()
     began = time.monotonic_ns()
@@ -182,7 +189,7 @@ def _round(door: RawClient, ear: _Ear) -> tuple[int, int, int]:
             raise Spoiled("the drive stays where it is")
     seen = time.monotonic_ns()
     ear.wait()
-    return began, ear.moved_ns, seen
+    return began, ear.ordered_ns, ear.moved_ns, seen
 
 
 def _place(door: RawClient) -> int:

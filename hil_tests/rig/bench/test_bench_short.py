@@ -13,6 +13,7 @@ KEYS = {"figure", "value", "unit", "reference", "reference_value", "ratio", "goa
 FIGURES = {
     "cycle": {"skipped", "incomplete", "sync_error_p99", "sync_error_p999", "compute_p999", "drives_in_fault", "modbus_rate"},
     "3964r": {"wire_ratio", "blocks_per_s", "decode_MBps", "sim_telegrams_per_s"},
+    "route": {"one_way", "both_ways", "one_way_io", "both_ways_io"},
     "emulator": {"six_axes_cpu"},
     "drives": {"skipped_2ms", "incomplete_2ms", "cycle_cpu", "skipped_2ms_12", "incomplete_2ms_12", "emulated_24"},
 }

@@ -4,7 +4,7 @@ import { say } from "../texts.js";
 
 export function mount(root, { t, cell }) {
   const made = (columns, rows, key) => { const table = new Table(columns, key, {}); table.update(rows); return table.element; };
-  const plain = (names) => names.map(([name, title, n]) => ({ title: t(title), n, free: ["text", "why", "comment"].includes(name), cell: text((row) => row[name]) }));
+  const plain = (names) => names.map(([name, title, n]) => ({ title: t(title), n, free: ["text", "why", "comment"].includes(name), cell: text((row) => say(row[name])) }));
   let number = 0;
   const counted = (rows) => rows.map((row) => ({ ...row, number: row.number ?? (number += 1) }));
   const level = { title: t("level"), cell: (row, td) => td.append(chip(row.level === "warning" ? "warn" : "plain", t(row.level))) };
