@@ -26,7 +26,7 @@ from gateway.pure.image.records.cell import Motion
 from gateway.simulation.line.control import LineControl
 from gateway.tools.client import ToolClient, ToolError
 from hil_tests.lab.partners.plc1 import S5Plc
-from hil_tests.lab.partners.plc2 import ABANDON, PTP, STOP
+from hil_tests.lab.partners.plc2 import ABANDON, PTP, REQUEST, STOP
 from hil_tests.lab.running.cell_running import ALL, HOME, P5_MS, TARGET, CellRun, Disturbed, free_port, running_cell
 from hil_tests.lab.running.web_running import WebAsk
 
@@ -37,7 +37,7 @@ KILLED = ("services", "line-plc1", "web", "services", "broker-drives", "web", "e
 KILL_EVERY_S, FULL_EVERY_S, STOP_EVERY_S = 14.0, 30.0, 6.0
 STOPS_S = 4.0  # from the order to rest, on a machine that all this keeps busy
 BACK_S = 90.0
-GROWTH_KB = 80_000  # of one process, from the first minute on
+LOADED_S, GROWTH_KB = 20.0, 40_000  # of one process, from then on
 TROUBLE = (AssertionError, Disturbed, PortError, ToolError, ModbusException, HTTPException, OSError, ValueError, KeyError)
 
 
@@ -63,7 +63,7 @@ class Siege:
         self.journal = pathlib.Path(str(run.status()["journal"]))
         self._ways = 0
         self._goal = TARGET
-        self._memory: dict[int, int] = {}
+        self._memory: dict[int, tuple[float, int]] = {}  # pid -> when it was first seen, KB
 
     # ---- what is done to it
     def kill(self) -> None:
@@ -99,6 +99,7 @@ class Siege:
             try:
                 self.run.disturbed = 0
                 if self.run.state().motion is not Motion.RUNNING and not self._goes():
+                    self._at_rest()
                     self.run.ready()
                     self._goes()
                 if self.run.state().motion is Motion.RUNNING:
@@ -112,10 +113,16 @@ class Siege:
         """A move to the other place; what a stop has left of the last one is abandoned."""
         self._goal = HOME if self._goal == TARGET else TARGET
         if self.run.state().motion is Motion.STOPPED:
-            self.run.command(ABANDON)
+            self._at_rest()
         self.run.plc.send(PTP, ALL, 0.03, self._goal)
         time.sleep(0.5)
         return self.run.state().motion is Motion.RUNNING
+
+    def _at_rest(self) -> None:
+        """PLC 2 is in control, and nothing waits that a stop has left."""
+        self.run.command(REQUEST)
+        if self.run.state().motion is Motion.STOPPED:
+            self.run.command(ABANDON)
 
     def stop(self) -> None:
         """By the page, a tool or the PLC in turn; the time until the cycle says that nothing moves."""
@@ -170,10 +177,12 @@ class Siege:
         with contextlib.suppress(OSError, StopIteration):
             lines = pathlib.Path(f"/proc/{pid}/status").read_text().splitlines()
             now = int(next(line for line in lines if line.startswith("VmRSS")).split()[1])
-            first = self._memory.setdefault(pid, now)
-            if now - first > GROWTH_KB:
+            since, first = self._memory.setdefault(pid, (time.monotonic(), now))
+            if time.monotonic() - since < LOADED_S:
+                self._memory[pid] = since, max(first, now)  # its modules and first pages
+            elif now - first > GROWTH_KB:
                 self.found.wrong.append(f"{name} has grown from {first} to {now} KB")
-                self._memory[pid] = now
+                self._memory[pid] = since, now
 
     def hold(self, seconds: float) -> None:
         """Until the time is over."""
@@ -195,25 +204,25 @@ class Siege:
 
     # ---- afterwards
     def comes_back(self, plc1: S5Plc, headers: dict[str, str]) -> None:
-        """Everything within BACK_S; each part says what is missing."""
-        end = time.monotonic() + BACK_S
+        """Everything, each part within BACK_S; it says what is missing."""
         with contextlib.suppress(PortError), LineControl(f"{NAME}-plc1") as cable:
             cable.calm()
             cable.plug()
-        self._until(end, "all processes are up", self.up)
-        self._until(end, "PLC 2 moves the axes to their target", self._moves)
+        self._until("all processes are up", self.up)
+        self._until("PLC 2 moves the axes to their target", self._moves)
         cycles = plc1.cycles
-        self._until(end, "PLC 1 is served on its line", lambda: plc1.cycles > cycles + 3)
-        self._until(end, "the page answers its user", lambda: self.web.ask("GET", "/api/axes", **headers)[0] in (200, 404))
-        self._until(end, "the page says that it is well", lambda: self.web.ask("GET", "/api/health")[0] == 200)
+        self._until("PLC 1 is served on its line", lambda: plc1.cycles > cycles + 3)
+        self._until("the page answers its user", lambda: self.web.ask("GET", "/api/axes", **headers)[0] in (200, 404))
+        self._until("the page says that it is well", lambda: self.web.ask("GET", "/api/health")[0] == 200)
         size = self._size()
         with contextlib.suppress(*TROUBLE):
             self.run.kill("line-plc1")
             self.found.killed["line-plc1"] += 1
-        self._until(end, "the journal is written", lambda: self._size() > size)
+        self._until("the journal is written", lambda: self._size() > size)
 
     def _moves(self) -> bool:
         self.run.disturbed = 0
+        self._at_rest()
         self.run.ready()
         self.run.command(PTP, ALL, 0.5, TARGET)
         self.run.arrived(TARGET)
@@ -223,8 +232,8 @@ class Siege:
     def _size(self) -> int:
         return self.journal.stat().st_size if self.journal.is_file() else 0
 
-    def _until(self, end: float, what: str, holds: Callable[[], bool]) -> None:
-        why = ""
+    def _until(self, what: str, holds: Callable[[], bool]) -> None:
+        why, end = "", time.monotonic() + BACK_S
         while time.monotonic() < end:
             try:
                 if holds():
