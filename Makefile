@@ -96,6 +96,7 @@ lint: $(JUDGES)
 	$(VENV)/bin/mypy
 	$(PY) -m hil_tests.matrix.spelled
 	$(PY) -m hil_tests.house.words
+	$(PY) -m hil_tests.house.dead
 	@$(VENV)/bin/lint-imports --no-cache > build/import-contracts.txt 2>&1 && tail -n 2 build/import-contracts.txt || { cat build/import-contracts.txt; exit 1; }
 
 # Pure tests only, by two processes; no process, port or clock takes part, so it may run on a busy machine.

@@ -168,7 +168,6 @@ MODULES: Mapping[str, str] = {  # module in the id -> module today
     "motion.frames": "motion.geometry.frames",
     "motion.limits": "motion.geometry.limits",
     "motion.measure.startoff": "motion.measure.start_off",
-    "motion.outputs.onpath": "motion.outputs.on_path",
     "motion.paths.toolway": "motion.paths.tool_path",
     "motion.pieces": "motion.execution.pieces",
     "motion.planner.fileplan": "motion.planner.file_plan",

@@ -60,23 +60,6 @@ class JointDerivatives(NamedTuple):
     q3: tuple[float, ...]
 
 
-class JointCurve(Protocol):
-    """A curve of the axes themselves."""
-
-    @property
-    def length(self) -> float:
-        """Travel along the curve, in units of the leading axis (m or rad); > 0."""
-        ...
-
-    def q(self, s: float) -> tuple[float, ...]:
-        """(axes,) m or rad."""
-        ...
-
-    def derivatives(self, s: float) -> JointDerivatives:
-        """At s; one-sided from inside at the ends."""
-        ...
-
-
 def add(a: Sequence[float], b: Sequence[float]) -> Vector:
     """a + b."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])

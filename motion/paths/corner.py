@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from motion.geometry.frames import Pose, Vector, product, rotate, transposed
 from motion.geometry.orientation import rotation_vector
-from motion.paths.base import Curve, Derivatives, PathError, add, dot, norm, scale, sub
+from motion.paths.base import Curve, Derivatives, PathError, add, norm, scale, sub
 from motion.paths.polynomial import Polynomial, Row, whole
 from motion.paths.turning import vector_change, vector_rate
 
@@ -211,8 +211,3 @@ def control_points(rows: Sequence[Row], length: float = 1.0) -> list[Vector]:
         full = [c * length**k for k, c in enumerate([*row, *[0.0] * (6 - len(row))])]
         columns.append([sum(n * full[i] / FIVE[i] for i, n in enumerate(choices)) for choices in BINOMIAL])
     return [(x, y, z) for x, y, z in zip(*columns, strict=True)]
-
-
-def angle_at(u1: Vector, u2: Vector) -> float:
-    """Interior angle of a corner in rad: pi straight on, 0 back."""
-    return math.pi - math.acos(min(max(dot(u1, u2), -1.0), 1.0))

@@ -34,8 +34,3 @@ def line(start: Pose, end: Pose) -> Polynomial:
 def standing_still(place: Pose, length: float) -> Polynomial:
     """The tool stays at a place while something else goes its way, `length` in the units of that."""
     return Polynomial(place, ((0.0,), (0.0,), (0.0,), (0.0,), (0.0,), (0.0,)), length)
-
-
-def turns_only(curve: Polynomial) -> bool:
-    """True where the TCP is at rest and s is an angle."""
-    return all(not any(row[1:]) for row in curve.rows[:3]) or norm(sub(curve.at(curve.length).position, curve.origin.position)) <= NO_WAY_M

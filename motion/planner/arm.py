@@ -72,11 +72,6 @@ class Arm:
         return not self._loaded or self.progress is None or self.progress.still or self.progress.at_end
 
     @property
-    def speed_share(self) -> float:
-        """Share of full speed that is driven; 0: at rest."""
-        return 0.0 if self.resting else self._follower.omega
-
-    @property
     def prepared(self) -> int:
         """Blocks added that have not begun."""
         block, share = self.planner.place(self._follower.tau)

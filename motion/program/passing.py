@@ -4,7 +4,6 @@ Source: rho 3 Releases part 1, section 6 (L1842-1908): R absolute in the unit of
 0.01 .. 100 on P213; P212 presets both at program start; P214 = 0 axis distances, 1 one spatial distance per kinematic (D-21).
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -88,17 +87,6 @@ def passed(before: Interpolation, after: Interpolation, *, block_slope: bool) ->
     if Interpolation.CIRCULAR in (before, after):
         return False
     return not block_slope or before is after
-
-
-def shrunk(lengths: Sequence[float], radii: Sequence[float], share: float = 0.5) -> list[float]:
-    """Ranges that overlap are reduced to the largest possible (L1801-1811).
-
-    lengths: of the n blocks; radii: wanted at the n - 1 points between them.  A block gives each of its two points at most
-    `share` of itself; where a neighbour needs less, nothing more is given: the range then ends in the middle (rho 3, CODESYS).
-    """
-    if len(radii) != len(lengths) - 1:
-        raise MotionError(f"{len(radii)} ranges for {len(lengths)} blocks; one less than blocks is needed")
-    return [min(radius, share * before, share * after) for radius, before, after in zip(radii, lengths, lengths[1:], strict=False)]
 
 
 def _radius(name: str, value: float) -> float:

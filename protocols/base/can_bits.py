@@ -4,7 +4,6 @@ Source: ISO 11898-1:2015, 10.4.2 (data and remote frames), 10.5 (bit stuffing), 
 A frame is SOF .. CRC sequence (stuffed), then CRC delimiter, ACK slot and delimiter, 7 bits EOF and 3 bits interframe space, unstuffed.
 """
 
-from collections.abc import Iterable
 from functools import cache
 
 POLYNOMIAL = 0x4599  # x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1
@@ -90,14 +89,6 @@ def worst_bits(length: int, *, extended: bool = False) -> int:
     """The longest such a frame can get: a stuff bit after the first five bits and after each four more."""
     stuffable = plain_bits(length, extended=extended) - TAIL
     return stuffable + (stuffable - 1) // 4 + TAIL
-
-
-def crc15(bits: Iterable[int]) -> int:
-    """CRC sequence over single bits, SOF first: the plain definition, for those who check the tables."""
-    crc = 0
-    for bit in bits:
-        crc = _crc_step(crc, bit)
-    return crc
 
 
 def _check(identifier: int, length: int, extended: bool) -> None:

@@ -10,7 +10,6 @@ from enum import IntFlag
 
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame
-from protocols.canopen import cob_id as cobid
 
 _FORM = struct.Struct("<HB5s")
 
@@ -49,10 +48,6 @@ def decode(data: bytes) -> Emergency:
     if len(data) != _FORM.size:
         raise DecodeError(f"an emergency has 8 bytes, {len(data)} received: {data.hex(' ')}")
     return Emergency(*_FORM.unpack(data))
-
-
-def default_identifier(node: int) -> int:
-    return cobid.emcy(node)
 
 
 MEANINGS: Mapping[int, str] = {

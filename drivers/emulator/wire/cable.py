@@ -277,8 +277,3 @@ class Wire:
             if one.recovering and one.free_ns <= until:
                 one.recovering, one.tec, one.rec, one.state = False, 0, 0, NodeState.ERROR_ACTIVE
                 events.append(StateChanged(number, one.state, one.free_ns))
-
-
-def frame_ns(frame: Frame, bitrate: int) -> Ns:
-    """Time of this very frame on the wire, interframe space included."""
-    return frame_bits(frame.identifier, frame.data) * 1_000_000_000 // bitrate

@@ -175,11 +175,6 @@ class Cell(CellTables):
         return next((bus.cycle_ms for bus in self.bus if bus.protocol != "rho3-io"), 4)
 
     @property
-    def first_robot(self) -> Robot | None:
-        """The only one, or the one on the first axes."""
-        return self.robot[0] if self.robot else None
-
-    @property
     def warnings(self) -> tuple[Notice, ...]:
         return tuple(notice for notice in self.notices if notice.level == "warning")
 

@@ -3,7 +3,6 @@
 An error leaves the list only after its cause is gone and a user with sufficient rights acknowledged it (rho3 9.1: L3033, L3059, L4066).
 """
 
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
@@ -91,18 +90,3 @@ class ErrorList:
         if not kept:
             self.lost = 0
         return cleared
-
-
-class EventLimit:
-    """A partner's faults are events; only more than `limit` of them within `window_ns` are an error."""
-
-    def __init__(self, limit: int, window_ns: Ns) -> None:
-        self._window_ns = window_ns
-        self._stamps: deque[Ns] = deque(maxlen=limit + 1)
-        self.count = 0
-
-    def event(self, now: Ns) -> bool:
-        """One more event; True when the limit is passed."""
-        self.count += 1
-        self._stamps.append(now)
-        return len(self._stamps) == self._stamps.maxlen and now - self._stamps[0] <= self._window_ns

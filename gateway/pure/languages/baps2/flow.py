@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from gateway.pure.languages.baps2.tree import Block, Case, Exclusive, If, Jump, Label, Move, Parallel, Repeat, Statement, WaitUntil
+from gateway.pure.languages.baps2.tree import Block, Case, Exclusive, If, Jump, Label, Move, Repeat, Statement, WaitUntil
 from gateway.pure.languages.base.faults import Faults
 
 Path = tuple[int, ...]
@@ -53,8 +53,3 @@ def label_paths(body: tuple[Statement, ...], faults: Faults) -> dict[str, Path]:
 
     walk(body, ())
     return found
-
-
-def has_parallel(statement: Statement) -> bool:
-    """Whether there are branches in it."""
-    return any(isinstance(each, Parallel) for each in inside(statement))

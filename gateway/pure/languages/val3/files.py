@@ -1,12 +1,9 @@
 """Reads .pjx, .dtx and .pgx files.  Source: S8 note N01 and its corrections; faults name the file and its line."""
 
-from collections.abc import Iterable
-
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.val3.disk import Disk, PathFault, resolve
 from gateway.pure.languages.val3.model import (
-    BUILT_IN,
     MOST_VALUES,
     Application,
     Declaration,
@@ -221,9 +218,3 @@ def family_of(type_name: str) -> tuple[str, str]:
         if type_name.startswith(plain) and rest in ("rx", "rs", "tx", "ts"):
             return plain, {"tx": "rx", "ts": "rs"}.get(rest, rest)
     return type_name, ""
-
-
-def unknown_types(names: Iterable[str], known: Iterable[str]) -> list[str]:
-    """Type names that nothing declares."""
-    there = {*BUILT_IN, *known}
-    return [name for name in names if name not in there]

@@ -1,6 +1,6 @@
 """The error list: first-out, counts, bound, and what clears what (rho3 3.3, 9.1)."""
 
-from gateway.pure.image.error_list import ErrorList, EventLimit, Reset
+from gateway.pure.image.error_list import ErrorList, Reset
 from gateway.runtime.exit_codes import Exit
 from protocols.base.machine import ms
 
@@ -49,13 +49,6 @@ def test_an_error_that_clears_itself_goes_with_its_cause() -> None:
     errors.gone(1, "line.plc")
     errors.gone(1, "line.plc")  # twice gone is no fault
     assert errors.first is None
-
-
-def test_a_partners_faults_are_an_error_only_beyond_a_limit() -> None:
-    limit = EventLimit(limit=3, window_ns=ms(1000))
-    assert [limit.event(ms(at)) for at in (0, 100, 200, 300)] == [False, False, False, True]
-    assert not limit.event(ms(1150))  # four of them, but not within the window
-    assert limit.count == 5
 
 
 def test_exit_codes() -> None:

@@ -4,7 +4,7 @@ import pytest
 
 from motion.errors import MotionError
 from motion.program.blocks import Interpolation
-from motion.program.passing import Criterion, Passing, Presets, Range, passed, shrunk
+from motion.program.passing import Criterion, Passing, Presets, Range, passed
 
 PTP, LINEAR, CIRCULAR = Interpolation.PTP, Interpolation.LINEAR, Interpolation.CIRCULAR
 AXES = Presets(0.015, 1.0, axes=(0.1, 0.2))
@@ -48,13 +48,6 @@ def test_no_passing_next_to_a_circle_nor_at_a_change_of_type_with_block_slope() 
     assert passed(PTP, LINEAR, block_slope=False), "program slope passes there"
     for other in Interpolation:
         assert not passed(CIRCULAR, other, block_slope=False) and not passed(other, CIRCULAR, block_slope=False)
-
-
-def test_overlapping_ranges_are_reduced_to_the_largest_possible() -> None:
-    assert shrunk([0.01, 0.01, 0.01], [0.02, 0.02]) == [0.005, 0.005]
-    assert shrunk([0.1, 0.1, 0.03], [0.02, 0.02]) == [0.02, 0.015]
-    with pytest.raises(MotionError, match="ranges"):
-        shrunk([1.0], [0.1])
 
 
 @pytest.mark.parametrize("factor", [0.009, 101.0, -1.0, float("nan")])
