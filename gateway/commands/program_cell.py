@@ -93,7 +93,7 @@ def _wait_for_programs(client: ToolClient) -> None:
     end = time.monotonic() + COMES_S
     while not client.ask("process", do="list")["id"]:
         if time.monotonic() > end:
-            raise ToolError("the interpreter does not run; the journal says why")
+            raise ToolError("the interpreter does not run; see the journal for the reason")
         time.sleep(POLL_S)
 
 

@@ -65,7 +65,7 @@ class LivingServer(PatientServer):
 
 
 class Seldom(logging.Filter):
-    """What a visitor can make the server say as often as he likes is said once a minute, with how often."""
+    """Messages that a visitor can cause at will are logged once a minute, with their count."""
 
     def __init__(self) -> None:
         super().__init__()

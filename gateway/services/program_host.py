@@ -39,7 +39,7 @@ class ProgramHost:
         self._orders.put(pack_facts({"do": "hello"}))
 
     def before(self, now: int) -> None:
-        """In front of a cycle of the control: what the interpreter says."""
+        """Before a cycle of the control: messages of the interpreter."""
         alive = time.monotonic_ns() - self._region.life[1] < SILENT_NS
         payload = self._region.read()
         if payload is not None and (self._region.index != self._report or alive != self._alive):
@@ -69,7 +69,7 @@ class ProgramHost:
 
     # ---- tools ---------------------------------------------------------------------------------------------------------
     def answer(self, request: dict[str, object], door: int) -> dict[str, object]:
-        """`do`: list, start and stop (`name`), state (`run`).  door: command source a program that is started moves as, 0: the PLC's."""
+        """`do`: list, start and stop (`name`), state (`run`).  `door`: command source a program that is started moves as, 0: the PLC's."""
         rho, hosted, name = self._control, self.hosted, str(request.get("name", "")).upper()
         match request.get("do"):
             case "list":

@@ -20,7 +20,7 @@ BLOCK_ENDS = (bytes((DLE, ETX)), bytes((DLE, ETB)))
 
 
 class Remainders:
-    """Asked by the receiver, and told by it what happens; says and sends nothing itself."""
+    """The receiver asks it and reports events to it; it sends nothing itself."""
 
     def __init__(self, box: Outbox, char_delay: Ns) -> None:
         self._box, self._char_delay = box, char_delay

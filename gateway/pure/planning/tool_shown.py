@@ -1,4 +1,4 @@
-"""The tool of the block under way, for whoever draws the robot: as the blocks of a program name it, and the last one at rest."""
+"""The tool of the block under way, for drawing the robot: as the blocks of a program name it, and the last one at rest."""
 
 from dataclasses import dataclass, field
 

@@ -1,5 +1,5 @@
-"""What interpreter, services and planner tell each other (AX-860): one region with what programs see of the control, one with the
-processes, a ring of orders to the interpreter, a ring of what it says, and a ring of lines to the planner (records of
+"""Records exchanged by interpreter, services and planner (AX-860): one region with what programs see of the control, one with the
+processes, a ring of orders to the interpreter, a ring of its messages, and a ring of lines to the planner (records of
 gateway.pure.image.records.planner).
 """
 

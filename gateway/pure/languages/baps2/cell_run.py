@@ -194,7 +194,7 @@ class CellRun(Control):
         return self.robots[number - 1]
 
     def lane(self, kinematic: str, size: int = 0) -> Lane:
-        """A kinematic; it stands where its axes are."""
+        """A kinematic, at the position of its axes."""
         lane = self.lanes.get(kinematic)
         if lane is None:
             lane = self.lanes[kinematic] = Lane(self._robot(kinematic).own(self.port.view.set))
@@ -416,14 +416,14 @@ class CellRun(Control):
         self.port.output(item.channel, float(item.value))
 
     def event(self, task: Task, event: str, line: int, **facts: object) -> None:
-        """Warnings and what devices get; ends are told by `ended`."""
+        """Warnings and output to devices; `ended` reports ends."""
         if event == "warning":
             self.port.told(task.unit.name, line, str(facts["text"]))
         elif event == "write" and facts["device"] == "PHG":
             self.port.panel(bytes.fromhex(str(facts["hex"])).decode("cp437"))
 
     def ended(self, process: Process, now: int) -> None:
-        """The process is over; whoever started it hears how."""
+        """The process is over; its starter gets the result."""
         task = self.tasks[process.number]
         failed = process.fault if process.state is ProcessState.FAILED else None
         if failed is not None and task.root is not None:

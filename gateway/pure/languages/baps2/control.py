@@ -54,7 +54,7 @@ class Control(ABC):
 
     @abstractmethod
     def event(self, task: Task, event: str, line: int, **facts: object) -> None:
-        """Something that a trace or a journal tells."""
+        """An event for a trace or a journal."""
 
     @abstractmethod
     def _moves_on(self, task: Task, block: Block) -> bool:
@@ -240,7 +240,7 @@ class Control(ABC):
         return found
 
     def keep(self, program: str, name: str, value: tuple[float, ...]) -> None:
-        """A teach point was assigned to: it stays when the program ends, and stands in the point file."""
+        """A teach point was assigned to: it stays when the program ends, and is kept in the point file."""
         if self._kept.setdefault(program, {}).get(name) != value and None not in value:
             self._kept[program][name] = value
             self.memory.keep_point(program, name, value)

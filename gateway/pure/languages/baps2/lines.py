@@ -30,7 +30,7 @@ class Wanted:
 
 
 def head(robot: CellRobot) -> list[str]:
-    """What stands in front of the blocks of a stretch."""
+    """Statements before the blocks of a stretch."""
     return ["angles rho3", f"axes {' '.join(robot.units)}"]
 
 

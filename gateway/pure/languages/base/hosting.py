@@ -10,7 +10,7 @@ from gateway.pure.languages.base.requests import Ns, RuntimeFault
 
 @dataclass(frozen=True, slots=True)
 class PathState:
-    """What the planner says of the job under way: blocks that are over, and the last fault with its block; of the cycle: whether the last
+    """Report of the planner on the job under way: blocks that are over, and the last fault with its block; of the cycle: whether the last
     movement that an input ends was ended by it."""
 
     job: int = 0

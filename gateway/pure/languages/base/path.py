@@ -127,7 +127,7 @@ class Path:
         return stretch
 
     def look(self) -> None:
-        """What the planner says in this turn."""
+        """Report of the planner in this turn."""
         stretch, path = self.now, self.port.view.path
         if stretch is not None and stretch.job and path.job == stretch.job:
             stretch.passed = max(stretch.passed, min(path.passed, stretch.count))

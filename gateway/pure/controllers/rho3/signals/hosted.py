@@ -1,6 +1,6 @@
 """Processes of the interpreter in the process table of the control, and what they move, switch and report (AX-860).  Pure.
 
-Each program of the interpreter's memory stands in the table as one of [[controller.process]] does: selection and abort by the PLC, Control
+The table contains each program of the interpreter's memory like one of [[controller.process]]: selection and abort by the PLC, Control
 reset, modes 10.1 and 10.2 of the panel act on it without knowing where it runs.
 """
 
@@ -71,7 +71,7 @@ class _Order:
 
 @dataclass(slots=True)
 class HostedPrograms:
-    """Call `report` with what the interpreter publishes, `hear` with each record it says, `step` once per cycle of the control."""
+    """Call `report` with what the interpreter publishes, `hear` with each of its records, `step` once per cycle of the control."""
 
     control: Mover
     language: str = "en"
