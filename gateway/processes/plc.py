@@ -42,7 +42,7 @@ KEEP_NS = 500_000_000  # what outlives power-off is written so often, when it ha
 
 
 class Keeper:
-    """Writes the newest of what outlives power-off; a slow disk delays nobody."""
+    """Writes the newest of what outlives power-off; a slow disk delays no other part."""
 
     def __init__(self, path: pathlib.Path | None, journal: Journal) -> None:
         self._path, self._journal = path, journal

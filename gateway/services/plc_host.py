@@ -36,7 +36,7 @@ class PlcHost:
         self._seen = _Seen()
 
     def before(self) -> None:
-        """In front of a cycle of the control: the PLC behind its last period, and what it says."""
+        """Before a cycle of the control: the PLC after its last period, and its messages."""
         payload = self._region.read()
         alive = time.monotonic_ns() - self._region.life[1] < self._silent_ns
         if payload is not None and (self._region.index != self._seen.index or alive != self.plc.alive):

@@ -102,7 +102,7 @@ class Path:
             stretch.owner = None  # it is over when the cell says so
 
     def drop(self) -> None:
-        """Whoever gives orders has begun anew and knows of none: what was handed on ends, and nobody waits."""
+        """The source of the orders has restarted and knows none of them: what was passed on ends, and nothing waits."""
         if self.now is not None:
             self.release(self.now.owner)
         self.now = None
