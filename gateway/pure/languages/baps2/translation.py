@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import cast
 
 from gateway.pure.languages.baps2 import demands, errors, values
 from gateway.pure.languages.baps2.bodies import Bodies
@@ -46,7 +47,8 @@ class Unit:
         try:
             space = dict(GLOBALS)
             exec(compile(self.text, f"<{self.name}>", "exec"), space)
-            self.make, self.share = space["make"], space["share"]  # type: ignore[assignment]  # what exec() made of our own text
+            self.make = cast(Callable[[object], Main], space["make"])  # what exec() made of axisgate's own text
+            self.share = cast(Callable[[object, object], None], space["share"])
         except (RecursionError, SyntaxError, MemoryError):
             _too_complex(self.program, faults)
             return False
