@@ -10,7 +10,7 @@ from gateway.assembly.path_outputs import output_places
 from gateway.assembly.programs import mask_of, measuring_facts, numbers_by_axis
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cycle.enabling_inputs import free_outputs
-from gateway.pure.planning.planner import Programs
+from gateway.pure.planning.planner import CellPrograms, Programs
 from motion.planner.robot import Machine
 from motion.planner.team import Team
 from motion.program.team import Kinematic
@@ -25,15 +25,17 @@ def programs_of(
     """Of a checked cell; the callables as Programs has them."""
     numbers = numbers_by_axis(cell)
     return Programs(
-        machine_of,
-        lambda robots: mask_of(cell, robots),
-        text_of,
-        free_outputs(rc_numbers(cell), len(cell.axis)),
-        belts=belt_facts(cell),
-        functions=output_places(cell),
-        kinematic_of=lambda machine: numbers.get(machine.limits[0].name, 1),
-        altered=altered(cell),
-        channels=measuring_facts(cell),
-        windows=[window_of(axis) for axis in cell.axis],
-        team_of=team_of,
+        CellPrograms(
+            machine_of,
+            lambda robots: mask_of(cell, robots),
+            text_of,
+            free_outputs(rc_numbers(cell), len(cell.axis)),
+            belts=belt_facts(cell),
+            functions=output_places(cell),
+            kinematic_of=lambda machine: numbers.get(machine.limits[0].name, 1),
+            altered=altered(cell),
+            channels=measuring_facts(cell),
+            windows=[window_of(axis) for axis in cell.axis],
+            team_of=team_of,
+        )
     )

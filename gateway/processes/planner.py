@@ -52,8 +52,8 @@ class PlannerProcess:
         self.region = RegionWriter(fds["planner"], "planner")
         self.count = len(plan.cell.axis)
         self.programs = programs_of(plan.cell, self.machine, self.text, self.team)
-        self.programs.files = Files(self.file, plan.p5_ms * 1000)
-        self.programs.systems = self.count + len(plan.cell.belt)
+        self.programs.cell.files = Files(self.file, plan.p5_ms * 1000)
+        self.programs.cell.systems = self.count + len(plan.cell.belt)
         said = self.region.latest()
         if said is not None:
             self.programs.follows(unpack_planner(said))

@@ -25,6 +25,8 @@ from gateway.pure.image.records.planner import (
 from gateway.pure.planning.belt_statements import act_order, act_record, belts_after, sets_type
 from gateway.pure.planning.cell_checks import Away, OfCell, check_acts
 from gateway.pure.planning.chain import Chain
+from gateway.pure.planning.cycle_view import ALWAYS, CycleView
+from gateway.pure.planning.job import Job
 from gateway.pure.planning.parts import Coming, Measuring, apart, ending, told
 from gateway.pure.planning.reading import Reading
 from gateway.pure.planning.team import (
@@ -51,9 +53,8 @@ from motion.planner.robot import Machine
 from motion.planner.team import Team
 from motion.program.blocks import Block
 from motion.program.errors import BlockError, TextError
-from motion.program.factors import FULL, Factors
+from motion.program.factors import Factors
 from motion.program.team import Kinematic, Shared
-from motion.program.text.reader import Reader
 from motion.program.text.team import TeamReader
 from motion.sync.alterable import check_alterable
 from motion.sync.belts import Type
@@ -61,15 +62,15 @@ from motion.sync.facts import BeltFacts
 from motion.timing.slices import Work
 
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
-ALWAYS = 1 << 62
 
 
 @dataclass
-class Programs:
-    """What the robots of a run are moved by.  machine_of: (robot a text names, number of the program, 0: a stream, -n: a stream of robot
-    n) -> machine, text_of:
-    number -> text, team_of: kinematics of a text, its number -> team (files are read there: not this module's business); all raise
-    MotionError."""
+class CellPrograms:
+    """What a cell gives its planner.
+
+    machine_of: (robot a text names, number of the program, 0: a stream, -n: a stream of robot n) -> machine; text_of: number -> text;
+    team_of: kinematics of a text, its number -> team.  Files are read there; all raise MotionError.
+    """
 
     machine_of: Callable[[str, int], Machine]
     mask_of: Callable[[Machine | Team], int]  # axes of the cell
@@ -84,119 +85,97 @@ class Programs:
     files: Files = Files()
     windows: Sequence[float] = ()  # of the axes of the cell, in position; m and rad
     team_of: Callable[[Sequence[Kinematic], int], Team] = no_team
-    slowing: Slowing = field(default_factory=Slowing)  # sentences about blocks that have begun
-    workpiece: CellSystems = field(default_factory=CellSystems)
-    state: PlannerState = PlannerState()
-    generation: int = 0
-    _planner: Planner | FilePlan | None = None
-    _reader: Reader | TeamReader = field(default_factory=Reader)
-    _number: int = 0  # of the program of the cell; 0: a stream
-    _factors: Factors = FULL
-    _whole: list[str] | None = None  # lines of a stream that is read whole
-    _lines: Iterator[tuple[int, str]] | None = None  # of a program of the cell, not read yet
-    _line_of: list[int] = field(default_factory=list)  # block - 1 -> line
-    _out: list[PieceRecord] = field(default_factory=list)
-    _quiet: int = 0
-    _ended: bool = False
-    _chain: Chain = field(default_factory=Chain)
-    _trial: Trial = field(default_factory=lambda: Trial((), Files()))  # of parts to come
-    _start: Sequence[float] = ()  # of the axes where a part on a belt began
-    _blocks: int = 0  # of the part under way
-    _handed: bool = False  # the part under way is handed on whole, and another one follows
-    _measuring: Measuring = field(default_factory=lambda: Measuring({}))
-    _measured: Sequence[float | None] = ()
-    _error: str = ""  # label to go on at when the input of the part under way does not come
-    _last: Block | None = None  # looked at
-    _parts: int = 0  # over, as the cycle counts them
-    _before: int = 0  # blocks before the part under way
-    _off: int = 0  # axes (bit n-1 = axis n) nobody wants on, as the program was ordered
-    _belts: Sequence[BeltFacts] = ()  # as programs have set them since the cycle began (SF 21)
-    _override: float = 1.0
-    _reading: Reading = field(default_factory=Reading)  # records, and lines of a program of the cell
-    _placed: int = 0  # axes whose positions were set in this cycle (SF 3)
-    _tool: ToolShown = field(default_factory=ToolShown)
 
-    def turn(
-        self,
-        records: Sequence[BlockRecord],
-        generation: int,
-        piece: int,
-        standing: Sequence[float],
-        *,
-        moving: bool,
-        taken: int = ALWAYS,
-        failed: int = 0,
-        parts: int = 0,
-        engaged: float = 0.0,
-        met: bool = True,
-        measured: Sequence[float | None] = (),
-        off: int = 0,
-        override: float = 1.0,
-    ) -> list[PieceRecord]:
-        """records: new ones; the rest is the cycle's: its generation, the piece under way (0: none), where the axes stand, whether they
-        move, the last order it took (nothing is handed on before it knows of the job), the job that failed last, the number of parts
-        that are over, the belt value at which the robot got onto a belt, whether the last part with an input ended by it, where the
-        axes were measured last (None: they were not), the axes (bit n-1 = axis n) not commanded on, and the override."""
-        self._override = override
-        if generation != self.generation:
-            self.generation, self._belts, self._placed = generation, self.belts, 0  # a start-up of the control
+
+class Programs:
+    """What the robots of a run are moved by."""
+
+    def __init__(self, cell: CellPrograms) -> None:
+        self.cell = cell
+        self.slowing = Slowing()  # sentences about blocks that have begun
+        self.workpiece = CellSystems()
+        self.state = PlannerState()
+        self._job = Job(Trial((), Files()), Measuring({}))
+        self._out: list[PieceRecord] = []
+        self._quiet = 0
+        self._chain = Chain()
+        self._seen = CycleView()  # of the turn before
+        self._belts: Sequence[BeltFacts] = ()  # as programs have set them since the cycle began (SF 21)
+        self._reading = Reading()  # records, and lines of a program of the cell
+        self._placed = 0  # axes whose positions were set in this cycle (SF 3)
+        self._tool = ToolShown()
+
+    @property
+    def generation(self) -> int:
+        """Of the cycle it works for."""
+        return self._seen.generation
+
+    def turn(self, records: Sequence[BlockRecord], view: CycleView) -> list[PieceRecord]:
+        """records: new ones; view: the rest is the cycle's."""
+        seen, self._seen = self._seen, view
+        if view.generation != seen.generation:
+            self._belts, self._placed = self.cell.belts, 0  # a start-up of the control
             self._reading.forget()
             self._drop()
             self.workpiece.started_up()
             self._out.clear()
-        if failed and failed == self.state.job:
+        if view.failed and view.failed == self.state.job:
             self._drop()
         self._quiet += 1
-        self._listen(records, off, standing)
-        if self.state.job and self._handed and parts != self._parts:
-            self._measured = measured
-            self._go_on(standing, engaged, met=met)
-        self._parts = parts
-        self._plan(piece, moving, taken)
+        self._listen(records)
+        if self.state.job and self._job.handed and view.parts != seen.parts:
+            self._job.measured = view.measured
+            self._go_on()
+        self._plan()
+        self._show()
+        out = [record for record in self._out if record.job <= view.taken]  # a cycle that has not heard of the job would drop its fault
+        self._out = [record for record in self._out if record.job > view.taken]
+        return out
+
+    def _show(self) -> None:
+        """Belts, axes, systems and tool as the page and the next planner read them."""
         types = tuple((each.kind.value, each.tolerance) for each in self._belts)
         self.workpiece.reached(self.state.block)
         self._tool.reached(self.state.block)
         systems, tool = self.workpiece.shown, self._tool.shown
-        said = generation, types, self._placed, systems, tool
+        said = self.generation, types, self._placed, systems, tool
         if (self.state.cycle, self.state.types, self.state.placed, self.state.systems, self.state.tool) != said:
-            self.state = replace(self.state, cycle=generation, types=types, placed=self._placed, systems=systems, tool=tool)
-        out = [record for record in self._out if record.job <= taken]  # a cycle that has not heard of the job would drop its fault
-        self._out = [record for record in self._out if record.job > taken]
-        return out
+            self.state = replace(self.state, cycle=self.generation, types=types, placed=self._placed, systems=systems, tool=tool)
 
     def follows(self, before: PlannerState) -> None:
         """The planner before this one said this last: belts stay as programs have set them, as long as its cycle runs (AX-394)."""
-        if before.cycle and len(before.types) == len(self.belts):
-            self.generation, self._placed = before.cycle, before.placed
+        if before.cycle and len(before.types) == len(self.cell.belts):
+            self._seen, self._placed = CycleView(before.cycle), before.placed
             self.workpiece.follows(before.systems)
             self._tool.shown = before.tool
-            rows = zip(self.belts, before.types, strict=True)
+            rows = zip(self.cell.belts, before.types, strict=True)
             self._belts = tuple(replace(each, kind=Type(kind), tolerance=tolerance) for each, (kind, tolerance) in rows)
 
     # ---- what is said ------------------------------------------------------------------------------------------------------
-    def _listen(self, records: Sequence[BlockRecord], off: int, standing: Sequence[float]) -> None:
+    def _listen(self, records: Sequence[BlockRecord]) -> None:
         """New records, up to one that takes long: prepare() goes on with it, and the next turn with what comes behind."""
         for record in records:
             if record.say is Say.DROP:
                 self._reading.forget()
                 self._drop()
             else:
-                self._reading.put(partial(self._heard, record, off, standing))
+                self._reading.put(partial(self._heard, record, self._seen))
         while self._reading.busy:
             self._quiet = 0
             if not self._reading.go():
                 break
 
-    def _heard(self, record: BlockRecord, off: int, standing: Sequence[float]) -> Work[None]:
-        self._off = off if record.say is Say.RUN else 0 if record.say in (Say.BEGIN, Say.STREAM) else self._off
-        if record.say is Say.BEGIN and self.state.job and not self._ended:
+    def _heard(self, record: BlockRecord, view: CycleView) -> Work[None]:
+        """`view`: of the turn it came in."""
+        if record.say is Say.BEGIN and self.state.job and not self._job.ended:
             return  # one stream at a time; whoever orders sees that its job did not begin
         if record.say in (Say.BEGIN, Say.RUN, Say.STREAM):
             self._begin(record.job)
+            self._job.off = view.off if record.say is Say.RUN else 0
         if record.job != self.state.job:
             return
         try:
-            yield from self._obey(record, standing)
+            yield from self._obey(record, view.standing)
         except MotionError as error:
             self._fail(error)
 
@@ -204,29 +183,26 @@ class Programs:
         """A program of the cell is ordered at rest alone, so whatever job was there is over."""
         self._chain.begin()
         self.state = PlannerState(job=job, failed_job=self.state.failed_job)
-        self._reader, self._number, self._planner, self._factors, self._ended = Reader(), 0, None, FULL, False
-        self._lines, self._line_of, self._whole = None, [], None
+        self._job = Job(Trial(self._belts, self.cell.files), Measuring(self.cell.channels, self.cell.systems))
         self._tool.begin()
-        self._last, self._handed, self._before, self._blocks, self._error = None, False, 0, 0, ""
-        self._measuring, self._measured, self._trial = Measuring(self.channels, self.systems), (), Trial(self._belts, self.files)
         self.slowing.begin()
         self.workpiece.begin()
 
     def _obey(self, record: BlockRecord, standing: Sequence[float]) -> Work[None]:
         if record.say is Say.RUN:
             order = run_of(record)
-            self._factors = Factors(order.velocity, order.acceleration, order.acceleration)
-            self._number = self._trial.program = order.number
-            self._lines = enumerate(self.text_of(order.number).splitlines(), 1)
+            self._job.factors = Factors(order.velocity, order.acceleration, order.acceleration)
+            self._job.number = self._job.trial.program = order.number
+            self._job.lines = enumerate(self.cell.text_of(order.number).splitlines(), 1)
             return
-        if record.say in (Say.STREAM, Say.WHOLE) or (self._whole is not None and record.say in (Say.LINE, Say.END)):
-            self._collect(record)
+        if record.say is Say.STREAM:
+            self._job.number = -int(record.text)
             return
         if record.text:
             yield from self._statement(record.text, 0, standing)
-        if record.say is Say.FINISH and self._planner is not None:
-            yield from self._planner.ending()
-            self._planner.finish()
+        if record.say is Say.FINISH and self._job.planner is not None:
+            yield from self._job.planner.ending()
+            self._job.planner.finish()
             self._quiet = QUIET_TURNS
         if record.say is Say.END:
             yield from self._end()
@@ -234,155 +210,164 @@ class Programs:
     def _collect(self, record: BlockRecord) -> None:
         """Of a stream: whose it is, that it is read whole, and what it says then."""
         if record.say is Say.STREAM:
-            self._number, self._whole = -int(record.text), None
+            self._job.number, self._job.whole = -int(record.text), None
         elif record.say is Say.WHOLE:
-            self._whole = []
-        elif self._whole is not None and record.say is Say.LINE:
-            self._whole.append(record.text)
-        elif self._whole is not None:
-            self._lines, self._whole = enumerate(self._whole, 1), None
+            self._job.whole = []
+        elif self._job.whole is not None and record.say is Say.LINE:
+            self._job.whole.append(record.text)
+        elif self._job.whole is not None:
+            self._job.lines, self._job.whole = enumerate(self._job.whole, 1), None
 
     def _statement(self, text: str, line: int, standing: Sequence[float]) -> Work[None]:
-        self._reader = reader_for(text, self._reader)
-        self._reader.statement(text, line)
-        for read in self._reader.take():
+        self._job.reader = reader_for(text, self._job.reader)
+        self._job.reader.statement(text, line)
+        for read in self._job.reader.take():
             planner = self._adding(standing)
-            self._line_of.append(line)
-            block = self.workpiece.placed(read, len(self._line_of), planner.machine, self.kinematic_of)
-            check_acts(block.acts, len(self._line_of), whole=self._lines is not None)
+            self._job.line_of.append(line)
+            whole = self._job.lines is not None
+            block = self.workpiece.placed(read, len(self._job.line_of), planner.machine, self.cell.kinematic_of)
+            check_acts(block.acts, len(self._job.line_of), whole=whole)
             for machine, own in own_blocks(planner.machine, block):
-                mask, kinematic = self.mask_of(machine), self.kinematic_of(machine)
-                cell = OfCell(self.functions, self.outputs, self._measuring, mask, whole=self._lines is not None, kinematic=kinematic)
-                cell.check(own, len(self._line_of), machine)
-                self._tool.placed(len(self._line_of), own.tool.pose, kinematic)
+                mask, kinematic = self.cell.mask_of(machine), self.cell.kinematic_of(machine)
+                cell = OfCell(
+                    self.cell.functions,
+                    self.cell.outputs,
+                    self._job.measuring,
+                    mask,
+                    whole=whole,
+                    kinematic=kinematic,
+                )
+                cell.check(own, len(self._job.line_of), machine)
+                self._tool.placed(len(self._job.line_of), own.tool.pose, kinematic)
             if isinstance(block, Shared):
-                if self._trial.begun or block.asks:
-                    self._trial.together(planner, block, len(self._line_of), self.kinematic_of)
+                if self._job.trial.begun or block.asks:
+                    self._job.trial.together(planner, block, len(self._job.line_of), self.cell.kinematic_of)
                 else:
                     self._add_whole(planner, block)
             else:
-                check_alterable(block, self._last, len(self._line_of), option=kinematic in self.altered)
-                self._last = block
+                check_alterable(block, self._job.last, len(self._job.line_of), option=kinematic in self.cell.altered)
+                self._job.last = block
                 yield from self._add(planner, block)
-            self._trial.armed_by(block)
+            self._job.trial.armed_by(block)
 
     def _adding(self, standing: Sequence[float]) -> Planner:
         """What blocks are added to."""
-        planner = self._planner
+        planner = self._job.planner
         if not isinstance(planner, Planner):
-            planner = self._planner = self._made(standing)
+            planner = self._job.planner = self._made(standing)
         return planner
 
     def _add(self, planner: Planner, block: Block) -> Work[None]:
         """A block that ends with an input, waits for one or goes to @MPOS, and a part on a belt, are parts of their own: where they begin
         or end is known only then.  What comes after is tried as if the part had reached its target, the belt where it was programmed."""
-        if self._trial.begun or apart(block):
-            yield from self._trial.ending(planner, block)
-            self._trial.add(planner, block, len(self._line_of), self.kinematic_of(planner.robot))
+        if self._job.trial.begun or apart(block):
+            yield from self._job.trial.ending(planner, block)
+            self._job.trial.add(planner, block, len(self._job.line_of), self.cell.kinematic_of(planner.robot))
         else:
             yield from planner.ending(block)
             self._add_whole(planner, block)
 
     def _add_whole(self, planner: Planner, block: Block | Shared) -> None:
-        before, away = planner.standing, Away(self._off, self.windows)
+        before, away = planner.standing, Away(self._job.off, self.cell.windows)
         planner.add(block)
         for machine, first in own_axes(planner.machine):
             own = slice(first, first + machine.axes)
-            away.check(before[own], planner.standing[own], len(self._line_of), machine, self.mask_of(machine))
+            away.check(before[own], planner.standing[own], len(self._job.line_of), machine, self.cell.mask_of(machine))
 
     def _behind(self, standing: Sequence[float]) -> Work[None]:
         """What is done at rest behind the last block."""
-        if self._reader.acts:
-            yield from self._trial.ending(self._adding(standing))
-            self._trial.behind(self._adding(standing), self._reader.acts, len(self._line_of), self._reader.labels.label)
-        if any(systems := systems_of(self._reader)):
-            self.workpiece.behind(systems, len(self._line_of) + 1, self._adding(standing).machine, self.kinematic_of)
+        if self._job.reader.acts:
+            yield from self._job.trial.ending(self._adding(standing))
+            self._job.trial.behind(self._adding(standing), self._job.reader.acts, len(self._job.line_of), self._job.reader.labels.label)
+        if any(systems := systems_of(self._job.reader)):
+            self.workpiece.behind(systems, len(self._job.line_of) + 1, self._adding(standing).machine, self.cell.kinematic_of)
 
-    def _go_on(self, standing: Sequence[float], engaged: float, *, met: bool) -> None:
+    def _go_on(self) -> None:
         """A part is over, and the axes rest where it ended, or have got onto a belt: the next one begins."""
+        standing = self._seen.standing
         self._chain.begin()
-        self._handed, self._before, self._blocks = False, self._before + self._blocks, 0
-        if self._error and not met:
-            self._trial.skip(self._error)
-        self._error = ""
+        self._job.handed, self._job.before, self._job.blocks = False, self._job.before + self._job.blocks, 0
+        if self._job.error and not self._seen.met:
+            self._job.trial.skip(self._job.error)
+        self._job.error = ""
 
         def unmeasured(part: Coming) -> bool:
-            return not_measured(part, self._made(standing).machine, self._measured, self.mask_of)
+            return not_measured(part, self._made(standing).machine, self._job.measured, self.cell.mask_of)
 
-        part = self._trial.coming(unmeasured)
+        part = self._job.trial.coming(unmeasured)
         while part is not None and part.act is not None and sets_type(part.act):
             self._belts = belts_after(part.act, self._belts)  # nothing for the cycle to do
-            part = self._trial.coming(unmeasured)
+            part = self._job.trial.coming(unmeasured)
         if part is None:
-            self._planner = None  # the last one was a part of the cycle's own: nothing is left to plan
+            self._job.planner = None  # the last one was a part of the cycle's own: nothing is left to plan
             return
-        self._before, self._error = part.number - 1, part.error
+        self._job.before, self._job.error = part.number - 1, part.error
         try:
-            self._next_part(part, standing, engaged)
+            self._next_part(part, standing, self._seen.engaged)
         except MotionError as error:
             self._fail(error)
 
     def _next_part(self, part: Coming, standing: Sequence[float], engaged: float) -> None:
         job, generation = self.state.job, self.generation
         planner = self._made(standing)
-        mask = self.mask_of(machines_in(planner.machine)[part.member])
+        mask = self.cell.mask_of(machines_in(planner.machine)[part.member])
         own = part.own(mask, job, generation)
         if part.act is not None:
             order = act_order(part.act, self._belts, part.number)
             assert order is not None
             own = act_record(job, generation, order)
         if own is not None:
-            self._planner, self._handed = None, True
+            self._job.planner, self._job.handed = None, True
             self._placed |= mask if part.point else 0
             self._out.append(own)
-            self.state = replace(self.state, block=self._before, share=1.0)
+            self.state = replace(self.state, block=self._job.before, share=1.0)
             return
         if part.blocks and part.blocks[0].file is not None:
-            self._planner, self._blocks = self.files.played(part, planner, self._factors.velocity, mask), 1
+            self._job.planner, self._job.blocks = self.cell.files.played(part, planner, self._job.factors.velocity, mask), 1
             return
         if part.engages or part.follows:
-            self._start, self._handed = planner.standing, True
+            self._job.start, self._job.handed = planner.standing, True
             if part.engages:
                 self._out.append(part.engagement(job, generation))
             else:
-                self._blocks = len(part.blocks)
+                self._job.blocks = len(part.blocks)
                 self._out += part.followed(planner.robot, planner.standing, job, generation)
-            self.state = replace(self.state, block=self._before + 1, share=0.0)
+            self.state = replace(self.state, block=self._job.before + 1, share=0.0)
             return
         blocks = part.blocks
         if part.tried is not None:
-            machine, start, blocks = part.carried(planner.robot, self._start, engaged)
+            machine, start, blocks = part.carried(planner.robot, self._job.start, engaged)
             planner = replace(planner, machine=machine, start=start)
         rows = part.shared or blocks
-        self._planner, self._blocks = planner, len(rows)
-        records = begun_part(part, rows, planner, self._measuring, self._measured, self.mask_of, job, generation)
-        self._out += [*part.begins(job, generation, self.kinematic_of(machines_in(planner.machine)[0])), *records]
+        self._job.planner, self._job.blocks = planner, len(rows)
+        records = begun_part(part, rows, planner, self._job.measuring, self._job.measured, self.cell.mask_of, job, generation)
+        self._out += [*part.begins(job, generation, self.cell.kinematic_of(machines_in(planner.machine)[0])), *records]
         self._mark(at_rest(each) for each in planner.left())
 
     def _end(self) -> Work[None]:
-        if isinstance(self._planner, Planner):
-            yield from self._planner.ending()
-            self._planner.finish()
-            self._trial.check_done(len(self._line_of), self._planner.left())
-        self._ended = True
+        if isinstance(self._job.planner, Planner):
+            yield from self._job.planner.ending()
+            self._job.planner.finish()
+            self._job.trial.check_done(len(self._job.line_of), self._job.planner.left())
+        self._job.ended = True
         self._quiet = QUIET_TURNS
 
     def _made(self, standing: Sequence[float]) -> Planner:
-        read, number = self._reader, self._number
-        machine = self.team_of(read.kinematics(), number) if isinstance(read, TeamReader) else self.machine_of(read.robot, number)
-        mask = self.mask_of(machine)
+        read, number = self._job.reader, self._job.number
+        machine = self.cell.team_of(read.kinematics(), number) if isinstance(read, TeamReader) else self.cell.machine_of(read.robot, number)
+        mask = self.cell.mask_of(machine)
         places = [standing[n] for n in range(len(standing)) if mask >> n & 1]
-        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._chain.spare, factors=self._factors)
+        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._chain.spare, factors=self._job.factors)
 
     @property
     def preparing(self) -> bool:
         """A program of the cell is not read to its end yet, or a statement takes long."""
-        return self._lines is not None or self._reading.busy
+        return self._job.lines is not None or self._reading.busy
 
     def prepare(self, standing: Sequence[float]) -> None:
         """One more line of it, or a slice of one: its block is tried from where the one before ends, and nothing of it moves meanwhile."""
-        if self._lines is not None and not self._reading.busy:
-            self._reading.put(partial(self._line, self._lines, standing))
+        if self._job.lines is not None and not self._reading.busy:
+            self._reading.put(partial(self._line, self._job.lines, standing))
         self._reading.go()
 
     def _line(self, lines: Iterator[tuple[int, str]], standing: Sequence[float]) -> Work[None]:
@@ -391,55 +376,55 @@ class Programs:
             if number:
                 yield from self._statement(text, number, standing)
             else:
-                self._reader.ended()
+                self._job.reader.ended()
                 yield from self._behind(standing)
                 yield from self._end()
-                self._lines = None
+                self._job.lines = None
         except MotionError as error:
             self._fail(error)
 
     @property
     def working(self) -> bool:
         """A law is being made: work() continues it between two turns when there is time."""
-        return self._planner is not None and self._planner.working
+        return self._job.planner is not None and self._job.planner.working
 
     def work(self) -> bool:
         """One slice of it; True: it is made, and its pieces come with the next turn."""
         try:
-            return self._planner is None or self._planner.work()
+            return self._job.planner is None or self._job.planner.work()
         except MotionError as error:
             self._fail_in_part(error)
             return True
 
     def _fail_in_part(self, error: MotionError) -> None:
         """As _fail; whoever made the law counts the blocks of the part under way."""
-        self._fail(told(error, self._before) if isinstance(error, BlockError) else error)
+        self._fail(told(error, self._job.before) if isinstance(error, BlockError) else error)
 
     def _fail(self, error: MotionError) -> None:
         block, code = (error.block, error.code) if isinstance(error, BlockError) else (0, 0)
-        line = self._line_of[block - 1] if 0 < block <= len(self._line_of) else 0
+        line = self._job.line_of[block - 1] if 0 < block <= len(self._job.line_of) else 0
         words = f"line {line}: {error}" if line and not isinstance(error, TextError) else str(error)
         job = self.state.job
         self.state = replace(
             self.state, failed_job=job, fault=words, fault_block=block, fault_code=code, job=0, ended=True, waiting=0, warning=""
         )
-        self._planner, self._ended, self._lines = None, True, None
+        self._job.over()
         self._reading.stop()
         self._out.append(PieceRecord(Part.FAULT, job, self.generation))
 
     def _drop(self) -> None:
-        self._planner, self._ended, self._lines = None, True, None
+        self._job.over()
         self._reading.stop()
         self._chain.begin()
         self.state = replace(self.state, job=0, waiting=0, ended=True, warning="")
 
     # ---- what is handed on ---------------------------------------------------------------------------------------------------
-    def _plan(self, piece: int, moving: bool, taken: int) -> None:
-        planner, state = self._planner, self.state
-        if not state.job or self._lines is not None or taken < state.job or self._handed:
+    def _plan(self) -> None:
+        planner, state, piece = self._job.planner, self.state, self._seen.piece
+        if not state.job or self._job.lines is not None or self._seen.taken < state.job or self._job.handed:
             return
         if planner is None:
-            if self._ended and not state.ended:  # a program without blocks
+            if self._job.ended and not state.ended:  # a program without blocks
                 self.state = replace(state, ended=True, job=0)
                 self.workpiece.reached(ALWAYS)
                 self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
@@ -453,38 +438,38 @@ class Programs:
             return
         self._chain.forget()
         block, share = planner.place(tau)
-        block = max(block, min(self._blocks, 1))  # a part that has begun is at its first block, whether its path is there or not
-        over = self._ended and not planner.open and not state.ended
-        last = over and not self._trial.later
-        if over and self._trial.later:
-            self._handed, self._blocks = True, planner.added
-            self._out.append(ending(self._trial.later[0], self._belts, state.job, self.generation))
-            if self._trial.later[0].inside is not None:  # what follows begins there, on the belt
-                self._start = planner.standing
-                self._trial.later.popleft()
+        block = max(block, min(self._job.blocks, 1))  # a part that has begun is at its first block, whether its path is there or not
+        over = self._job.ended and not planner.open and not state.ended
+        last = over and not self._job.trial.later
+        if over and self._job.trial.later:
+            self._job.handed, self._job.blocks = True, planner.added
+            self._out.append(ending(self._job.trial.later[0], self._belts, state.job, self.generation))
+            if self._job.trial.later[0].inside is not None:  # what follows begins there, on the belt
+                self._job.start = planner.standing
+                self._job.trial.later.popleft()
         if last:
             self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
-        new = len(self._out) - before
+        new, speed = len(self._out) - before, self._job.factors.velocity * self._seen.override
         self.state = replace(
             self.state,
-            block=self._before + block,
+            block=self._job.before + block,
             share=share,
-            passed=self._before + self._chain.passed(piece, planner.added if not planner.open else 0),
+            passed=self._job.before + self._chain.passed(piece, planner.added if not planner.open else 0),
             waiting=planner.waiting,
             handed=state.handed + new,
             ended=state.ended or last,
-            warning=self.slowing.look(planner.slowed, self._before, block, self._factors.velocity * self._override, self._line_of),
+            warning=self.slowing.look(planner.slowed, self._job.before, block, speed, self._job.line_of),
         )
-        if self.state.ended and not moving and piece in (0, self._chain.last_id) and not new:
+        if self.state.ended and not self._seen.moving and piece in (0, self._chain.last_id) and not new:
             self.state = replace(self.state, job=0, warning="")
             self.workpiece.reached(ALWAYS)
 
     def _mark(self, marks: Iterable[Mark]) -> None:
-        assert self._planner is not None
+        assert self._job.planner is not None
         for mark in marks:
-            machine = machines_in(self._planner.machine)[mark.member]
-            own = self.mask_of(machine), self.kinematic_of(machine)
-            self._out.append(self._measuring.marked(mark, *own, self.state.job, self.generation))
+            machine = machines_in(self._job.planner.machine)[mark.member]
+            own = self.cell.mask_of(machine), self.cell.kinematic_of(machine)
+            self._out.append(self._job.measuring.marked(mark, *own, self.state.job, self.generation))
 
     def _hand_on(self, planner: Planner | FilePlan, tau: float) -> None:
         """Pieces that are due; raises MotionError where a path has no law."""

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from gateway.pure.image.records.cell import AxisFlag, CellState, Motion
 from gateway.pure.image.records.planner import BlockRecord, PieceRecord
+from gateway.pure.planning.cycle_view import CycleView
 from gateway.pure.planning.planner import Programs
 
 
@@ -15,8 +16,7 @@ def standing(state: CellState, count: int) -> list[float]:
 def follow(programs: Programs, records: Sequence[BlockRecord], state: CellState, count: int) -> list[PieceRecord]:
     """records: new ones; state: the cycle's, of a cell with `count` axes.  What is due for the ring of pieces."""
     axes = state.axes[:count]
-    return programs.turn(
-        records,
+    view = CycleView(
         state.generation,
         state.piece,
         standing(state, count),
@@ -30,3 +30,4 @@ def follow(programs: Programs, records: Sequence[BlockRecord], state: CellState,
         override=state.override,
         off=sum(1 << n for n, axis in enumerate(axes) if not axis.flags & AxisFlag.ON),
     )
+    return programs.turn(records, view)

@@ -53,7 +53,7 @@ class AlterBench(Planned):
         self.correct: Callable[[], tuple[float, ...]] = lambda: (0.0,) * 6
         self.seen: list[CellState] = []
         super().__init__(robot or AlterRobot(P5_MS, cell=CELL))
-        self.programs.altered = (1,)
+        self.programs.cell.altered = (1,)
         self.home()
 
     def home(self) -> "AlterBench":

@@ -24,7 +24,7 @@ from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, free_outputs
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.cell import CellState, Motion, pack_cell_state, unpack_cell_state
 from gateway.pure.image.records.planner import PlannerState, ProgramFacts
-from gateway.pure.planning.planner import Programs
+from gateway.pure.planning.planner import CellPrograms, Programs
 from hil_tests.lab.running.belt_run import INCREMENT, SPEED, with_belts
 from hil_tests.lab.virtual.cell_bench import CellBench
 from hil_tests.lab.virtual.planner_beside import PlannerBeside
@@ -87,7 +87,7 @@ class BeltBench(CellBench):
     def another_planner(self, before: PlannerState) -> None:
         """`before`: what the one before it said last."""
         free = free_outputs(AS_SHIPPED, self.axes)
-        self.programs = Programs(lambda *_: self.machine, lambda _: self.all, lambda _: self.text, free, belts=self.facts)
+        self.programs = Programs(CellPrograms(lambda *_: self.machine, lambda _: self.all, lambda _: self.text, free, belts=self.facts))
         self.programs.follows(before)
         self.planner = self._beside()
 

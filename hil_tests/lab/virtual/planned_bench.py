@@ -21,7 +21,7 @@ from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, free_outputs
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.cell import CellState
 from gateway.pure.image.records.planner import ProgramFacts
-from gateway.pure.planning.planner import Programs
+from gateway.pure.planning.planner import CellPrograms, Programs
 from hil_tests.lab.cells.arms import Array
 from hil_tests.lab.virtual.cell_bench import CellBench
 from hil_tests.lab.virtual.planner_beside import PlannerBeside
@@ -50,7 +50,7 @@ class Planned:
             self.programs = programs_of(self.cell, self._robot, lambda _: self.text, lambda named, _: team_meant(self.cell, named))
         else:
             free = free_outputs(AS_SHIPPED, len(self.cell.axis))
-            self.programs = Programs(lambda *_: self.machine, lambda _: every, lambda _: self.text, free)
+            self.programs = Programs(CellPrograms(lambda *_: self.machine, lambda _: every, lambda _: self.text, free))
         self.planner = PlannerBeside(self.programs, len(self.cell.axis))
         bench.each = self._turn
         bench.office.planner = self.programs.state

@@ -18,7 +18,7 @@ class Probing(WithPlanner):
 
     def __init__(self) -> None:
         super().__init__()
-        self.programs.channels = CHANNELS
+        self.programs.cell.channels = CHANNELS
         self.seen: list[tuple[int, float]] = []
         self.cell.permit(PROBE, FAST, value=False)
         each: Callable[[], None] = self.cell.each

@@ -11,7 +11,7 @@ from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, free_outputs
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.cell import Motion
 from gateway.pure.image.records.planner import ProgramFacts
-from gateway.pure.planning.planner import Programs
+from gateway.pure.planning.planner import CellPrograms, Programs
 from hil_tests.lab.virtual.cell_bench import ALL, DEMO, CellBench
 from hil_tests.lab.virtual.planner_beside import PlannerBeside
 from motion.errors import MotionError
@@ -40,7 +40,7 @@ class WithPlanner:
             assert self.cell.settle(self.cell.give(code)).state is CommandState.DONE
         self.texts: dict[int, str] = {}
         free = free_outputs(AS_SHIPPED, len(LIMITS))
-        self.programs = Programs(lambda *_: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, self.text, free)
+        self.programs = Programs(CellPrograms(lambda *_: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, self.text, free))
         self.planner = PlannerBeside(self.programs, len(LIMITS))
         self.cell.each = self.turn
         self.cell.office.planner = self.programs.state

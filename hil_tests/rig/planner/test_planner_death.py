@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from gateway.pure.image.records.planner import PIECE_LAYOUT, BlockRecord, Part, PieceRecord, Say, pack_piece, piece_size, unpack_piece
-from gateway.pure.planning.planner import Programs
+from gateway.pure.planning.cycle_view import CycleView
+from gateway.pure.planning.planner import CellPrograms, Programs
 from gateway.runtime.regions import RingReader, RingWriter, create_ring
 from hil_tests.lab.cells.arms import Array, portal, shares
 from hil_tests.rig.image.dying import DyingRing, Executioner, dies
@@ -55,7 +56,7 @@ class Both:
 
     def __init__(self, writer: RingWriter, reader: RingReader) -> None:
         self.writer, self.reader = writer, reader
-        self.programs = Programs(lambda *_: machine(), lambda _: 7)
+        self.programs = Programs(CellPrograms(lambda *_: machine(), lambda _: 7))
         self.stepper = Stepper(AXES, P, (0.0, 0.0, 0.0))
         self.piece, self.rows, self.records = 0, [(0.0, 0.0, 0.0)], 0
 
@@ -86,11 +87,11 @@ def machine() -> Machine:
 
 def made(programs: Programs, said: Sequence[BlockRecord], piece: int, standing: Sequence[float], *, moving: bool) -> list[PieceRecord]:
     """One turn, and one more for the law begun in it."""
-    records = programs.turn(said, 1, piece, standing, moving=moving)
+    records = programs.turn(said, CycleView(1, piece, standing, moving=moving))
     if programs.working:
         while not programs.work():
             pass
-        records += programs.turn([], 1, piece, standing, moving=moving)
+        records += programs.turn([], CycleView(1, piece, standing, moving=moving))
     return records
 
 
@@ -139,7 +140,7 @@ def test_a_program_said_in_two_halves_runs_through_without_a_stop_in_between() -
 def test_killed_at_any_write_of_the_ring_the_axes_end_at_rest_on_the_path(half: bool) -> None:
     """The child says both halves of the program at once, so that every piece there is comes through the dying ring."""
     path, reached = curve(), []
-    programs = Programs(lambda *_: machine(), lambda _: 7)
+    programs = Programs(CellPrograms(lambda *_: machine(), lambda _: 7))
     records = made(programs, [*opening(), *said(SECOND, Say.END)], 0, (0.0, 0.0, 0.0), moving=False)
     while records[-1].part is not Part.LAST:
         records += made(programs, [], 0, (0.0, 0.0, 0.0), moving=False)

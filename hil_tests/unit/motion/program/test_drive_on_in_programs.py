@@ -36,7 +36,7 @@ class Portal(Planned):
     def __init__(self) -> None:
         super().__init__(Judged(cell=CELL))
         self.bench.permit(PROBE, value=False)
-        self.programs.windows = [window_of(axis) for axis in CELL.axis]
+        self.programs.cell.windows = [window_of(axis) for axis in CELL.axis]
         assert self.finished(self.run("ptp joints 100 100 50 0")).state is CommandState.DONE
         self.driven()
 

@@ -10,6 +10,7 @@ from gateway.cell_file.load import load_cell
 from gateway.files.find import find_config, read_text
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.planner import BlockRecord, PieceRecord, ProgramOrder, Say, run_record
+from gateway.pure.planning.cycle_view import CycleView
 from hil_tests.lab.virtual.planned_bench import Planned, ServodynRobot
 
 SPLINES = 600
@@ -48,7 +49,7 @@ def share_of_the_worst(calls: list[Callable[[], object]], more: Callable[[], boo
 def test_a_row_of_a_program_is_worked_out_in_slices(cell: Planned, behind: str) -> None:
     cell.text = "\n".join([HEAD, "set path=200", *row(), behind])
     programs, standing = cell.programs, [0.3, 0.1, 0.05, 0.0]
-    programs.turn([run_record(ProgramOrder(1, 1, 1.0, 1.0))], 1, 0, standing, moving=False)
+    programs.turn([run_record(ProgramOrder(1, 1, 1.0, 1.0))], CycleView(1, 0, standing, moving=False))
     worst = share_of_the_worst([], lambda: programs.preparing, lambda: programs.prepare(standing))
     assert not programs.state.fault and programs.state.job == 1
     assert worst < MOST
@@ -61,7 +62,7 @@ def test_a_row_that_comes_as_a_stream_is_worked_out_in_slices_and_what_comes_beh
     pieces: list[PieceRecord] = []
 
     def turn(*records: BlockRecord) -> None:
-        pieces.extend(programs.turn(records, 1, 0, standing, moving=False))
+        pieces.extend(programs.turn(records, CycleView(1, 0, standing, moving=False)))
 
     turn(BlockRecord(Say.BEGIN, 1))
     for first in range(0, len(lines), 64):
@@ -80,14 +81,14 @@ def test_a_row_that_comes_as_a_stream_is_worked_out_in_slices_and_what_comes_beh
 def test_a_row_is_dropped_in_the_middle_of_it(cell: Planned) -> None:
     programs, standing = cell.programs, [0.3, 0.1, 0.05, 0.0]
     cell.text = "\n".join([HEAD, *row(100)])
-    programs.turn([run_record(ProgramOrder(1, 1, 1.0, 1.0))], 1, 0, standing, moving=False)
+    programs.turn([run_record(ProgramOrder(1, 1, 1.0, 1.0))], CycleView(1, 0, standing, moving=False))
     for _ in range(130):
         programs.prepare(standing)
     assert programs.preparing
-    programs.turn([BlockRecord(Say.DROP, 1)], 1, 0, standing, moving=False)
+    programs.turn([BlockRecord(Say.DROP, 1)], CycleView(1, 0, standing, moving=False))
     assert not programs.preparing and programs.state.job == 0 and not programs.state.fault
     cell.text = f"{HEAD}linear pose 320 110 70 0 0 0"
-    programs.turn([run_record(ProgramOrder(2, 1, 1.0, 1.0))], 1, 0, standing, moving=False)
+    programs.turn([run_record(ProgramOrder(2, 1, 1.0, 1.0))], CycleView(1, 0, standing, moving=False))
     while programs.preparing:
         programs.prepare(standing)
     assert programs.state.job == 2 and not programs.state.fault

@@ -68,7 +68,7 @@ class Turning:
     def __init__(self) -> None:
         self.bench = ServodynRobot(cell=turning_cell())
         self.planned = Planned(self.bench)
-        self.planned.programs.files = Files(files, P5_US)
+        self.planned.programs.cell.files = Files(files, P5_US)
 
     def run(self, *lines: str) -> CommandState:
         return self.bench.settle(self.planned.order(HEAD + "\n".join(lines))).state

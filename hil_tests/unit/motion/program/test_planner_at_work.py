@@ -3,7 +3,8 @@
 import pytest
 
 from gateway.pure.image.records.planner import BlockRecord, Part, PieceRecord, Say
-from gateway.pure.planning.planner import Programs
+from gateway.pure.planning.cycle_view import CycleView
+from gateway.pure.planning.planner import CellPrograms, Programs
 from hil_tests.lab.cells import arms
 from hil_tests.lab.cells.arms import Array
 from motion.execution.timed import TimedPiece
@@ -46,13 +47,13 @@ class Counted:
 
 
 def programs() -> Programs:
-    return Programs(lambda *_: arms.portal(), lambda machine: (1 << machine.axes) - 1, lambda _: TEXT)
+    return Programs(CellPrograms(lambda *_: arms.portal(), lambda machine: (1 << machine.axes) - 1, lambda _: TEXT))
 
 
 def turn(made: Programs, *records: BlockRecord, piece: int = 0) -> list[PieceRecord]:
     while made.preparing:
         made.prepare(START)
-    return made.turn(records, 1, piece, START, moving=piece > 0)
+    return made.turn(records, CycleView(1, piece, START, moving=piece > 0))
 
 
 def blocks() -> Planner:

@@ -5,7 +5,8 @@ import pytest
 
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.planner import MeasuringFacts
-from gateway.pure.planning.planner import Programs
+from gateway.pure.planning.cycle_view import CycleView
+from gateway.pure.planning.planner import CellPrograms, Programs
 from gateway.tools.motion.dry_run import DryRun, sections_of
 from hil_tests.lab.cells import arms
 from hil_tests.lab.cells.arms import Array
@@ -26,7 +27,7 @@ class Portal(Planned):
 
     def __init__(self) -> None:
         super().__init__(ServodynRobot(cell=CELL))
-        self.programs.systems = 4
+        self.programs.cell.systems = 4
 
     def run(self, *lines: str) -> CommandState:
         return self.bench.settle(self.order(HEAD + "\n".join(lines))).state
@@ -78,7 +79,7 @@ def test_behind_a_block_and_before_one_and_what_it_may_not_be_is_told_before_any
     assert cell.run("ptp joints 8 8 8 8", "mach_pos joints 0 9999 0 0", "ptp joints 0 0 0 0") is CommandState.REFUSED
     state = cell.programs.state
     assert state.fault.startswith("line 7: block 2, axis Y: mach_pos: target 9999 mm is outside") and state.fault_block == 2
-    cell.programs.channels = {610: MeasuringFacts(PROBE, 15)}
+    cell.programs.cell.channels = {610: MeasuringFacts(PROBE, 15)}
     lines = ("measure_on ch610", "ptp joints 8 8 8 8", "mach_pos joints 0 0 0 0", "ptp joints 1 1 1 1")
     assert cell.run(*lines) is CommandState.REFUSED and "mach_pos: ch610 waits for its edge" in cell.programs.state.fault
     assert np.ptp(cell.sets(), axis=0).max() < 0.01
@@ -86,11 +87,11 @@ def test_behind_a_block_and_before_one_and_what_it_may_not_be_is_told_before_any
 
 def test_a_planner_that_follows_knows_of_it_as_long_as_the_cycle_runs(cell: Portal) -> None:
     assert cell.run("mach_pos joints 0 0 0 0") is CommandState.DONE
-    after = Programs(lambda *_: cell.machine, lambda _: 15)
+    after = Programs(CellPrograms(lambda *_: cell.machine, lambda _: 15))
     after.follows(cell.programs.state)
-    after.turn([], cell.state.generation, 0, [0.0] * 4, moving=False)
+    after.turn([], CycleView(cell.state.generation, 0, [0.0] * 4, moving=False))
     assert after.state.placed == 15
-    after.turn([], cell.state.generation + 1, 0, [0.0] * 4, moving=False)
+    after.turn([], CycleView(cell.state.generation + 1, 0, [0.0] * 4, moving=False))
     assert after.state.placed == 0
 
 
@@ -148,7 +149,7 @@ LATCHES = {**CHANNELS, 611: MeasuringFacts(FAST, ON_ALL, latch="fIn0"), 621: Mea
 @pytest.fixture(scope="module")
 def arm() -> Probing:
     found = Probing()
-    found.programs.channels = LATCHES
+    found.programs.cell.channels = LATCHES
     return found
 
 
@@ -190,9 +191,9 @@ def test_a_level_that_stands_and_a_falling_edge_latch_nothing_and_a_second_set_l
 
 
 def test_what_is_no_fast_input_of_the_cell_is_told_before_anything_moves(arm: Probing) -> None:
-    arm.programs.channels = {611: MeasuringFacts(FAST, ON_ALL)}
+    arm.programs.cell.channels = {611: MeasuringFacts(FAST, ON_ALL)}
     assert "inadmissable input: set_latch fIn0; the robot has none" in refused(arm, "set_latch fIn0", f"ptp joints {joints(9)}")
-    arm.programs.channels = LATCHES
+    arm.programs.cell.channels = LATCHES
     assert "point not defined" in refused(arm, "set_latch fIn1", f"ptp joints {joints(9)}", "ptp mpos"), "its board has two axes"
     assert "point not defined" in refused(arm, "set_latch fIn0", f"ptp joints {joints(9)}", "ptp recorded 1", "ptp mpos")
 

@@ -24,7 +24,7 @@ AT_HOME = (0, 30, 90, 0, 60, 0, 0, 90, -200, 0)
 def cell() -> Planned:
     planned = Planned(Cell402Bench(8, cell=CELL))
     planned.bench.permit(SEEN, value=False)
-    planned.programs.channels = CHANNELS
+    planned.programs.cell.channels = CHANNELS
     assert run(planned, HOME) is CommandState.DONE
     gone(planned)
     return planned

@@ -28,7 +28,7 @@ BOTH = f"move {AWAY[0]} and {AWAY[1]}"
 @pytest.fixture(scope="module")
 def cell() -> Planned:
     planned = Planned(Cell402Bench(8, cell=CELL))
-    planned.programs.channels, planned.programs.systems = CHANNELS, len(CELL.axis)
+    planned.programs.cell.channels, planned.programs.cell.systems = CHANNELS, len(CELL.axis)
     return planned
 
 

@@ -23,7 +23,7 @@ LAG = 0.045  # of the way: what a drive lags behind its set value at that speed
 @pytest.fixture(scope="module")
 def cell() -> Planned:
     planned = Planned(Cell402Bench(8, cell=CELL))
-    planned.programs.systems = len(CELL.axis)
+    planned.programs.cell.systems = len(CELL.axis)
     return planned
 
 

@@ -54,7 +54,7 @@ def files(name: str, number: int) -> bytes:
 def cell() -> Planned:
     planned = Planned(Cell402Bench(8, cell=load_cell(str(ARM), cell_text(IOL))))
     planned.bench.core._mover.functions = functions_of(planned.cell, planned.bench.p5_ms)
-    planned.programs.files = Files(files, P5_US)
+    planned.programs.cell.files = Files(files, P5_US)
     return planned
 
 

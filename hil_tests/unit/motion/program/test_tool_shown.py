@@ -36,7 +36,7 @@ def test_it_is_that_of_the_block_under_way_and_stays_at_rest(cell: Portal) -> No
         cell.done(code)
     cell.until(lambda state: state.motion is Motion.IDLE)
     assert shown(cell).position == pytest.approx((0.0, 0.0, 0.145)), "it is still mounted"
-    another = Programs(cell.programs.machine_of, cell.programs.mask_of, cell.programs.text_of, cell.programs.outputs)
+    another = Programs(cell.programs.cell)
     another.follows(cell.programs.state)
     assert cell.programs.state.tool == another._tool.shown, "a planner that takes over"
     assert cell.run("ptp joints 100 100 50 0") is CommandState.DONE

@@ -97,7 +97,7 @@ def test_it_stays_over_programs_aborts_and_planners_until_another_one_or_a_start
             cell.done(code)
         cell.until(lambda state: state.motion is Motion.IDLE)
         assert cell.at(there)[2] == pytest.approx(60 if through else 80, abs=1e-6), "what the program had not reached was never chosen"
-    another = Programs(cell.programs.machine_of, cell.programs.mask_of, cell.programs.text_of, cell.programs.outputs)
+    another = Programs(cell.programs.cell)
     another.follows(unpack_planner(pack_planner(cell.programs.state)))
     cell.programs, cell.planner = another, PlannerBeside(another, len(CELL.axis))
     assert cell.at(there)[2] == pytest.approx(60, abs=1e-6), "a planner that takes over"
@@ -110,7 +110,7 @@ def test_it_stays_over_programs_aborts_and_planners_until_another_one_or_a_start
 
 @pytest.mark.requirement("RHO-MOT-34", by="motion.outputs.rho3:PathOutputs.step")
 def test_switching_positions_are_those_of_the_system(cell: Portal) -> None:
-    cell.programs.functions = PLACES
+    cell.programs.cell.functions = PLACES
     machine = machine_of_cell(CELL)
     cell.bench.core._mover.functions = CoreOutputs(PLACES, {1: machine.kinematics}, cell.bench.period_ns / 1e9)
     for lines, place in (((FIX, "wc_system FIX"), 30 + 95), (("wc_system WC_UR",), 95 + 30)):

@@ -71,7 +71,7 @@ def test_a_reference_path_ends_there(cell: Portal) -> None:
 @pytest.fixture(scope="module")
 def probing() -> Probing:
     made = Probing()
-    made.programs.functions = PLACES
+    made.programs.cell.functions = PLACES
     made.cell.core._mover.functions = CoreOutputs(PLACES, {1: Portals("xyz", LIMITS[:3])}, made.cell.period_ns / 1e9)
     return made
 

@@ -12,7 +12,8 @@ from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, free_outputs
 from gateway.pure.image.reasons import CommandState, Reason
 from gateway.pure.image.records.cell import Motion, Order, OrderRecord, get_bit
 from gateway.pure.image.records.planner import AHEAD, Part, PieceRecord, ProgramOrder, run_record
-from gateway.pure.planning.planner import Programs
+from gateway.pure.planning.cycle_view import CycleView
+from gateway.pure.planning.planner import CellPrograms, Programs
 from hil_tests.lab.virtual.cell_bench import ALL
 from hil_tests.lab.virtual.program_bench import LIMITS, WithPlanner, joints
 from motion.kinematics.identity import Identity
@@ -208,7 +209,7 @@ def test_what_lies_ahead_stays_small_also_after_the_axes_ran_out(both: WithPlann
     said, standing = both.programs, [axis.set for axis in both.cell.core.state.axes[: len(LIMITS)]]
     ahead: list[PieceRecord] = []
     for piece in (said._chain.last_id, *[0] * 150):  # on its last piece, and then at rest without taking anything
-        ahead += said.turn([], 1, piece, standing, moving=True)
+        ahead += said.turn([], CycleView(1, piece, standing, moving=True))
     assert AHEAD < len(ahead) < 3 * AHEAD, "once for either, and a law more"
 
 
@@ -318,11 +319,13 @@ def test_a_new_cycle_knows_nothing_of_the_program(both: WithPlanner) -> None:
 
 def test_a_fault_found_before_the_cycle_took_the_order_waits_for_it() -> None:
     """The planner may be quicker than the cycle, which drops what belongs to a job it has not heard of: the job would never end."""
-    programs = Programs(lambda *_: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, lambda _: "nonsense", free_outputs(AS_SHIPPED, 6))
+    programs = Programs(
+        CellPrograms(lambda *_: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, lambda _: "nonsense", free_outputs(AS_SHIPPED, 6))
+    )
     order = [run_record(ProgramOrder(7, 1, 1.0, 1.0))]
-    assert programs.turn(order, 1, 0, [0.0] * 6, moving=False, taken=6) == []
+    assert programs.turn(order, CycleView(1, 0, [0.0] * 6, moving=False, taken=6)) == []
     programs.prepare([0.0] * 6)
-    assert programs.turn([], 1, 0, [0.0] * 6, moving=False, taken=6) == [] and programs.state.failed_job == 7
-    said = programs.turn([], 1, 0, [0.0] * 6, moving=False, taken=7)
+    assert programs.turn([], CycleView(1, 0, [0.0] * 6, moving=False, taken=6)) == [] and programs.state.failed_job == 7
+    said = programs.turn([], CycleView(1, 0, [0.0] * 6, moving=False, taken=7))
     assert [(record.part, record.job) for record in said] == [(Part.FAULT, 7)]
-    assert programs.turn([], 1, 0, [0.0] * 6, moving=False, taken=7) == []
+    assert programs.turn([], CycleView(1, 0, [0.0] * 6, moving=False, taken=7)) == []

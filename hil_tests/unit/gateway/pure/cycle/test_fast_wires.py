@@ -148,7 +148,7 @@ class Wired(Probing):
 
     def __init__(self) -> None:
         super().__init__()
-        self.programs.channels = {610: MeasuringFacts(PROBE, ON_ALL)}
+        self.programs.cell.channels = {610: MeasuringFacts(PROBE, ON_ALL)}
         self.family = coupler()
         self.wires = wires(cell_with(PLAIN), self.family)
         self.image = self.cell.inputs

@@ -17,7 +17,7 @@ PLACES = {(Kind.IOL, 2): OutputPlace(IOL), (Kind.PPO, 3): OutputPlace(WORD, 16)}
 def bench() -> WithPlanner:
     """The demo's first axes as the x, y, z of a portal."""
     made = WithPlanner()
-    made.programs.functions = PLACES
+    made.programs.cell.functions = PLACES
     made.cell.core._mover.functions = CoreOutputs(PLACES, {1: Portal("xyz", LIMITS[:3])}, made.cell.period_ns / 1e9)
     return made
 

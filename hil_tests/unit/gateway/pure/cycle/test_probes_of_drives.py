@@ -44,7 +44,7 @@ class Probes(WithPlanner):
 
     def __init__(self) -> None:
         super().__init__(Cell402Bench(cell=CELL))
-        self.programs.channels = measuring_facts(CELL)
+        self.programs.cell.channels = measuring_facts(CELL)
         self.seen: list[tuple[float, float]] = []
 
     def turn(self) -> None:

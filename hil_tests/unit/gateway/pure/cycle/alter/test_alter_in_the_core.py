@@ -278,7 +278,7 @@ def test_rules_of_alterable_parts_are_told_before_anything_moves(bench: AlterBen
         job = bench.bench.settle(bench.begin(*lines))
         assert (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT), words
         assert words in job.detail, job.detail
-    bench.programs.altered = ()
+    bench.programs.cell.altered = ()
     job = bench.bench.settle(bench.begin(*PART))
     assert job.detail == "line 6: block 1: alterBegin: option not enabled; the cell has no [alter] for the robot (VAL 3 -2)"
     assert bench.bench.set() == before

@@ -1,0 +1,24 @@
+"""What the cycle published last, as the planner takes it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+ALWAYS = 1 << 62
+
+
+@dataclass(frozen=True, slots=True)
+class CycleView:
+    """Of one turn."""
+
+    generation: int = 0
+    piece: int = 0  # under way; 0: none
+    standing: Sequence[float] = ()  # where the axes are; m and rad
+    moving: bool = False
+    taken: int = ALWAYS  # the last order the cycle took: nothing is handed on before it knows of the job
+    failed: int = 0  # the job that failed last
+    parts: int = 0  # that are over
+    engaged: float = 0.0  # belt value at which the robot got onto a belt
+    met: bool = True  # the last part with an input ended by it
+    measured: Sequence[float | None] = ()  # where the axes were measured last; None: they were not
+    off: int = 0  # axes (bit n-1 = axis n) not commanded on
+    override: float = 1.0

@@ -1,0 +1,138 @@
+"""Figures of the house that may only fall: attributes of a class in pure rooms, parameters and lines of a function.
+
+A class or function over the limit has a row with its figure of today; it may fall below it and not rise, and a new one is refused.
+"""
+
+import ast
+import pathlib
+from collections.abc import Iterator, Mapping
+
+ROOT = next(parent for parent in pathlib.Path(__file__).resolve().parents if (parent / "pyproject.toml").exists())
+PACKAGES = ("gateway", "drivers", "motion", "protocols")
+PURE = ("protocols/", "motion/", "drivers/drives/", "drivers/emulator/", "gateway/pure/")
+MOST_ATTRIBUTES, MOST_PARAMETERS, MOST_LINES = 15, 8, 60
+CLASSES: Mapping[str, int] = {
+    "drivers/drives/cia402.py:Cia402Drive": 24,
+    "drivers/drives/servodyn.py:Drive": 23,
+    "drivers/emulator/canopen/node.py:CanopenNode": 24,
+    "drivers/emulator/cia402/axis.py:Cia402Axis": 24,
+    "drivers/emulator/cia402/slave.py:Cia402Slave": 17,
+    "drivers/emulator/cia402/view.py:DriveView": 21,
+    "drivers/emulator/servodyn/axis.py:ServodynAxis": 25,
+    "drivers/emulator/servodyn/slave.py:ServodynSlave": 19,
+    "gateway/pure/arbitration/data_blocks.py:DataBlocks": 26,
+    "gateway/pure/arbitration/dispatcher.py:CommandDispatcher": 18,
+    "gateway/pure/controllers/reis/control.py:ReisControl": 19,
+    "gateway/pure/controllers/rho3/signals/control.py:RhoControl": 31,
+    "gateway/pure/cycle/alter.py:CoreAlter": 18,
+    "gateway/pure/cycle/belts.py:CoreBelts": 29,
+    "gateway/pure/cycle/core.py:CycleLogic": 25,
+    "gateway/pure/cycle/mover.py:Mover": 17,
+    "gateway/pure/languages/baps2/control.py:Control": 19,
+    "motion/execution/follower.py:Follower": 21,
+    "motion/execution/stepper.py:Stepper": 21,
+    "motion/timing/foresight.py:Foresight": 20,
+    "protocols/p3964r/sender.py:Sender": 20,
+}
+PARAMETERS: Mapping[str, int] = {
+    "drivers/drives/reference_settings.py:settings_from": 11,
+    "gateway/assembly/run.py:plan_run": 10,
+    "gateway/links/modbus/tcp_server.py:__init__": 11,
+    "gateway/pure/arbitration/data_blocks.py:__init__": 12,
+    "gateway/pure/cycle/alter_mover.py:make_mover": 9,
+    "gateway/pure/cycle/core.py:__init__": 13,
+    "gateway/pure/modbus/rho3_view.py:__init__": 9,
+    "motion/geometry/limits.py:limits_from": 9,
+    "motion/planner/quick_law.py:_lowered": 9,
+}
+LINES: Mapping[str, int] = {
+    "drivers/emulator/servo/model.py:run": 97,
+    "gateway/cycle/loop.py:__init__": 66,
+    "motion/kinematics/arm6.py:_solve": 78,
+}
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def trees() -> Iterator[tuple[str, ast.Module]]:
+    for package in PACKAGES:
+        for path in sorted((ROOT / package).rglob("*.py")):
+            yield path.relative_to(ROOT).as_posix(), ast.parse(path.read_text(encoding="utf-8"))
+
+
+def attributes(node: ast.ClassDef) -> int:
+    """Names its methods set on self."""
+    return len(
+        {
+            each.attr
+            for method in node.body
+            if isinstance(method, Function)
+            for each in ast.walk(method)
+            if isinstance(each, ast.Attribute)
+            and isinstance(each.ctx, ast.Store)
+            and isinstance(each.value, ast.Name)
+            and each.value.id == "self"
+        }
+    )
+
+
+def is_record(node: ast.ClassDef) -> bool:
+    """A dataclass or named tuple: its fields are what it is."""
+    return any("dataclass" in ast.unparse(each) for each in node.decorator_list) or any("NamedTuple" in ast.unparse(b) for b in node.bases)
+
+
+def parameters(node: Function) -> int:
+    """self and cls left out."""
+    given = node.args
+    own = bool(given.args) and given.args[0].arg in ("self", "cls")
+    return len(given.posonlyargs) + len(given.args) + len(given.kwonlyargs) - own
+
+
+def found() -> tuple[dict[str, int], dict[str, int], dict[str, int]]:
+    """Classes, parameters, lines over their limits."""
+    classes: dict[str, int] = {}
+    wide: dict[str, int] = {}
+    long: dict[str, int] = {}
+    for path, tree in trees():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef) and path.startswith(PURE) and not is_record(node):
+                if (count := attributes(node)) > MOST_ATTRIBUTES:
+                    classes[f"{path}:{node.name}"] = count
+            elif isinstance(node, Function):
+                if (count := parameters(node)) > MOST_PARAMETERS:
+                    wide[f"{path}:{node.name}"] = count
+                if (count := (node.end_lineno or 0) - node.lineno + 1) > MOST_LINES:
+                    long[f"{path}:{node.name}"] = count
+    return classes, wide, long
+
+
+def test_no_class_of_a_pure_room_has_too_many_attributes_and_none_gets_more() -> None:
+    assert risen(found()[0], CLASSES) == {}
+
+
+def test_no_function_has_too_many_parameters_and_none_gets_more() -> None:
+    assert risen(found()[1], PARAMETERS) == {}
+
+
+def test_no_function_is_too_long_and_none_gets_longer() -> None:
+    assert risen(found()[2], LINES) == {}
+
+
+def test_a_row_that_is_no_longer_needed_is_taken_out() -> None:
+    assert [
+        key
+        for now, rows in zip(found(), (CLASSES, PARAMETERS, LINES), strict=True)
+        for key, count in rows.items()
+        if now.get(key, 0) < count
+    ] == [], "lower the figure, or take the row out"
+
+
+def risen(now: Mapping[str, int], allowed: Mapping[str, int]) -> dict[str, int]:
+    return {key: count for key, count in now.items() if count > allowed.get(key, 0)}
+
+
+def test_the_figures_would_show_a_new_one() -> None:
+    node = ast.parse("class A:\n    def f(self, a, *, b):\n        self.x, self.y = a, b\n        self.x = 1").body[0]
+    assert isinstance(node, ast.ClassDef) and attributes(node) == 2
+    method = node.body[0]
+    assert isinstance(method, Function) and parameters(method) == 2
+    assert risen({"a": 3, "b": 5}, {"a": 3, "b": 4}) == {"b": 5} and risen({"c": 1}, {}) == {"c": 1}
