@@ -209,9 +209,10 @@ class Siege:
             cable.calm()
             cable.plug()
         self._until("all processes are up", self.up)
-        self._until("PLC 2 moves the axes to their target", self._moves)
         cycles = plc1.cycles
         self._until("PLC 1 is served on its line", lambda: plc1.cycles > cycles + 3)
+        # its inputs are lost, and the drives off, as long as PLC 1 is silent
+        self._until("PLC 2 moves the axes to their target", self._moves)
         self._until("the page answers its user", lambda: self.web.ask("GET", "/api/axes", **headers)[0] in (200, 404))
         self._until("the page says that it is well", lambda: self.web.ask("GET", "/api/health")[0] == 200)
         size = self._size()
