@@ -42,6 +42,7 @@ from motion.timing.slices import Work, whole
 
 EMPTY = 1e-9  # of a block: less is nothing left to run
 SMALLEST = 1e-7  # m or rad: a smaller corner is none
+HALF = 0.5  # of a block, which has a corner at each end
 LOOKS = 8  # at a stretch against the travel limits
 
 
@@ -85,6 +86,7 @@ class _State:
     number: int = 0
     last: Leg | None = None  # not yet run out to its end
     known: float = 0.0  # s on the last leg that is out
+    begun: float = 0.0  # of it, what the corner at its start takes
     tail: JointPath | None = None  # the last stretch, while no stop follows it
     splines: tuple[tuple[int, Block], ...] = ()
     spline_start: Joints = ()
@@ -214,7 +216,7 @@ class Route:
         now.carried = ()
         check_range(leg, self._machine)
         reach = self._join(now.last, leg) if now.last is not None else 0.0
-        now.standing, now.last, now.known = leg.end, leg, reach
+        now.standing, now.last, now.known, now.begun = leg.end, leg, reach, reach
         leave = self._leave(leg)
         self._main(leg, leg.length - leave, stop=leave == 0.0)
         if leave == 0.0:
@@ -395,20 +397,30 @@ class Route:
             wanted = leg.length  # the angle is not known yet
         else:
             wanted = self._along(leg, blend.leave, from_end=True)
-        return clipped(wanted, leg.length, blend.share)
+        return clipped(wanted, leg.length, self._share_to(leg))
+
+    def _share_to(self, leg: Leg) -> float:
+        """The most of the last leg the corner at its end may take: more than half only where it has none at its start."""
+        alone = self._now.begun == 0.0 and leg.block.slope is not Slope.BLOCK
+        return leg.block.blend.share if alone else min(leg.block.blend.share, HALF)
+
+    def _share_on(self, last: Leg, leg: Leg) -> float:
+        """And of the next leg the corner at its start: more than half only where it ends at rest by its own words."""
+        alone = leg.block.blend.rounding is Rounding.OFF and last.block.slope is not Slope.BLOCK
+        return last.block.blend.share if alone else min(last.block.blend.share, HALF)
 
     def _ranges(self, last: Leg, leg: Leg) -> tuple[float, float]:
         """leave on the last leg and reach on this one, in s of each."""
-        blend = last.block.blend
+        blend, before, onward = last.block.blend, self._share_to(last), self._share_on(last, leg)
         if blend.axes and last.path is not None and leg.path is not None:
-            both = min(self._leave(last), clipped(axis_range(leg, blend.axes), leg.length, blend.share))
+            both = min(self._leave(last), clipped(axis_range(leg, blend.axes), leg.length, onward))
             return both, both
         if blend.distance > 0.0 and last.curve is not None and leg.curve is not None:
             radius = radius_for(blend.distance, *directions(last.curve, leg.curve))
-            both = min(clipped(radius, length, blend.share) for length in (last.length, leg.length))
+            both = min(clipped(radius, last.length, before), clipped(radius, leg.length, onward))
             return both, both
-        leave = clipped(self._along(last, blend.leave, from_end=True), last.length, blend.share)
-        reach = clipped(self._along(leg, blend.reach, from_end=False), leg.length, blend.share)
+        leave = clipped(self._along(last, blend.leave, from_end=True), last.length, before)
+        reach = clipped(self._along(leg, blend.reach, from_end=False), leg.length, onward)
         if blend.leave == blend.reach and last.curve is not None and leg.curve is not None:
             leave = reach = min(leave, reach)  # one sphere: where a neighbour is short, both sides shrink (rho 3 L1801-1811)
         return leave, reach

@@ -43,6 +43,7 @@ REPAIRS, SLOWER = 3, 12
 THERE, NEAR_S, FEW = 6, 0.25, 64  # so many times only around the places, that far before and behind, where they are so few
 WORTH = 1.03  # so many times the time is what keeps the programmed speed in all other places worth
 LONGER = 4.0  # times as long as the first law: it stands at a bend the grid does not see, and slowing the first as a whole is quicker
+A_SLICE = 20_000  # samples that are looked at in one go
 AROUND = 4  # periods on both sides of such a place
 
 
@@ -59,6 +60,7 @@ def jerk_limited_work(path: JointPath, limits: LawLimits, start: tuple[float, fl
     slower as a whole.
     """
     guess = _guess(path, limits, start)
+    yield
     tight, slow = np.ones(len(guess.s)), np.ones(len(guess.s))  # shares of the limits of jerk and of speed, point by point
     law, found, first, least = guess, None, 0.0, math.inf
     for _ in range(REPAIRS):
@@ -125,7 +127,7 @@ def _slower_there(law: Law, places: Array, factors: Array, length: float) -> Law
 
 def shares(path: JointPath, limits: LawLimits, law: Law, period_s: float = JUDGE_S) -> tuple[float, float, float]:
     """Largest speed, acceleration and jerk as shares of their limits, from differences of the set values of the axes."""
-    _, parts = _differences(path, limits, law, period_s)
+    parts = _differences(path, limits, _places(law, period_s), period_s)
     speed, accel, jerk = (float(np.max(part)) for part in parts)
     return speed, accel, jerk
 
@@ -137,28 +139,34 @@ def slowing(path: JointPath, limits: LawLimits, law: Law) -> float:
     return excess if excess > 1.0 + HAIR else 1.0
 
 
-def _differences(path: JointPath, limits: LawLimits, law: Law, period_s: float, phase: float = 0.0) -> tuple[Array, list[Array]]:
-    """s of the samples and the shares at each; a moving start is not judged before its third sample."""
+def _places(law: Law, period_s: float, phase: float = 0.0) -> Array:
+    """s of the samples; a moving start is not judged before its third sample."""
     s = law.at(np.arange(phase * period_s, check_seconds(law.duration) + 4 * period_s, period_s))
-    s = np.concatenate([np.full(3 if law.at_rest else 0, law.s[0]), s])
+    return np.concatenate([np.full(3 if law.at_rest else 0, law.s[0]), s])
+
+
+def _differences(path: JointPath, limits: LawLimits, s: Array, period_s: float) -> list[Array]:
+    """Shares of speed, acceleration and jerk at each sample."""
     q = path.at(s)
     most, _, jolt = limits.at(s)
     speed, jerk = (np.abs(np.diff(q, order, axis=0)) / period_s**order / rows[order:] for order, rows in ((1, most), (3, jolt)))
     accel = pull_shares(q, period_s, limits.pulls(s)[:, 2:])
-    return s, [np.max(part, axis=1) for part in (speed, accel, jerk)]
+    return [np.max(part, axis=1) for part in (speed, accel, jerk)]
 
 
 def _excess(path: JointPath, limits: LawLimits, law: Law) -> Work[Excess]:
     """Places (from, at, to in s), how far acceleration or jerk are beyond what is good there, and how far speed is, wherever
-    the samples fall.  A slice a phase: of a motion of minutes each is some hundred thousand samples."""
+    the samples fall.  A slice is so many samples: of a motion of minutes each phase has some hundred thousand."""
     places, much, fast = [], [], []
     for phase in PHASES if law.at_rest else (0.0,):
-        s, (speed, accel, jerk) = _differences(path, limits, law, JUDGE_S, phase)
-        index = np.arange(len(jerk)) + 2
-        places.append(np.stack([s[np.maximum(index - AROUND, 0)], s[index], s[np.minimum(index + AROUND, len(s) - 1)]], axis=1))
-        much.append(np.maximum(jerk / JERK_GOOD, accel[1:] / ACCEL_GOOD))
-        fast.append(speed[2:])
-        yield
+        s = _places(law, JUDGE_S, phase)
+        for first in range(0, len(s) - 3, A_SLICE):
+            speed, accel, jerk = _differences(path, limits, s[first : first + A_SLICE + 3], JUDGE_S)
+            index = np.arange(len(jerk)) + first + 2
+            places.append(np.stack([s[np.maximum(index - AROUND, 0)], s[index], s[np.minimum(index + AROUND, len(s) - 1)]], axis=1))
+            much.append(np.maximum(jerk / JERK_GOOD, accel[1:] / ACCEL_GOOD))
+            fast.append(speed[2:])
+            yield
     return np.concatenate(places), np.concatenate(much), np.concatenate(fast)
 
 

@@ -48,7 +48,7 @@ KEYS = (
     Key("leave", "mm", 0.0, BIG, 1e-3, "blend", "leave", "the path is left so far before the end point"),
     Key("reach", "mm", 0.0, BIG, 1e-3, "blend", "reach", "and reached again so far behind it"),
     Key("distance", "mm", 0.0, BIG, 1e-3, "blend", "distance", "the end point is missed by this much; wins over leave and reach"),
-    Key("share", "%", 1.0, 50.0, 0.01, "blend", "share", "the most of a block a corner may take"),
+    Key("share", "%", 1.0, 99.9, 0.01, "blend", "share", "the most of a block a corner may take; above 50 where its other end has none"),
     Key("flyby", "%", 0.0, 100.0, 0.01, "blend", "flyby", "speed in the middle of the corner, share of the mean of both"),
     Key("angle", "deg", 0.01, BIG, DEG, "", "angle", "circular: the circle through both points is run so far: 360 a full circle"),
     Key("rise", "mm", -BIG, BIG, 1e-3, "", "rise", "with angle: along the axis of the circle over the whole angle, a helix"),

@@ -112,7 +112,7 @@ def test_points_10_mm_apart_with_r_20_mm_get_the_largest_range_that_fits() -> No
     first, second = (corner(a, b, r[0], r[0]) for a, b in itertools.pairwise(lines))
     assert norm(sub(first.at(first.length).position, second.at(0.0).position)) < 1e-12
     check_join(first, second)
-    for share, wanted in ((0.6, 0.01), (0.0, 0.01), (0.5, -0.01)):
+    for share, wanted in ((1.0, 0.01), (0.0, 0.01), (0.5, -0.01)):
         with pytest.raises(PathError):
             clipped(wanted, 0.1, share)
 

@@ -8,12 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gateway.cell_file.load import load_cell
 from gateway.commands.motion import main, team_of_program
+from gateway.files.find import find_config, read_text
 from gateway.pure.image.reasons import CommandState
 from gateway.tools.motion.dry_run import sections_of
 from gateway.tools.motion.dry_run_team import team_findings
 from hil_tests.lab.cells.arms import Array, portal, robot, run, tool_path, tool_speed
 from hil_tests.lab.virtual.belt_bench import CELL
+from hil_tests.lab.virtual.cell_402_bench import Cell402Bench
 from hil_tests.lab.virtual.planned_bench import Planned, ServodynRobot
 from motion.errors import MotionError
 from motion.execution import follower
@@ -231,6 +234,7 @@ def rounded_lines(count: int) -> str:
     return "\n".join(lines)
 
 
+@pytest.mark.timeout(900)
 def test_many_rounded_lines_known_at_once_are_handed_on_in_parts_as_those_known_one_by_one() -> None:
     program, machine = read(rounded_lines(200)), robot("tx60-like")
     assert sections_of(program, machine, ())[1] == []
@@ -264,3 +268,36 @@ def test_three_minutes_of_curve_pass_check_and_planner_and_their_law_is_made_in_
         spent.append(time.process_time() - begin)
     assert planner.take() and 170.0 < planner.end < 200.0
     assert max(spent) < 0.15 * sum(spent)
+
+
+CURVE = ARC.replace("path=12", "path=2.05")  # three minutes of an arm
+
+
+def test_three_minutes_of_curve_of_an_arm_are_planned_in_short_slices() -> None:
+    planner, spent = Planner(robot("tx60-like"), read(CURVE).start), []
+    added(planner, CURVE)
+    for _ in range(2):
+        assert planner.begin(planner.end, hurry=True)
+        done = False
+        while not done:
+            begin = time.process_time()
+            done = planner.work()
+            spent.append(time.process_time() - begin)
+        planner.take()
+    assert planner.end > 180.0
+    assert max(spent) < 0.1 * sum(spent) and len(spent) > 120, "a look at all samples of a phase was one slice: there were 53"
+
+
+@pytest.mark.timeout(1200)
+def test_what_check_says_of_three_minutes_of_curve_of_an_arm_is_what_a_cell_does(tmp_path: pathlib.Path) -> None:
+    program = tmp_path / "it.txt"
+    program.write_text(CURVE)
+    assert main(["check", str(program)]) == 0
+    path = find_config("arm6", "cells")
+    cell = Planned(Cell402Bench(cell=load_cell(str(path), read_text(path))))
+    began = cell.bench.now
+    job = cell.bench.settle(cell.order(CURVE), 220.0)
+    assert job.state is CommandState.DONE, job.detail
+    assert 180.0 < (cell.bench.now - began) / 1e9 < 215.0
+    tip = cell.machine.forward(tuple(axis.set for axis in cell.state.axes[: cell.machine.arm])).position
+    assert tip == pytest.approx((0.35, 0.15, 0.2), abs=1e-5)
