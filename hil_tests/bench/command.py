@@ -1,4 +1,4 @@
-"""Measure: cycle, 3964r, emulator, drives, planner, motion, modbus, route, web, program, or all (all rewrites docs/benchmarks.md)."""
+"""Measure: cycle, 3964r, emulator, drives, planner, motion, modbus, route, web, program, val3, or all (all rewrites docs/benchmarks.md)."""
 
 import argparse
 import datetime
@@ -86,6 +86,12 @@ def program(arguments: argparse.Namespace) -> list[Figure]:
     return [dict(figure) for figure in run()]
 
 
+def val3(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.val3_bench import run
+
+    return [dict(figure) for figure in run()]
+
+
 BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "cycle": cycle,
     "3964r": p3964r,
@@ -98,6 +104,7 @@ BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "web": web,
     "plc": plc,
     "program": program,
+    "val3": val3,
 }
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.model import MOST_VALUES
-from gateway.pure.languages.val3.values import Container, Grid, Structure, copied, rounded
+from gateway.pure.languages.val3.values import Container, Grid, Structure, UserV, copied, rounded
 
 Maker = Callable[[], object]
 
@@ -38,7 +38,7 @@ def store(container: dict[object, object], place: object, value: object) -> obje
 def take(target: Structure, value: object) -> object:
     """= of structures, as an expression."""
     if target is not value:
-        target.set(value if not isinstance(value, Structure) else value.copy())
+        target.set(value.copy() if isinstance(value, UserV) else value)  # a user value may be a part of the target
     return target
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.values import ConfigV, FrameV, JointV, PointV, ToolV, TrsfV
+from motion.geometry.conventions import DEGREE, angles_xyz, rotation_xyz
 from motion.kinematics.base import Configuration, Elbow, Shoulder, Wrist
 from motion.val3 import cartesian, trsf
 from motion.val3.trsf import Trsf
@@ -103,8 +104,16 @@ def f_abs_joint(own: Instance, joint: JointV) -> JointV:
 
 
 def trsf_product(own: Instance, first: TrsfV, second: TrsfV) -> TrsfV:
-    """*: composition."""
-    return TrsfV(*trsf.times(Trsf(*first.numbers()), Trsf(*second.numbers())))
+    """*: composition, in the length unit both have."""
+    d = DEGREE
+    a = rotation_xyz(first.rx * d, first.ry * d, first.rz * d)
+    b = rotation_xyz(second.rx * d, second.ry * d, second.rz * d)
+    x, y, z = second.x, second.y, second.z
+    rows = ((a[0], a[1], a[2]), (a[3], a[4], a[5]), (a[6], a[7], a[8]))
+    moved = [k * x + m * y + n * z for k, m, n in rows]
+    turned = [k * b[c] + m * b[c + 3] + n * b[c + 6] for k, m, n in rows for c in (0, 1, 2)]
+    rx, ry, rz = angles_xyz((turned[0], turned[1], turned[2], turned[3], turned[4], turned[5], turned[6], turned[7], turned[8]))
+    return TrsfV(first.x + moved[0], first.y + moved[1], first.z + moved[2], rx / d, ry / d, rz / d)
 
 
 def trsf_inverse(own: Instance, value: TrsfV) -> TrsfV:

@@ -12,6 +12,8 @@ from gateway.pure.languages.val3.tasks import Step, bytes_of
 from gateway.pure.languages.val3.translate import Code
 from gateway.pure.languages.val3.values import Container, Grid, Structure, Surroundings, container_of, default
 
+PLAIN: dict[str, object] = {"num": 0.0, "bool": False, "string": ""}
+
 
 @dataclass(eq=False)
 class Program:
@@ -47,6 +49,14 @@ class Program:
             found = [own.get(f"L{at}") for at in range(self.code.steps)]
             self._steps = [step if callable(step) else _nothing for step in found]
         return self._steps
+
+    def fresh(self) -> list[object]:
+        """Its local variables as a call begins; single numbers, bools and strings without the way through their declarations."""
+        made: list[object] = []
+        for local in self.text.locals:
+            plain = PLAIN.get(local.type) if isinstance(local.type, str) and local.sizes == (1,) and not local.values else None
+            made.append([plain] if plain is not None else container_of(local, self.home, linked=False))
+        return made
 
     def line_of(self, pc: int) -> int:
         """Line of a step."""

@@ -1,5 +1,6 @@
 """Instructions on strings: characters counted from 0, at most 128 bytes.  Source: VAL 3 reference 3.4, L2033-2288; doubts D06, D07."""
 
+import functools
 import math
 import re
 
@@ -31,6 +32,7 @@ def f_to_string(form: str, value: float) -> str:
     return cut(text.rjust(size))
 
 
+@functools.lru_cache(maxsize=256)
 def _sizes(form: str) -> tuple[int, int]:
     size, _, precision = form.strip().partition(".")
     if not all(part.isdecimal() or part == "" for part in (size, precision)):

@@ -12,6 +12,8 @@ TOKEN = re.compile(
 ESCAPED = re.compile(r"\"(?:\\\"|[^\"])*\"")
 GROUPS = (("or",), ("and",), ("xor",), ("!=", "=="), (">=", ">", "<=", "<"), ("-", "+"), ("%", "/", "*"))
 STRICT = tuple((operator,) for operator in ("or", "and", "xor", "!=", "==", ">=", ">", "<=", "<", "-", "+", "%", "/", "*"))
+RANKS = {operator: level for level, group in enumerate(GROUPS) for operator in group}
+STRICT_RANKS = {operator: level for level, group in enumerate(STRICT) for operator in group}
 
 
 class CompileFault(Exception):
@@ -136,7 +138,7 @@ class Expressions:
         self.tokens = tokens(line)
         self.at = 0
         self.depth = 0
-        self.groups = STRICT if strict else GROUPS
+        self.ranks = STRICT_RANKS if strict else RANKS
 
     # ---- tokens ----------------------------------------------------------------------------------------------------------
     @property
@@ -190,14 +192,16 @@ class Expressions:
         return left
 
     def _binary(self, level: int) -> Node:
-        if level == len(self.groups):
-            return self._unary()
-        left = self._binary(level + 1)
-        while self.next.kind in ("op", "name") and self.next.text.lower() in self.groups[level]:
-            operator = self.take().text.lower()
-            right = self._binary(level + 1)
-            left = Binary(left.start, right.end, operator, left, right)
-        return left
+        """Operators from this level on; those of a higher level bind tighter."""
+        left = self._unary()
+        while True:
+            token = self.tokens[self.at]
+            rank = self.ranks.get(token.text.lower()) if token.kind in ("op", "name") else None
+            if rank is None or rank < level:
+                return left
+            self.at += 1
+            right = self._binary(rank + 1)
+            left = Binary(left.start, right.end, token.text.lower(), left, right)
 
     def _unary(self) -> Node:
         token = self.next

@@ -9,7 +9,7 @@ from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.model import Declaration, ProgramText
 from gateway.pure.languages.val3.scope import width
 from gateway.pure.languages.val3.translate import Code
-from gateway.pure.languages.val3.values import Surroundings, container_of
+from gateway.pure.languages.val3.values import Surroundings
 
 RUNNING, SUSPENDED = 1, 0
 FRAME_BYTES, SLOT_BYTES, VALUE_BYTES = 32, 8, 8  # AX-721
@@ -51,6 +51,10 @@ class Callee(Protocol):
 
     def steps(self) -> list[Step]:
         """One function a step."""
+        ...
+
+    def fresh(self) -> list[object]:
+        """Its local variables as a call begins."""
         ...
 
     def line_of(self, pc: int) -> int:
@@ -108,7 +112,7 @@ class Task:
         if self.bytes + program.bytes > self.owner.stack:
             raise Rte(41, f"{self.bytes + program.bytes} bytes of {self.owner.stack}")
         v: list[object] = [*arguments]
-        v += [container_of(local, program.home, linked=False) for local in program.text.locals]
+        v += program.fresh()
         v += [None] * program.code.temps
         self.frames.append(Frame(program, v, program.steps(), program.code.entry, program.bytes))
         self.bytes += program.bytes

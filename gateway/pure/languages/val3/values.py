@@ -59,6 +59,11 @@ class TrsfV(Structure):
     def __init__(self, x: float = 0.0, y: float = 0.0, z: float = 0.0, rx: float = 0.0, ry: float = 0.0, rz: float = 0.0) -> None:
         self.x, self.y, self.z, self.rx, self.ry, self.rz = x, y, z, rx, ry, rz
 
+    def set(self, other: object) -> None:
+        """All six of the other one."""
+        if isinstance(other, TrsfV):
+            self.x, self.y, self.z, self.rx, self.ry, self.rz = other.x, other.y, other.z, other.rx, other.ry, other.rz
+
     def numbers(self) -> tuple[float, float, float, float, float, float]:
         """All six."""
         return self.x, self.y, self.z, self.rx, self.ry, self.rz
