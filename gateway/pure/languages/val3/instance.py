@@ -5,12 +5,13 @@ from dataclasses import dataclass, field
 
 from gateway.pure.languages.val3.controller import Controller
 from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.initial_values import Surroundings, container_of, default
 from gateway.pure.languages.val3.loader import Loaded
 from gateway.pure.languages.val3.model import ProgramText, UserType
 from gateway.pure.languages.val3.scope import width
 from gateway.pure.languages.val3.tasks import Step, bytes_of
 from gateway.pure.languages.val3.translate import Code
-from gateway.pure.languages.val3.values import Container, Grid, Structure, Surroundings, container_of, default
+from gateway.pure.languages.val3.values import Container, Grid, Structure
 
 PLAIN: dict[str, object] = {"num": 0.0, "bool": False, "string": ""}
 

@@ -23,12 +23,13 @@ from gateway.pure.languages.val3 import (
 from gateway.pure.languages.val3.controller import Controller
 from gateway.pure.languages.val3.disk import application_of
 from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.initial_values import literal
 from gateway.pure.languages.val3.instance import Instance, Program
 from gateway.pure.languages.val3.model import Application
 from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, REMOTE, TEST
 from gateway.pure.languages.val3.tasks import LINES_A_CYCLE, RUNNING, SYSTEM_CYCLE, Frame, Owner, Task
 from gateway.pure.languages.val3.translate import CALL, END
-from gateway.pure.languages.val3.values import SioV, copied, equal, literal, places
+from gateway.pure.languages.val3.values import SioV, copied, equal, places
 from motion.errors import MotionError
 from motion.val3.errors import RuntimeFault
 from motion.val3.stack import Mode

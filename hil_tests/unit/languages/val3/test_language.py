@@ -93,7 +93,7 @@ def test_a_case_without_break_runs_on() -> None:
     assert globals_of("switch n\ncase 0\ni=1\ncase 1\nj=1\nbreak\ncase 2\nk=1\nbreak\nendSwitch", NUMS)["j"] == 1
 
 
-@pytest.mark.requirement("VAL-LANG-10", "VAL-LANG-12", by=X + "assign")
+@pytest.mark.requirement("VAL-LANG-10", "VAL-LANG-12", by="gateway.pure.languages.val3.value_expressions:ValueTranslator.assign")
 def test_an_assignment_is_an_expression() -> None:
     data = NUMS + datum("tr", "trsf") + datum("b1", "bool") + datum("b2", "bool", values=value(value="true"))
     found = globals_of("n=5\ntr.rx = tr.ry = tr.rz = n\ni = j = 3\nif(b1=b2)\nk=1\nendIf", data)
@@ -197,7 +197,7 @@ def test_containers_that_do_not_match_are_named(call: str, text: str) -> None:
     assert fault.text.endswith(f" : {text}") and fault.position.line == 2
 
 
-@pytest.mark.requirement("VAL-LANG-21", by=X + "_literal")
+@pytest.mark.requirement("VAL-LANG-21", by="gateway.pure.languages.val3.value_expressions:ValueTranslator._literal")
 def test_structures_are_written_by_field() -> None:
     data = datum("p", "point") + datum("q", "point") + datum("j", "joint")
     found = globals_of("p={{100,-50,200,0,0,0},{sfree,efree,wfree}}\nq.trsf={100,-50,200, , ,}\nj={1,2,3,4,5,6}", data)
@@ -244,7 +244,7 @@ def test_an_index_or_key_that_is_not_there_is_an_error(code: str, error: int) ->
     assert error_of(code, CONTAINERS) == error
 
 
-@pytest.mark.requirement("VAL-VAR-04", "VAL-VAR-05", by=X + "_on_size")
+@pytest.mark.requirement("VAL-VAR-04", "VAL-VAR-05", by="gateway.pure.languages.val3.variable_expressions:VariableTranslator._on_size")
 def test_sizes() -> None:
     data = CONTAINERS + datum("t", "num", "2,3,4")
     found = globals_of("n=size(a)\ni=size(a[3])\nj=size(t,3)\nk=size(t,4)\nm=size(n)+size(c)+size(a,1)", data)

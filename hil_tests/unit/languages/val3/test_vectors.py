@@ -121,7 +121,11 @@ PROOFS = [
     ("data_and_containers", ("VAL-LANG-21", "VAL-VAR-01", "VAL-VAR-03"), V + "values:rounded"),
     ("data_and_containers", ("VAL-VAR-04", "VAL-VAR-05", "VAL-VAR-06"), V + "arrays:f_size_of"),
     ("data_and_containers", ("VAL-VAR-07", "VAL-VAR-08", "VAL-VAR-09"), V + "arrays:f_next"),
-    ("containers_refused", ("VAL-LANG-11", "VAL-LANG-19", "VAL-MOV-02"), V + "expressions:Translator.fault"),
+    (
+        "containers_refused",
+        ("VAL-LANG-11", "VAL-LANG-19", "VAL-MOV-02"),
+        "gateway.pure.languages.val3.value_expressions:ValueTranslator.fault",
+    ),
     ("parameters", ("VAL-LANG-18", "VAL-LANG-19", "VAL-LANG-20"), V + "tasks:Task.enter"),
     ("named_data", ("VAL-VAR-11",), V + "builtin_libraries:f_get_data"),
     ("numbers", ("VAL-NUM-01", "VAL-NUM-02", "VAL-NUM-03"), V + "numbers:f_sin"),
