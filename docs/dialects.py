@@ -2,8 +2,8 @@
 
 import pathlib
 
+from gateway.assembly.line_dialects import rk512_dialect
 from gateway.pure.cell.cell import Line
-from gateway.pure.lines.line_profiles import rk512_dialect
 from protocols.p3964r.profiles import PROFILES, Profile
 
 PAGE = pathlib.Path(__file__).parent / "guide" / "dialects.md"

@@ -20,8 +20,9 @@ from gateway.commands.assess import WORDS
 from gateway.files.find import read_signals
 from gateway.pure.cell.cell import CellTables
 from gateway.pure.cell.columns import Column, bare_type, columns
-from gateway.pure.cell.marks import Pattern
+from gateway.pure.cell.marks import Pattern, Registered
 from gateway.pure.reports.tables import render
+from gateway.registry import NAMES
 from gateway.tools.address_map import SHEETS
 from gateway.tools.new_cell.assessment import ASKED, assess
 from gateway.tools.progress import steps
@@ -60,7 +61,8 @@ def tables(table: type, path: str) -> Iterator[tuple[str, type]]:
 
 def _key(column: Column) -> str:
     allowed = [mark.allowed for mark in column.marks if isinstance(mark, Pattern)]
-    takes = ", ".join([_type(column.annotation), *_bounds(column.marks), *allowed, *([column.unit] if column.unit else [])])
+    named = [", ".join(f"`{name}`" for name in NAMES[mark.table]) for mark in column.marks if isinstance(mark, Registered)]
+    takes = ", ".join([*(named or [_type(column.annotation)]), *_bounds(column.marks), *allowed, *([column.unit] if column.unit else [])])
     default = "must be given" if column.required else "-" if column.default in ("", None, (), {}) else f"`{_written(column.default)}`"
     return f"| `{column.key}` | {_cell(takes)} | {_cell(default)} |\n"
 

@@ -2,11 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
-from drivers.drives.cia402 import Cia402Settings
 from drivers.drives.family import DriveHoming, DriveMaker
 from drivers.drives.reference_settings import ReferenceSettings, settings_from
 from drivers.drives.scaling import Scaling
-from drivers.drives.servodyn import DriveSettings
 from gateway.assembly.axis_scaling import scaling_of, window_of
 from gateway.assembly.limits import limits_of
 from gateway.assembly.programs import kinematic_by_axis
@@ -15,6 +13,7 @@ from gateway.pure.arbitration.jobs import AxisFacts
 from gateway.pure.cell.cell import Axis, Cell
 from gateway.pure.cycle.axis import CoreAxis
 from gateway.pure.image.reasons import Reason, Refusal
+from gateway.registry import DRIVE_FAMILIES
 from motion.errors import MotionError
 from motion.execution.pieces import encode
 from motion.execution.ptp import plan_ptp
@@ -55,15 +54,7 @@ def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | DriveHomin
 
 def drive_of(axis: Axis, step_inc: int, p5_ms: float) -> DriveMaker:
     """Settings of the axis' drive, of whichever family; `step_inc`: the largest set value step of one cycle."""
-    if axis.drive.type == "cia402":
-        return Cia402Settings(
-            jump_inc=axis.drive.inc_per_turn // 2,
-            step_inc=step_inc,
-            timeout_cycles=round(5000 / p5_ms),
-            homing_cycles=round(axis.home.timeout_s * 1000 / p5_ms),
-            mode_cycles=round(2000 / p5_ms),
-        )
-    return DriveSettings(step_inc=step_inc, timeout_cycles=round(5000 / p5_ms), brake=axis.brake != "none")
+    return DRIVE_FAMILIES[axis.drive.type].settings(axis, step_inc, p5_ms)
 
 
 def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *, simulated: bool = True) -> list[CoreAxis]:

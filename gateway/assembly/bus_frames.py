@@ -3,6 +3,7 @@
 from gateway.pure.buses.load import Traffic
 from gateway.pure.cell.cell import Bus, Cell
 from gateway.pure.reports.transfer_times import canopen_room
+from gateway.registry import BUS_PROTOCOLS
 from protocols.canopen import cob_id as cobid
 from protocols.servodyn.plan import SYNC_ID, actual_id, set_id
 
@@ -13,11 +14,7 @@ DRIVE_BYTES = 8
 
 def traffic(cell: Cell, bus: Bus) -> list[Traffic]:
     """In the order of a cycle."""
-    if bus.protocol == "servodyn":
-        return _servodyn(cell, bus)
-    if bus.protocol == "canopen":
-        return _canopen(cell, bus)
-    return _blocks(cell, bus)
+    return BUS_PROTOCOLS[bus.protocol].traffic(cell, bus)
 
 
 def bitrate(bus: Bus) -> int:
@@ -26,15 +23,15 @@ def bitrate(bus: Bus) -> int:
     return round(float(value) * (1_000_000 if unit == "Mbit/s" else 1000))
 
 
-def _servodyn(cell: Cell, bus: Bus) -> list[Traffic]:
+def servodyn_traffic(cell: Cell, bus: Bus) -> list[Traffic]:
     modules = [(axis.name, axis.drive.module) for axis in cell.axis if axis.drive.bus == bus.name and axis.drive.module is not None]
     plan = [Traffic("SYNC", SYNC_ID, 0)]
     plan += [Traffic(f"set value {name}", set_id(module), DRIVE_BYTES) for name, module in modules]
     plan += [Traffic(f"actual value {name}", actual_id(module), DRIVE_BYTES) for name, module in modules]
-    return plan + _blocks(cell, bus)
+    return plan + block_traffic(cell, bus)
 
 
-def _canopen(cell: Cell, bus: Bus) -> list[Traffic]:
+def canopen_traffic(cell: Cell, bus: Bus) -> list[Traffic]:
     nodes = [(axis.name, axis.drive.node) for axis in cell.axis if axis.drive.bus == bus.name and axis.drive.node is not None]
     plan = [Traffic("SYNC", cobid.SYNC, 0)]
     plan += [Traffic(f"RPDO1 {name}", cobid.rpdo(1, node), COMMAND_AND_POSITION) for name, node in nodes]
@@ -52,7 +49,7 @@ def _canopen(cell: Cell, bus: Bus) -> list[Traffic]:
     ]
 
 
-def _blocks(cell: Cell, bus: Bus) -> list[Traffic]:
+def block_traffic(cell: Cell, bus: Bus) -> list[Traffic]:
     """I/O blocks of P31 and P32; the n-th CAN bus of the cell is the rho 3's bus n."""
     number = 1 + [one.name for one in cell.bus].index(bus.name)
     if cell.rho3 is None:

@@ -34,6 +34,7 @@ from gateway.pure.cycle.enabling_inputs import SIGNAL_AXES
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records.cell import RC_BYTES, Permit, set_bit
 from gateway.pure.image.signals import SignalList
+from gateway.registry import CONTROLLERS
 from motion.errors import MotionError
 from motion.geometry.units import from_si
 from motion.program.factors import option_byte
@@ -67,6 +68,19 @@ class Parameters:
         return tuple(each for each in value if isinstance(each, int))
 
 
+@dataclass(frozen=True, slots=True)
+class ControllerPlan:
+    """What a control is made of."""
+
+    cell: Cell
+    controller: Controller
+    owners: Mapping[int, int]  # RC input byte -> number of its command source
+    sources: Mapping[str, int]  # name of a command source -> its number
+    dispatcher: CommandDispatcher
+    errors: ErrorList
+    now: Ns
+
+
 def make_control(
     cell: Cell, owners: Mapping[int, int], doors: Mapping[str, int], office: CommandDispatcher, errors: ErrorList, now: Ns
 ) -> tuple[Control | None, list[str]]:
@@ -77,13 +91,25 @@ def make_control(
     controller = cell.controller
     if controller is None:
         return None, []
-    if controller.kind == "reis":
-        return ReisControl(reis_setup(cell, controller, doors), office), []
-    if controller.kind == "val3":
-        return Val3Control(points_of(controller), owners), []
-    tables = dat_tables(cell, controller)
-    language = cell.cell.language
-    return RhoControl(rho_setup(cell, controller, tables, owners), office, errors, now), [fault.text(language) for fault in tables.faults]
+    return CONTROLLERS[controller.kind].make(ControllerPlan(cell, controller, owners, doors, office, errors, now))
+
+
+def make_reis(plan: ControllerPlan) -> tuple[Control, list[str]]:
+    """Markers and binary channels of a ROBOTstar."""
+    return ReisControl(reis_setup(plan.cell, plan.controller, plan.sources), plan.dispatcher), []
+
+
+def make_val3(plan: ControllerPlan) -> tuple[Control, list[str]]:
+    """Points of a VAL 3 controller."""
+    return Val3Control(points_of(plan.controller), plan.owners), []
+
+
+def make_rho3(plan: ControllerPlan) -> tuple[Control, list[str]]:
+    """The interface of a rho 3, with its DAT files."""
+    tables = dat_tables(plan.cell, plan.controller)
+    language = plan.cell.cell.language
+    setup = rho_setup(plan.cell, plan.controller, tables, plan.owners)
+    return RhoControl(setup, plan.dispatcher, plan.errors, plan.now), [fault.text(language) for fault in tables.faults]
 
 
 def dat_tables(cell: Cell, controller: Controller) -> DatTables:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from gateway.assembly.line_dialects import rk512_dialect
 from gateway.cell_file.explain_operands import operand_lines
 from gateway.cell_file.field_faults import field_of
 from gateway.cell_file.glossary import ALIASES, ALSO_CALLED, MEANINGS, PARAMETERS, WORDS
@@ -33,8 +34,9 @@ from gateway.pure.image.addresses import (
     rc,
 )
 from gateway.pure.image.signals import from_tables
-from gateway.pure.lines.line_profiles import link_profile, rk512_dialect
+from gateway.pure.lines.line_profiles import link_profile
 from gateway.pure.reports.toml_lines import lines_of
+from gateway.registry import LINE_LAYERS
 from protocols.p3964r.profiles import NETWORK, PROFILES, Profile
 from protocols.rk512.dialects import dialect_of
 
@@ -188,7 +190,7 @@ def _of_line(name: str, cell_line: CellLine) -> Line:
     key = next((each for each in given if getattr(cell_line.times, each) is not None), "")
     value = f"{getattr(link_profile(cell_line), TIMES[name]) / 1e6:g}"
     source = f"times.{key}" if key else f'profile = "{cell_line.profile}"'
-    if name == "BWZ" and cell_line.layer in ("rk512", "buep64"):
+    if name == "BWZ" and LINE_LAYERS[cell_line.layer].blocks:
         source += f"; reaction: {rk512_dialect(cell_line).waits(cell_line.baud) / 1e6:g} ms at {cell_line.baud} Bd"
     return Line(f"line.{cell_line.name}", value, "ms", source)
 

@@ -23,11 +23,14 @@ from gateway.pure.cell.cell import Cell, CellTables, Source
 from gateway.pure.cell.faults import CellFaults, Fault
 from gateway.pure.image.signals import from_tables
 from gateway.pure.reports.toml_lines import Path, lines_of, nearest
+from gateway.registry import LINE_LAYERS
 
 __all__ = ["CellFaults", "Fault", "load_cell", "load_tables"]
 
 DEFAULTS_TAKEN = ("mode", "stop_on_bus_loss", "stop_evidence", "brake", "following_error", "home", "first_enable")
 JERK_PER_ACCEL = 10.0  # 1/s: full acceleration is reached in 0.1 s (AX-123)
+FIRST = next(layer.name for layer in LINE_LAYERS.values() if layer.first)
+QUIET = tuple(layer.name for layer in LINE_LAYERS.values() if layer.telegrams)  # partners that speak when they have something to say
 PLANT_KEYS = frozenset(RANGES) | set(ServoSettings.__dataclass_fields__)
 PLANT_OWN = frozenset(name for name in PLANT_KEYS if name.startswith(("start", "reference_switch", "hard_limit", "following_error")))
 
@@ -111,10 +114,10 @@ class _Loader:
                 line["priority"] = "low" if timeout == -1 else "high"
                 place = self._line(f"line.{line.get('name')}.output_timeout")
                 sources[f"line.{line.get('name')}.priority"] = Source(f"output_timeout = {timeout}", place)
-            if line.get("layer") == "telegrams" and "supervision" not in line:  # such a partner speaks when it has something to say
+            if line.get("layer") in QUIET and "supervision" not in line:  # such a partner speaks when it has something to say
                 line["supervision"] = {"max_silence_ms": 0}
                 sources[f"line.{line.get('name')}.supervision.max_silence_ms"] = Source("default of telegrams: no supervision (AX-195)")
-        served = [line.get("name") for line in _tables(raw.get("line")) if line.get("layer", "rk512") == "rk512"]
+        served = [line.get("name") for line in _tables(raw.get("line")) if line.get("layer", FIRST) == FIRST]
         for block in _tables(raw.get("db")):
             if "line" not in block and len(served) == 1 and isinstance(served[0], str):
                 block["line"] = served[0]

@@ -11,6 +11,7 @@ from gateway.pure.cell.cell import Source
 from gateway.pure.cell.faults import Fault
 from gateway.pure.cell.rho3 import COMPONENTS
 from gateway.pure.reports.toml_lines import Path, nearest
+from gateway.registry import BUS_PROTOCOLS
 
 V = TypeVar("V")
 LEGAL = frozenset(
@@ -29,6 +30,8 @@ PER_AXIS = {  # P number -> (table, key) of [[axis]], sign
     "P207": ("home", "position", 1.0),
     "P208": ("home", "offset", 1.0),
 }
+BOOSTED = tuple(protocol.name for protocol in BUS_PROTOCOLS.values() if protocol.boosted)
+BLOCKS = tuple(protocol.name for protocol in BUS_PROTOCOLS.values() if protocol.blocks)
 ENDLESS, MANUAL = (3, 4), (1, 4)  # P303
 PULSES = {1: 16384, 2: 8192, 3: 4096}  # increments per turn (rho3 2.6, L7586-7588)
 BITRATE = {0: "1 Mbit/s", 1: "500 kbit/s", 2: "250 kbit/s", 3: "125 kbit/s"}  # P30 (rho3 2.1, L7411-7415)
@@ -74,9 +77,9 @@ class _Work:
         blocks = self.params.get("P30")
         for number, bus in enumerate(_tables(self.merged.raw.get("bus"))):
             name = f"bus.{bus.get('name', number)}"
-            if "P5" in self.params and bus.get("protocol") == "servodyn":
+            if "P5" in self.params and bus.get("protocol") in BOOSTED:
                 self.put(bus, "cycle_ms", self.params["P5"], "P5", f"{name}.cycle_ms", ("rho3", "P5"))
-            if bus.get("protocol") == "rho3-io" and isinstance(blocks, list) and number < len(blocks) and isinstance(blocks[number], dict):
+            if bus.get("protocol") in BLOCKS and isinstance(blocks, list) and number < len(blocks) and isinstance(blocks[number], dict):
                 rate = _row(BITRATE, blocks[number].get("baud", 0))
                 if rate:
                     self.put(bus, "bitrate", rate, f"P30[{number + 1}].baud", f"{name}.bitrate", ("rho3", "P30", number))
@@ -192,7 +195,7 @@ class _Work:
 
     def drive_of(self, drive: dict[str, Any], module: int, label: str, name: str, place: Path) -> None:
         """Modules 1..6 hang on the first SERVODYN bus, 7..12 (counted on) on the second (rho3 2.1, L7250)."""
-        buses = [bus for bus in _tables(self.merged.raw.get("bus")) if bus.get("protocol") == "servodyn"]
+        buses = [bus for bus in _tables(self.merged.raw.get("bus")) if bus.get("protocol") in BOOSTED]
         rack = (module - 1) // 6
         if 0 <= rack < len(buses):
             drive.setdefault("type", "servodyn")

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from pydantic import ConfigDict, TypeAdapter
-from pydantic_core import SchemaValidator
+from pydantic_core import SchemaValidator, core_schema
 
 from gateway.pure.cell.cell import CellTables
 from gateway.pure.cell.columns import key_of
+from gateway.registry import NAMES
 
 LISTS_AND_TABLES = ("tuple", "dataclass")  # strict ones would ask for tuples and finished objects; a file has lists and tables
 
@@ -27,11 +28,14 @@ def validated(raw: Mapping[str, Any]) -> CellTables:
 
 
 def _accepting(schema: Any) -> Any:
-    """The schema with lists for tuples and tables for objects; all values in them stay strict."""
+    """The schema with lists for tuples, tables for objects and the registry's names; all values in them stay strict."""
     if isinstance(schema, list):
         return [_accepting(each) for each in schema]
     if not isinstance(schema, dict):
         return schema
+    table = (schema.get("metadata") or {}).get("registered")
+    if table is not None:
+        return core_schema.literal_schema([*NAMES[table]])
     inner = {key: value if key in ("default", "metadata") else _accepting(value) for key, value in schema.items()}
     return {**inner, "strict": False} if schema.get("type") in LISTS_AND_TABLES else inner
 

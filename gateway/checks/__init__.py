@@ -2,33 +2,11 @@
 
 from collections.abc import Callable, Mapping
 
-from gateway.checks import (
-    alter,
-    axes,
-    belts,
-    blocks,
-    buses,
-    canopen,
-    contacts,
-    controller,
-    lines,
-    modbus,
-    northbound,
-    notes,
-    programs,
-    retain,
-    robots,
-    routes,
-    shared,
-    telegrams,
-    web,
-)
-from gateway.checks import command_sources as doors
-from gateway.checks import rho3_can as rho3can
 from gateway.checks.context import Context
 from gateway.pure.cell.cell import Cell, Notice
 from gateway.pure.cell.faults import Fault
 from gateway.pure.image.signals import SignalList
+from gateway.registry import CELL_CHECKS
 
 __all__ = ["cross_faults", "notices"]
 
@@ -36,46 +14,13 @@ __all__ = ["cross_faults", "notices"]
 def cross_faults(cell: Cell, known: Mapping[str, frozenset[str]], signals: SignalList, line_of: Callable[[str], int | None]) -> list[Fault]:
     """All cross faults of the valid parts.  `known` has the names of all parts, also of those left out; `line_of` finds a key's line."""
     context = Context(cell, known, signals, line_of)
-    for check in (
-        *doors.CHECKS,
-        *lines.CHECKS,
-        *modbus.CHECKS,
-        *blocks.CHECKS,
-        *buses.CHECKS,
-        *rho3can.CHECKS,
-        *canopen.CHECKS,
-        *axes.CHECKS,
-        *telegrams.CHECKS,
-        *robots.CHECKS,
-        *programs.CHECKS,
-        *belts.CHECKS,
-        *alter.CHECKS,
-        *shared.CHECKS,
-        *web.CHECKS,
-        *northbound.CHECKS,
-        *controller.CHECKS,
-        *routes.CHECKS,
-        *contacts.CHECKS,
-        *retain.CHECKS,
-    ):
-        check(context)
+    for row in CELL_CHECKS.values():
+        for check in getattr(row.module(), "CHECKS", ()):
+            check(context)
     return context.faults
 
 
 def notices(cell: Cell) -> list[Notice]:
     """Warnings and notes of a cell without faults, in the order of a reader's questions."""
-    return [
-        notice
-        for check in (
-            *telegrams.NOTES,
-            *lines.NOTES,
-            *rho3can.NOTES,
-            *notes.NOTES,
-            *canopen.NOTES,
-            *routes.NOTES,
-            *controller.NOTES,
-            *programs.NOTES,
-            *retain.NOTES,
-        )
-        for notice in check(cell)
-    ]
+    rows = sorted((row for row in CELL_CHECKS.values() if row.notes), key=lambda row: row.notes)
+    return [notice for row in rows for note in row.module().NOTES for notice in note(cell)]

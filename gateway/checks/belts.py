@@ -3,6 +3,7 @@
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS
 from gateway.checks.context import Context, twice
 from gateway.pure.cell.belts import Belt
+from gateway.registry import BUS_PROTOCOLS
 from protocols.servodyn.plan import SLOTS, SYNC_ID, actual_id, set_id
 
 MOST = 8
@@ -77,7 +78,7 @@ def _one(check: Context, belt: Belt, number: int) -> None:
     if bus.protocol not in DRIVE_PROTOCOLS:
         check.fault(f"{where}.bus", belt.bus, f"{bus.protocol}: only a drive bus is heard in every cycle ({', '.join(DRIVE_PROTOCOLS)})")
     taken = set(FORMS.get(bus.protocol, ()))
-    if bus.protocol == "canopen":
+    if BUS_PROTOCOLS[bus.protocol].nodes:
         taken |= {
             function + axis.drive.node for function in FUNCTIONS for axis in cell.axis if axis.drive.bus == bus.name and axis.drive.node
         }

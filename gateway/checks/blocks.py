@@ -8,8 +8,8 @@ from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX
 from gateway.pure.image.addresses import AddressFault, DataBit, DataWord, Direction, Operand, Part, bits_of, parse
 from gateway.pure.image.names import Found, Kind, lookup, spelled
 from gateway.pure.image.reasons import Reason
+from gateway.registry import LINE_LAYERS, MODBUS_VIEWS
 
-SERVING = ("rk512", "buep64")  # layers
 DOUBLE = ("DH", "KG", "REAL")
 FULL = 100.0  # %
 NEEDED = {  # bits a handshake pattern cannot do without
@@ -95,7 +95,7 @@ def block_heads(check: Context) -> None:
         elif (
             not check.unknown(f"db.{block.number}.line", block.line, "line")
             and block.line in lines
-            and lines[block.line].layer not in SERVING
+            and not LINE_LAYERS[lines[block.line].layer].blocks
         ):
             check.fault(f"db.{block.number}.line", block.line, f'layer "{lines[block.line].layer}" serves no data blocks; rk512 does')
 
@@ -174,7 +174,7 @@ def _of_modbus(check: Context, block: Db) -> None:
         check.fault(
             f"{key}.writer", block.writer, f'no such writer: "plc", "axisgate" or a Modbus server ({there or "this cell has none"})'
         )
-    elif "rho3" not in (server.view, *(unit.view for unit in server.units)):
+    elif not any(MODBUS_VIEWS[view].signals for view in (server.view, *(unit.view for unit in server.units))):
         check.fault(f"{key}.writer", block.writer, 'this server has no files: they belong to the view "rho3"')
     if block.kind != "D":
         check.fault(f"{key}.kind", block.kind, "file N is data block N: only kind D is one")

@@ -7,6 +7,7 @@ from drivers.ports.can.adapter_url import adapter_of, is_adapter
 from gateway.checks.context import Context, twice
 from gateway.files.find import ConfigNotFound, beside
 from gateway.pure.cell.cell import Axis
+from gateway.registry import BUS_PROTOCOLS, DRIVE_FAMILIES
 
 OURS = re.compile(r"^(sim|socketcan:[\w.-]{1,15}|broker:[\w-]+|memory:[\w-]+)$")
 MODULES = 6  # axes on a bus (rho3 2.1, L7250)
@@ -28,11 +29,12 @@ def drives(check: Context) -> None:
         key = f"axis.{axis.name}.drive"
         if check.unknown(f"{key}.bus", axis.drive.bus, "bus"):
             continue
-        wanted = "servodyn" if axis.drive.type == "servodyn" else "canopen"
+        family = DRIVE_FAMILIES[axis.drive.type]
+        wanted = family.protocol
         bus = buses.get(axis.drive.bus)
         if bus is not None and bus.protocol != wanted:
             check.fault(f"{key}.type", axis.drive.type, f'bus {bus.name} speaks "{bus.protocol}"; this drive needs protocol = "{wanted}"')
-        name = "module" if axis.drive.type == "servodyn" else "node"
+        name = family.address
         number = getattr(axis.drive, name)
         other = axis.drive.node if name == "module" else axis.drive.module
         if number is None:
@@ -57,7 +59,7 @@ def _one_place(check: Context, taken: dict[tuple[str, str, int], str], axis: Axi
 def buses(check: Context) -> None:
     """What a SERVODYN bus demands: 1 Mbit/s, at most six axes, a layout; its modules all have an axis."""
     for bus in check.cell.bus:
-        if bus.protocol != "servodyn":
+        if not BUS_PROTOCOLS[bus.protocol].boosted:
             continue
         key = f"bus.{bus.name}"
         on_it = [axis for axis in check.cell.axis if axis.drive.bus == bus.name]
@@ -72,7 +74,7 @@ def buses(check: Context) -> None:
         missing = sorted(set(modules_of(bus.axes)) - {axis.drive.module for axis in on_it})
         if missing and not check.known["axis"] - {axis.name for axis in check.cell.axis}:
             check.fault(f"{key}.axes", bus.axes, f"no axis has module {', '.join(map(str, missing))}")
-    cycles = [(bus.cycle_ms, f"bus.{bus.name}.cycle_ms") for bus in check.cell.bus if bus.protocol != "rho3-io"]
+    cycles = [(bus.cycle_ms, f"bus.{bus.name}.cycle_ms") for bus in check.cell.bus if BUS_PROTOCOLS[bus.protocol].clocked]
     for cycle, place in cycles[1:]:
         if cycle != cycles[0][0]:
             check.fault(place, cycle, f"one clock for all drives: {cycles[0][1]} = {cycles[0][0]}", "", "ms")

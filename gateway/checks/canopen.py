@@ -10,6 +10,7 @@ from gateway.checks.context import Context
 from gateway.files.eds_sheets import read_eds
 from gateway.files.stop_report import UNTESTED, NoEvidence, stop_evidence
 from gateway.pure.cell.cell import Axis, Bus, Cell, Notice
+from gateway.registry import BUS_PROTOCOLS, DRIVE_FAMILIES
 from protocols.servodyn import plan
 
 SHOWN = 3  # faults of a data sheet told one by one
@@ -18,7 +19,7 @@ SHOWN = 3  # faults of a data sheet told one by one
 def nodes(check: Context) -> None:
     """The gateway's own number is taken; a data sheet may not map 6040h twice."""
     for axis in check.cell.axis:
-        if axis.drive.type != "cia402":
+        if not DRIVE_FAMILIES[axis.drive.type].objects:
             continue
         key = f"axis.{axis.name}.drive"
         if axis.drive.node == GATEWAY_NODE:
@@ -34,7 +35,7 @@ def identifiers(check: Context) -> None:
     for bus in check.cell.bus:
         ports.setdefault(bus.name if bus.port == "sim" else bus.port, []).append(bus)
     for on_it in ports.values():
-        if not any(bus.protocol == "canopen" for bus in on_it):
+        if not any(BUS_PROTOCOLS[bus.protocol].nodes for bus in on_it):
             continue
         used = [entry for bus in on_it for entry in used_on(check.cell, bus)]
         for fault in (*collisions(used), *restricted(used)):
@@ -44,7 +45,7 @@ def identifiers(check: Context) -> None:
 def used_on(cell: Cell, bus: Bus) -> list[Used]:
     """Identifiers of one bus."""
     axes = [axis for axis in cell.axis if axis.drive.bus == bus.name]
-    if bus.protocol == "canopen":
+    if BUS_PROTOCOLS[bus.protocol].nodes:
         found = gateway_identifiers(GATEWAY_NODE)
         for axis in axes:
             if axis.drive.node is not None:
@@ -70,7 +71,7 @@ def sheets(cell: Cell) -> Iterator[Notice]:
     """Data sheets that are not there, or dirty: what was ignored and why."""
     named: dict[str, list[Axis]] = {}
     for axis in cell.axis:
-        if axis.drive.type == "cia402" and axis.drive.eds:
+        if DRIVE_FAMILIES[axis.drive.type].objects and axis.drive.eds:
             named.setdefault(axis.drive.eds, []).append(axis)
     for name, axes in named.items():
         sheet = read_eds(cell, axes[0], simulated=False)
@@ -89,7 +90,7 @@ def stop_evidences(check: Context) -> None:
     """A report that proves nothing for a drive may not stand for its 6007h."""
     for axis in check.cell.axis:
         key, given = f"axis.{axis.name}.stop_evidence", axis.stop_evidence
-        if given and axis.drive.type != "cia402":
+        if given and not DRIVE_FAMILIES[axis.drive.type].objects:
             check.fault(key, given, "only CiA 402 drives have 6007h; a SERVODYN drive stops by its own supervision: leave it out")
         elif given not in ("", UNTESTED):
             try:

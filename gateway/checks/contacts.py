@@ -9,6 +9,7 @@ from gateway.pure.buses.contacts import CONTACTS, WATCHDOG, Source, source_of
 from gateway.pure.cell.cell import Io
 from gateway.pure.image.addresses import Direction
 from gateway.pure.image.names import Kind, lookup
+from gateway.registry import BUS_PROTOCOLS
 
 CHANNELS = 64  # digital inputs or outputs of PDO 1 (CiA 401)
 TCP_REQUEST_MS, RTU_CHARACTER_MS, RTU_REQUEST_CHARS = 2.0, 11 / 9.6, 8 + 7  # one question and its answer, at 9600 Bd
@@ -42,7 +43,7 @@ def _device(check: Context, io: Io) -> None:
     if device.active_low and device.type != CHIP:
         check.fault(f"{key}.active_low", "true", "only a gpiochip turns levels round")
     bus = next((bus for bus in check.cell.bus if bus.name == device.bus), None)
-    if device.type == COUPLER and bus is not None and bus.protocol != "canopen":
+    if device.type == COUPLER and bus is not None and not BUS_PROTOCOLS[bus.protocol].nodes:
         check.fault(f"{key}.bus", device.bus, f'a CANopen coupler hangs on a bus with protocol = "canopen", not "{bus.protocol}"')
     channel = device.input if device.output is None else device.output
     if device.type == COUPLER and channel is not None and channel >= CHANNELS:

@@ -21,6 +21,7 @@ from gateway.pure.image.error_list import ErrorList
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.plc.plc import Plc
 from gateway.pure.languages.plc.translation import key_of
+from gateway.registry import CONTROLLERS
 
 STEP_KEYS = ("to", "program", "output", "input", "wait_ms")
 
@@ -75,9 +76,9 @@ def controller(check: Context) -> None:
         return
     if table.files and not (pathlib.Path(check.cell.file).parent / table.files).is_dir():
         check.fault("controller.files", table.files, "no such folder (looked for beside the cell file)")
-    if table.process and table.kind != "rho3":
+    if table.process and not CONTROLLERS[table.kind].parameters:
         check.fault("controller.process", table.process[0].name, 'processes belong to kind = "rho3"')
-    if table.point and table.kind != "val3":
+    if table.point and not CONTROLLERS[table.kind].points:
         check.fault("controller.point", table.point[0].name, 'points belong to kind = "val3"')
     if table.door and table.door not in check.known["line"] | check.known["modbus"]:
         check.fault("controller.door", table.door, "no such command source")
@@ -85,7 +86,7 @@ def controller(check: Context) -> None:
     _plc(check, table)
     sound = [_process(check, table, index) for index in range(len(table.process))]
     sound += [_point(check, table, point) for point in table.point]
-    if table.kind == "reis":
+    if CONTROLLERS[table.kind].markers:
         _overlap(check, table)
     if not all(sound):
         return
@@ -100,7 +101,7 @@ def _memory(check: Context, table: Controller) -> None:
     folder = memory_folder(check.cell)
     if folder is None:
         return
-    if table.kind != "rho3":
+    if not CONTROLLERS[table.kind].parameters:
         check.fault("controller.memory", table.memory, 'programs belong to kind = "rho3"')
     elif not folder.is_dir():
         check.fault("controller.memory", table.memory, "no such folder (looked for beside the cell file)")
@@ -119,7 +120,7 @@ def _plc(check: Context, table: Controller) -> None:
     if table.plc is None or folder is None:
         return
     key = "controller.plc"
-    if table.kind != "reis":
+    if not CONTROLLERS[table.kind].plc:
         check.fault(key, table.plc.start, 'the integrated PLC belongs to kind = "reis"')
         return
     try:
@@ -213,7 +214,7 @@ def plc_programs(cell: Cell) -> Iterator[Notice]:
 def files(cell: Cell) -> Iterator[Notice]:
     """Lines the DAT files lose, and undeclared programs."""
     table = cell.controller
-    if table is None or table.kind != "rho3":
+    if table is None or not CONTROLLERS[table.kind].parameters:
         return
     tables = dat_tables(cell, table)
     for fault in tables.faults:

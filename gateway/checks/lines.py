@@ -3,14 +3,15 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from gateway.assembly.line_dialects import rk512_dialect
 from gateway.checks.context import Context, number
 from gateway.pure.cell.cell import Cell, Db, Line, Notice, Times
-from gateway.pure.lines.line_profiles import link_profile, rk512_dialect
+from gateway.pure.lines.line_profiles import link_profile
 from gateway.pure.reports.transfer_times import character_ms, job_ms
+from gateway.registry import LINE_LAYERS
 from protocols.p3964r.profiles import NETWORK, PROFILES, Profile, least_char_delay
 from protocols.rk512.dialects import Dialect
 
-SERVING = ("rk512", "buep64")
 TIMES: Mapping[str, str] = {  # key of [line.times] -> field of the profile
     **dict.fromkeys(("QVZ", "ADT"), "ack_delay"),
     **dict.fromkeys(("ZVZ", "CDT"), "char_delay"),
@@ -43,7 +44,7 @@ def profile_of(line: Line) -> Profile | None:
 
 def dialect_of(line: Line) -> Dialect | None:
     """How it speaks RK512; None where it does not, or its name is unknown."""
-    return rk512_dialect(line) if line.layer in SERVING and profile_of(line) is not None else None
+    return rk512_dialect(line) if LINE_LAYERS[line.layer].blocks and profile_of(line) is not None else None
 
 
 def times(check: Context) -> None:
@@ -83,8 +84,10 @@ def types(check: Context) -> None:
     """What is declared can be served, and where the dialect can reach it."""
     lines = {line.name: line for line in check.cell.line}
     for line in check.cell.line:
-        if line.layer == "buep64" and set(line.rk512.types) != {"D"}:
-            check.fault(f"line.{line.name}.rk512.types", " ".join(line.rk512.types), "BUEP64 carries data modules only", "D")
+        layer = LINE_LAYERS[line.layer]
+        if layer.blocks and not set(line.rk512.types) <= set(layer.kinds):
+            kinds = " ".join(layer.kinds)
+            check.fault(f"line.{line.name}.rk512.types", " ".join(line.rk512.types), f"{layer.words} carries data modules only", kinds)
     for block in check.cell.db:
         at = lines.get(block.line)
         dialect = None if at is None else dialect_of(at)
@@ -105,7 +108,7 @@ def own_jobs(check: Context) -> None:
     lines = {line.name: line for line in check.cell.line}
     for line in check.cell.line:
         mine = [block for block in check.cell.db if block.line == line.name and (block.every_ms or block.on_change)]
-        if line.role == "active" and not mine and line.layer in SERVING:
+        if line.role == "active" and not mine and LINE_LAYERS[line.layer].blocks:
             hint = 'no [[db]] of this line has every_ms or on_change: an active line would say nothing; role = "passive" serves the partner'
             check.fault(f"line.{line.name}.role", line.role, hint)
     for block in check.cell.db:

@@ -3,20 +3,16 @@
 import ipaddress
 from collections.abc import Iterator, Sequence
 
-from gateway.assembly.modbus_views import PICTURES
 from gateway.checks.context import Context, near, twice
 from gateway.checks.controller import phg_fault
 from gateway.pure.cell.modbus import Modbus, ModbusValue
-from gateway.pure.controllers.reis.binary import BYTES
-from gateway.pure.controllers.reis.markers import SIZE
 from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX
 from gateway.pure.image.names import lookup, spelled
-from gateway.pure.modbus.other_views import STATES_AT
 from gateway.pure.modbus.registers import place
-from gateway.pure.modbus.rho3_view import FLAGS_AT
+from gateway.registry import MODBUS_VIEWS
 from protocols.modbus.numbers import words_of
 
-RC_END, BLOCK, BLOCK_END = 64, 1000, 1064
+BLOCK, BLOCK_END = 1000, 1064
 
 
 def modbus(check: Context) -> None:
@@ -54,7 +50,7 @@ def _server(check: Context, door: Modbus, key: str) -> None:
         _network(check, f"{key}.{where}", text)
     kind = check.cell.controller.kind if check.cell.controller is not None else ""
     for view, where in ((door.view, "view"), *((unit.view, f"units[{n}]") for n, unit in enumerate(door.units))):
-        if view in PICTURES and kind != view:
+        if MODBUS_VIEWS[view].controller not in ("", kind):
             check.fault(f"{key}.{where}", view, f'this view belongs to another controller: it needs [controller] kind = "{view}"')
     for value, _, where in twice([(door.unit, "unit"), *((unit.unit, f"units[{n}]") for n, unit in enumerate(door.units))]):
         check.fault(f"{key}.{where}", value, "the unit id is used twice")
@@ -73,8 +69,8 @@ def _registers(check: Context, door: Modbus, key: str) -> None:
     axes = [axis.name for axis in check.cell.axis]
     taken: dict[int, str] = {}
     for view in {door.view, *(unit.view for unit in door.units)}:
-        taken |= dict.fromkeys(_of_view(check, view), "RC signals of the view" if view == "rho3" else f"the view {view}")
-    if door.command_block and "rho3" in (door.view, *(unit.view for unit in door.units)):
+        taken |= dict.fromkeys(MODBUS_VIEWS[view].registers(check.cell.controller), MODBUS_VIEWS[view].words)
+    if door.command_block and any(MODBUS_VIEWS[view].signals for view in (door.view, *(unit.view for unit in door.units))):
         taken |= dict.fromkeys(range(BLOCK, BLOCK_END), "the command and status block")
     for table in door.registers:
         where = f"{key}.registers[{table.at}]"
@@ -96,20 +92,6 @@ def _registers(check: Context, door: Modbus, key: str) -> None:
                     hint = "beyond register 65535" if register > 0xFFFF else f"register {register} is taken by {owner}"
                     check.fault(where, placed.name, hint)
                     break
-
-
-def _of_view(check: Context, view: str) -> list[int]:
-    """Registers a view has of its own."""
-    points = check.cell.controller.point if check.cell.controller is not None else ()
-    analog = [sum(1 for point in points if point.steps and point.output is output) for output in (False, True)]
-    match view:
-        case "rho3":
-            return list(range(RC_END))
-        case "reis":
-            return [*range(BYTES // 2), *range(FLAGS_AT, FLAGS_AT + SIZE // 2)]
-        case "val3":
-            return [*range(2 * max(analog)), *range(STATES_AT, STATES_AT + len(points))]
-    return []
 
 
 def _client(check: Context, door: Modbus, key: str) -> None:

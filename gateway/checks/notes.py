@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from gateway.assembly.axis_scaling import scaling_of
 from gateway.checks.blocks import counts_of, place_of, split_unit
 from gateway.checks.context import number
+from gateway.checks.playable import not_playable
 from gateway.pure.arbitration.command_block import AXES as TABLED
 from gateway.pure.arbitration.command_block import MASKED
 from gateway.pure.buses.load import judge
@@ -17,6 +18,7 @@ from gateway.pure.image.addresses import DataWord
 from gateway.pure.image.names import Kind, lookup
 from gateway.pure.lines.line_profiles import link_profile
 from gateway.pure.reports.transfer_times import cycle_us, job_ms, sdo_us, silence_s
+from gateway.registry import BUS_PROTOCOLS, DRIVE_FAMILIES, LINE_LAYERS
 from motion.geometry.units import to_si
 from protocols.p3964r.profiles import NETWORK
 
@@ -102,7 +104,7 @@ def bus_load(cell: Cell) -> Iterator[Notice]:
             continue
         cycle, grid = cycle_us(cell, bus), 1000.0 * bus.cycle_ms
         load = 100.0 * cycle / grid
-        extra = f"; + 1 SDO pair {100.0 * (cycle + sdo_us(bus)) / grid:.0f} %" if bus.protocol == "canopen" else ""
+        extra = f"; + 1 SDO pair {100.0 * (cycle + sdo_us(bus)) / grid:.0f} %" if BUS_PROTOCOLS[bus.protocol].nodes else ""
         nodes = sorted({io.device.node for io in cell.io if io.device.bus == bus.name and io.device.node is not None})
         extra += "".join(f"; node {node} I/O event-driven" for node in nodes)
         text = f"{cycle:.0f} us of {grid:.0f} us worst case ({load:.0f} %){extra}"
@@ -161,10 +163,10 @@ def _optional(cell: Cell, block: Db) -> bool:
 def evidence(cell: Cell) -> Iterator[Notice]:
     """A SERVODYN bus on metal is not enabled on our own layout without evidence (design.md 5, AX-001)."""
     for bus in cell.bus:
-        if bus.protocol == "servodyn" and not bus.simulated and not bus.layout_evidence:
+        if BUS_PROTOCOLS[bus.protocol].boosted and not bus.simulated and not bus.layout_evidence:
             text = "no layout_evidence: listen-only, `run` sends nothing on it; capture a living sister cell and name the file"
             yield Notice("warning", f"bus {bus.name}", text)
-        elif bus.protocol == "servodyn" and not bus.simulated:
+        elif BUS_PROTOCOLS[bus.protocol].boosted and not bus.simulated:
             text = f"layout {bus.layout} is axisgate's own (AX-001), not verified on hardware; evidence: {bus.layout_evidence}"
             yield Notice("note", f"bus {bus.name}", text)
 
@@ -194,7 +196,7 @@ def enabling(cell: Cell) -> Iterator[Notice]:
         for bit, (name, symbol) in ENABLING.items()
         if bit // 8 not in cell.rc_inputs.owner and f"cell.{name}" not in written and symbol not in written
     ]
-    if missing and not cell.not_playable():
+    if missing and not not_playable(cell):
         text = f"{', '.join(missing)} have no writer: they read 0 and nothing will move; name an owner of byte 3 or assume them"
         yield Notice("warning", "rc_inputs", text)
 
@@ -218,7 +220,7 @@ def serials(cell: Cell) -> Iterator[Notice]:
     """A drive without a serial number reports 0: every such drive would be the pinned one."""
     for axis in cell.axis:
         text = axis.drive.serial
-        if axis.drive.type == "cia402" and text[:1].isdigit() and int(text, 0) == 0:
+        if DRIVE_FAMILIES[axis.drive.type].objects and text[:1].isdigit() and int(text, 0) == 0:
             words = (
                 f"serial {text!r} identifies no drive: 1018h:04 is 0 in a drive without a serial number; vendor and product are compared"
             )
@@ -232,7 +234,7 @@ def many_axes(cell: Cell) -> Iterator[Notice]:
         return
     served = {block.line for block in cell.db}
     doors = [f"modbus {door.name}" for door in cell.modbus if door.command_block]
-    doors += [f"line {line.name}" for line in cell.line if line.layer in ("rk512", "buep64") and line.name not in served]
+    doors += [f"line {line.name}" for line in cell.line if LINE_LAYERS[line.layer].blocks and line.name not in served]
     behind = f"; bits 0..14 of its masks are axes 1..15, bit 15 is {names[MASKED]} and all behind it" if len(names) > MASKED else ""
     for door in doors:
         own = f"its command block has targets and positions up to axis {TABLED} ({names[TABLED - 1]}) alone"
@@ -242,16 +244,16 @@ def many_axes(cell: Cell) -> Iterator[Notice]:
         yield Notice("note", "controller", f"{text} (AX-572)")
 
 
-def not_playable(cell: Cell) -> Iterator[Notice]:
+def unplayed(cell: Cell) -> Iterator[Notice]:
     """What this version checks but cannot run."""
-    reasons = cell.not_playable()
+    reasons = not_playable(cell)
     if reasons:
         yield Notice("note", "run", f"not playable yet: {', '.join(reasons)}")
 
 
 def _command_lines(cell: Cell) -> list[Line]:
     served = {block.line for block in cell.db}
-    return [line for line in cell.line if line.layer in ("rk512", "buep64") and line.name in served]
+    return [line for line in cell.line if LINE_LAYERS[line.layer].blocks and line.name in served]
 
 
 def _tens(value: float) -> float:
@@ -271,5 +273,5 @@ NOTES = (
     counting,
     serials,
     many_axes,
-    not_playable,
+    unplayed,
 )

@@ -16,6 +16,7 @@ from gateway.pure.cell.cell import Cell, Notice
 from gateway.pure.cell.programs import Program
 from gateway.pure.controllers.rho3.signals.fast_io import BOARDS, FastInputs
 from gateway.pure.cycle.enabling_inputs import free_outputs
+from gateway.registry import CONTROLLERS, DRIVE_FAMILIES
 
 if TYPE_CHECKING:
     from motion.program.blocks import Block
@@ -137,7 +138,7 @@ def _measuring(check: Context) -> None:
         check.fault("measuring.latch", name, "another table is this fast input already")
     for twofold, _, _ in twice((name, str(each.channel)) for each in cell.measuring for name in each.drives):
         check.fault("measuring.drives", twofold, "another table has the touch probe of this drive already")
-    if not cell.measuring or cell.controller is None or cell.controller.kind != "rho3" or cell.rho3 is None:
+    if not cell.measuring or cell.controller is None or not CONTROLLERS[cell.controller.kind].parameters or cell.rho3 is None:
         return
     try:
         fast = FastInputs([BOARDS[name] for name in boards_of(cell.controller)], p11_of(cell, cell.controller))
@@ -164,7 +165,7 @@ def _probes(check: Context, measuring: Measuring) -> None:
             continue
         if measuring.axes and name not in measuring.axes:
             check.fault(f"{key}.drives", name, "is not among the axes of the board")
-        if axes[name].drive.type != "cia402":
+        if not DRIVE_FAMILIES[axes[name].drive.type].objects:
             check.fault(f"{key}.drives", name, "its drive has no touch probe (60B8h): take the wire to an RC input")
             continue
         sheet = read_eds(check.cell, axes[name], simulated=False)

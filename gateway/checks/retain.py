@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from gateway.assembly.telegrams import named_values
 from gateway.checks.context import Context
 from gateway.pure.cell.cell import Cell, Notice
+from gateway.registry import CONTROLLERS
 from gateway.runtime.retained.groups import GROUPS
 
 CONTROLLED = ("flags", "counter")
@@ -20,12 +21,12 @@ def groups(context: Context) -> None:
 
 def idle(cell: Cell) -> Iterator[Notice]:
     """Patterns nothing of this cell answers to."""
-    kind = cell.controller.kind if cell.controller else ""
+    kind = CONTROLLERS[cell.controller.kind] if cell.controller else None
     for number, pattern in enumerate(cell.retain.values if cell.retain else (), 1):
         group = pattern.partition(".")[0]
         missing = {
-            "flags": "" if kind in ("rho3", "reis") else "[controller] of kind rho3 or reis",
-            "counter": "" if kind == "rho3" else "[controller] of kind rho3",
+            "flags": "" if kind and kind.flags else "[controller] of kind rho3 or reis",
+            "counter": "" if kind and kind.counters else "[controller] of kind rho3",
             "belt": "" if any(belt.bus for belt in cell.belt) else "a [[belt]] with an encoder on a bus",
             "order": "" if any(name.startswith("order.") for name in named_values(cell).names()) else "a value order.* of a telegram",
         }.get(group, "")

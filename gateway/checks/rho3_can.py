@@ -11,6 +11,7 @@ from gateway.pure.cell.cell import Cell, IoBus, Notice, Rho3
 from gateway.pure.cell.rho3 import CONTROLLED, DOWNLOADED
 from gateway.pure.controllers.rho3.can.download import gaps, zero_offset_deg
 from gateway.pure.controllers.rho3.can.rules import BusSetup, Setup, judge
+from gateway.registry import CONTROLLERS, DRIVE_FAMILIES
 
 BEST_OFFSET_DEG = 90.0
 
@@ -24,7 +25,7 @@ def setup_of(cell: Cell, params: Rho3) -> Setup:
 def _bus(cell: Cell, params: Rho3, number: int) -> BusSetup:
     announced = params.P30[number - 1] if number <= len(params.P30) else IoBus()
     name = cell.bus[number - 1].name if number <= len(cell.bus) else None
-    axes = sum(axis.drive.bus == name and axis.drive.type == "servodyn" for axis in cell.axis)
+    axes = sum(axis.drive.bus == name and DRIVE_FAMILIES[axis.drive.type].boosted for axis in cell.axis)
     inputs, outputs = blocks_of(params.P31, number), blocks_of(params.P32, number)
     return BusSetup(axes, announced.inputs, announced.outputs, announced.baud, inputs, outputs)
 
@@ -45,7 +46,7 @@ def downloads(check: Context) -> None:
     if params is None or not params.P601:
         return
     for index, axis in enumerate(check.cell.axis):
-        if axis.drive.type != "servodyn":
+        if not DRIVE_FAMILIES[axis.drive.type].boosted:
             continue
         missing = list(gaps(params, axis, index))
         if missing:
@@ -74,7 +75,7 @@ def zero_offset_notes(cell: Cell) -> Iterator[Notice]:
         return
     for axis in cell.axis:
         degrees = zero_offset_deg(axis)
-        if axis.drive.type == "servodyn" and abs(degrees) > BEST_OFFSET_DEG:
+        if DRIVE_FAMILIES[axis.drive.type].boosted and abs(degrees) > BEST_OFFSET_DEG:
             text = f"referencing ends {number(degrees)} degrees from a resolver zero; change P208 so that it is within -90..90"
             yield Notice("warning", f"axis {axis.name}", f"{text}, else the software limits of the drive may lie a turn off")
 
@@ -83,7 +84,7 @@ def unused_notes(cell: Cell) -> Iterator[Notice]:
     """P numbers that were typed in and change nothing: tuning them would have no effect."""
     if cell.rho3 is None:
         return
-    controlled = cell.controller is not None and cell.controller.kind == "rho3"
+    controlled = cell.controller is not None and CONTROLLERS[cell.controller.kind].parameters
     texts, meanings = read_texts("check"), read_texts("rho3-parameters")
     for name in sorted(cell.rho3.others, key=lambda name: int(name[1:])):
         why = "unused_parameter"

@@ -17,6 +17,7 @@ from gateway.pure.reports.transfer_times import job_ms
 from gateway.pure.routes.addresses import Place, World
 from gateway.pure.routes.forms import BIT, FLOATS, span_of
 from gateway.pure.routes.judge import Span, rings, two_writers
+from gateway.registry import BUS_PROTOCOLS
 from protocols.canopen.dictionary import Entry
 from protocols.canopen.types import Kind as DataKind
 from protocols.modbus.numbers import words_of
@@ -143,7 +144,7 @@ def _parameter(check: Context, key: str, text: str, place: Place) -> None:
         known = [axis.name for axis in check.cell.axis]
         check.fault(key, text, f"no axis {place.name}; {near(place.name, known) or 'there is ' + ', '.join(known)}")
         return
-    if not any(bus.name == axis.drive.bus and bus.protocol == "canopen" for bus in check.cell.bus):
+    if not any(bus.name == axis.drive.bus and BUS_PROTOCOLS[bus.protocol].nodes for bus in check.cell.bus):
         check.fault(key, text, f"the drive of {axis.name} is not on a CANopen bus: it has no parameters a route can write")
         return
     from gateway.assembly.canopen_nodes import OWN  # which imports figures of these checks

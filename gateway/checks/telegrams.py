@@ -6,6 +6,7 @@ from gateway.assembly.telegrams import factor_of, incoming, is_incoming, outcome
 from gateway.checks.context import Context, near
 from gateway.pure.cell.cell import Cell, Line, Notice, Telegram, TelegramMatch, TelegramPart
 from gateway.pure.image.names import lookup, spelled
+from gateway.registry import LINE_LAYERS
 from protocols.telegrams.builder import Edge, parse_when
 from protocols.telegrams.fields import TEXTS, Field, Kind
 from protocols.telegrams.judge import Finding, incoming_faults, outgoing_faults, same_block
@@ -28,7 +29,7 @@ def heads(check: Context) -> None:
         seen.add(telegram.name)
         if not check.unknown(_key(telegram, "line"), telegram.line, "line") and telegram.line in lines:
             layer = lines[telegram.line].layer
-            if layer != "telegrams":
+            if not LINE_LAYERS[layer].telegrams:
                 check.fault(_key(telegram, "line"), telegram.line, f'layer "{layer}" carries no telegrams; write layer = "telegrams" there')
         _direction(check, telegram)
 
@@ -180,8 +181,8 @@ def silence(check: Context) -> None:
     """max_silence_ms = 0 switches supervision off, which only a partner that speaks when it likes may have."""
     for line in check.cell.line:
         value = line.supervision.max_silence_ms
-        if value < 50 and not (value == 0 and line.layer == "telegrams"):
-            hint = "" if line.layer == "telegrams" else '0 (no supervision) only with layer = "telegrams"'
+        if value < 50 and not (value == 0 and LINE_LAYERS[line.layer].telegrams):
+            hint = "" if LINE_LAYERS[line.layer].telegrams else '0 (no supervision) only with layer = "telegrams"'
             check.fault(f"line.{line.name}.supervision.max_silence_ms", value, hint, "50..60000", "ms")
 
 
@@ -194,7 +195,7 @@ def unwritten(cell: Cell) -> Iterator[Notice]:
                 text = f"nothing in this file writes {name}: a program does, or `axisgate var {name} --set 1` in a simulated run"
                 yield Notice("note", f"telegram {telegram.name}", text)
     for line in cell.line:
-        if line.layer == "telegrams" and not any(telegram.line == line.name for telegram in cell.telegram):
+        if LINE_LAYERS[line.layer].telegrams and not any(telegram.line == line.name for telegram in cell.telegram):
             yield Notice("warning", f"line {line.name}", 'layer = "telegrams" and no [[telegram]]: every block is counted and dropped')
 
 

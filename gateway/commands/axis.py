@@ -5,11 +5,11 @@ import json
 import sys
 import time
 
-from drivers.drives import cia402_words, servodyn_words
 from gateway.assembly import axis_zeros as zeros
 from gateway.assembly.run import slug_of
 from gateway.pure.cell.cell import Axis, Cell
 from gateway.pure.image.records.cell import AxisFlag
+from gateway.registry import DRIVE_FAMILIES
 from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
 from gateway.tools.drives.first_enable import percent
@@ -89,12 +89,12 @@ class NotReady(ToolError):
 
 def fault_words(axis: Axis, code: int, language: str) -> str:
     """The drive's code in the words of its family."""
-    return cia402_words.sentence(code, language) if axis.drive.type == "cia402" else servodyn_words.sentence(code, language)
+    return DRIVE_FAMILIES[axis.drive.type].sentence(code, language)
 
 
 def _limit_torque(client: ToolClient, axis: Axis, permille: int) -> bytes | None:
     """6072h for the time of the test; the old value, or None for a drive without it."""
-    if axis.drive.type != "cia402":
+    if not DRIVE_FAMILIES[axis.drive.type].objects:
         return None
     before = client.sdo(axis.name, TORQUE_LIMIT)
     client.sdo(axis.name, TORQUE_LIMIT, 0, permille.to_bytes(2, "little"))

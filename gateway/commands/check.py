@@ -7,6 +7,7 @@ import os
 import sys
 
 from gateway.cell_file.load import load_cell
+from gateway.checks.playable import not_playable
 from gateway.files.find import ConfigNotFound
 from gateway.files.texts import read_texts, spoken
 from gateway.pure.cell.cell import Cell
@@ -53,7 +54,7 @@ def valid(name: str, cell: Cell, language: str = "en") -> list[str]:
     found = [_counted(len(cell.warnings), "warning", "warnings"), _counted(len(cell.notes), "note", "notes")]
     rows = [(notice.level, _said(notice.where, language), _said(notice.text, language)) for notice in cell.notices]
     lines = [TEXTS.said("valid", name, *parts, *found)]
-    if cell.not_playable() or not cell.axis:
+    if not_playable(cell) or not cell.axis:
         last = TEXTS.said("explain", name, f"axis.{cell.axis[0].name}" if cell.axis else "cell")
     else:
         last = TEXTS.said("next", name, cell.axis[0].name)
@@ -86,7 +87,7 @@ def valid_json(cell: Cell) -> dict[str, object]:
         "axes": [axis.name for axis in cell.axis],
         "lines": [line.name for line in cell.line],
         "buses": [bus.name for bus in cell.bus],
-        "not_playable": cell.not_playable(),
+        "not_playable": not_playable(cell),
     }
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from drivers.drives.cia402_manual import ManualError
 from drivers.ports.base import PortError
 from gateway.pure.cell.cell import Axis, Bus, Cell
+from gateway.registry import BUS_PROTOCOLS, DRIVE_FAMILIES
 from gateway.tools.client import ToolError, running, simulated
 from gateway.tools.command_support import BANNER, DONE, ENVIRONMENT, FINDING, USAGE, load
 from gateway.tools.drives.first_enable import TEXT, confirm, unconfirmed
@@ -72,7 +73,7 @@ def _scan_place(arguments: argparse.Namespace) -> int:
     cell = load(arguments.place)
     if isinstance(cell, int):
         return cell
-    buses = [bus for bus in cell.bus if bus.protocol == "canopen"]
+    buses = [bus for bus in cell.bus if BUS_PROTOCOLS[bus.protocol].nodes]
     if not buses:
         print(f"axisgate drive scan: {arguments.place} has no CANopen bus; SERVODYN boosters answer no scan", file=sys.stderr)
         return USAGE
@@ -111,7 +112,7 @@ def _bus_of(cell: Cell, name: str) -> Bus:
 def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
     from gateway.assembly.simulated_drives import simulated_drives
 
-    axes = {axis.name: axis for axis in cell.axis if axis.drive.type == "cia402"}
+    axes = {axis.name: axis for axis in cell.axis if DRIVE_FAMILIES[axis.drive.type].objects}
     axis = axes.get(arguments.axis or "")
     if axis is None:
         print(f"axisgate drive commission: name a CiA 402 axis of the cell: {', '.join(axes) or 'it has none'}", file=sys.stderr)

@@ -12,6 +12,7 @@ from gateway.assembly.drive_buses import DRIVE_PROTOCOLS
 from gateway.assembly.plant import write_settings
 from gateway.links.canopen.listen_first import listen, taken_nodes
 from gateway.pure.cell.cell import Bus, Cell
+from gateway.registry import BUS_PROTOCOLS
 from gateway.simulation.drives import process as emulator
 from gateway.tools.command_support import BANNER, ENVIRONMENT, load
 
@@ -66,7 +67,7 @@ def look_first(cell: Cell, bus: Bus, url: str, *, beside: bool) -> str:
         return str(error)
     finally:
         port.close()
-    if bus.protocol == "canopen":
+    if BUS_PROTOCOLS[bus.protocol].nodes:
         taken = taken_nodes(heard, [axis.drive.node for axis in cell.axis if axis.drive.bus == bus.name and axis.drive.node])
         if taken:
             return f"{url}: node {', '.join(map(str, taken))} is on this bus already; two devices with one number disturb each other"

@@ -10,6 +10,7 @@ import sys
 from drivers.ports.base import PortError
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, LISTENS
 from gateway.assembly.run import RunPlan, plan_run
+from gateway.checks.playable import not_playable
 from gateway.commands import shadow_run as shadow
 from gateway.links.canopen.listen_first import refuse_on
 from gateway.processes.supervisor import Supervisor
@@ -160,7 +161,7 @@ def why_not(cell: Cell, *, p5: int | None) -> str:
     """Empty, or why this cell cannot be played here."""
     if p5 is not None and not 2 <= p5 <= 32:
         return f"--p5 {p5}: the clock is 2..32 ms (drives on CAN, rho3 P5)"
-    missing = cell.not_playable()
+    missing = not_playable(cell)
     if missing:
         return "this version cannot play: " + "; ".join(missing)
     if not cell.axis:

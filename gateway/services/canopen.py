@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from gateway.assembly.run import RunPlan
 from gateway.pure.image.records.cell import AxisFlag, CellState
+from gateway.registry import BUS_PROTOCOLS
 from gateway.services.drive_parameters import Master, Parameters
 from gateway.services.part import Part
 
@@ -21,7 +22,7 @@ class CanopenServices(Part):
         self._generation: int | None = None
         self._language = plan.cell.cell.language
         buses = [bus for bus in plan.cell.bus if bus.name in plan.buses]
-        if not any(bus.protocol == "canopen" for bus in buses):
+        if not any(BUS_PROTOCOLS[bus.protocol].nodes for bus in buses):
             return
         from gateway.assembly.canopen_nodes import node_plans
         from gateway.assembly.contacts import coupler_plans
@@ -31,7 +32,7 @@ class CanopenServices(Part):
 
         self.rings = Rings(fds["acyclic"], fds["heard"], len(buses))
         for number, bus in enumerate(buses):
-            if bus.protocol != "canopen":
+            if not BUS_PROTOCOLS[bus.protocol].nodes:
                 continue
             here = {axis.drive.node: (n, axis) for n, axis in enumerate(plan.cell.axis) if axis.drive.bus == bus.name and axis.drive.node}
             read = {axis.drive.eds: read_eds(plan.cell, axis, simulated=plan.simulated) for _, axis in here.values()}

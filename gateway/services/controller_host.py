@@ -14,6 +14,7 @@ from gateway.pure.controllers.rho3.signals.coupling import Coupled
 from gateway.pure.controllers.rho3.signals.errors import RESETS, RHO3, kind_of
 from gateway.pure.image.error_list import ErrorList, Reset
 from gateway.pure.image.records.cell import RC_BYTES, AxisFlag, InputImage, Quality
+from gateway.registry import CONTROLLERS
 from gateway.services.part import Part
 from gateway.services.part_context import PartContext
 from gateway.services.value_directory import Reader, as_number
@@ -106,7 +107,7 @@ class ControllerHost(Part):
 
         sources = {door.name: door.number for door in run.plan.doors}
         image.control, faults = make_control(run.cell, image.owners, sources, context.office, errors, now)
-        if run.cell.controller.kind == "rho3":
+        if CONTROLLERS[run.cell.controller.kind].parameters:
             from gateway.pure.controllers.rho3.signals.control import RhoControl
             from gateway.services.program_host import ProgramHost
             from gateway.services.rho3_panel import Rho3Panel

@@ -24,6 +24,7 @@ from gateway.pure.cell.cell import Line
 from gateway.pure.cell.modbus import Modbus
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, unpack_cell_state
+from gateway.registry import LINE_LAYERS
 from gateway.runtime.journal import Journal
 from gateway.runtime.realtime import Timerfd, die_with_parent, go_ahead
 from gateway.runtime.regions import RegionReader, RegionWriter, fds_from_text
@@ -48,8 +49,6 @@ from gateway.services.routes import Bridge
 from gateway.services.shared_image import RcOutputs, SharedImage
 from gateway.services.sources.base import BaseSource, SourceContext
 from gateway.services.sources.modbus import ModbusSource
-from gateway.services.sources.rk512 import Rk512Source
-from gateway.services.sources.telegrams import TelegramSource
 from gateway.services.status_size import fitted
 from gateway.services.tool_server import Variables
 from gateway.services.value_directory import ValueDirectory
@@ -137,7 +136,7 @@ class Services:
         return ModbusSource(post)
 
     def _line(self, post: SourceContext, line: Line) -> BaseSource:
-        return TelegramSource(post, line) if line.layer == "telegrams" else Rk512Source(post, line)
+        return LINE_LAYERS[line.layer].source()(post, line)
 
     def _clients(self) -> Part:
         """Of a cell that has some; loaded only then."""

@@ -9,6 +9,7 @@ from typing import Literal
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.addresses import Kind, Operand
 from gateway.pure.image.records.cell import RC_BYTES
+from gateway.registry import CONTROLLERS
 from gateway.services.shared_image import SharedImage
 from gateway.services.value_directory import ValueDirectory
 
@@ -89,7 +90,7 @@ class Operands:
 
     def _order(self) -> Literal["big", "little"]:
         controller = self._cell.controller
-        return "little" if controller is not None and controller.kind == "reis" else "big"
+        return "little" if controller is not None and CONTROLLERS[controller.kind].little else "big"
 
     @staticmethod
     def _remark(place: Operand) -> str:

@@ -15,6 +15,7 @@ from gateway.pure.arbitration.jobs import Job, OnLoss
 from gateway.pure.controllers.rho3.signals.modes import AUTO_MN
 from gateway.pure.image.reasons import CommandState, Reason, Refusal
 from gateway.pure.image.records.cell import Motion, Quality
+from gateway.registry import CONTROLLERS
 from gateway.services.canopen import CanopenServices
 from gateway.services.context import RunContext
 from gateway.services.shared_image import SharedImage
@@ -220,7 +221,10 @@ class ToolInterface:
             return {"error": "enabling inputs are set by their command source; a tool may do it in a simulation only"}
         self.permits, self._permitting = True, (connection, self._run.clock())
         controller = self._run.cell.controller
-        automatic = (AUTO_MN,) if controller is not None and controller.kind == "rho3" else ()  # programs run in automatic alone
+        automatic = (
+            (AUTO_MN,) if controller is not None and CONTROLLERS[controller.kind].parameters else ()
+            # programs run in automatic alone
+        )
         for bit in (*ENABLING_BITS, *automatic):
             self._image.put_bit(bit, True)
             self._image.judge((bit >> 3,), Quality.GOOD, self._run.clock())

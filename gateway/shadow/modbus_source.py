@@ -18,6 +18,7 @@ from gateway.pure.modbus.rho3_view import BLOCK_AT
 from gateway.pure.shadow.compare import Answer, Comparison, as_data
 from gateway.pure.shadow.modbus_addresses import READ_BYTES, READS, Number, read_name, read_places
 from gateway.pure.shadow.modbus_talk import Answered, Asked, Endpoint, ModbusTalk
+from gateway.registry import MODBUS_VIEWS
 from gateway.services.sources.modbus import ModbusSource, placed
 from gateway.shadow.capture import CaptureTap
 from gateway.shadow.known_outputs import state_is_known
@@ -118,7 +119,7 @@ class ShadowModbusSource(ModbusSource):
             self.comparison.ours(key, found[2:], now)
 
     def _bit_name(self, function: int, number: int) -> str:
-        if self._settings.view != "rho3":
+        if not MODBUS_VIEWS[self._settings.view].signals:
             return ""
         signal = self._signals.at(RcBit(Direction.INPUT if function == 1 else Direction.OUTPUT, number))
         return signal.name if signal is not None else ""
@@ -144,7 +145,7 @@ def numbers_of(cell: Cell, settings: Modbus, tolerances: Mapping[str, float]) ->
     names = [axis.name for axis in cell.axis]
     extras = {each.at: _number(each.name, each.type, settings.float, tolerances) for each in placed(settings, names)}
     status: dict[int, Number] = {}
-    if settings.view == "rho3" and settings.command_block:
+    if MODBUS_VIEWS[settings.view].signals and settings.command_block:
         status[BLOCK_AT + LIFE_WORD] = Number("cell.life", "UINT16", counts=True)
         for n, name in enumerate(names):
             for word, what in ((0, "actual"), (2, "lag")):

@@ -9,6 +9,7 @@ from gateway.assembly.run import RunPlan, plan_run, slug_of
 from gateway.pure.cell.axes import FollowingError
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.modbus import Modbus
+from gateway.registry import LINE_LAYERS
 
 LINES, BUSES = "shadow-lines.json", "shadow-buses.json"  # what services and cycle found, in the folder of the run
 SPOKEN = ("servodyn", "rho3-io", "canopen")
@@ -44,7 +45,7 @@ def _why_no_tap(cell: Cell, taps: Taps) -> str:
         if line is None:
             known = f"the cell's lines are {', '.join(lines) or 'none'}"
             return f"--tap {name}: {known}" + (f", its Modbus servers {', '.join(servers)}" if servers else "")
-        if line.layer != "rk512" or line.protocol not in ("3964R", "3964"):
+        if not LINE_LAYERS[line.layer].shadowed or line.protocol not in ("3964R", "3964"):
             return f"--tap {name}: layer {line.layer} on {line.protocol}; a shadow understands rk512 on 3964R"
     return ""
 

@@ -14,8 +14,9 @@ from gateway.pure.image.signals import Signal, SignalList, from_tables
 from gateway.pure.modbus.rho3_view import BLOCK_AT, ERRORS_AT, RC_WORDS
 from gateway.pure.reports.tables import Cell as Field
 from gateway.pure.reports.tables import Sheet
+from gateway.registry import MODBUS_VIEWS
 from gateway.services.sources.modbus import placed
-from gateway.tools.address_map_views import reference, reis_rows, val3_rows
+from gateway.tools.address_map_views import reference
 
 COMMAND_HEAD = ("bit 15 toggle, bits 0-7 code", "axis mask", "velocity, 0.01 %", "acceleration, 0.01 %")
 STATUS_HEAD = (
@@ -55,19 +56,18 @@ def _note(cell: Cell, door: Modbus, view: str) -> str:
     who = f"written from {writers} only" if writers else f"written by {roles} only" if roles else "writable by every client"
     files = ", ".join(str(block.number) for block in cell.db if block.writer == door.name)
     also = f"; FC 7: RC outputs 64..71; FC 20: file N is DB N; {f'FC 21: files {files}; ' if files else ''}"
-    also = f"{also}FC 24 at {ERRORS_AT}: numbers of the standing errors" if view == "rho3" else ""
+    also = f"{also}FC 24 at {ERRORS_AT}: numbers of the standing errors" if MODBUS_VIEWS[view].signals else ""
     return f"REAL and other wide values {door.float}; {who}{also}"
 
 
 def _server_rows(cell: Cell, door: Modbus, view: str) -> Iterator[tuple[Field, ...]]:
-    if view == "rho3":
+    row = MODBUS_VIEWS[view]
+    if row.signals:
         yield from _signal_rows(cell, door)
         if door.command_block:
             yield from _block_rows(cell)
-    elif view == "reis":
-        yield from reis_rows(cell, door)
-    elif view == "val3":
-        yield from val3_rows(cell, door)
+    elif row.rows is not None:
+        yield from row.rows(cell, door)
     for each in placed(door, [axis.name for axis in cell.axis]):
         for table in ("holding register", "input register"):
             yield (table, each.at, reference(table, each.at), each.words, each.type, "R", each.name, "")

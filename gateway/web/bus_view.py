@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from drivers.ports.base import CanPort, PortError
 from drivers.ports.can.open import open_can
 from gateway.pure.cell.cell import Bus
+from gateway.registry import BUS_PROTOCOLS
 from gateway.web.german import says
 from protocols.base.can_bits import frame_bits
 from protocols.base.machine import Frame, Ns
@@ -141,6 +142,6 @@ class BusView:
         if self._decode is None:
             from gateway.files.frame_decoder import decoder
 
-            canopen = self.bus.protocol == "canopen"
+            canopen = BUS_PROTOCOLS[self.bus.protocol].nodes
             self._decode = decoder(None if canopen else self.bus.layout, canopen=canopen)
         return self._decode

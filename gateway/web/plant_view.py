@@ -6,9 +6,9 @@ from typing import Any
 from drivers.emulator.cia402.errors import CAUSES as CIA402_CAUSES
 from drivers.emulator.servodyn.axis import CAUSES as SERVODYN_CAUSES
 from drivers.ports.base import runtime_dir
-from gateway.assembly.drive_buses import DRIVE_PROTOCOLS
 from gateway.assembly.run import RunPlan
 from gateway.observer.tool_link import Gone, Hand, Refused
+from gateway.registry import DRIVE_FAMILIES
 
 Row = dict[str, Any]
 PLAIN = ("stuck_encoder", "wrong_sign", "true_encoder", "power_off", "power_on")
@@ -32,7 +32,6 @@ class Plant:
             for bus in plan.buses
             if simulated and any(axis.drive.bus == bus for axis in plan.cell.axis)
         }
-        self._families = {bus.name: bus.protocol for bus in plan.cell.bus if bus.protocol in DRIVE_PROTOCOLS}
 
     def known(self) -> list[Row]:
         """Emulated drives with the faults they know."""
@@ -40,7 +39,7 @@ class Plant:
         for axis in self.plan.cell.axis:
             if axis.drive.bus not in self.emulators:
                 continue
-            servodyn = self._families.get(axis.drive.bus) == "servodyn"
+            servodyn = DRIVE_FAMILIES[axis.drive.type].boosted
             faults = [*PLAIN, *(() if servodyn else BY_NODE), "force_fault"]
             switched = [*(SERVODYN_CAUSES if servodyn else CIA402_CAUSES), "stick_brake"]
             key = {"axis": axis.drive.module} if servodyn else {"node": axis.drive.node}

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from random import Random
 
-from gateway.pure.lines.line_profiles import BUEP64, buep64_dialect
+from gateway.pure.lines.buep64 import BUEP64, buep64_dialect
 from gateway.pure.lines.rk512_link import Rk512Link
 from gateway.tools.progress import steps
 from hil_tests.soak.faulted_line import FaultedLine

@@ -7,14 +7,14 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Gt, Le
 
 from gateway.pure.cell.belts import PlantBelt
-from gateway.pure.cell.marks import Loaded, Name, Pattern, Percent, Unit
+from gateway.pure.cell.marks import Loaded, Name, Pattern, Percent, Registered, Unit
 
 
 @dataclass(frozen=True, slots=True)
 class Drive:
     """Inline table `drive` of [[axis]]."""
 
-    type: Literal["servodyn", "cia402"]
+    type: Annotated[str, Registered("drive families")]
     bus: str
     module: Annotated[int | None, Ge(1), Le(6)] = None  # servodyn: 1..6 on its bus
     node: Annotated[int | None, Ge(1), Le(127)] = None  # cia402: 1..127

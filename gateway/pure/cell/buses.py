@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Le
 
-from gateway.pure.cell.marks import Name, Pattern, Unit
+from gateway.pure.cell.marks import Name, Pattern, Registered, Unit
 
 ADAPTER = r"[a-z][a-z0-9_-]*:[^@?]+(@\d+)?(\?[^?]+)?"  # drivers.ports.can.adapter_url
 PORTS = "sim | socketcan:can0 | broker:NAME | slcan:/dev/ttyACM0, pcan:PCAN_USBBUS1, ... (python-can)"
@@ -46,7 +46,7 @@ class Bus:
 
     name: Name
     port: BusPort
-    protocol: Literal["servodyn", "canopen", "rho3-io"]
+    protocol: Annotated[str, Registered("bus protocols")]
     bitrate: Literal["1 Mbit/s", "500 kbit/s", "250 kbit/s", "125 kbit/s"] = "1 Mbit/s"
     cycle_ms: Annotated[int, Ge(2), Le(32), Unit("ms")] = 4
     heartbeat_ms: Annotated[int, Ge(10), Le(1000), Unit("ms")] = 50

@@ -6,7 +6,7 @@ file (deg, mm, ms, %); inside units are made by `drivers.drives.scaling`. Source
 
 import datetime
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
@@ -182,44 +182,9 @@ class Cell(CellTables):
     def notes(self) -> tuple[Notice, ...]:
         return tuple(notice for notice in self.notices if notice.level == "note")
 
-    def not_playable(self) -> list[str]:
-        """What this file asks for and `run` cannot play yet, each by its key; empty: all of it runs."""
-        reasons = [f"{key} = {value}" for key, value, played in self._choices() if value not in played]
-        reasons += [f"db.{db.number}[{entry.at}] = {entry.signal}" for db in self.db for entry in db.entries if not _served(entry.signal)]
-        unknown = [robot.kinematics for robot in self.robot if self.program and robot.kinematics not in PLANNED_KINEMATICS]
-        reasons += [f"robot.kinematics = {kinematics}" for kinematics in unknown]  # nothing else asks for them
-        return reasons
-
-    def _choices(self) -> Iterator[tuple[str, str | int, tuple[str | int, ...]]]:
-        """(key, chosen value, values this version plays) wherever the file's shape allows more than runs."""
-        for line in self.line:
-            yield f"line.{line.name}.layer", line.layer, ("rk512", "buep64", "telegrams")
-            yield (
-                f"line.{line.name}.port",
-                line.port.split(":")[0],
-                ("sim", "pty", "tcp", "rfc2217", line.port if line.port.startswith("/") else "sim"),
-            )
-        for bus in self.bus:
-            yield f"bus.{bus.name}.protocol", bus.protocol, ("servodyn", "canopen", "rho3-io")
-        for axis in self.axis:
-            yield f"axis.{axis.name}.drive.type", axis.drive.type, ("servodyn", "cia402")
-            yield f"axis.{axis.name}.mode", axis.mode, ("csp",)
-            contact = any(io.signal == f"axis.{axis.name}.brake" for io in self.io)
-            yield f"axis.{axis.name}.brake", axis.brake, ("drive", "none", *(("gateway",) if contact else ()))
-            by = ("gateway", "none") if axis.drive.type == "servodyn" else ("gateway", "drive", "none")  # a booster never references itself
-            yield f"axis.{axis.name}.home.by", axis.home.by, by
-            if axis.home.by == "gateway":
-                yield f"axis.{axis.name}.home.mode", axis.home.mode, (0, 1, 2, 3)
-
     def axis_named(self, name: str) -> Axis:
         """The axis of that name; KeyError names those that exist."""
         for axis in self.axis:
             if axis.name == name:
                 return axis
         raise KeyError(f"axis {name!r}; this cell has {', '.join(axis.name for axis in self.axis)}")
-
-
-def _served(signal: str) -> bool:
-    """Names a data block may hold that this version does not serve yet: one axis' own reference, the safety contact."""
-    one_axis = signal.startswith("axis.") and signal.endswith(".reference") and signal != "axis.*.reference"
-    return not (one_axis or signal == "cell.safety_ok")

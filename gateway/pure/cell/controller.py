@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Le, MaxLen, MinLen
 
-from gateway.pure.cell.marks import Pattern, Percent, Unit
+from gateway.pure.cell.marks import Pattern, Percent, Registered, Unit
 
 PointName = Annotated[str, Pattern(r"^[A-Za-z]\w*$", "letters, digits and _")]
 BoardName = Literal[
@@ -75,7 +75,7 @@ class ControllerPlc:
 class Controller:
     """[controller]: the control that is replaced, as its PLC sees it."""
 
-    kind: Literal["rho3", "reis", "val3"] = "rho3"
+    kind: Annotated[str, Registered("controllers")] = "rho3"
     files: str = ""  # folder of MSD.DAT, TEXT.DAT, EXPROG.DAT, PHGCODE.DAT; relative to the cell file
     memory: str = ""  # folder of the programs: QLL, PKT, DAT, BNR; relative to the cell file (AX-860)
     code_page: Literal["cp437", "cp850", "latin-1", "utf-8"] = "cp437"

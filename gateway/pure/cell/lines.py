@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Le
 
-from gateway.pure.cell.marks import BAUDS, OWN_NAME, Name, OnLoss, Pattern, Spelled, Unit
+from gateway.pure.cell.marks import BAUDS, OWN_NAME, Name, OnLoss, Pattern, Registered, Spelled, Unit
 
 PORTS = "sim | /dev/... | COM5 | pty:/path | tcp://host:port | rfc2217://host:port"
 LinePort = Annotated[str, Pattern(r"^(sim|/dev/\S+|COM\d+|pty:\S+|tcp://\S+:\d+|rfc2217://\S+:\d+)$", PORTS)]
@@ -103,7 +103,7 @@ class Line:
     protocol: Literal["3964R", "3964"] = "3964R"
     profile: str = "rho3"
     priority: Literal["low", "high"] = "low"
-    layer: Literal["rk512", "telegrams", "buep64", "program"] = "rk512"
+    layer: Annotated[str, Registered("line layers")] = "rk512"
     role: Literal["passive", "active", "both"] = "passive"
     # the rho 3's name for the priority: -1 = low, all else high (worked into priority)
     output_timeout: Annotated[int | None, Ge(-1), Le(65535)] = None

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Le, MinLen
 
-from gateway.pure.cell.marks import BAUDS, OWN_NAME, Bind, Name, OnLoss, Pattern, Unit
+from gateway.pure.cell.marks import BAUDS, OWN_NAME, Bind, Name, OnLoss, Pattern, Registered, Unit
 from gateway.pure.cell.web import LOOPBACK
 
 ByteOrder = Literal["ABCD", "CDAB", "BADC", "DCBA"]
@@ -14,7 +14,7 @@ PORTS = "sim | /dev/... | pty:/path | tcp://host:port (clients) | rfc2217://host
 ModbusPort = Annotated[str, Pattern(r"^(sim|/dev/\S+|COM\d+|pty:\S+|tcp://\S+:\d+|rfc2217://\S+:\d+)?$", PORTS)]
 ModbusTable = Literal["coil", "discrete", "input", "holding"]
 ModbusForm = Literal["bit", "INT16", "UINT16", "INT32", "UINT32", "INT64", "UINT64", "REAL", "LREAL"]
-View = Literal["rho3", "registers", "reis", "val3"]
+View = Annotated[str, Registered("Modbus views")]
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,7 @@ from gateway.pure.modbus.other_views import ReisView, Val3View
 from gateway.pure.modbus.registers import Placed, Registers, RegistersView, place
 from gateway.pure.modbus.rho3_view import RhoView
 from gateway.pure.recording.messages import Source
+from gateway.registry import MODBUS_VIEWS
 from gateway.services.sources.base import BaseSource, SourceContext, Tell
 from protocols.base.machine import Ns, ms
 from protocols.modbus.rights import Rights, Span
@@ -76,7 +77,7 @@ class ModbusSource(BaseSource):
         shown: dict[str, View] = {"rho3": self.view, "registers": bare}
         asked = {settings.view, *(unit.view for unit in settings.units)}
         controller = run.cell.controller
-        if asked & {"reis", "val3"} and controller is not None:  # the cell's checks have seen to its kind
+        if any(MODBUS_VIEWS[view].controller for view in asked) and controller is not None:  # the cell's checks have seen to its kind
             from gateway.assembly.modbus_views import picture
 
             shown[controller.kind] = made = picture(controller, image.inputs, owned, self._inputs_written, registers, settings.float)

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 
 from gateway.assembly.axis_signals import rc_numbers
 from gateway.assembly.data_block_signals import flags_of, inputs_of
+from gateway.assembly.line_dialects import rk512_dialect
 from gateway.pure.arbitration.block_keys import block_key
 from gateway.pure.arbitration.command_block import COMMAND_WORDS, STATUS_WORDS, Code, Command
 from gateway.pure.arbitration.data_blocks import RC_NAMES, DataBlock, DataBlocks, HandshakeBits, Slot
@@ -19,8 +20,9 @@ from gateway.pure.image.addresses import DataBit, DataWord, Part, parse
 from gateway.pure.image.reasons import Reason
 from gateway.pure.image.records.cell import RC_BYTES, Motion, Quality
 from gateway.pure.lines.fault_texts import fault_words
-from gateway.pure.lines.line_profiles import BUEP64, buep64_fault, link_profile, rk512_dialect
+from gateway.pure.lines.line_profiles import link_profile
 from gateway.pure.lines.rk512_link import Rk512Link
+from gateway.registry import layer_spoken
 from gateway.services.sources.base import SourceContext
 from gateway.services.sources.bit_coupling import RECEIVED_DB, SENT_DB
 from gateway.services.sources.rk512_areas import LineAreas
@@ -60,6 +62,7 @@ class Rk512Source(SerialSource):
         self._life_place = _word_of(line.supervision.life_word)
         priority = Priority.HIGH if line.priority == "high" else Priority.LOW
         self._areas = LineAreas(self, post.image, post.run.clock, remote=cell.controller is not None and cell.controller.remote)
+        self._spoken = layer_spoken(line)
         link = Rk512Link(link_profile(line), priority, self, rk512_dialect(line), line.baud, self._areas)
         self.flags = link.passive.flags
         self._link = self.machine = link
@@ -205,9 +208,8 @@ class Rk512Source(SerialSource):
         return f"no job that could be served, the last one refused with {self._refusal.number:02X}h ({self._refusal.why}),"
 
     def _in_words(self, event: Denied | Failed | Unasked) -> str:
-        if isinstance(event, Unasked) or self._link.active.name != BUEP64:
-            return fault_words(event)
-        return f"job {event.job}: {buep64_fault(event)}"
+        failure = self._spoken.failure
+        return fault_words(event) if isinstance(event, Unasked) or failure is None else f"job {event.job}: {failure(event)}"
 
     def _count(self, result: object, now: Ns) -> None:
         if isinstance(result, Written):

@@ -14,6 +14,7 @@ from gateway.assembly.axis_zeros import rows_of
 from gateway.assembly.drive_buses import listening
 from gateway.files.find import ConfigNotFound, beside
 from gateway.pure.cell.cell import Cell
+from gateway.registry import DRIVE_FAMILIES
 from gateway.runtime.clock import wall
 from gateway.runtime.safe_file import append_line
 
@@ -41,7 +42,7 @@ def fingerprint(cell: Cell) -> dict[str, str]:
     found = {}
     for axis in cell.axis:
         bus = next((bus for bus in cell.bus if bus.name == axis.drive.bus), None)
-        sheet = axis.drive.eds if axis.drive.type == "cia402" else bus.layout if bus is not None else ""
+        sheet = axis.drive.eds if DRIVE_FAMILIES[axis.drive.type].objects else bus.layout if bus is not None else ""
         parts = [
             json.dumps(dataclasses.asdict(axis.drive), sort_keys=True),
             json.dumps(dataclasses.asdict(axis.mechanics), sort_keys=True),

@@ -14,6 +14,7 @@ from gateway.assembly.run import slug_of
 from gateway.files.stop_report import sheet_digest
 from gateway.pure.cell.cell import Bus, Cell
 from gateway.pure.image.records.cell import AxisFlag
+from gateway.registry import BUS_PROTOCOLS
 from gateway.runtime.clock import wall
 from gateway.runtime.supervisor_client import ask
 from gateway.simulation.drives.control import EmulatorControl
@@ -49,7 +50,7 @@ class Stop:
 
 def losses_of(cell: Cell) -> list[str]:
     """What can be lost in this cell: a SERVODYN bus has no heartbeat."""
-    canopen = any(bus.protocol == "canopen" for bus in cell.bus)
+    canopen = any(BUS_PROTOCOLS[bus.protocol].nodes for bus in cell.bus)
     return ["heartbeat", "sync", "gateway"] if canopen else ["sync", "gateway"]
 
 
@@ -93,7 +94,7 @@ def cycle_again(client: ToolClient) -> None:
 
 def allowed_ms(bus: Bus, period_ms: float) -> float:
     """By when a drive has to react: its supervision time, one cycle for the drive, one for what shows it."""
-    supervision = max(2 * period_ms, bus.heartbeat_ms * MISSED) if bus.protocol == "canopen" else 2 * period_ms
+    supervision = max(2 * period_ms, bus.heartbeat_ms * MISSED) if BUS_PROTOCOLS[bus.protocol].nodes else 2 * period_ms
     return float(supervision + 2 * period_ms)
 
 
@@ -118,7 +119,7 @@ def _lose(client: ToolClient, cell: Cell, loss: str) -> int:
         return stamp
     stamp = time.monotonic_ns()
     for bus in cell.bus:
-        canopen = bus.protocol == "canopen"
+        canopen = BUS_PROTOCOLS[bus.protocol].nodes
         identifier = cobid.heartbeat(GATEWAY_NODE) if loss == "heartbeat" else cobid.SYNC if canopen else SYNC_ID
         if any(axis.drive.bus == bus.name for axis in cell.axis):
             control = EmulatorControl(f"{client.run}-{bus.name}")

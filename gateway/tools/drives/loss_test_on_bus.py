@@ -15,6 +15,7 @@ from drivers.drives.cia402_family import GATEWAY_NODE
 from drivers.ports.base import CanPort
 from drivers.ports.can.open import open_can
 from gateway.pure.cell.cell import Axis, Bus, Cell
+from gateway.registry import DRIVE_FAMILIES
 from gateway.tools.client import ToolClient, ToolError, mask_of
 from gateway.tools.drives import loss_test as losstest
 from gateway.tools.drives.loss_test import PATIENCE_S, Stop
@@ -115,7 +116,7 @@ def _ask_all(witnesses: Mapping[str, Witness], patience_s: float) -> None:
 
 def drives_of(cell: Cell) -> list[Axis]:
     """ToolError where a drive is silent without SYNC."""
-    silent = [axis.name for axis in cell.axis if axis.drive.type != "cia402"]
+    silent = [axis.name for axis in cell.axis if not DRIVE_FAMILIES[axis.drive.type].objects]
     if silent:
         raise ToolError(
             f"axes {', '.join(silent)}: a SERVODYN drive is silent without SYNC; measure its stop with the maker's tool or a watch "

@@ -2,8 +2,10 @@
 
 import pytest
 
+from gateway.assembly.line_dialects import rk512_dialect
 from gateway.pure.cell.cell import Line, Rk512
-from gateway.pure.lines.line_profiles import buep64_dialect, buep64_fault, link_profile, rk512_dialect
+from gateway.pure.lines.buep64 import buep64_dialect, buep64_fault
+from gateway.pure.lines.line_profiles import link_profile
 from gateway.pure.lines.rk512_link import Rk512Link
 from hil_tests.lab.virtual.bench import Bench
 from hil_tests.lab.virtual.rk512_blocks import Blocks

@@ -8,6 +8,7 @@ import configs
 from drivers.drives.canopen_plan import dictionary_map_faults
 from gateway.assembly.canopen_nodes import node_plans
 from gateway.cell_file.load import CellFaults, load_cell
+from gateway.checks.playable import not_playable
 from protocols.canopen import eds
 
 CELLS = pathlib.Path(configs.__path__[0]) / "cells"
@@ -66,4 +67,4 @@ def test_our_data_sheet_maps_no_domain() -> None:
 
 
 def test_the_shipped_cells_have_no_collision() -> None:
-    assert load_cell("demo-402").not_playable() == [] and load_cell("s5-rk512").not_playable() == []
+    assert not_playable(load_cell("demo-402")) == [] and not_playable(load_cell("s5-rk512")) == []

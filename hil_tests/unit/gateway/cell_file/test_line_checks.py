@@ -5,10 +5,12 @@ import re
 
 import pytest
 
+from gateway.assembly.line_dialects import rk512_dialect
 from gateway.cell_file.explain import word
 from gateway.cell_file.load import CellFaults, Fault, load_cell
+from gateway.checks.playable import not_playable
 from gateway.pure.cell.cell import Cell, Notice
-from gateway.pure.lines.line_profiles import link_profile, rk512_dialect
+from gateway.pure.lines.line_profiles import link_profile
 from gateway.services.sources.rk512 import compile_job
 from protocols.base.machine import ms
 from protocols.p3964r.profiles import PROFILES, BrokenPair, ConnectCounter, Stray, TooLong
@@ -189,7 +191,7 @@ def test_the_same_number_as_db_and_dx_is_no_double() -> None:
 def test_everything_a_line_can_serve_is_played() -> None:
     line = '[line.rk512]\ntypes = ["D", "X", "E", "A", "M"]\ncoordination_flag = "keep"'
     played = cell('role = "both"', line, block(more="every_ms = 900"))
-    assert played.not_playable() == []
+    assert not_playable(played) == []
     assert any("stays until" in notice.text for notice in notices(played, "line plc"))
 
 

@@ -6,6 +6,7 @@ import re
 import pytest
 
 from gateway.cell_file.load import CellFaults, Fault, load_cell
+from gateway.checks.playable import not_playable
 from gateway.files.find import find_config, names_in, read_text
 from gateway.pure.cell.cell import Cell
 
@@ -47,9 +48,9 @@ def test_shipped_cells_are_valid(name: str) -> None:
 
 
 def test_the_demo_cell_plays_and_the_examples_say_what_does_not() -> None:
-    assert load_cell("demo").not_playable() == []
-    assert load_cell("s5-rk512").not_playable() == []
-    assert load_cell("rho3-servodyn").not_playable() == []
+    assert not_playable(load_cell("demo")) == []
+    assert not_playable(load_cell("s5-rk512")) == []
+    assert not_playable(load_cell("rho3-servodyn")) == []
 
 
 @pytest.mark.parametrize(
@@ -62,7 +63,7 @@ def test_the_demo_cell_plays_and_the_examples_say_what_does_not() -> None:
 )
 def test_what_the_shape_allows_but_nothing_plays_is_named(edit: tuple[str, str], reason: str) -> None:
     cell = load_cell("c", edited("demo", edit))
-    assert cell.not_playable() == [reason]
+    assert not_playable(cell) == [reason]
     assert cell.notes[-1].text == f"not playable yet: {reason}"
 
 
@@ -398,7 +399,7 @@ def test_a_line_behind_a_serial_server_is_told_its_times_and_how_to_pack(profile
     )
     cell = load_cell("c", edited("demo", *edits))
     (found,) = [note for note in (*cell.warnings, *cell.notes) if "no delimiter character" in note.text]
-    assert found.level == kind and words in found.text and cell.not_playable() == []
+    assert found.level == kind and words in found.text and not_playable(cell) == []
 
 
 # ---------------------------------------------------------------------------------------------------------- files beside it

@@ -3,6 +3,7 @@
 import pytest
 
 from gateway.cell_file.load import load_cell
+from gateway.checks.playable import not_playable
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.faults import CellFaults, Fault
 
@@ -55,7 +56,7 @@ def cell_of(text: str) -> Cell:
 
 def test_the_example_of_users_md_is_sound_and_playable() -> None:
     cell = cell_of(HEAD + ORDER + DONE)
-    assert cell.not_playable() == []
+    assert not_playable(cell) == []
     assert cell.line[0].supervision.max_silence_ms == 0
     assert [notice.text for notice in cell.notices if notice.where == "telegram DONE"] == [
         "nothing in this file writes order.done: a program does, or `axisgate var order.done --set 1` in a simulated run"

@@ -10,6 +10,7 @@ import pytest
 import gateway
 from gateway.cell_file.load import load_cell
 from gateway.checks.modbus import modbus as _checked
+from gateway.checks.playable import not_playable
 from gateway.commands.map import main
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.faults import CellFaults
@@ -277,7 +278,7 @@ def test_what_does_not_fit_is_named(more: str, old: str, new: str, fault: str) -
 
 
 def test_both_good_and_playable() -> None:
-    assert demo(CLIENT + REGISTERS).not_playable() == [] and _checked is not None
+    assert not_playable(demo(CLIENT + REGISTERS)) == [] and _checked is not None
 
 
 def test_neighbours_are_read_together_and_written_in_the_devices_order() -> None:
