@@ -25,7 +25,7 @@ STATES = (
 QUALITIES = {int(Quality.GOOD): "good", int(Quality.STALE): "old", int(Quality.BAD): "bad"}
 AXES = ("axis", "unit", "set", "actual", "lag", "speed", "torque %", "limits", "state", "fault")
 SIGNALS = ("name", "address", "value", "quality", "age s", "unit", "says")
-DOORS = ("door", "name", "kind", "link", "losses", "command", "reason", "counters")
+DOORS = ("source", "name", "kind", "link", "losses", "command", "reason", "counters")
 SENTENCES = ("line", "ms", "side", "what", "text")
 ERRORS = ("from", "code", "text", "cause", "what to do")
 OURS, SHOWN_SENTENCES = "axisgate", 60
@@ -127,7 +127,7 @@ def doors_table(regions: Regions) -> Table:
         fixed = (str(door["number"]), door["name"], door["kind"], link, str(door["losses"]), door["state"].lower())
         rows.append((*fixed, "" if door["reason"] == "NONE" else door["reason"].lower(), counted))
         marks.append("" if link == "up" else "bad")
-    return Table("Doors", DOORS, tuple(rows), tuple(marks), "this cell has no command source")
+    return Table("Command sources", DOORS, tuple(rows), tuple(marks), "this cell has no command source")
 
 
 def sentences_table(lines: Row) -> Table:
@@ -135,7 +135,7 @@ def sentences_table(lines: Row) -> Table:
     told = sorted(((line, one) for line, kept in lines.items() for one in kept), key=lambda said: said[1]["ms"])[-SHOWN_SENTENCES:]
     rows = tuple((line, f"{one['ms']:.1f}", *_sentence(one)) for line, one in told)
     marks = tuple("bad" if one.get("kind") in ("BROKEN", "DAMAGED") or one["ok"] is False else "" for _, one in told)
-    return Table("Said on the lines", SENTENCES, rows, marks, "nothing was said yet")
+    return Table("Traffic on the lines", SENTENCES, rows, marks, "no traffic yet")
 
 
 def _sentence(one: Row) -> tuple[str, str, str]:
