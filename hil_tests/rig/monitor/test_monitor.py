@@ -238,7 +238,9 @@ def test_the_pendant_shows_and_takes_keys(run: CellRun) -> None:
 def test_through_a_pipe_it_is_plain_text_without_colours_or_one_object(run: CellRun, capsys: pytest.CaptureFixture[str]) -> None:
     done = axisgate("monitor", "see", FORCE_COLOR="1", COLORTERM="truecolor")
     assert (done.returncode, done.stderr) == (0, "") and "\033" not in done.stdout
-    assert all(title in done.stdout for title in ("Axes\n", "Command sources\n", "Errors, first one first\n")) and "Signals" not in done.stdout
+    assert (
+        all(title in done.stdout for title in ("Axes\n", "Command sources", "Errors, first one first\n")) and "Signals" not in done.stdout
+    )
 
     def said(*words: str, code: int = 0) -> tuple[str, str]:
         assert main(["see", *words]) == code
