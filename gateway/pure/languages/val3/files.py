@@ -177,8 +177,8 @@ class Reader:
         if not is_name(name):
             self._say(path, each.line, f"'{name}' : invalid name")
             return None
-        kind = each.get("xsi:type", "element")
         reference = each.get("use", "value").lower() == "reference"
+        kind = each.get("xsi:type", "array" if reference else "element")  # without xsi:type: an array, by value its element
         dims = self._numbers(each.get("dimensions", "1"))
         made = Parameter(name, family_of(each.get("type"))[0], reference, kind != "element", dims[0] if dims else 1, each.line)
         if kind == "collection":

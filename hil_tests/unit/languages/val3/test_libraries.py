@@ -235,3 +235,16 @@ def test_fields_of_user_types_are_arrays_for_instructions() -> None:
     app = App(data=data, types='<Type name="Body" path="Disk://body/body.pjx" />', programs={"start": code})
     found = run(app, body)["globals"]
     assert isinstance(found, dict) and (found["n"], found["j"], found["k"]) == (4, 1, 258) and found["msg"]["nData"][4:6] == [2, 1]
+
+
+def test_a_reference_without_a_container_is_an_array() -> None:
+    made = disk(App(data=DATA + datum("a", "num", "3"), programs={"start": "a[2]=7\ncall first(a)\ni=a[1]"}))
+    space = "http://www.staubli.com/robotics/VAL3/"
+    given = f'<Parameters xmlns="{space}Param/1"><Parameter name="x_n" type="num" use="reference" /></Parameters>'
+    text = f"<Program name='first'>{given}<Code>begin\nx_n[1]=x_n[2]\nend</Code></Program>"
+    made.write("demo/more.pgx", f'<Programs xmlns="{space}Program/2">{text}</Programs>'.encode())
+    project = made.read("demo/demo.pjx")
+    assert project is not None
+    made.write("demo/demo.pjx", project.replace(b"<Programs>", b'<Programs><Program file="more.pgx" />'))
+    found = run(App(), on=Machine(made))["globals"]
+    assert isinstance(found, dict) and found["i"] == 7

@@ -1,0 +1,123 @@
+"""Sockets, serial lines and options by VAL 3 source, with partners played by events.  Source: VAL 3 reference 3.7, 13."""
+
+import pytest
+
+from hil_tests.unit.languages.val3.apps import App, datum, machine, run, value
+
+IO = "gateway.pure.languages.val3.builtin_io:"
+S = "gateway.pure.languages.val3.virtual_sio:VirtualSio."
+DATA = (
+    datum("si", "sio", values=value(link="Socket\\client"))
+    + datum("si2", "sio", values=value(link="Socket\\client"))
+    + datum("srv1", "sio", values=value(link="Socket\\server"))
+    + datum("srv2", "sio", values=value(link="Socket\\server"))
+    + datum("line", "sio", values=value(link="Serial\\1"))
+    + datum("n", "num", "12")
+    + datum("d", "num", "3")
+    + datum("s", "string", "4")
+    + datum("i", "num")
+)
+UP = ((0.0, "sio.client=connect"),)
+
+
+def played(
+    code: str, at: tuple[tuple[float, str], ...] = (), until: float = 20.0, **programs: str
+) -> tuple[list[object], dict[str, bytes]]:
+    """The array n, and what was sent."""
+    app = App(data=DATA, programs={"start": code, **programs})
+    made = machine(app)
+    data = run(app, on=made, at=at, until=20.0)["globals"]
+    assert isinstance(data, dict) and isinstance(data["n"], list)
+    return [*data["n"], *data["s"]], made.sio.sent
+
+
+@pytest.mark.requirement("VAL-SIO-01", "VAL-SIO-03", "VAL-SIO-04", by=IO + "f_sio_get")
+def test_reading_waits_as_its_time_out_says() -> None:
+    code = (
+        'sioCtrl(si,"timeout",0)\ntaskCreate "r",10,reader()\ndelay(1)\nn[0]=taskStatus("r")\ndelay(2)\n'
+        'sioCtrl(si,"timeout",-1)\nn[4]=sioGet(si,d)\nn[5]=sioGet(si,d)'
+    )
+    found, _ = played(code, (*UP, (2.0, "sio.client=hex:0102030405")), reader="n[1]=sioGet(si,d)\nn[2]=d[2]\nn[3]=clock()")
+    assert found[:6] == [1, 3, 3, pytest.approx(2.0, abs=0.01), 2, 0]
+
+
+@pytest.mark.requirement("VAL-SIO-05", "VAL-SIO-10", by=S + "disconnect")
+def test_a_partner_that_goes_and_a_time_out_of_an_operator() -> None:
+    code = (
+        'sioCtrl(si,"timeout",5)\nn[0]=sioGet(si,d)\nn[1]=clock()\nsioCtrl(line,"timeout",1)\ntaskCreate "t",10,text()\ndelay(2)\n'
+        'n[2]=taskStatus("t")\ntaskKill("t")\nn[3]=sioGet(line,d)'
+    )
+    found, _ = played(code, (*UP, (1.0, "sio.client=disconnect")), text="s[0]=line")
+    assert found[:4] == [-1, pytest.approx(1.0, abs=0.01), 125, 0]
+
+
+@pytest.mark.requirement("VAL-SIO-06", "VAL-SIO-07", "VAL-SIO-09", by=IO + "f_sio_set")
+def test_what_is_sent() -> None:
+    code = (
+        'd[0]=256.4\nd[1]=-1\nd[2]=66\nn[0]=sioSet(si,d)\nn[1]=sioSet(si,d[2])\ns[0]=(si="ab")\ni=(si=65.4)\nn[2]=i\n'
+        'taskCreate "t",10,more()\ndelay(0.1)\nn[3]=taskStatus("t")\ntaskKill("t")'
+    )
+    found, sent = played(code, UP, more="sioSet(si,d,4)")
+    assert found[:4] == [3, 1, 65, 20] and found[12] == "ab" and sent["Socket\\client"] == b"\x00\xffBBab\rA"
+
+
+@pytest.mark.requirement("VAL-SIO-08", by=IO + "sio_read_string")
+def test_strings_end_with_their_character_or_at_128_bytes() -> None:
+    found, _ = played(
+        'sioCtrl(si,"endOfString",13)\ns[0]=si\ni=si\nn[0]=i\ns[1]=si\nn[1]=len(s[1])',
+        (*UP, (0.5, "sio.client=ab\\rc"), (0.6, "sio.client=" + "x" * 128)),
+    )
+    assert found[12] == "ab" and found[0] == 99 and found[1] == 128
+
+
+@pytest.mark.requirement("VAL-SIO-13", "VAL-SIO-14", "VAL-SIO-16", by=S + "settle")
+def test_a_client_is_shared_and_a_server_has_a_connection_a_variable() -> None:
+    code = (
+        'sioCtrl(srv1,"clients",2)\nsioCtrl(srv1,"timeout",3)\nd[0]=1\nsioSet(si,d)\nsioSet(si2,d)\n'
+        'taskCreate "a",10,first()\ntaskCreate "b",10,second()\ndelay(3)\nn[4]=clearBuffer(si)\nn[5]=clearBuffer(si)'
+    )
+    made = machine(app := App(data=DATA, programs={"start": code, "first": "n[0]=sioGet(srv1,n[1])", "second": "n[2]=sioGet(srv2,n[3])"}))
+    at = [(0.0, "sio.client=connect"), *((1.0, "sio.server=connect"),) * 3, (2.0, "sio.server.1=hex:0b"), (2.0, "sio.server.2=hex:0c")]
+    found = run(app, on=made, at=at)["globals"]
+    assert isinstance(found, dict)
+    assert (found["n"][0], found["n"][1], found["n"][2], found["n"][3]) == (1, 11, 1, 12)
+    assert found["n"][5] == -1 and made.sio.sent["Socket\\client"] == b"\x01\x00\x00\x01\x00\x00"
+
+
+@pytest.mark.requirement("VAL-CAX-01", "VAL-OEM-01", by="gateway.pure.languages.val3.builtin_moves:f_reset_turn")
+def test_turns_and_licences() -> None:
+    data = (
+        datum("q", "joint", "3", value("0", j3=90, j5=90, j6=200))
+        + datum("m", "mdesc", values=value(blend="off"))
+        + datum("s", "string", "2")
+    )
+    code = (
+        "movej(q[0],flange,m)\nwaitEndMove()\nq[1].j6=-160\nq[2]=resetTurn(q[1])\nq[1]=herej()\n"
+        's[0]=getLicence("oem","x")\ns[1]=getLicence("other","x")'
+    )
+    made = machine(app := App(data=data, programs={"start": code}), arm=True)
+    made.licences = {"oem": "enabled"}
+    found = run(app, on=made)["globals"]
+    assert isinstance(found, dict) and found["s"] == ["enabled", ""]
+    assert (
+        found["q"][2]["j6"] == pytest.approx(-160)
+        and found["q"][1]["j6"] == pytest.approx(-160)
+        and found["q"][1]["j3"] == pytest.approx(90)
+    )
+
+
+@pytest.mark.requirement("VAL-DH-01", by="gateway.pure.languages.val3.builtin_robot:f_get_default_dh")
+def test_the_chain_of_the_arm_leads_where_joint_to_point_leads() -> None:
+    data = "".join(datum(name, "num", "7") for name in ("th", "dd", "aa", "al", "be"))
+    data += datum("q", "joint", values=value(j1=10, j2=20, j3=60, j4=5, j5=30, j6=40))
+        "q", "joint", values=value(j1=10, j2=20, j3=60, j4=5, j5=30, j6=40)
+    )
+    data += datum("t", "trsf", "2") + datum("p", "point") + datum("k", "num") + datum("e", "num")
+    code = (
+        "getDefaultDH(th,dd,aa,al,be)\nt[0]={0,0,0,0,0,q.j1+th[0]}\n"
+        + "".join(f"t[0]=t[0]*{{aa[{k}],0,dd[{k}],al[{k}],be[{k}],q.j{k + 2}+th[{k + 1}]}}\n" for k in range(5))
+        + "t[0]=t[0]*{aa[5],0,dd[5],al[5],be[5],0}\np=jointToPoint(flange,world,q)\ne=distance(t[0],p.trsf)"
+    )
+    found = run(App(data=data, programs={"start": code}), arm=True)
+    assert isinstance(found["globals"], dict) and found["tasks"] == {}, found["log"]
+    assert found["globals"]["e"] == pytest.approx(0, abs=1e-6) and found["globals"]["t"][0]["x"] != 0
