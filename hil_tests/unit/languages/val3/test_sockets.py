@@ -110,8 +110,6 @@ def test_turns_and_licences() -> None:
 def test_the_chain_of_the_arm_leads_where_joint_to_point_leads() -> None:
     data = "".join(datum(name, "num", "7") for name in ("th", "dd", "aa", "al", "be"))
     data += datum("q", "joint", values=value(j1=10, j2=20, j3=60, j4=5, j5=30, j6=40))
-        "q", "joint", values=value(j1=10, j2=20, j3=60, j4=5, j5=30, j6=40)
-    )
     data += datum("t", "trsf", "2") + datum("p", "point") + datum("k", "num") + datum("e", "num")
     code = (
         "getDefaultDH(th,dd,aa,al,be)\nt[0]={0,0,0,0,0,q.j1+th[0]}\n"
