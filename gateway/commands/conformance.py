@@ -1,0 +1,89 @@
+"""Conformance testing of a device: 3964R, RK512, Modbus; verdicts with reasons, times, traces and a report."""
+
+import argparse
+import pathlib
+import sys
+from collections.abc import Callable
+
+from gateway.conformance.framework.bench_file import BadFile
+from gateway.conformance.reporting.folder import BadReport
+from gateway.tools.conformance import compare_reports, list_suites, new_case, new_pics, play_mutants, run_suite, verify_folder
+from gateway.tools.conformance.run import Stop
+
+EXAMPLES = """examples:
+  axisgate conformance run 3964r --port /dev/ttyUSB0 --report out        test the station at this port
+  axisgate conformance run rk512 --bench station.toml --json > r.json    all of it for a program
+  axisgate conformance run rk512 --bench station.toml --failed-from r.json
+exit code: 0 only PASS, WARN, N/A or waived, 1 a FAIL, 2 command line or files, 3 ERROR, or INCONC without FAIL"""
+USAGE, ENVIRONMENT = 2, 3
+
+
+def main(argv: list[str]) -> int:
+    arguments = _parser().parse_args(argv)
+    run: Callable[[argparse.Namespace], int] = arguments.run
+    try:
+        return run(arguments)
+    except (BadFile, BadReport, Stop, ValueError) as error:
+        for line in str(error).splitlines():
+            print(f"axisgate conformance: {line}", file=sys.stderr)
+        return USAGE
+    except BrokenPipeError:  # `| head` has seen enough: __main__ ends quietly
+        raise
+    except OSError as error:
+        print(f"axisgate conformance: {error.args[-1] if error.args else error}", file=sys.stderr)
+        return ENVIRONMENT
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="axisgate conformance", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    tools = parser.add_subparsers(dest="tool", required=True)
+
+    def tool(name: str, help_text: str, run: Callable[[argparse.Namespace], int]) -> argparse.ArgumentParser:
+        found = tools.add_parser(name, help=help_text, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter)
+        found.set_defaults(run=run)
+        found.add_argument("--language", choices=("en", "de"), help="of report and summaries (default: from the environment)")
+        return found
+
+    listed = tool("list", "the suites, or the cases of one", list_suites)
+    listed.add_argument("suite", nargs="?", metavar="SUITE")
+    listed.add_argument("--json", action="store_true", help="all fields of each case")
+    _run_options(tool("run", "test a device", run_suite))
+    pics = tool("new-pics", "write a PICS: asks the device and you", new_pics)
+    pics.add_argument("suite", metavar="SUITE")
+    _device(pics)
+    pics.add_argument("--output", type=pathlib.Path, metavar="FILE", help="where it is written (default: standard output)")
+    new = tool("new", "print the skeleton of a case", new_case)
+    new.add_argument("suite", metavar="SUITE")
+    new.add_argument("id", metavar="ID", help="such as 3964R_RCV_BV_21")
+    mutants = tool("mutants", "play a suite against faulty devices: how many does it find?", play_mutants)
+    mutants.add_argument("suite", metavar="SUITE")
+    mutants.add_argument("--json", action="store_true")
+    compared = tool("compare", "two reports: which verdicts differ", compare_reports)
+    compared.add_argument("a", type=pathlib.Path, metavar="A", help="folder or JSON of the older report")
+    compared.add_argument("b", type=pathlib.Path, metavar="B")
+    compared.add_argument("--json", action="store_true")
+    checked = tool("verify", "find any changed byte of a report folder", verify_folder)
+    checked.add_argument("folder", type=pathlib.Path, metavar="DIR")
+    return parser
+
+
+def _device(tool: argparse.ArgumentParser) -> None:
+    tool.add_argument("--bench", type=pathlib.Path, metavar="FILE", help="bench file (TOML): device, port, link, what may be touched")
+    tool.add_argument(
+        "--port", metavar="URL", help="instead of a bench file: /dev/ttyUSB0, COM5, pty:/path, tcp://host:port, machine:FILE.py:FACTORY"
+    )
+
+
+def _run_options(tool: argparse.ArgumentParser) -> None:
+    tool.add_argument("suite", metavar="SUITE", help="axisgate conformance list names them")
+    _device(tool)
+    tool.add_argument("--pics", type=pathlib.Path, metavar="FILE", help="what the maker states of the device (new-pics writes one)")
+    tool.add_argument("--report", type=pathlib.Path, metavar="DIR", help="write page, JSON, JUnit and traces there")
+    tool.add_argument("--json", action="store_true", help="one JSON object on standard output, progress on standard error")
+    tool.add_argument("--only", action="append", default=[], metavar="ID|GROUP|GLOB", help="these cases only (may be repeated)")
+    tool.add_argument("--failed-from", type=pathlib.Path, metavar="JSON", help="only what did not pass in that report")
+    tool.add_argument("--waivers", type=pathlib.Path, metavar="FILE", help="[[waiver]] id, reason, who, until")
+    tool.add_argument("--seed", type=int, metavar="N", help="shuffle the cases, and choose random data, by this number")
+    tool.add_argument("--dry-run", action="store_true", help="say what would be run; open and send nothing")

@@ -1,0 +1,79 @@
+"""What every tester has: notes of a case, times as intervals, judged and preparing steps."""
+
+import contextlib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from gateway.pure.conformance.interval import Measure, Place
+from gateway.pure.conformance.verdict import Disturbed, Fail, Inconclusive
+from protocols.base.machine import Ns, ms
+
+TOLERANCE = ms(20)  # and one character time (serial-protocols 6)
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """One piece of a trace."""
+
+    ns: Ns
+    side: str  # "tester" or "device"
+    data: bytes
+    note: str = ""  # a damaged character, a closed connection: what bytes cannot say
+
+
+@dataclass(slots=True)
+class Notes:
+    """What one case saw."""
+
+    measures: list[Measure] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+    trace: list[Seen] = field(default_factory=list)
+    unasked: int = 0  # blocks or frames the device sent on its own
+
+
+class Tester:
+    """Common part of the testers of all suites."""
+
+    clock = "monotonic clock of this host"
+
+    def __init__(self) -> None:
+        self.notes = Notes()
+        self._preparing = 0
+
+    def late(self) -> Ns:
+        """By how much this host was held up since the case began."""
+        return 0
+
+    def uncertainty(self) -> Ns:
+        """Of a measured time."""
+        return self.late()
+
+    @contextlib.contextmanager
+    def given(self) -> Iterator[None]:
+        """Steps that lead to the question: what fails here is INCONC, another purpose judges it."""
+        self._preparing += 1
+        try:
+            yield
+        except Fail as failed:
+            raise Inconclusive(f"preamble: {failed.reason}", failed.expected, failed.got) from failed
+        finally:
+            self._preparing -= 1
+
+    def remark(self, text: str) -> None:
+        self.notes.remarks.append(text)
+
+    def timed(self, what: str, took: Ns, least: Ns | None, most: Ns | None) -> None:
+        """Records a time; FAIL where its whole interval is outside, repeated where it lies across a limit."""
+        measure = Measure(what, took, least, most, self.uncertainty(), self.clock)
+        self.notes.measures.append(measure)
+        shown = f"{took / 1e6:.1f} ms (uncertainty {measure.uncertainty / 1e6:.1f} ms)"
+        if self._preparing or measure.place() is Place.INSIDE:
+            return
+        if measure.place() is Place.OUTSIDE:
+            raise Fail(f"{what}: {shown}, limits: {measure.limits()}", measure.limits(), shown)
+        raise Disturbed(f"{what}: {shown} lies across its limits: {measure.limits()}", measure.limits(), shown)
+
+
+def hexed(data: bytes, most: int = 48) -> str:
+    """Bytes for a reader; long ones are cut."""
+    return data[:most].hex(" ").upper() + (f" .. ({len(data)} bytes)" if len(data) > most else "") if data else "nothing"

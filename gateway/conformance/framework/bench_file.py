@@ -1,0 +1,353 @@
+"""The bench file (TOML): device, port, link, what may be touched, what is known, stimulus, power, report.  All faults in one run."""
+
+import datetime
+import difflib
+import pathlib
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import cast
+
+from protocols.p3964r.profiles import PROFILES
+
+Table = Mapping[str, object]
+Check = Callable[[object], str]  # "" or what is expected
+STIMULI = ("operator", "periodic", "fetch", "modbus", "output", "command", "none")
+RANGE = re.compile(r"^(\d+)(?:\.\.(\d+))?$")
+DATA_WORD = re.compile(r"^DB\d{1,3}\.DW\d{1,3}$", re.IGNORECASE)
+CELL = re.compile(r"^(input|holding|coil|discrete):\d{1,5}$")
+
+
+class BadFile(Exception):
+    """Faults of a file; each line names file, key, range and what to do."""
+
+    def __init__(self, faults: list[str]) -> None:
+        super().__init__("\n".join(faults))
+        self.faults = faults
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """A checked bench file."""
+
+    path: pathlib.Path | None
+    url: str
+    format: str = "9600 8E1"
+    marks: bool | None = None
+    device: Table = field(default_factory=dict)
+    start: tuple[str, ...] = ()
+    link: Table = field(default_factory=dict)
+    touch: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    known: Mapping[str, bytes | int] = field(default_factory=dict)
+    stimulus: Table = field(default_factory=dict)
+    power: Table = field(default_factory=dict)
+    report: Table = field(default_factory=dict)
+    pics: Table = field(default_factory=dict)
+
+    @property
+    def folder(self) -> pathlib.Path:
+        """Paths of the file begin here."""
+        return self.path.parent if self.path is not None else pathlib.Path.cwd()
+
+
+def _text(value: object) -> str:
+    return "" if isinstance(value, str) and value else "a text"
+
+
+def _flag(value: object) -> str:
+    return "" if isinstance(value, bool) else "true or false"
+
+
+def _argv(value: object) -> str:
+    good = isinstance(value, list) and value and all(isinstance(one, str) for one in value)
+    return "" if good else 'a list of texts such as ["python3", "station.py"]'
+
+
+def _number(least: float, most: float) -> Check:
+    def check(value: object) -> str:
+        good = isinstance(value, (int, float)) and not isinstance(value, bool) and least <= value <= most
+        return "" if good else f"a number {least:g} to {most:g}"
+
+    return check
+
+
+def _whole(least: int, most: int) -> Check:
+    def check(value: object) -> str:
+        good = isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
+        return "" if good else f"a whole number {least} to {most}"
+
+    return check
+
+
+def _one_of(*names: str) -> Check:
+    return lambda value: "" if value in names else f"one of {', '.join(names)}"
+
+
+def _any(value: object) -> str:
+    return ""
+
+
+def _numbers(most: int) -> Check:
+    def check(value: object) -> str:
+        good = isinstance(value, list) and all(_span(one, most) for one in value)
+        return "" if good else f'a list of numbers 0 to {most} or ranges such as "10..40"'
+
+    return check
+
+
+def _span(value: object, most: int) -> tuple[int, ...]:
+    """The numbers of one entry; () where it is none."""
+    if isinstance(value, int) and not isinstance(value, bool):
+        return (value,) if 0 <= value <= most else ()
+    found = RANGE.match(value.strip()) if isinstance(value, str) else None
+    if found is None:
+        return ()
+    first, last = int(found[1]), int(found[2] or found[1])
+    return tuple(range(first, last + 1)) if first <= last <= most else ()
+
+
+TIMES: dict[str, tuple[str, ...]] = {  # field of the profile: names in a bench file
+    "ack_delay": ("ack_delay_ms", "qvz_ms", "qvz", "adt_ms", "ack_delay"),
+    "char_delay": ("char_delay_ms", "zvz_ms", "zvz", "cdt_ms", "char_delay"),
+    "block_wait": ("block_wait_ms", "bwz_ms", "bwz", "block_wait"),
+    "retry_pause": ("retry_pause_ms",),
+    "no_buffer_wait": ("no_buffer_wait_ms",),
+    "connect_attempts": ("connect_attempts",),
+    "block_attempts": ("block_attempts",),
+}
+TIME_KEYS: dict[str, Check] = {name: _number(0, 3_600_000) for names in TIMES.values() for name in names} | {
+    "connect_attempts": _whole(1, 255),
+    "block_attempts": _whole(1, 255),
+    "reaction_ms": _number(1, 3_600_000),
+    "answer_ms": _number(1, 60_000),
+}
+
+
+def _times(value: object) -> str:
+    if not isinstance(value, dict):
+        return f"a table; keys: {', '.join(TIME_KEYS)}"
+    for key, one in value.items():
+        if key not in TIME_KEYS:
+            return f"a table; it has no key {key}{_near(key, TIME_KEYS)}"
+        if wanted := TIME_KEYS[key](one):
+            return f"{wanted} at {key}"
+    return ""
+
+
+KEYS: dict[str, dict[str, Check]] = {
+    "port": {"url": _text, "format": _text, "marks": _flag},
+    "link": {
+        "profile": _one_of(*PROFILES),
+        "priority": _one_of("high", "low"),
+        "times": _times,
+        "layer": _one_of("rk512", "raw"),
+        "block_check": _flag,
+        "missing_db": _whole(0, 255),
+        "db": _whole(0, 255),
+        "words": _whole(1, 256),
+        "reaction_ms": _number(1, 3_600_000),
+        "answer_ms": _number(1, 60_000),
+        "unit": _whole(0, 255),
+        "missing_unit": _whole(0, 255),
+    },
+    "touch": {"db": _numbers(255), "holding": _numbers(65535), "coils": _numbers(65535)},
+    "stimulus": {
+        "kind": _one_of(*STIMULI),
+        "prompt": _any,
+        "timeout_ms": _number(1, 3_600_000),
+        "period_ms": _number(1, 3_600_000),
+        "command": _argv,
+        "url": _text,
+        "unit": _whole(0, 255),
+        "coil": _whole(0, 65535),
+        "holding": _whole(0, 65535),
+        "value": _whole(0, 65535),
+    },
+    "power": {"on": _argv, "off": _argv, "command": _argv, "relay": _text, "prompt": _text, "limit_ms": _number(1, 3_600_000)},
+    "report": dict.fromkeys(
+        "number place customer date method deviations uncertainty decision_rule person language title laboratory".split(), _any
+    ),
+}
+FREE = ("device", "known", "pics")
+
+
+def _near(name: str, names: object) -> str:
+    found = difflib.get_close_matches(name, list(cast(Mapping[str, object], names)), n=1, cutoff=0.5)
+    return f"; did you mean {found[0]}?" if found else ""
+
+
+def read_toml(path: pathlib.Path) -> dict[str, object]:
+    """BadFile where it cannot be read."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BadFile([f"{path}: cannot be read ({error.strerror or error}); check the path"]) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise BadFile([f"{path}: is not TOML ({error}); one key = value a line, texts in quotes"]) from error
+
+
+def load_bench(path: pathlib.Path) -> Bench:
+    """BadFile lists every fault."""
+    found = read_toml(path)
+    faults = [f"{path}: {fault}" for fault in _faults(found)]
+    if faults:
+        raise BadFile(faults)
+    return _bench(path, found)
+
+
+def _faults(found: Table) -> list[str]:
+    faults = []
+    for section, value in found.items():
+        if section not in KEYS and section not in FREE:
+            faults.append(f"[{section}]: no such table; there are {', '.join((*FREE, *KEYS))}{_near(section, KEYS)}")
+        elif not isinstance(value, dict):
+            faults.append(f"{section}: a table [{section}] expected")
+        else:
+            faults += _section(section, value)
+    port = found.get("port")
+    if not isinstance(port, dict) or "url" not in port:
+        faults.append('port.url: is missing; such as url = "/dev/ttyUSB0", "pty:/path", "tcp://host:port" or "machine:FILE.py:FACTORY"')
+    return faults
+
+
+def _section(section: str, table: Table) -> list[str]:
+    if section == "known":
+        return [fault for key, value in table.items() if (fault := _known_fault(key, value))]
+    if section in FREE:
+        wanted = _argv(table["start"]) if section == "device" and "start" in table else ""
+        return [f"device.start: {wanted} expected, found {table['start']!r}"] if wanted else []
+    faults = []
+    for key, value in table.items():
+        if key not in KEYS[section]:
+            faults.append(f"{section}.{key}: no such key; there are {', '.join(KEYS[section])}{_near(key, KEYS[section])}")
+        elif wanted := KEYS[section][key](value):
+            faults.append(f"{section}.{key}: {wanted} expected, found {value!r}")
+    return faults
+
+
+def _known_fault(key: str, value: object) -> str:
+    if DATA_WORD.match(key):
+        good = isinstance(value, str) and re.fullmatch(r"(?:[0-9A-Fa-f]{2}\s*)+", value) is not None
+        return "" if good else f'known."{key}": hexadecimal bytes such as "0A03" expected, found {value!r}'
+    if CELL.match(key):
+        most = 1 if key.startswith(("coil", "discrete")) else 65535
+        good = isinstance(value, (int, bool)) and 0 <= value <= most
+        return "" if good else f'known."{key}": a number 0 to {most} expected, found {value!r}'
+    return f'known."{key}": a place such as "DB10.DW3", "input:7", "holding:7", "coil:7" or "discrete:7" expected'
+
+
+def _bench(path: pathlib.Path, found: Table) -> Bench:
+    def table(name: str) -> dict[str, object]:
+        value = found.get(name, {})
+        return dict(cast(dict[str, object], value))
+
+    port, device = table("port"), table("device")
+    start = device.pop("start", [])
+    touch = {
+        name: tuple(number for one in cast(list[object], values) for number in _span(one, 65535)) for name, values in table("touch").items()
+    }
+    known = {key: bytes.fromhex(value) if isinstance(value, str) else int(cast(int, value)) for key, value in table("known").items()}
+    marks = port.get("marks")
+    return Bench(
+        path,
+        str(port["url"]),
+        str(port.get("format", "9600 8E1")),
+        marks if isinstance(marks, bool) else None,
+        device,
+        tuple(cast(list[str], start)),
+        table("link"),
+        touch,
+        known,
+        table("stimulus"),
+        table("power"),
+        table("report"),
+        table("pics"),
+    )
+
+
+# ---- PICS and waivers
+def load_pics(path: pathlib.Path, known: Mapping[str, str]) -> dict[str, object]:
+    """`known`: key -> kind (bool, text, whole, table); a [pics] table or the keys at the top."""
+    found = read_toml(path)
+    table = found.get("pics", found)
+    if not isinstance(table, dict):
+        raise BadFile([f"{path}: pics: a table [pics] expected"])
+    faults = pics_faults(table, known)
+    if faults:
+        raise BadFile([f"{path}: {fault}" for fault in faults])
+    return dict(table)
+
+
+def pics_faults(table: Table, known: Mapping[str, str]) -> list[str]:
+    """Every unknown key and every value of the wrong kind."""
+    faults = []
+    for key, value in table.items():
+        kind = known.get(key)
+        if kind is None:
+            faults.append(
+                f"pics.{key}: no such item; there are {', '.join(known)}{_near(key, known)}; axisgate conformance new-pics writes one"
+            )
+            continue
+        good = {
+            "bool": isinstance(value, bool),
+            "text": isinstance(value, str),
+            "whole": isinstance(value, int) and not isinstance(value, bool) and value >= 0,
+            "table": isinstance(value, dict) and all(_is_number(one) for one in value.values()),
+        }[kind]
+        wanted = {
+            "bool": "true or false",
+            "text": "a text",
+            "whole": "a whole number from 0",
+            "table": 'a table of error numbers such as { missing_block = "2A" }',
+        }
+        if not good:
+            faults.append(f"pics.{key}: {wanted[kind]} expected, found {value!r}")
+    return faults
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, str) and re.fullmatch(r"[0-9A-Fa-f]{1,2}", value) is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Waiver:
+    """A verdict that is accepted: by whom, why, until when."""
+
+    id: str
+    reason: str
+    who: str
+    until: str
+
+
+def load_waivers(path: pathlib.Path, ids: frozenset[str], today: datetime.date) -> dict[str, Waiver]:
+    """[[waiver]] id, reason, who, until; an expired one is a fault."""
+    found = read_toml(path)
+    faults, waivers = [], dict[str, Waiver]()
+    rows = found.get("waiver", [])
+    if not isinstance(rows, list) or set(found) - {"waiver"}:
+        raise BadFile([f"{path}: only [[waiver]] tables with id, reason, who, until expected"])
+    for number, row in enumerate(rows, 1):
+        missing = [key for key in ("id", "reason", "who", "until") if not (isinstance(row, dict) and row.get(key))]
+        if missing:
+            faults.append(f"{path}: waiver {number}: {', '.join(missing)} missing; each needs id, reason, who, until")
+            continue
+        until = row["until"] if isinstance(row["until"], datetime.date) else _date(str(row["until"]))
+        if row["id"] not in ids:
+            faults.append(f"{path}: waiver {number}: id {row['id']} is in no case of this suite{_near(str(row['id']), dict.fromkeys(ids))}")
+        elif until is None:
+            faults.append(f"{path}: waiver {number}: until {row['until']}: a date such as 2027-06-30 expected")
+        elif until < today:
+            faults.append(f"{path}: waiver {number}: {row['id']} expired on {until}; renew it with a new date, or remove it")
+        else:
+            waivers[str(row["id"])] = Waiver(str(row["id"]), str(row["reason"]), str(row["who"]), until.isoformat())
+    if faults:
+        raise BadFile(faults)
+    return waivers
+
+
+def _date(text: str) -> datetime.date | None:
+    try:
+        return datetime.date.fromisoformat(text)
+    except ValueError:
+        return None

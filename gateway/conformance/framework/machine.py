@@ -1,0 +1,118 @@
+"""`machine:FILE.py:FACTORY?key=value`: the object FACTORY returns is tested in virtual time (the seven methods of a byte machine)."""
+
+import importlib.util
+import pathlib
+import sys
+import urllib.parse
+from collections.abc import Callable, Sequence
+from typing import cast
+
+from drivers.ports.base import PortError
+from gateway.conformance.framework.bench_file import BadFile
+from protocols.base.machine import Damage, Machine, Ns
+
+METHODS = ("receive", "damaged", "sent", "wake", "deadline", "take_output", "lost")
+
+
+class MachineDied(PortError):
+    """The device under test raised: it is gone."""
+
+
+class Guarded:
+    """Passes on to the device; what it raises is the end of the device, not of the tester."""
+
+    def __init__(self, device: Machine[object], name: str) -> None:
+        self.device, self._name = device, name
+        self.stimulate = self._optional("stimulate")
+        self.hold = self._optional("hold")
+        self.power = self._optional("power")
+
+    def _optional(self, name: str) -> Callable[..., None] | None:
+        found = getattr(self.device, name, None)
+        if not callable(found):
+            return None
+        act = cast(Callable[..., object], found)
+
+        def guarded(*arguments: object) -> None:
+            self._call(lambda: act(*arguments), name)
+
+        return guarded
+
+    def _call(self, act: Callable[[], object], method: str) -> object:
+        try:
+            return act()
+        except Exception as error:
+            raise MachineDied(0, f"{self._name}: {method} raised {type(error).__name__}: {error}") from error
+
+    def _events(self, act: Callable[[], object], method: str) -> Sequence[object]:
+        found = self._call(act, method)
+        return list(found) if isinstance(found, (list, tuple)) else []
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        return self._events(lambda: self.device.receive(data, now), "receive")
+
+    def damaged(self, kind: Damage, now: Ns) -> Sequence[object]:
+        return self._events(lambda: self.device.damaged(kind, now), "damaged")
+
+    def sent(self, now: Ns) -> Sequence[object]:
+        return self._events(lambda: self.device.sent(now), "sent")
+
+    def wake(self, now: Ns) -> Sequence[object]:
+        return self._events(lambda: self.device.wake(now), "wake")
+
+    def deadline(self) -> Ns | None:
+        due = self._call(self.device.deadline, "deadline")
+        return due if isinstance(due, int) else None
+
+    def take_output(self) -> bytes:
+        said = self._call(self.device.take_output, "take_output")
+        return bytes(said) if isinstance(said, (bytes, bytearray)) else b""
+
+    def lost(self, now: Ns) -> Sequence[object]:
+        return self._events(lambda: self.device.lost(now), "lost")
+
+
+def load_machine(url: str, folder: pathlib.Path) -> Callable[[], Guarded]:
+    """A maker of the device; BadFile says what is wrong with the address, the file or the factory."""
+    address, _, query = url.removeprefix("machine:").partition("?")
+    name, colon, factory_name = address.rpartition(":")
+    if not colon or not name or not factory_name:
+        raise BadFile([f"port.url {url}: machine:FILE.py:FACTORY?key=value expected"])
+    path = (folder / name).resolve()
+    values = dict(urllib.parse.parse_qsl(query, keep_blank_values=True))
+    factory = _factory(path, factory_name, url)
+
+    def make() -> Guarded:
+        try:
+            device = factory(**values)
+        except Exception as error:
+            raise BadFile([f"port.url {url}: {factory_name} raised {type(error).__name__}: {error}; check its keys and values"]) from error
+        missing = [method for method in METHODS if not callable(getattr(device, method, None))]
+        if missing:
+            raise BadFile(
+                [f"port.url {url}: what {factory_name} returns lacks {', '.join(missing)}; a byte machine has {', '.join(METHODS)}"]
+            )
+        return Guarded(cast(Machine[object], device), f"{path.name}:{factory_name}")
+
+    return make
+
+
+def _factory(path: pathlib.Path, name: str, url: str) -> Callable[..., object]:
+    if not path.is_file():
+        raise BadFile([f"port.url {url}: {path} does not exist; the path is taken from the folder of the bench file"])
+    spec = importlib.util.spec_from_file_location(f"conformance_device_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise BadFile([f"port.url {url}: {path} is no Python file"])
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    sys.path.insert(0, str(path.parent))
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise BadFile([f"port.url {url}: {path} cannot be loaded ({type(error).__name__}: {error})"]) from error
+    finally:
+        sys.path.remove(str(path.parent))
+    found = getattr(module, name, None)
+    if not callable(found):
+        raise BadFile([f"port.url {url}: {path.name} has no function {name}"])
+    return cast(Callable[..., object], found)

@@ -1,0 +1,252 @@
+"""Plays the purposes of a suite at a device: order, preambles, repeats, deaths of the device, Ctrl-C; every case gets its verdict."""
+
+import random
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from drivers.ports.base import PortError
+from gateway.conformance.framework.base import Notes, Tester
+from gateway.conformance.framework.bench_file import Waiver
+from gateway.pure.conformance.interval import Measure
+from gateway.pure.conformance.purpose import Purpose
+from gateway.pure.conformance.verdict import Disturbed, Ended, Inconclusive, Verdict, worst
+from protocols.base.machine import Ns, ms
+
+TRIES = 3  # of a case that was disturbed, or whose time lies across a limit
+LATE = ms(10)  # this host was held up so long: a FAIL proves nothing
+
+
+class Session(Protocol):
+    """A suite at a device: what the runner asks of it."""
+
+    tester: Tester
+    assumed: list[str]  # what was taken for granted or found out, in words
+
+    def discover(self) -> Mapping[str, object]: ...  # the PICS, completed; called once before the first case
+    def self_check(self) -> Mapping[str, object]: ...
+    def begin(self, clean: bool) -> None: ...  # before each try of a case: the line becomes idle; clean: the last case passed
+    def alive(self) -> None: ...  # the postamble; an Ended says why not
+    def now(self) -> Ns: ...
+    def close(self) -> None: ...
+
+
+@dataclass(slots=True)
+class Result:
+    """One case of the report."""
+
+    purpose: Purpose[Tester]
+    verdict: Verdict
+    reason: str = ""
+    expected: str = ""
+    got: str = ""
+    caused_by: str = ""
+    notes: Notes = field(default_factory=Notes)
+    late: Ns = 0
+    took: Ns = 0
+    waived: Waiver | None = None
+
+
+class Runner:
+    """One run.  `progress` gets every result at once."""
+
+    def __init__(
+        self,
+        session: Session,
+        purposes: Sequence[Purpose[Tester]],
+        seed: int | None = None,
+        waivers: Mapping[str, Waiver] | None = None,
+        progress: Callable[[Result], None] = lambda result: None,
+    ) -> None:
+        self.session, self._waivers, self._progress = session, waivers or {}, progress
+        self._order = ordered(purposes, seed)
+        self._purposes = list(purposes)
+        self.results: dict[str, Result] = {}
+        self._first_fail = ""
+        self._gone = ""
+        self._worked = False  # the postamble has passed, and not failed since
+        self._unusable = ""  # the case that left the device so
+        self._clean = False
+        self._vain = 0  # tries to find it usable again
+        self.interrupted = False
+        self.pics: Mapping[str, object] = {}
+
+    def run(self) -> list[Result]:
+        """Results in the order of the suite, whatever the order of the run."""
+        try:
+            self.pics = self._discovered()
+            for purpose in self._order:
+                self._keep(self._case(purpose))
+        except KeyboardInterrupt:
+            self.interrupted = True
+        for purpose in self._order:
+            if purpose.id not in self.results:
+                self._keep(Result(purpose, Verdict.INCONC, "not run: the run was interrupted", "the end of the run", "Ctrl-C"))
+        return [self.results[purpose.id] for purpose in self._purposes]
+
+    def _discovered(self) -> Mapping[str, object]:
+        try:
+            return self.session.discover()
+        except PortError as error:
+            self._gone = _words(error)
+            return {}
+
+    def _keep(self, result: Result) -> None:
+        result.waived = self._waivers.get(result.purpose.id)
+        self.results[result.purpose.id] = result
+        if result.verdict is Verdict.FAIL and not self._first_fail:
+            self._first_fail = result.purpose.id
+        self._progress(result)
+
+    def _case(self, purpose: Purpose[Tester]) -> Result:
+        missing = [key for key in purpose.condition if not self.pics.get(key)] if not self._gone else []
+        if missing:
+            return Result(purpose, Verdict.NA, f"the PICS has no {', '.join(missing)}")
+        if self._gone:
+            return self._without_device(purpose)
+        for before in purpose.preamble:
+            failed = self.results.get(before)
+            if failed is not None and failed.verdict in (Verdict.FAIL, Verdict.INCONC, Verdict.ERROR):
+                cause = failed.caused_by or before
+                reason = f"not run: the preamble needs {before}, which is {failed.verdict.value} ({failed.reason})"
+                return Result(purpose, Verdict.INCONC, reason, failed.expected, failed.got, cause)
+        return self._left_behind(purpose) or self._repeated(purpose)
+
+    def _left_behind(self, purpose: Purpose[Tester]) -> Result | None:
+        """Since that case the device has not been usable: nothing can be said here."""
+        if not self._unusable:
+            return None
+        if self._vain < TRIES:
+            self._vain += 1
+            if self._usable():
+                self._unusable, self._vain = "", 0
+                return None
+        reason = f"not run: the device has not been usable since {self._unusable}"
+        return Result(purpose, Verdict.INCONC, reason, "a device that answers", "no answer", self._unusable)
+
+    def _usable(self) -> bool:
+        """The postamble passes; twice asked, for one that is busy."""
+        for attempt in range(2):
+            try:
+                self.session.alive()
+            except Ended:
+                if attempt:
+                    return False
+            else:
+                self._worked = True
+                return True
+        return False
+
+    def _without_device(self, purpose: Purpose[Tester]) -> Result:
+        """The first one is the finding, all others follow from it."""
+        expected = "an open port"
+        if not self._first_fail:
+            return Result(purpose, Verdict.FAIL, f"the device is gone: {self._gone}", expected, self._gone)
+        return Result(purpose, Verdict.INCONC, f"not run: the device is gone ({self._gone})", expected, self._gone, self._first_fail)
+
+    def _repeated(self, purpose: Purpose[Tester]) -> Result:
+        shown: list[str] = []
+        measures: list[Measure] = []
+        for attempt in range(TRIES):
+            result, again = self._once(purpose)
+            result.notes.measures[:0] = measures
+            if not again or attempt == TRIES - 1:
+                if shown and again:
+                    result.verdict = Verdict.INCONC
+                result.notes.remarks += shown
+                return result
+            shown.append(f"try {attempt + 1}: {result.reason}")
+            measures = list(result.notes.measures)
+        raise AssertionError("no try was made")
+
+    def _once(self, purpose: Purpose[Tester]) -> tuple[Result, bool]:
+        """One try; True: it should be repeated."""
+        tester = self.session.tester
+        tester.notes = Notes()
+        start = self.session.now()
+        result = Result(purpose, Verdict.PASS)
+        again = False
+        try:
+            self.session.begin(self._clean)
+            tester.notes = Notes()
+            start = self.session.now()
+            again = self._played(purpose, result)
+        except PortError as error:
+            self._gone = _words(error)
+            self._set(result, Verdict.FAIL, f"the device died in this case: {self._gone}", "a device that answers", _last(tester.notes))
+        except Ended as ended:  # the line did not become idle
+            again = isinstance(ended, Disturbed)
+            self._end(result, ended)
+        except (KeyboardInterrupt, SystemExit):
+            self._set(result, Verdict.INCONC, "the run was interrupted in this case", "the end of the case", "Ctrl-C")
+            result.notes = tester.notes
+            self._keep(result)
+            raise
+        except Exception as error:  # of the tester itself: the other cases are still worth something
+            self._set(result, Verdict.ERROR, f"the tester: {type(error).__name__}: {error}", "a verdict", "an error of the tester")
+        result.notes, result.late = tester.notes, tester.late()
+        result.took = self.session.now() - start
+        self._clean = result.verdict is Verdict.PASS
+        if result.verdict is Verdict.FAIL and result.late > LATE and not self._gone:
+            result.reason = f"this host was {result.late / 1e6:.0f} ms late; seen: {result.reason}"
+            result.verdict, again = Verdict.INCONC, True
+        return result, again
+
+    def _played(self, purpose: Purpose[Tester], result: Result) -> bool:
+        try:
+            purpose.body(self.session.tester)
+        except Ended as ended:
+            self._end(result, ended)
+            if isinstance(ended, Disturbed):
+                return True
+        if purpose.postamble and result.verdict is not Verdict.NA:
+            self._afterwards(purpose, result)
+        return False
+
+    def _afterwards(self, purpose: Purpose[Tester], result: Result) -> None:
+        """Each case leaves the device idle and usable; one that was usable before and is not now died in this case."""
+        worked = self._worked
+        if self._usable() or not worked:
+            return
+        self._worked, self._unusable, self._vain = False, purpose.id, 0
+        if result.verdict is not Verdict.FAIL:
+            seen = f"; seen: {result.reason}" if result.reason else ""
+            self._set(
+                result, Verdict.FAIL, f"the device is unusable after this case{seen}", "a device that answers", result.got or "no answer"
+            )
+            result.caused_by = ""
+
+    def _end(self, result: Result, ended: Ended) -> None:
+        caused_by = ended.caused_by
+        if isinstance(ended, Inconclusive) and not caused_by:
+            caused_by = self._first_fail or next(iter(result.purpose.preamble), "")
+        verdict = worst((result.verdict, ended.verdict)) if ended.verdict is not Verdict.NA else Verdict.NA
+        self._set(result, verdict, ended.reason, ended.expected, ended.got)
+        result.caused_by = caused_by if ended.verdict is Verdict.INCONC else ""
+
+    @staticmethod
+    def _set(result: Result, verdict: Verdict, reason: str, expected: str, got: str) -> None:
+        result.verdict, result.reason = verdict, reason
+        result.expected, result.got = (
+            expected or ("as the summary says" if verdict is Verdict.FAIL else ""),
+            got or ("nothing" if verdict is Verdict.FAIL else ""),
+        )
+
+
+def ordered(purposes: Sequence[Purpose[Tester]], seed: int | None) -> list[Purpose[Tester]]:
+    """Purposes that others start from come first; the rest as written, or shuffled."""
+    needed = {before for purpose in purposes for before in purpose.preamble}
+    first = [purpose for purpose in purposes if purpose.id in needed]
+    rest = [purpose for purpose in purposes if purpose.id not in needed]
+    if seed is not None:
+        random.Random(seed).shuffle(rest)
+    return first + rest
+
+
+def _words(error: PortError) -> str:
+    return str(error.args[-1]) if error.args else "the port is gone"
+
+
+def _last(notes: Notes) -> str:
+    heard = b"".join(piece.data for piece in notes.trace if piece.side == "device")[-16:]
+    return f"last heard: {heard.hex(' ').upper()}" if heard else "nothing was heard in this case"

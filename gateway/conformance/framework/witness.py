@@ -1,0 +1,76 @@
+"""How late this host is: a small process for each core, which sleeps two milliseconds again and again and notes when it woke late."""
+
+import contextlib
+import mmap
+import os
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+from protocols.base.machine import Ns, ms
+
+ENTRIES = 64
+ENTRY = struct.Struct("qq")  # moment, lateness
+SIZE = ENTRIES * ENTRY.size
+PROGRAM = f"""
+import mmap, os, struct, sys, time
+entry, core, parent = struct.Struct("qq"), int(sys.argv[2]), os.getppid()
+file = open(sys.argv[1], "r+b")
+kept = mmap.mmap(file.fileno(), 0)
+try:
+    os.sched_setaffinity(0, {{core}})
+except (AttributeError, OSError):
+    pass
+at = 0
+while os.getppid() == parent:
+    start = time.monotonic_ns()
+    time.sleep(0.002)
+    late = time.monotonic_ns() - start - 2_000_000
+    if late > 1_000_000:
+        entry.pack_into(kept, core * {SIZE} + at * {ENTRY.size}, start, late)
+        at = (at + 1) % {ENTRIES}
+"""
+MOST_CORES = 16
+
+
+class Witness:
+    """`late()` since the last `begin()`; without processes where they cannot be started."""
+
+    def __init__(self) -> None:
+        self._cores = min(os.cpu_count() or 1, MOST_CORES)
+        handle, name = tempfile.mkstemp(prefix="axisgate-witness-")
+        self._path = pathlib.Path(name)
+        with os.fdopen(handle, "r+b") as file:
+            file.write(bytes(SIZE * self._cores))
+            file.flush()
+            self._kept = mmap.mmap(file.fileno(), 0)
+        self._children: list[subprocess.Popen[bytes]] = []
+        with contextlib.suppress(OSError):
+            for core in range(self._cores):
+                self._children.append(
+                    subprocess.Popen([sys.executable, "-I", "-S", "-c", PROGRAM, name, str(core)], stderr=subprocess.DEVNULL)
+                )
+        self._since = time.monotonic_ns()
+
+    def begin(self) -> None:
+        self._since = time.monotonic_ns()
+
+    def late(self) -> Ns:
+        """The worst of all cores since then; wakes of less than one millisecond are none."""
+        worst = 0
+        for at in range(0, SIZE * self._cores, ENTRY.size):
+            moment, late = ENTRY.unpack_from(self._kept, at)
+            if moment + late >= self._since and late > worst:
+                worst = late
+        return min(worst, ms(60_000))
+
+    def close(self) -> None:
+        for child in self._children:
+            child.kill()
+            child.wait()
+        self._kept.close()
+        with contextlib.suppress(OSError):
+            self._path.unlink()

@@ -1,0 +1,33 @@
+"""Example peers of `axisgate conformance`: stations as byte machines, tested in virtual time (see docs/guide/conformance.md)."""
+
+from gateway.conformance.peers.modbus_devices import Answer, Device, padded, rewritten
+from gateway.conformance.peers.stations import ActiveStation, Built
+from gateway.conformance.serial.partners import DropsItsJob, Late, NoNak, Silent
+from protocols.base.machine import ms
+from protocols.p3964r.profiles import PROFILES, Priority
+
+FAULTS: dict[str, Answer] = {"padding": rewritten(1, padded)}
+
+
+def station(kind: str = "good", profile: str = "rho3", priority: str = "low") -> object:
+    """good, active, silent, no-nak, drops-its-job, slow: `machine:example_station.py:station?kind=no-nak`."""
+    table, rank = PROFILES[profile], Priority[priority.upper()]
+    makers = {
+        "good": lambda: Built(table, rank),
+        "active": lambda: ActiveStation(table, rank),
+        "silent": lambda: Silent(table, rank),
+        "no-nak": lambda: NoNak(table, rank),
+        "drops-its-job": lambda: DropsItsJob(table, rank),
+        "slow": lambda: Late(table, rank, late=ms(3000)),
+    }
+    if kind not in makers:
+        raise ValueError(f"kind {kind}: there are {', '.join(makers)}")
+    return makers[kind]()
+
+
+def server(rtu: str = "no", kind: str = "good") -> Device:
+    """A Modbus server; kind padding: unused bits are 1, one bad server to try a report with."""
+    wrong = FAULTS.get(kind)
+    if wrong is None and kind != "good":
+        raise ValueError(f"kind {kind}: there are good, {', '.join(FAULTS)}")
+    return Device(rtu == "yes", wrong)

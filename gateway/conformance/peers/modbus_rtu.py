@@ -1,0 +1,93 @@
+"""Modbus RTU: faulty and correct servers."""
+
+from collections.abc import Sequence
+
+from gateway.conformance.peers.modbus_devices import Device, Row, mutants, variants
+from protocols.base.machine import Ns
+from protocols.modbus.crc import sealed
+from protocols.modbus.mbap import Request
+from protocols.modbus.rtu import Dropped, Fault
+
+
+class BadCrc(Device):
+    def framed(self, said: bytes) -> bytes:
+        return said[:-2] + said[:-3:-1]
+
+
+class OtherUnit(Device):
+    def framed(self, said: bytes) -> bytes:
+        return sealed(b"\x09" + said[1:-2])
+
+
+class AnyCrc(Device):
+    """Does not look at the CRC."""
+
+    def _take(self, events: Sequence[object], now: Ns) -> list[object]:
+        return super()._take([self._good(event) for event in events], now)
+
+    def _good(self, event: object) -> object:
+        if isinstance(event, Dropped) and event.why is Fault.CHECK and len(event.frame) == 8:
+            return Request(0, event.frame[0], event.frame[1:-2])
+        return event
+
+
+class LowCrc(AnyCrc):
+    """Looks at one byte of the CRC."""
+
+    def _good(self, event: object) -> object:
+        if isinstance(event, Dropped) and event.why is Fault.CHECK and sealed(event.frame[:-2])[-2] == event.frame[-2]:
+            return Request(0, event.frame[0], event.frame[1:-2])
+        return event
+
+
+class AnyUnit(Device):
+    """Answers for every unit."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        return super().serve(Request(0, 1, request.pdu), now)
+
+
+class ExceptionForBad(Device):
+    """A frame whose CRC is wrong is answered with an exception."""
+
+    def _take(self, events: Sequence[object], now: Ns) -> list[object]:
+        for event in events:
+            if isinstance(event, Dropped) and len(event.frame) > 3:
+                self._queue.append((now, sealed(bytes((event.frame[0], event.frame[1] | 0x80, 3)))))
+        return super()._take(events, now)
+
+
+class AnswersBroadcast(Device):
+    def serve(self, request: Request, now: Ns) -> bytes:
+        return super().serve(request._replace(unit=1) if request.unit == 0 else request, now)
+
+
+class Tires(Device):
+    def framed(self, said: bytes) -> bytes:
+        return said if self.count < 80 else b""
+
+
+class NoiseKills(Device):
+    """Five spoiled frames end its service."""
+
+    _bad = 0
+
+    def _take(self, events: Sequence[object], now: Ns) -> list[object]:
+        self._bad += sum(isinstance(event, Dropped) for event in events)
+        self.dead = self.dead or self._bad > 5
+        return super()._take(events, now)
+
+
+MORE: tuple[Row, ...] = (
+    ("bad-crc", "sends its CRC high byte first", ("FUN_BV_01",), lambda rtu: BadCrc(True)),
+    ("other-unit", "answers as unit 9", ("FUN_BV_01",), lambda rtu: OtherUnit(True)),
+    ("any-crc", "does not look at the CRC", ("RTU_BI_01",), lambda rtu: AnyCrc(True)),
+    ("half-crc", "looks at one byte of the CRC", ("RTU_BI_01",), lambda rtu: LowCrc(True)),
+    ("any-unit", "answers for every unit", ("RTU_BI_04",), lambda rtu: AnyUnit(True)),
+    ("exception-for-bad", "answers a bad frame with an exception", ("RTU_BI_01",), lambda rtu: ExceptionForBad(True)),
+    ("answers-broadcast", "answers a broadcast", ("RTU_BI_06",), lambda rtu: AnswersBroadcast(True)),
+    ("tires", "silent after 80 requests", ("RTU_ST_01", "FUN_BV_10"), lambda rtu: Tires(True)),
+    ("noise-kills", "five spoiled frames end its service", ("RTU_BI_01",), lambda rtu: NoiseKills(True)),
+)
+MUTANTS = mutants("MBRTU", True, MORE, without=("after-refusals", "each-70th", "tires"))
+VARIANTS = variants(True)

@@ -1,0 +1,116 @@
+"""Modbus TCP: faulty and correct servers."""
+
+from collections.abc import Sequence
+
+from gateway.conformance.peers.modbus_devices import Device, Row, mutants, variants
+from protocols.base.machine import Ns
+from protocols.modbus.mbap import ANSWER, HEADER, Closing, Foreign
+
+
+class Framed(Device):
+    """The header of its answers is wrong: `change(transaction, protocol, length, unit)`."""
+
+    def __init__(self, change: int) -> None:
+        super().__init__(False)
+        self._change = change
+
+    def framed(self, said: bytes) -> bytes:
+        found, at = b"", 0
+        while at < len(said):
+            transaction, protocol, length = HEADER.unpack_from(said, at)
+            body = said[at + 7 : at + 6 + length]
+            unit = said[at + 6]
+            changed = (
+                ((transaction + 1) & 0xFFFF, protocol, length, unit),
+                (transaction, 1, length, unit),
+                (transaction, protocol, length + 1, unit),
+                (transaction, protocol, length, unit + 1),
+            )
+            found += ANSWER.pack(*changed[self._change]) + body
+            at += 6 + length
+        return found
+
+
+class LowTransaction(Device):
+    """Eight bits of the transaction come back."""
+
+    def framed(self, said: bytes) -> bytes:
+        return b"\0" + said[1:]
+
+
+class OneOfTen(Device):
+    """Of several requests in one segment the first is answered."""
+
+    _at: Ns = -1
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        before = self.count
+        if self._at == now and before:
+            return []
+        found = super().receive(data, now)
+        if self.count > before:
+            self._at = now
+        return found
+
+
+class WholeOnly(Device):
+    """A request must come in one piece."""
+
+    _last: Ns = 0
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        if now != self._last:
+            self.framing = type(self.framing)()  # type: ignore[call-arg]
+        self._last = now
+        return super().receive(data, now)
+
+
+class AnswersForeign(Device):
+    """A frame that cannot be is answered like a good one."""
+
+    def strange(self, event: object) -> None:
+        if isinstance(event, Closing):
+            self._queue.append((0, ANSWER.pack(1, 0, 5, 1) + b"\x03\x02\x00\x00"))
+
+
+class LocksUp(Device):
+    """A frame of another protocol ends its service."""
+
+    def strange(self, event: object) -> None:
+        self.dead = self.dead or isinstance(event, Foreign)
+
+
+class Tires(Device):
+    """After 80 requests it is silent."""
+
+    def framed(self, said: bytes) -> bytes:
+        return said if self.count < 80 else b""
+
+
+class Sleeps(Device):
+    """After two seconds without a request it is silent."""
+
+    _heard: Ns = 0
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        if self.count and now - self._heard > 2_000_000_000:
+            self.dead = True
+        self._heard = now
+        return super().receive(data, now)
+
+
+MORE: tuple[Row, ...] = (
+    ("transaction", "answers with the next transaction number", ("FUN_BV_01",), lambda rtu: Framed(0)),
+    ("protocol", "protocol identifier 1 in its answers", ("FUN_BV_01",), lambda rtu: Framed(1)),
+    ("length", "a length one too long", ("FUN_BV_01",), lambda rtu: Framed(2)),
+    ("unit", "answers with another unit", ("FUN_BV_01",), lambda rtu: Framed(3)),
+    ("low-transaction", "eight bits of the transaction come back", ("FUN_BV_01", "TCP_BV_01"), lambda rtu: LowTransaction(False)),
+    ("one-of-ten", "answers the first of several requests", ("TCP_BV_02",), lambda rtu: OneOfTen(False, late=1_000_000)),
+    ("whole-only", "a request must come in one piece", ("TCP_BV_03",), lambda rtu: WholeOnly(False)),
+    ("answers-foreign", "answers a frame that cannot be", ("TCP_BI_02", "TCP_BI_03"), lambda rtu: AnswersForeign(False)),
+    ("locks-up", "a frame of another protocol ends its service", ("TCP_BI_01",), lambda rtu: LocksUp(False)),
+    ("tires", "silent after 80 requests", ("TCP_ST_01",), lambda rtu: Tires(False)),
+    ("sleeps", "silent after two seconds of rest", ("TCP_RC_04",), lambda rtu: Sleeps(False)),
+)
+MUTANTS = mutants("MBTCP", False, MORE, without=("after-refusals", "each-70th"))
+VARIANTS = variants(False)

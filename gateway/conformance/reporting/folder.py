@@ -1,0 +1,128 @@
+"""The report folder: page, JSON, JUnit, traces, and a list of check sums by which any changed byte is found; two reports compared."""
+
+import hashlib
+import json
+import pathlib
+from collections.abc import Mapping, Sequence
+
+from gateway.conformance.framework.run import Result
+from gateway.conformance.reporting.document import KIND, Json, cases_of, checksum, trace
+from gateway.conformance.reporting.junit import to_junit
+from gateway.conformance.reporting.page import to_html
+from gateway.pure.lines.pcapng import pcapng
+from gateway.pure.lines.turns import Kind, Turn
+
+SUMS = "SHA256SUMS"
+JSON, PAGE, JUNIT = "report.json", "report.html", "junit.xml"
+WORSE = {verdict: weight for weight, verdict in enumerate(("N/A", "PASS", "WARN", "INCONC", "FAIL", "ERROR"))}
+
+
+class BadReport(Exception):
+    """What is wrong with a report, in one sentence."""
+
+
+def write_folder(folder: pathlib.Path, found: Json, results: Sequence[Result], language: str) -> list[pathlib.Path]:
+    """All files; OSError where the disk is full or the folder cannot be written."""
+    traces = folder / "traces"
+    traces.mkdir(parents=True, exist_ok=True)
+    files: dict[pathlib.Path, bytes] = {
+        folder / JSON: (json.dumps(found, indent=1, ensure_ascii=False) + "\n").encode(),
+        folder / PAGE: to_html(found, language).encode(),
+        folder / JUNIT: to_junit(found).encode(),
+    }
+    for result in results:
+        if result.notes.trace:
+            files[traces / f"{result.purpose.id}.txt"] = _text(result).encode()
+            files[traces / f"{result.purpose.id}.pcapng"] = _capture(result)
+    for path, content in files.items():
+        path.write_bytes(content)
+    sums = "".join(f"{hashlib.sha256(content).hexdigest()}  {path.relative_to(folder).as_posix()}\n" for path, content in files.items())
+    (folder / SUMS).write_text(sums, encoding="utf-8")
+    return list(files)
+
+
+def _capture(result: Result) -> bytes:
+    """Runs of one side as packets; the dissector of configs/wireshark shows them as characters."""
+    turns: list[Turn] = []
+    for one in sorted(result.notes.trace, key=lambda piece: piece.ns):
+        side = "A" if one.side == "tester" else "B"
+        if not turns or turns[-1].side != side:
+            turns.append(Turn(one.ns, one.ns, side, Kind.STRAY, bytearray()))
+        turns[-1].data += one.data
+        turns[-1].last_ns = one.ns
+        if one.note:
+            turns[-1].remarks.append(one.note)
+    return pcapng(turns, "conformance", f"{result.purpose.id} {result.verdict.value}: A is the tester, B the device")
+
+
+def _text(result: Result) -> str:
+    lines = [f"# {result.purpose.id} {result.verdict.value} {result.reason}", f"# {trace(result)}"]
+    lines += [f"{one.ns / 1e6:14.3f} ms {one.side:7} {one.note or one.data.hex(' ').upper()}" for one in result.notes.trace]
+    return "\n".join(lines) + "\n"
+
+
+def verify(folder: pathlib.Path) -> list[str]:
+    """Every changed, missing or added file; [] where nothing is."""
+    try:
+        rows = (folder / SUMS).read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadReport(f"{folder / SUMS}: cannot be read ({error}); is this the folder of --report?") from error
+    faults, listed = [], {SUMS}
+    for number, row in enumerate(rows, 1):
+        digest, space, name = row.partition("  ")
+        if not space or len(digest) != 64:
+            faults.append(f"{SUMS}: line {number} is no check sum")
+            continue
+        listed.add(name)
+        try:
+            content = (folder / name).read_bytes()
+        except OSError:
+            faults.append(f"{name}: is missing")
+            continue
+        if hashlib.sha256(content).hexdigest() != digest:
+            faults.append(f"{name}: was changed")
+    faults += [
+        f"{path.relative_to(folder).as_posix()}: was added"
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.relative_to(folder).as_posix() not in listed
+    ]
+    for name in (JSON, PAGE, JUNIT):
+        if name not in listed:
+            faults.append(f"{name}: is not in {SUMS}")
+    return faults + _own_sum(folder)
+
+
+def _own_sum(folder: pathlib.Path) -> list[str]:
+    """The check sum inside the document: it stands on page 1 as well, so a list made anew is found."""
+    try:
+        found = load(folder)
+        page = (folder / PAGE).read_text(encoding="utf-8")
+    except (BadReport, OSError, UnicodeDecodeError) as error:
+        return [str(error)]
+    faults = [] if checksum(found) == found.get("sha256") else [f"{JSON}: its own check sum does not fit its content"]
+    return faults if str(found.get("sha256")) in page else [*faults, f"{PAGE}: shows another check sum than {JSON}"]
+
+
+def load(path: pathlib.Path) -> Json:
+    """A report by its folder or file; BadReport says why it is none."""
+    file = path / JSON if path.is_dir() else path
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BadReport(f"{file}: cannot be read ({error.strerror or error})") from error
+    except (ValueError, UnicodeDecodeError) as error:
+        raise BadReport(f"{file}: is no JSON ({error})") from error
+    if not isinstance(found, dict) or found.get("kind") != KIND or not isinstance(found.get("cases"), list):
+        raise BadReport(f"{file}: is no report of axisgate conformance")
+    return found
+
+
+def compare(old: Mapping[str, object], new: Mapping[str, object]) -> list[tuple[str, str, str]]:
+    """Cases whose verdict differs: id, before, now ("-": is not there)."""
+    before = {str(case["id"]): str(case["verdict"]) for case in cases_of(old)}
+    now = {str(case["id"]): str(case["verdict"]) for case in cases_of(new)}
+    return [(name, before.get(name, "-"), now.get(name, "-")) for name in {**before, **now} if before.get(name) != now.get(name)]
+
+
+def is_worse(before: str, now: str) -> bool:
+    return WORSE.get(now, 0) > max(WORSE.get(before, 0), WORSE["PASS"])

@@ -1,0 +1,196 @@
+"""The report as one self-contained HTML file that prints: number and page n of m on each page, German or English."""
+
+import html
+from collections.abc import Callable, Mapping, Sequence
+from typing import cast
+
+from gateway.conformance.reporting.document import Json, cases_of
+from gateway.conformance.reporting.words_de import GERMAN
+
+Word = Callable[..., str]
+COLOURS = {"PASS": "#1a7f37", "FAIL": "#b3261e", "WARN": "#8a5a00", "INCONC": "#5b3b9b", "N/A": "#666", "ERROR": "#b3261e"}
+FINDINGS = ("FAIL", "ERROR", "INCONC", "WARN")
+CASES_OF_PAGE, COVER_FINDINGS, TRACE = 9, 12, 420
+LABORATORY = ("laboratory", "customer", "place", "date", "method", "deviations", "uncertainty", "decision_rule", "person")
+DISCLAIMER, RULE = list(GERMAN)[-2:]
+STYLE = """
+@page{size:A4;margin:12mm}*{box-sizing:border-box}
+body{font:13px/1.4 system-ui,sans-serif;color:#1b1b1b;background:#e9ecef;margin:0}
+section{background:#fff;max-width:210mm;min-height:270mm;margin:8mm auto;padding:12mm;display:flex;flex-direction:column}
+h1{font-size:22px;margin:.2em 0}h2{font-size:16px;margin:1em 0 .3em}table{border-collapse:collapse;width:100%;table-layout:fixed}
+td,th{border-bottom:1px solid #d5d8dc;padding:.25rem .4rem;text-align:left;vertical-align:top;overflow-wrap:anywhere}
+th{background:#f3f5f7;font-weight:600}.v{font-weight:700}code{font:11px ui-monospace,monospace;overflow-wrap:anywhere}
+.chips span{display:inline-block;border:2px solid;border-radius:6px;padding:.15rem .6rem;margin:.15rem .3rem .15rem 0;font-weight:700}
+footer{margin-top:auto;border-top:1px solid #999;padding-top:.3rem;color:#555;font-size:11px;display:flex;justify-content:space-between}
+small{color:#555}ul{margin:.3em 0;padding-left:1.2em}
+@media print{body{background:#fff}section{margin:0;padding:0;max-width:none;min-height:0;height:272mm;break-after:page}}
+"""
+
+
+def to_html(found: Mapping[str, object], language: str = "en") -> str:
+    """One file, nothing from elsewhere."""
+    de = language == "de"
+
+    def word(text: str, *values: object) -> str:
+        pattern = GERMAN.get(text, text) if de else text
+        return _e(pattern.format(*values) if values else pattern)
+
+    pages = [_cover(found, word, de), *_laboratory(found, word), *_cases(found, word, de), *_coverage(found, word)]
+    number = _number(found)
+    footers = [
+        f"<footer><span>{word('Conformance report')} {_e(number)}</span><span>{word('page')} {at} {word('of')} {len(pages)}</span></footer>"
+        for at in range(1, len(pages) + 1)
+    ]
+    body = "".join(f"<section>{page}{footer}</section>" for page, footer in zip(pages, footers, strict=True))
+    return (
+        f'<!DOCTYPE html><html lang="{"de" if de else "en"}"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+        f"<title>{word('Conformance report')} {_e(number)}</title><style>{STYLE}</style>{body}</html>\n"
+    )
+
+
+def _table(found: Mapping[str, object], *path: str) -> Json:
+    for key in path:
+        found = cast(Mapping[str, object], found.get(key) or {})
+    return dict(found)
+
+
+def _number(found: Mapping[str, object]) -> str:
+    stated = _table(found, "bench", "report").get("number")
+    return str(stated) if stated else f"{found['at']} / {str(found['sha256'])[:12]}"
+
+
+def _e(text: object) -> str:
+    return html.escape(str(text))
+
+
+def _chip(verdict: str) -> str:
+    return f"<span class=v style='color:{COLOURS.get(verdict, '#333')}'>{_e(verdict)}</span>"
+
+
+def _rows(rows: Sequence[tuple[str, object]]) -> str:
+    return (
+        "<table><colgroup><col style='width:32%'><col></colgroup>"
+        + "".join(f"<tr><th>{label}<td>{_e(value)}" for label, value in rows)
+        + "</table>"
+    )
+
+
+def _cover(found: Mapping[str, object], word: Word, de: bool) -> str:
+    suite, counts, device = _table(found, "suite"), _table(found, "counts"), _table(found, "bench", "device")
+    shown = {word(name) if name == "waived" else name: count for name, count in counts.items() if count}
+    chips = "".join(f"<span style='color:{COLOURS.get(name, '#333')}'>{count} {name}</span>" for name, count in shown.items())
+    rows: list[tuple[str, object]] = [(word(str(key)), value) for key, value in device.items()] or [("", "-")]
+    port = _table(found, "bench", "port")
+    facts = [
+        (word("Suite"), f"{suite['name']} {suite['version']}"),
+        (word("Port"), f"{port.get('url')}, {port.get('format')}"),
+        (word("Seed"), "-" if found["seed"] is None else found["seed"]),
+        (word("Versions"), ", ".join(f"{key} {value}" for key, value in _table(found, "versions").items())),
+        (word("Check sum"), f"SHA-256 {found['sha256']}"),
+    ]
+    score = word("{} of {} faulty devices are found by this suite", suite["killed"], suite["mutants"])
+    broken = f"<p><b>{word('The run was interrupted; what was done is reported.')}</b></p>" if found["interrupted"] else ""
+    return (
+        f"<h1>{word('Conformance report')}</h1><p>{_e(found['at'])}</p><h2>{word('Item tested')}</h2>{_rows(rows)}"
+        f"<h2>{word('Result')}</h2><p class=chips>{chips}</p>{broken}<h2>{word('Mutant score of the suite')}</h2><p>{score}</p>"
+        f"<h2>{word('Findings')}</h2>{_findings(found, word, de)}"
+        f"<h2>{word('Bench')}</h2>{_rows(facts)}<p><small>{word(DISCLAIMER)}</small></p>"
+    )
+
+
+def _findings(found: Mapping[str, object], word: Word, de: bool) -> str:
+    """Worst first; those that only follow from another are counted with it."""
+    cases = [case for case in cases_of(found) if case["verdict"] in FINDINGS and not case["caused_by"]]
+    cases.sort(key=lambda case: FINDINGS.index(str(case["verdict"])))
+    follow = [str(case["caused_by"]) for case in cases_of(found) if case["caused_by"]]
+    lines = []
+    for case in cases[:COVER_FINDINGS]:
+        behind = follow.count(str(case["id"]))
+        more = f" <small>(+ {behind} {word('caused by')} {_e(case['id'])})</small>" if behind else ""
+        lines.append(
+            f"<li>{_chip(str(case['verdict']))} <b>{_e(case['id'])}</b> {_e(_summary(case, de))}: "
+            f"{_e(case['reason'])}{more}{_waived(case, word)}"
+        )
+    if len(cases) > COVER_FINDINGS:
+        lines.append(f"<li>+ {len(cases) - COVER_FINDINGS}")
+    return f"<ul>{''.join(lines)}</ul>" if lines else f"<p>{word('No findings.')}</p>"
+
+
+def _summary(case: Mapping[str, object], de: bool) -> str:
+    return str(case["summary_de"] if de else case["summary"])
+
+
+def _waived(case: Mapping[str, object], word: Word) -> str:
+    waived = case["waived"]
+    if not isinstance(waived, dict):
+        return ""
+    return f"<br><small>{word('waived by {} until {}: {}', waived['who'], waived['until'], waived['reason'])}</small>"
+
+
+def _laboratory(found: Mapping[str, object], word: Word) -> list[str]:
+    stated = _table(found, "bench", "report")
+    rows = [(word(name), stated.get(name, "")) for name in LABORATORY]
+    rows = [(label, value if label != word("decision_rule") or value else RULE_OF[word("page") == "Seite"]) for label, value in rows]
+    rows.append((word("Signature"), ""))
+    checked = [(_e(key), value) for key, value in _table(found, "self_check").items()]
+    assumed = cast(list[str], _table(found, "pics").get("assumed", []))
+    stated_pics = [(_e(key), value) for key, value in _table(found, "pics", "stated").items()]
+    listed = "".join(f"<li>{_e(text)}" for text in assumed)
+    return [
+        f"<h2>{word('Laboratory')}</h2>{_rows(rows)}<h2>{word('Self-check of the bench')}</h2>{_rows(checked)}"
+        f"<h2>PICS</h2>{_rows(stated_pics)}<h2>{word('Assumed')}</h2><ul>{listed}</ul>"
+    ]
+
+
+RULE_OF = {False: RULE, True: GERMAN[RULE]}
+
+
+def _cases(found: Mapping[str, object], word: Word, de: bool) -> list[str]:
+    """Findings take more room than the rest."""
+    pages: list[str] = []
+    rows: list[str] = []
+    room = CASES_OF_PAGE * 1.0
+    for case in cases_of(found):
+        need = 0.45 if case["verdict"] in ("PASS", "N/A") else 1.2 + len(str(case["trace"])[:TRACE]) / 500 + len(str(case["reason"])) / 400
+        if need > room and rows:
+            pages.append(_case_page(rows, word))
+            rows, room = [], CASES_OF_PAGE * 1.0
+        rows.append(_case(case, word, de))
+        room -= need
+    return [*pages, _case_page(rows, word)] if rows else pages
+
+
+def _case_page(rows: Sequence[str], word: Word) -> str:
+    head = f"<tr><th>{word('Case')}<th>{word('Verdict')}<th>{word('Expected')}, {word('Got')}, {word('Times')}"
+    widths = "<colgroup><col style='width:36%'><col style='width:11%'><col></colgroup>"
+    return f"<h2>{word('Cases')}</h2><table>{widths}{head}{''.join(rows)}</table>"
+
+
+def _case(case: Mapping[str, object], word: Word, de: bool) -> str:
+    lines = [_e(case["reason"])] if case["reason"] else []
+    if case["verdict"] in FINDINGS:
+        lines += [f"{word('Expected')}: {_e(case['expected'])}", f"{word('Got')}: {_e(case['got'])}"]
+    if case["caused_by"]:
+        lines.append(f"{word('caused by')} {_e(case['caused_by'])}")
+    lines += [_time(one) for one in cast(list[Json], case["measures"]) if one["min_ms"] is not None or one["max_ms"] is not None][:3]
+    if case["verdict"] in FINDINGS and case["trace"]:
+        text = str(case["trace"])
+        lines.append(f"<code>{_e(text if len(text) <= TRACE else '.. ' + text[-TRACE:])}</code>")
+    first = f"<td><b>{_e(case['id'])}</b><br>{_e(_summary(case, de))}<br><small>{_e(case['clause'])}</small>"
+    return f"<tr>{first}<td>{_chip(str(case['verdict']))}{_waived(case, word)}<td>{'<br>'.join(lines)}"
+
+
+def _time(one: Mapping[str, object]) -> str:
+    limits = " .. ".join("" if one[key] is None else f"{one[key]:g}" for key in ("min_ms", "max_ms"))
+    return _e(f"{one['what']}: {one['ms']:g} ms \u00b1 {one['uncertainty_ms']:g} ms [{limits}]")
+
+
+def _coverage(found: Mapping[str, object], word: Word) -> list[str]:
+    rows = []
+    for requirement, entry in _table(found, "coverage").items():
+        of = cast(Json, entry)
+        rows.append(f"<tr><td>{_e(requirement)}<td>{_chip(str(of['verdict']))}<td>{_e(', '.join(cast(list[str], of['cases'])))}")
+    if not rows:
+        return []
+    head = f"<tr><th style='width:22%'>{word('Requirement')}<th style='width:12%'>{word('Verdict')}<th>{word('Cases')}"
+    return [f"<h2>{word('Coverage of requirements')}</h2><table>{head}{''.join(rows)}</table><p><small>{word(RULE)}</small></p>"]

@@ -1,0 +1,321 @@
+"""The tester's side of a 3964R line: says, expects, measures; what the station sends unasked is served and noted."""
+
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from gateway.conformance.framework.base import TOLERANCE, Seen, Tester, hexed
+from gateway.links.serial.tool_wire import Wire
+from gateway.pure.conformance.verdict import Disturbed, Fail, Inconclusive, NotApplicable
+from protocols.base.machine import Damage, Ns, ms
+from protocols.p3964r.characters import Char, wire_block
+from protocols.p3964r.profiles import Priority, Profile
+
+NAMES = {2: "STX (02h)", 3: "ETX (03h)", 16: "DLE (10h)", 21: "NAK (15h)", 23: "ETB (17h)"}
+STX, DLE, NAK = (bytes((char,)) for char in (Char.STX, Char.DLE, Char.NAK))
+QUIET = ms(300)
+TRIES = 12  # wishes of the station that are let go first
+MOST_BLOCK = 4200  # characters: more is no block
+BETWEEN = ms(60)  # between an answer and a STX that belongs to something else
+
+
+def named(what: int | Damage | None) -> str:
+    """A character in hex and words."""
+    if what is None:
+        return "nothing"
+    if isinstance(what, Damage):
+        return "BREAK" if what is Damage.BREAK else "a damaged character"
+    return NAMES.get(what, f"{what:02X}h")
+
+
+@dataclass(slots=True)
+class LineSetup:
+    """What is known of the station and the bench."""
+
+    profile: Profile
+    priority: Priority | None  # of the station; None: not known
+    stimulus: Callable[["LineTester"], None] | None = None
+    stimulus_name: str = ""
+    stimulus_wait: Ns = ms(5000)
+    hold: Callable[[bool], None] | None = None
+    power: Callable[[bool], None] | None = None
+    pics: Mapping[str, object] = field(default_factory=dict)
+    write: tuple[int, ...] = ()  # data blocks that may be written
+    known: Mapping[str, bytes] = field(default_factory=dict)
+    reaction_wait: Ns = ms(5000)
+    missing: int = 99
+    db: int = 10
+    words: int = 128
+    size: int | None = None  # of the block that is read, where it was found out
+    seed: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A block of the station: its data, and what was wrong with its form ("": nothing)."""
+
+    data: bytes
+    fault: str = ""
+    raw: bytes = b""
+
+
+class LineTester(Tester):
+    """One station at one wire."""
+
+    def __init__(self, wire: Wire, setup: LineSetup, witness: Callable[[], Ns] = lambda: 0) -> None:
+        super().__init__()
+        self.wire, self.setup, self._witness = wire, setup, witness
+        self.mark: Ns = 0  # end of the last character said or heard
+        self.clock = "virtual" if wire.simulated else "monotonic clock of this host, at the port"
+        self.on_block: Callable[[bytes], None] | None = None  # what is made of a block that came unasked
+
+    @property
+    def profile(self) -> Profile:
+        return self.setup.profile
+
+    @property
+    def tolerance(self) -> Ns:
+        return self.wire.char_ns + TOLERANCE
+
+    def late(self) -> Ns:
+        return 0 if self.wire.simulated else max(self.wire.late_ns, self._witness())
+
+    def uncertainty(self) -> Ns:
+        return 0 if self.wire.simulated else self.wire.char_ns + self.late()
+
+    def begin(self) -> None:
+        """A case starts now."""
+        self.wire.late_ns = 0
+        self._witness()
+        self.mark = self.wire.now()
+
+    # ---- saying
+    def say(self, data: bytes) -> None:
+        self.wire.write(data)
+        self.mark = self.wire.drained()
+        self.notes.trace.append(Seen(self.mark, "tester", data))
+
+    def spoil(self, kind: Damage = Damage.PARITY) -> None:
+        """One damaged character; N/A where the port cannot."""
+        while self._hear(self.wire.drained()) is not None:
+            pass
+        if not (self.wire.send_break() if kind is Damage.BREAK else self.wire.spoil()):
+            raise NotApplicable(f"{self.wire.name} cannot send {'BREAK' if kind is Damage.BREAK else 'a character with wrong parity'}")
+        self.mark = self.wire.drained()
+        self.notes.trace.append(Seen(self.mark, "tester", b"", named(kind)))
+
+    # ---- hearing
+    def _hear(self, until: Ns) -> int | Damage | None:
+        heard = self.wire.hear(until)
+        if heard is None:
+            return None
+        self.mark = heard.stamp
+        what = heard.what
+        self.notes.trace.append(
+            Seen(heard.stamp, "device", b"", named(what)) if isinstance(what, Damage) else Seen(heard.stamp, "device", bytes((what,)))
+        )
+        return what
+
+    def answer(self, within: Ns) -> int | Damage | None:
+        """The next character, at most so long after the last one on the line; None: silence."""
+        return self._hear(self.mark + within)
+
+    def fail(self, after: str, got: int | Damage | None, expected: str) -> None:
+        raise Fail(f"after {after}: {named(got)}, expected {expected}", expected, named(got))
+
+    def expect(self, char: int, within: Ns, after: str) -> Ns:
+        """That character is next; how long it took since the last one on the line."""
+        start = self.mark
+        got = self.answer(within + self.tolerance + self.uncertainty())
+        if got != char:
+            self.fail(after, got, f"{named(char)} within {within / 1e6:.0f} ms")
+        return self.mark - start
+
+    def expect_at(self, char: int, due: Ns, after: str) -> None:
+        """That character comes `due` after the last one on the line, not before and not later."""
+        start = self.mark
+        got = self.answer(2 * due + ms(500))
+        if got != char:
+            self.fail(after, got, f"{named(char)} after {due / 1e6:.0f} ms")
+        self.timed(f"{named(char)} after {after}", self.mark - start, due - self.tolerance, due + self.tolerance)
+
+    def silence(self, how_long: Ns, after: str, idle: bool = True) -> None:
+        """Nothing comes so long; in idle what the station has to send of its own is served and noted."""
+        end = self.mark + how_long
+        while True:
+            got = self._hear(end)
+            if got is None:
+                return
+            if got != Char.STX or not idle:
+                self.fail(after, got, f"silence for {how_long / 1e6:.0f} ms")
+            self.serve()
+            end = max(end, self.mark + self.tolerance)
+
+    # ---- the station's own traffic
+    def serve(self) -> bytes | None:
+        """Its STX has been heard: take the block as a good partner does; the data."""
+        self.notes.unasked += 1
+        self.say(DLE)
+        block = self.read()
+        if block is None:
+            return None
+        self.say(DLE)
+        if self.on_block is not None:
+            self.on_block(block.data)
+        return block.data
+
+    def read(self) -> Block | None:
+        """The characters of a block after our DLE, to its end and with its check; None: it broke off."""
+        raw, data, escaped, odd = bytearray(), bytearray(), False, ""
+        while len(raw) < MOST_BLOCK:
+            got = self.answer(self.profile.char_delay + self.tolerance + self.uncertainty())
+            if not isinstance(got, int):
+                return None
+            raw.append(got)
+            if escaped and got in (Char.ETX, Char.ETB):
+                return self._checked(raw, data, odd)
+            if escaped and got != Char.DLE:
+                odd = odd or f"DLE is followed by {named(got)}: it is doubled, or ETX follows"
+                data += bytes((Char.DLE, got))
+            elif escaped or got != Char.DLE:
+                data.append(got)
+            escaped = got == Char.DLE and not escaped
+        return None
+
+    def _checked(self, raw: bytearray, data: bytearray, odd: str) -> Block | None:
+        if not self.profile.block_check:
+            return Block(bytes(data), odd, bytes(raw))
+        right = 0
+        for byte in raw:
+            right ^= byte
+        got = self.answer(self.profile.char_delay + self.tolerance + self.uncertainty())
+        if not isinstance(got, int):
+            return Block(bytes(data), odd or f"no block check, {right:02X}h expected", bytes(raw))
+        raw.append(got)
+        if got != right:
+            why = "; off by 02h: it includes STX" if got ^ right == 2 else ""
+            if got ^ right == 0x10 and data.count(Char.DLE) % 2:
+                why = "; it counts a doubled DLE once"
+            odd = odd or f"block check {got:02X}h, {right:02X}h expected{why}"
+        return Block(bytes(data), odd, bytes(raw))
+
+    def settle(self, quiet: Ns | None = None) -> None:
+        """Takes whatever the station still has to say until it is quiet; INCONC where it never is."""
+        wait = self.profile.char_delay + QUIET if quiet is None else quiet
+        self.mark = max(self.mark, self.wire.now())
+        blocks, characters = 0, 0
+        while (got := self.answer(wait)) is not None:
+            characters += 1
+            if characters > 2000 or blocks > 120:
+                raise Inconclusive("the station does not fall silent", "silence", named(got))
+            if got == Char.STX:
+                blocks += 1
+                wait = min(wait, BETWEEN) if blocks > 3 else wait
+                self.serve()
+
+    # ---- larger pieces
+    def connect(self) -> None:
+        """STX and the station's DLE, as the beginning of something else."""
+        with self.given():
+            self.open()
+
+    def open(self) -> None:
+        """STX and the station's DLE; wishes of its own that meet ours are let through first."""
+        while self._hear(self.wire.now()) is not None:
+            if self.notes.trace[-1].data == STX:
+                self.serve()
+        refused = 0
+        for _ in range(TRIES):
+            self.say(STX)
+            start = self.mark
+            got = self.answer(self.profile.ack_delay + self.tolerance + self.uncertainty())
+            if got == Char.STX:
+                got = self.answer(ms(100))
+                if got == Char.DLE:
+                    return
+                if got is None:
+                    self.serve()
+                    continue
+            if got == Char.DLE:
+                self.timed("DLE after STX", self.mark - start, None, self.profile.ack_delay + self.tolerance)
+                return
+            if got != Char.NAK or refused > 2:
+                self.fail("STX", got, f"{named(Char.DLE)} within {self.profile.ack_delay / 1e6:.0f} ms")
+            refused += 1  # no buffer: it may have been busy with the block before
+            self.silence(ms(500), "NAK")
+        raise Disturbed("the station sends without a pause", "DLE (10h)", "STX (02h)")
+
+    def block(self, wire: bytes, what: str) -> int | Damage | None:
+        """Connects, says these characters after the DLE; the answer."""
+        self.connect()
+        self.say(wire)
+        start = self.mark
+        got = self.answer(self.profile.ack_delay + self.tolerance + self.uncertainty())
+        if got is not None:
+            self.timed(f"answer to {what}", self.mark - start, None, None)
+        return got
+
+    def good(self, data: bytes, what: str = "a good block") -> None:
+        """A whole good block, which must be acknowledged."""
+        got = self.block(wire_block(data, self.profile.block_check), what)
+        if got != Char.DLE:
+            self.fail(what, got, named(Char.DLE))
+
+    def refused(self, wire: bytes, what: str) -> None:
+        """Characters after the DLE that must be answered with NAK."""
+        got = self.block(wire, what)
+        if got != Char.NAK:
+            self.fail(what, got, named(Char.NAK))
+
+    @property
+    def harmless(self) -> bytes:
+        """A block that is answered by nothing of its own: to RK512 a reaction nobody awaits."""
+        return bytes(4) if self.setup.pics.get("rk512") else b"UC"
+
+    def starts_sending(self) -> None:
+        """The station is made to send; its STX is there."""
+        if self.setup.stimulus is None:
+            raise NotApplicable("the bench names no [stimulus] and the station has none of its own")
+        with self.given():
+            self.setup.stimulus(self)
+            self.first_stx(self.setup.stimulus_wait)
+
+    def first_stx(self, within: Ns) -> None:
+        """Its STX; a NAK before it (it became ready) is passed over."""
+        got = self.answer(within)
+        for _ in range(TRIES):
+            if got != Char.NAK:
+                break
+            got = self.answer(within)
+        if got != Char.STX:
+            self.fail(f"the stimulus ({self.setup.stimulus_name})", got, f"{named(Char.STX)} within {within / 1e9:.0f} s")
+
+    def take(self, acknowledge: bool = True) -> Block:
+        """The rest of the station's block after its STX."""
+        with self.given():
+            self.say(DLE)
+            block = self.read()
+            if block is None:
+                raise Fail("the station's block breaks off", "a whole block", self.last(24))
+        if acknowledge:
+            self.say(DLE)
+        return block
+
+    def last(self, count: int) -> str:
+        """The last characters of the station, for `got`."""
+        heard = list(itertools.chain.from_iterable(piece.data for piece in self.notes.trace[-4 * count :] if piece.side == "device"))
+        return hexed(bytes(heard[-count:]), count)
+
+    def alive(self) -> None:
+        """The suite's postamble: the station is idle and takes a good block."""
+        try:
+            self.settle()
+            self.good(self.harmless, "a good block after the case")
+        except Inconclusive as ended:
+            if isinstance(ended, Disturbed):
+                raise
+            raise Fail(
+                f"left the station unusable: {ended.reason.removeprefix('preamble: ')}", ended.expected or "DLE (10h)", ended.got
+            ) from ended
+        except Fail as failed:
+            raise Fail(f"left the station unusable: {failed.reason}", failed.expected, failed.got) from failed

@@ -1,0 +1,317 @@
+"""Modbus, contents: tables apart, order of bits and words, padding, echo and effect of every write (V1.1b3, 4.3, 4.4, 6)."""
+
+import random
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+from gateway.conformance.suites.modbus.tester import ModbusTester
+from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable
+
+NAMES = {"coil": 1, "discrete": 2, "holding": 3, "input": 4}
+
+
+def _run(numbers: tuple[int, ...], most: int) -> tuple[int, int]:
+    """First address and length of the first run without a hole."""
+    size = 1
+    while size < min(len(numbers), most) and numbers[size] == numbers[0] + size:
+        size += 1
+    return numbers[0], size
+
+
+@contextmanager
+def _kept(t: ModbusTester, function: int, at: int, count: int) -> Iterator[None]:
+    """What was there is written back."""
+    with t.given():
+        before = t.read(function, at, count)
+    try:
+        yield
+    finally:
+        with suppress(Ended):
+            _put(t, function, at, before)
+
+
+def _put(t: ModbusTester, function: int, at: int, values: list[int]) -> None:
+    for offset, value in enumerate(values):
+        if function == 3:
+            if t.setup.pics.get("fc6"):
+                t.ask(struct.pack(">BHH", 6, at + offset, value))
+            else:
+                t.ask(struct.pack(">BHHBH", 16, at + offset, 1, 2, value))
+        elif t.setup.pics.get("fc5"):
+            t.ask(struct.pack(">BHH", 5, at + offset, 0xFF00 * value))
+        else:
+            t.ask(struct.pack(">BHHBB", 15, at + offset, 1, 1, value))
+
+
+def _same(got: list[int], wanted: list[int], what: str) -> None:
+    if got == wanted:
+        return
+    why = ""
+    if got == wanted[::-1]:
+        why = ": in reverse order"
+    elif got == [(value & 0xFF) << 8 | value >> 8 for value in wanted]:
+        why = ": the bytes of each register are exchanged"
+    shown = (
+        [f"{value:04X}" if max(wanted + got) > 1 else str(value) for value in wanted],
+        [f"{value:04X}" if max(wanted + got) > 1 else str(value) for value in got],
+    )
+    raise Fail(f"{what} reads otherwise{why}", " ".join(shown[0]), " ".join(shown[1]))
+
+
+def pattern(count: int) -> list[int]:
+    """Registers no two of which are equal, nor equal with their bytes exchanged."""
+    return [(0x0103 + 0x1111 * at + at) & 0xFFFF for at in range(count)]
+
+
+def _collect(prefix: str) -> Purposes[ModbusTester]:
+    basic = f"{prefix}_FUN_BV_01"
+    p = Purposes[ModbusTester](f"{prefix}_CON", "server", "V1.1b3, 4.3", preamble=(basic,))
+    _registers(p, prefix, basic)
+    _coils(p, prefix, basic)
+    _tables(p)
+    return p
+
+
+def _registers(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:  # noqa: C901, PLR0915  a list of small cases
+    first = (basic, f"{prefix}_CON_BV_06")
+
+    @p.case(
+        "BV_06",
+        "FC 6: echo and effect, high byte first",
+        "FC 6: Echo und Wirkung, High-Byte zuerst",
+        clause="V1.1b3, 6.6",
+        condition=("write_holding", "fc6"),
+    )
+    def single(t: ModbusTester) -> None:
+        at = t.setup.holding[0]
+        with _kept(t, 3, at, 1):
+            for value in (0x0103, 0xA55A, 0x0000, 0xFFFF):
+                t.echo(struct.pack(">BHH", 6, at, value), 5, f"FC 6 with {value:04X}h")
+                _same(t.registers(3, at, 1), [value], f"register {at}")
+
+    @p.case(
+        "BV_16",
+        "FC 16: echo and effect, the first register first",
+        "FC 16: Echo und Wirkung, erstes Register zuerst",
+        clause="V1.1b3, 6.12",
+        condition=("write_holding", "fc16"),
+    )
+    def several(t: ModbusTester) -> None:
+        at, count = _run(t.setup.holding, 100)
+        with _kept(t, 3, at, count):
+            for size in sorted({1, min(2, count), count}):
+                values = pattern(size)
+                t.echo(struct.pack(f">BHHB{size}H", 16, at, size, 2 * size, *values), 5, f"FC 16, {size} registers")
+                _same(t.registers(3, at, size), values, f"{size} registers from {at}")
+
+    @p.case(
+        "BV_17",
+        "one register by several requests: register n is element n of a longer read",
+        "ein Register über mehrere Anfragen: Register n ist Element n eines längeren Lesens",
+        clause="V1.1b3, 6.3",
+        condition=("write_holding", "fc16"),
+    )
+    def by_address(t: ModbusTester) -> None:
+        at, count = _run(t.setup.holding, 8)
+        with _kept(t, 3, at, count):
+            values = pattern(count)
+            with t.given():
+                t.normal(struct.pack(f">BHHB{count}H", 16, at, count, 2 * count, *values), "FC 16")
+            for offset in range(count):
+                _same(t.registers(3, at + offset, 1), values[offset : offset + 1], f"register {at + offset} alone")
+            if count > 2:
+                _same(t.registers(3, at + 1, count - 1), values[1:], f"{count - 1} registers from {at + 1}")
+
+    @p.case(
+        "BV_18",
+        "a write changes its registers and no others",
+        "ein Schreiben ändert seine Register und keine anderen",
+        condition=("write_holding", "fc6"),
+        preamble=first,
+    )
+    def neighbours(t: ModbusTester) -> None:
+        at, count = _run(t.setup.holding, 8)
+        if count < 3:
+            raise NotApplicable("fewer than three registers in a row may be written")
+        with _kept(t, 3, at, count):
+            with t.given():
+                _put(t, 3, at, pattern(count))
+            middle = count // 2
+            t.echo(struct.pack(">BHH", 6, at + middle, 0x5AC3), 5, "FC 6")
+            wanted = pattern(count)
+            wanted[middle] = 0x5AC3
+            _same(t.registers(3, at, count), wanted, f"{count} registers after a write to {at + middle}")
+
+    @p.case(
+        "BV_19",
+        "registers far apart are apart: addresses are not cut",
+        "weit entfernte Register sind getrennt: Adressen werden nicht gekürzt",
+        condition=("write_holding", "fc6"),
+        preamble=first,
+    )
+    def aliases(t: ModbusTester) -> None:
+        numbers = sorted({*t.setup.holding[:1], *t.setup.holding[-1:], *t.setup.holding[:: max(1, len(t.setup.holding) // 8)]})
+        if len(numbers) < 2:
+            raise NotApplicable("one register may be written")
+        with t.given():
+            before = [t.registers(3, number, 1)[0] for number in numbers]
+        try:
+            for at, number in enumerate(numbers):
+                t.echo(struct.pack(">BHH", 6, number, 0x4000 + 0x0101 * at), 5, "FC 6")
+            for at, number in enumerate(numbers):
+                _same(t.registers(3, number, 1), [0x4000 + 0x0101 * at], f"register {number}")
+        finally:
+            with suppress(Ended):
+                for number, value in zip(numbers, before, strict=True):
+                    _put(t, 3, number, [value])
+
+    @p.case(
+        "BV_22",
+        "FC 22: (current AND and-mask) OR (or-mask AND NOT and-mask)",
+        "FC 22: (Wert UND Und-Maske) ODER (Oder-Maske UND NICHT Und-Maske)",
+        clause="V1.1b3, 6.16",
+        condition=("write_holding", "fc22", "fc6"),
+        preamble=first,
+    )
+    def mask(t: ModbusTester) -> None:
+        at = t.setup.holding[0]
+        with _kept(t, 3, at, 1):
+            for current, keep, put in (
+                (0x0012, 0x00F2, 0x0025),
+                (0xFFFF, 0x0F0F, 0x5555),
+                (0x1234, 0xFFFF, 0xFFFF),
+                (0x1234, 0x0000, 0xA5A5),
+            ):
+                with t.given():
+                    _put(t, 3, at, [current])
+                t.echo(struct.pack(">BHHH", 22, at, keep, put), 7, "FC 22")
+                _same(t.registers(3, at, 1), [current & keep | put & ~keep & 0xFFFF], f"register {at} after FC 22")
+
+    @p.case(
+        "BV_23",
+        "FC 23 writes first, then reads",
+        "FC 23 schreibt zuerst, dann liest es",
+        clause="V1.1b3, 6.17",
+        condition=("write_holding", "fc23", "fc6"),
+        preamble=first,
+    )
+    def both(t: ModbusTester) -> None:
+        at, count = _run(t.setup.holding, 4)
+        with _kept(t, 3, at, count):
+            with t.given():
+                _put(t, 3, at, [0x1111] * count)
+            values = pattern(count)
+            got = t.normal(struct.pack(f">BHHHHB{count}H", 23, at, count, at, count, 2 * count, *values), "FC 23")
+            if len(got) != 2 + 2 * count or got[1] != 2 * count:
+                raise Fail("FC 23: badly built answer", f"17h, byte count {2 * count}, data", t.words(got))
+            _same(list(struct.unpack(f">{count}H", got[2:])), values, "what FC 23 read")
+            _same(t.registers(3, at, count), values, "what FC 23 wrote")
+
+    @p.case(
+        "ST_01",
+        "40 writes of chosen registers, each read back",
+        "40 Schreibzugriffe, je zurückgelesen",
+        condition=("write_holding", "fc6"),
+        preamble=first,
+    )
+    def many(t: ModbusTester) -> None:
+        chosen = random.Random(1)
+        at, count = _run(t.setup.holding, 16)
+        with _kept(t, 3, at, count):
+            for turn in range(40):
+                number, value = at + chosen.randrange(count), chosen.randrange(0x10000)
+                t.echo(struct.pack(">BHH", 6, number, value), 5, f"write {turn + 1}")
+                _same(t.registers(3, number, 1), [value], f"register {number}, write {turn + 1}")
+
+
+def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
+    first = (basic, f"{prefix}_CON_BV_05")
+
+    @p.case("BV_05", "FC 5: echo and effect", "FC 5: Echo und Wirkung", clause="V1.1b3, 6.5", condition=("write_coils", "fc5"))
+    def single(t: ModbusTester) -> None:
+        at = t.setup.coils[0]
+        with _kept(t, 1, at, 1):
+            for value in (1, 0, 1):
+                t.echo(struct.pack(">BHH", 5, at, 0xFF00 * value), 5, f"FC 5, {'on' if value else 'off'}")
+                _same(t.bits(1, at, 1), [value], f"coil {at}")
+
+    @p.case(
+        "BV_15",
+        "FC 15: echo and effect, the first coil is the lowest bit of the first byte",
+        "FC 15: Echo und Wirkung, die erste Spule ist das niedrigste Bit",
+        clause="V1.1b3, 6.11",
+        condition=("write_coils", "fc15"),
+    )
+    def several(t: ModbusTester) -> None:
+        at, count = _run(t.setup.coils, 20)
+        with _kept(t, 1, at, count):
+            for size in sorted({1, min(3, count), min(10, count), count}):
+                bits = [1 if (at_bit * 7 + at_bit // 3) % 5 < 2 else 0 for at_bit in range(size)]
+                number = sum(bit << place for place, bit in enumerate(bits))
+                data = number.to_bytes((size + 7) // 8, "little")
+                t.echo(struct.pack(">BHHB", 15, at, size, len(data)) + data, 5, f"FC 15, {size} coils")
+                _same(t.bits(1, at, size), bits, f"{size} coils from {at}")
+
+    @p.case(
+        "BV_24",
+        "each coil has its own bit, and unused bits of the last byte are 0",
+        "jede Spule hat ihr Bit, freie Bits des letzten Bytes sind 0",
+        clause="V1.1b3, 6.1",
+        condition=("write_coils", "fc5"),
+        preamble=first,
+    )
+    def own_bit(t: ModbusTester) -> None:
+        at, count = _run(t.setup.coils, 11)
+        with _kept(t, 1, at, count):
+            with t.given():
+                _put(t, 1, at, [1] * count)
+            for size in range(1, count + 1):
+                got = t.normal(struct.pack(">BHH", 1, at, size), "FC 1")
+                if got[2:] != ((1 << size) - 1).to_bytes((size + 7) // 8, "little"):
+                    raise Fail(
+                        f"{size} coils that are on: {got[2:].hex(' ').upper()}",
+                        ((1 << size) - 1).to_bytes((size + 7) // 8, "little").hex(" ").upper(),
+                        t.words(got),
+                    )
+            for off in range(count):
+                t.echo(struct.pack(">BHH", 5, at + off, 0), 5, "FC 5")
+                _same(t.bits(1, at, count), [0] * (off + 1) + [1] * (count - off - 1), f"{count} coils after {at + off} went off")
+
+
+def _tables(p: Purposes[ModbusTester]) -> None:
+    @p.case("BV_01", "values that the bench knows are there", "die der Prüfumgebung bekannten Werte sind da", condition=("known",))
+    def known(t: ModbusTester) -> None:
+        for name, value in t.setup.known.items():
+            kind, _, number = name.partition(":")
+            got = t.read(NAMES[kind], int(number), 1)
+            _same(got, [value], name)
+
+    def apart(number: int, written: int, read: int, what: str, de: str, condition: tuple[str, ...]) -> None:
+        @p.case(f"BV_{number}", f"{what} are tables of their own", f"{de} sind eigene Tabellen", clause="V1.1b3, 4.3", condition=condition)
+        def body(t: ModbusTester) -> None:
+            numbers = t.setup.holding if written == 3 else t.setup.coils
+            base, span = t.setup.base[read], t.setup.span[read]
+            shared = [at for at in numbers if base <= at < base + span]
+            if not shared:
+                raise NotApplicable("no address is in both tables")
+            at = shared[0]
+            first = t.read(read, at, 1)
+            if t.setup.pics.get("mapped"):
+                raise NotApplicable("the PICS says that these tables overlap")
+            with _kept(t, written, at, 1):
+                changed = []
+                for value in (0x5AC3, 0xA53C) if written == 3 else (1, 0, 1):
+                    with t.given():
+                        _put(t, written, at, [value])
+                    changed.append(t.read(read, at, 1) == [value if read > 2 else value & 1])
+                if all(changed):
+                    raise Fail(f"{what}: a write to {at} of one shows in the other", f"{first}", f"{t.read(read, at, 1)}")
+
+    apart(30, 3, 4, "holding and input registers", "Halte- und Eingangsregister", ("write_holding", "input_registers"))
+    apart(31, 1, 2, "coils and discrete inputs", "Spulen und diskrete Eingänge", ("write_coils", "discrete_inputs"))
+
+
+CON = _collect("MBTCP")
+RTU_CON = _collect("MBRTU")

@@ -1,0 +1,306 @@
+"""Modbus, function by function: valid, first, last, one beyond, illegal, short, long; refusals without effect (V1.1b3, section 6)."""
+
+import struct
+from collections.abc import Callable
+
+from gateway.conformance.suites.modbus.tester import TABLES, ModbusTester
+from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
+
+Body = Callable[[ModbusTester], None]
+CROSS = "Modbus conformance test specification V3.0"
+GERMAN = {1: "Spulen", 2: "diskrete Eingänge", 3: "Halteregister", 4: "Eingangsregister"}
+
+
+def _collect(prefix: str) -> Purposes[ModbusTester]:
+    found = Purposes[ModbusTester](f"{prefix}_FUN", "server", "V1.1b3, 6")
+    basic = f"{prefix}_FUN_BV_01"
+    _basic(found)
+    for function in TABLES:
+        _reads(found, prefix, basic, function)
+    _other(found, basic)
+    _writes(found, basic)
+    return found
+
+
+def _basic(p: Purposes[ModbusTester]) -> None:
+    @p.case(
+        "BV_01",
+        "a request is answered, with its own header and function",
+        "eine Anfrage wird beantwortet, mit eigenem Kopf und Funktion",
+        preamble=(),
+        clause="V1.1b3, 4.1; TCP guide, 3.1.3",
+        cross=CROSS,
+    )
+    def answered(t: ModbusTester) -> None:
+        function = next(iter(t.setup.base), 3)
+        got = t.ask(struct.pack(">BHH", function, t.setup.base.get(function, 0), 1), judge=True)
+        if not got:
+            raise Fail(f"FC {function}: {t.words(got)}", "an answer", t.words(got))
+
+
+def _reads(p: Purposes[ModbusTester], prefix: str, basic: str, function: int) -> None:  # noqa: C901  a list of small cases
+    table, german = TABLES[function], GERMAN[function]
+    words, section, most = table.replace("_", " "), f"V1.1b3, 6.{function}", 2000 if function < 3 else 125
+    number = 10 * function
+    one = f"{prefix}_FUN_BV_{number}"
+
+    def case(name: str, summary: str, summary_de: str, first: bool = False) -> Callable[[Body], Body]:
+        before = (basic,) if first else (basic, one)
+        return p.case(name, summary, summary_de, clause=section, condition=(table,), preamble=before, cross=CROSS)
+
+    @case(
+        f"BV_{number}",
+        f"FC {function}: one of the {words}, and as many as can be read",
+        f"FC {function}: eines und so viele {german}, wie lesbar sind",
+        first=True,
+    )
+    def valid(t: ModbusTester) -> None:
+        base, span = t.setup.base[function], t.setup.span[function]
+        for count in sorted({1, min(span, 3), min(span, 9), min(span, 16), span}):
+            t.read(function, base, count)
+
+    @case(f"BV_{number + 1}", f"FC {function}: the last that can be read, alone", f"FC {function}: das letzte lesbare, allein")
+    def last(t: ModbusTester) -> None:
+        base, span = t.setup.base[function], t.setup.span[function]
+        if t.read(function, base + span - 1, 1) != t.read(function, base, span)[-1:] and not _moves(t, function):
+            raise Fail(f"FC {function}: {base + span - 1} alone differs from the last of {span}", "the same value", "another one")
+
+    def refusal(at: int, what: str, de: str, pdu: bytes, code: int, others: tuple[int, ...] = ()) -> None:
+        @case(
+            f"BI_{number + at}", f"FC {function}: {what} is refused with {code:02X}h", f"FC {function}: {de} wird mit {code:02X}h abgelehnt"
+        )
+        def body(t: ModbusTester) -> None:
+            request = pdu[:1] + (t.setup.base[function].to_bytes(2, "big") if pdu[1:3] == b"\xee\xee" else pdu[1:3]) + pdu[3:]
+            lived = t.exception(request, code, f"FC {function}: {what}", others)
+            if lived is not None:
+                raise Warn(f"FC {function}: {what} is refused with {lived:02X}h", f"{code:02X}h", f"{lived:02X}h")
+
+    here = b"\xee\xee"
+    refusal(0, "an amount of 0", "eine Anzahl 0", bytes((function,)) + here + b"\0\0", 3)
+    refusal(1, f"an amount of {most + 1}", f"eine Anzahl {most + 1}", bytes((function,)) + here + (most + 1).to_bytes(2, "big"), 3)
+    refusal(2, "an amount of 65535", "eine Anzahl 65535", bytes((function,)) + here + b"\xff\xff", 3)
+    refusal(3, "a range beyond address 65535", "ein Bereich über Adresse 65535", struct.pack(">BHH", function, 0xFFFF, 2), 2, (3,))
+
+    @case(
+        f"BI_{number + 4}",
+        f"FC {function}: a range that is partly missing is refused with 02h",
+        f"FC {function}: ein teilweise fehlender Bereich wird mit 02h abgelehnt",
+    )
+    def partly(t: ModbusTester) -> None:
+        base, span = t.setup.base[function], t.setup.span[function]
+        if span >= most or base + span > 0xFFFF:
+            raise NotApplicable("the end of the table was not found")
+        lived = t.exception(struct.pack(">BHH", function, base, span + 1), 2, f"FC {function}: one more than there are", (3,))
+        if lived is not None:
+            raise Warn(f"FC {function}: one more than there are is refused with {lived:02X}h", "02h", f"{lived:02X}h")
+
+    @case(
+        f"BI_{number + 5}",
+        f"FC {function}: a request that is too short or too long is not taken for another",
+        f"FC {function}: eine zu kurze oder zu lange Anfrage wird nicht falsch verstanden",
+    )
+    def lengths(t: ModbusTester) -> None:
+        good = struct.pack(">BHH", function, t.setup.base[function], 1)
+        lived = []
+        for name, pdu in (("a byte too few", good[:-1]), ("a byte too many", good + b"\0")):
+            got = t.ask(pdu)
+            if got and got[0] & 0x80 and got[1] == 3:
+                continue
+            if got and not got[0] & 0x80 and len(pdu) < len(good):
+                raise Fail(f"FC {function}: {name} was executed", "exception 03h, silence or close", t.words(got))
+            lived.append(f"{name}: {t.words(got)}")
+        if lived and not t.rtu:
+            raise Warn(f"FC {function}: {'; '.join(lived)}", "exception 03h", lived[0])
+
+
+def _moves(t: ModbusTester, function: int) -> bool:
+    """Values of a process change by themselves."""
+    base, span = t.setup.base[function], t.setup.span[function]
+    return t.read(function, base, span) != t.read(function, base, span)
+
+
+def _other(p: Purposes[ModbusTester], basic: str) -> None:
+    @p.case(
+        "BI_01",
+        "functions that are none are refused with 01h and the function with bit 7",
+        "Funktionen, die keine sind, werden mit 01h abgelehnt",
+        clause="V1.1b3, 7",
+        preamble=(basic,),
+        cross=CROSS,
+    )
+    def none(t: ModbusTester) -> None:
+        for function in (0x41, 0x09, 0x64, 0x6E):
+            t.exception(bytes((function, 0, 0, 0, 1)), 1, f"FC {function:02X}h, which is none")
+
+    @p.case(
+        "BI_02", "function 80h and above is never executed", "Funktion ab 80h wird nie ausgeführt", clause="V1.1b3, 4.1", preamble=(basic,)
+    )
+    def high(t: ModbusTester) -> None:
+        t.quiet()
+        t.send(t.frame(b"\x83\x00\x00\x00\x01"))
+        found = t.answer_frame()
+        pdu = found[1:-2] if t.rtu else found[7:]
+        if pdu and not pdu[0] & 0x80:
+            raise Fail("function 83h was executed", "exception 01h, or silence", t.words(pdu))
+
+    @p.case(
+        "CA_08",
+        "FC 8/0: the data come back",
+        "FC 8/0: die Daten kommen zurück",
+        clause="V1.1b3, 6.8",
+        condition=("fc8",),
+        preamble=(basic,),
+    )
+    def loop(t: ModbusTester) -> None:
+        for data in (b"\xa5\x37", b"\x00\x00", b"\xff\xff"):
+            t.echo(b"\x08\x00\x00" + data, 5, "FC 8/0")
+
+    @p.case(
+        "CA_43",
+        "FC 43/14: the basic stream names vendor, product and revision",
+        "FC 43/14: der Basisstrom nennt Hersteller, Produkt und Stand",
+        clause="V1.1b3, 6.21",
+        condition=("fc43",),
+        preamble=(basic,),
+    )
+    def identification(t: ModbusTester) -> None:
+        got = t.normal(b"\x2b\x0e\x01\x00", "FC 43/14")
+        if len(got) < 8 or got[1] != 0x0E or got[2] != 1 or got[6] < 1:
+            raise Fail("FC 43/14: badly built answer", "2B 0E 01, conformity, more, next, count, objects", t.words(got))
+        at = 7
+        for _ in range(got[6]):
+            if at + 2 > len(got):
+                raise Fail("FC 43/14: an object is cut off", "number, length, text", t.words(got))
+            at += 2 + got[at + 1]
+        if at != len(got):
+            raise Fail(f"FC 43/14: {len(got) - at} bytes behind the last object", "none", t.words(got))
+        t.exception(b"\x2b\x0e\x00\x00", 3, "FC 43/14, code 0")
+
+
+def _writes(p: Purposes[ModbusTester], basic: str) -> None:  # noqa: C901  a list of small cases
+    def case(name: str, function: int, summary: str, de: str) -> Callable[[Body], Body]:
+        needs = "write_coils" if function in (5, 15) else "write_holding"
+        section = {5: 5, 6: 6, 15: 11, 16: 12, 22: 16, 23: 17}[function]
+        return p.case(
+            name,
+            f"FC {function}: {summary}",
+            f"FC {function}: {de}",
+            clause=f"V1.1b3, 6.{section}",
+            condition=(needs, f"fc{function}"),
+            preamble=(basic,),
+            cross=CROSS,
+        )
+
+    @case(
+        "BI_50",
+        5,
+        "a value that is neither 0000h nor FF00h is refused with 03h, without effect",
+        "ein Wert außer 0000h und FF00h wird mit 03h abgelehnt, ohne Wirkung",
+    )
+    def coil_value(t: ModbusTester) -> None:
+        at = t.setup.coils[0]
+        for state in (0, 1):
+            with t.given():
+                t.echo(struct.pack(">BHH", 5, at, 0xFF00 * state), 5, "FC 5")
+            for value in (0x0001, 0xFFFF, 0xFF01, 0x00FF):
+                _without_effect(t, struct.pack(">BHH", 5, at, value), 3, f"FC 5 with {value:04X}h", 1, at, 1)
+
+    @case("BI_60", 6, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, ohne Wirkung")
+    def register_short(t: ModbusTester) -> None:
+        _unchanged(t, struct.pack(">BHH", 6, t.setup.holding[0], 0x5A5A)[:-1], "FC 6, a byte too few", 3, t.setup.holding[0], 1)
+
+    @case(
+        "BI_15",
+        15,
+        "amount 0, and byte counts that do not fit, are refused with 03h, without effect",
+        "Anzahl 0 und unpassende Bytezahlen werden mit 03h abgelehnt, ohne Wirkung",
+    )
+    def coils(t: ModbusTester) -> None:
+        at = t.setup.coils[0]
+        with t.given():
+            t.echo(struct.pack(">BHH", 5, at, 0), 5, "FC 5")
+        for what, pdu in (
+            ("0 coils", struct.pack(">BHHB", 15, at, 0, 0)),
+            ("9 coils in one byte", struct.pack(">BHHBB", 15, at, 9, 1, 0xFF)),
+            ("1 coil in two bytes", struct.pack(">BHHBH", 15, at, 1, 2, 0xFFFF)),
+            ("1969 coils", struct.pack(">BHHB", 15, at, 1969, 247) + b"\xff" * 247),
+        ):
+            _without_effect(t, pdu, 3, f"FC 15: {what}", 1, at, 1)
+
+    @case(
+        "BI_16",
+        16,
+        "amount 0, and byte counts that do not fit, are refused with 03h, without effect",
+        "Anzahl 0 und unpassende Bytezahlen werden mit 03h abgelehnt, ohne Wirkung",
+    )
+    def registers(t: ModbusTester) -> None:
+        at = t.setup.holding[0]
+        for what, pdu in (
+            ("0 registers", struct.pack(">BHHB", 16, at, 0, 0)),
+            ("2 registers in two bytes", struct.pack(">BHHBH", 16, at, 2, 2, 0x5A5A)),
+            ("1 register in four bytes", struct.pack(">BHHBHH", 16, at, 1, 4, 0x5A5A, 0x5A5A)),
+            ("byte count 3", struct.pack(">BHHBHB", 16, at, 1, 3, 0x5A5A, 0x5A)),
+        ):
+            _without_effect(t, pdu, 3, f"FC 16: {what}", 3, at, 1)
+
+    @case(
+        "BI_17",
+        16,
+        "124 registers are refused or the connection is closed, without effect",
+        "124 Register werden abgelehnt oder die Verbindung wird geschlossen, ohne Wirkung",
+    )
+    def too_many(t: ModbusTester) -> None:
+        _unchanged(
+            t, struct.pack(">BHHB", 16, t.setup.holding[0], 124, 248) + b"\x5a" * 248, "FC 16: 124 registers", 3, t.setup.holding[0], 1
+        )
+
+    @case("BI_18", 16, "a range beyond address 65535 is refused with 02h", "ein Bereich über Adresse 65535 wird mit 02h abgelehnt")
+    def beyond(t: ModbusTester) -> None:
+        lived = t.exception(struct.pack(">BHHBHH", 16, 0xFFFF, 2, 4, 1, 2), 2, "FC 16 beyond 65535", (3,))
+        if lived is not None:
+            raise Warn("FC 16 beyond 65535 is refused with 03h", "02h", "03h")
+
+    @case("BI_22", 22, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, ohne Wirkung")
+    def mask_short(t: ModbusTester) -> None:
+        _unchanged(t, struct.pack(">BHHH", 22, t.setup.holding[0], 0, 0x5A5A)[:-1], "FC 22, a byte too few", 3, t.setup.holding[0], 1)
+
+    @case(
+        "BI_23",
+        23,
+        "a byte count that does not fit is refused with 03h, without effect",
+        "eine unpassende Bytezahl wird mit 03h abgelehnt, ohne Wirkung",
+    )
+    def both(t: ModbusTester) -> None:
+        at = t.setup.holding[0]
+        _without_effect(t, struct.pack(">BHHHHBHH", 23, at, 1, at, 1, 4, 0x5A5A, 0x5A5A), 3, "FC 23: 1 register in four bytes", 3, at, 1)
+
+
+def _without_effect(t: ModbusTester, pdu: bytes, code: int, what: str, table: int, at: int, count: int) -> None:
+    with t.given():
+        before = t.read(table, at, count)
+    lived = t.exception(pdu, code, what, (1,))
+    _same(t, what, table, at, before)
+    if lived is not None:
+        raise Warn(f"{what} is refused with {lived:02X}h", f"{code:02X}h", f"{lived:02X}h")
+
+
+def _unchanged(t: ModbusTester, pdu: bytes, what: str, table: int, at: int, count: int) -> None:
+    """Any refusal, silence or close."""
+    with t.given():
+        before = t.read(table, at, count)
+    got = t.ask(pdu)
+    if got and not got[0] & 0x80:
+        raise Fail(f"{what} was executed", "a refusal, silence or close", t.words(got))
+    _same(t, what, table, at, before)
+
+
+def _same(t: ModbusTester, what: str, table: int, at: int, before: list[int]) -> None:
+    with t.given():
+        after = t.read(table, at, len(before))
+    if after != before:
+        raise Fail(f"{what} was refused and had an effect", f"{before}", f"{after}")
+
+
+FUN = _collect("MBTCP")
+RTU_FUN = _collect("MBRTU")

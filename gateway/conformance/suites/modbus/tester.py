@@ -1,0 +1,272 @@
+"""The tester's side of a Modbus server, TCP or RTU: frames, answers, what of the header is wrong."""
+
+import struct
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from drivers.ports.base import PortError
+from gateway.conformance.framework.base import Seen, Tester, hexed
+from gateway.links.serial.tool_wire import Wire
+from gateway.pure.conformance.verdict import Fail, Inconclusive
+from protocols.base.machine import Damage, Ns, ms
+from protocols.modbus.crc import crc, sealed
+from protocols.modbus.mbap import ANSWER, HEADER
+
+EXCEPTIONS = {
+    1: "illegal function",
+    2: "illegal data address",
+    3: "illegal data value",
+    4: "server device failure",
+    5: "acknowledge",
+    6: "server device busy",
+    8: "memory parity error",
+    10: "gateway path unavailable",
+    11: "gateway target silent",
+}
+TABLES = {1: "coils", 2: "discrete_inputs", 3: "holding_registers", 4: "input_registers"}
+MOST_FRAME = 600
+QUIET = ms(30)
+LINE_QUIET = ms(60)
+
+
+@dataclass(slots=True)
+class ModbusSetup:
+    """What is known of the server and the bench."""
+
+    unit: int = 1
+    missing: int = 247
+    wait: Ns = ms(1000)
+    pics: Mapping[str, object] = field(default_factory=dict)
+    base: dict[int, int] = field(default_factory=dict)  # function -> an address that can be read
+    span: dict[int, int] = field(default_factory=dict)  # function -> so many from there can be read at once
+    holding: tuple[int, ...] = ()  # may be written
+    coils: tuple[int, ...] = ()
+    known: Mapping[str, int] = field(default_factory=dict)
+
+
+class ModbusTester(Tester):
+    """One server; `connect` gives a new wire to it."""
+
+    def __init__(self, connect: Callable[[], Wire], setup: ModbusSetup, rtu: bool, witness: Callable[[], Ns] = lambda: 0) -> None:
+        super().__init__()
+        self._connect, self.setup, self.rtu, self._witness = connect, setup, rtu, witness
+        self._wire: Wire | None = None
+        self.closed = False  # by the server, since the last request
+        self._transaction = 0x1233
+        self._rest = b""
+        self._doubtful = False
+        self.answered = False  # since the last connection was made
+
+    # ---- the wire
+    @property
+    def wire(self) -> Wire:
+        if self._wire is None:
+            self._wire = self._connect()
+            self.clock = "virtual" if self._wire.simulated else "monotonic clock of this host, at the port"
+            self._rest, self.closed, self._doubtful, self.answered = b"", False, False, False
+        return self._wire
+
+    def reconnect(self) -> None:
+        """A new connection on TCP; a line stays what it is."""
+        if self.rtu:
+            return
+        self.drop()
+        _ = self.wire
+
+    def another(self) -> "ModbusTester":
+        """A second client at the same server."""
+        return ModbusTester(self._connect, self.setup, self.rtu)
+
+    def drop(self) -> None:
+        if self._wire is not None:
+            self._wire.close()
+            self._wire = None
+
+    def now(self) -> Ns:
+        wire = self.wire
+        return wire.now()
+
+    def late(self) -> Ns:
+        return 0 if self._wire is None or self._wire.simulated else max(self._wire.late_ns, self._witness())
+
+    def uncertainty(self) -> Ns:
+        return 0 if self._wire is None or self._wire.simulated else self.late() + self._wire.char_ns
+
+    def begin(self) -> None:
+        if self.closed:
+            self.reconnect()
+        self.wire.late_ns = 0
+        self._witness()
+
+    # ---- saying and hearing
+    def send(self, data: bytes) -> None:
+        """As it is."""
+        try:
+            self.wire.write(data)
+        except PortError as error:
+            self._gone(error)
+        self.notes.trace.append(Seen(self.wire.drained(), "tester", data))
+
+    def _gone(self, error: PortError) -> None:
+        if self.rtu:
+            raise error
+        self.closed = True
+        self.notes.trace.append(Seen(self.wire.now(), "device", b"", "closed"))
+
+    def hear(self, until: Ns) -> bytes:
+        """What comes next, whole as far as it is here; b"": that moment has come, or the server closed."""
+        if self.closed:
+            return b""
+        try:
+            heard = self.wire.hear(until)
+        except PortError as error:
+            self._gone(error)
+            return b""
+        if heard is None:
+            return b""
+        data = b"" if isinstance(heard.what, Damage) else bytes((heard.what,))
+        self.notes.trace.append(Seen(heard.stamp, "device", data, "" if data else "a damaged character"))
+        return data
+
+    def frame(self, pdu: bytes, unit: int | None = None, transaction: int | None = None) -> bytes:
+        unit = self.setup.unit if unit is None else unit
+        if self.rtu:
+            return sealed(bytes((unit,)) + pdu)
+        if transaction is None:
+            self._transaction = transaction = (self._transaction + 1) & 0xFFFF
+        return ANSWER.pack(transaction, 0, len(pdu) + 1, unit) + pdu
+
+    def answer_frame(self, wait: Ns | None = None) -> bytes:
+        """The next whole frame, or what there is when the time is over; the time-out counts from now."""
+        data, self._rest = self._rest, b""
+        end = max(self.wire.now(), self.wire.drained()) + (self.setup.wait if wait is None else wait) + self.uncertainty()
+        while len(data) < MOST_FRAME:
+            if not self.rtu and len(data) >= HEADER.size and len(data) >= 6 + HEADER.unpack_from(data)[2]:
+                size = 6 + HEADER.unpack_from(data)[2]
+                self._rest = data[size:]
+                return data[:size]
+            byte = self.hear(end)
+            if not byte:
+                break
+            data += byte
+            if self.rtu:
+                end = self.wire.now() + max(QUIET, 8 * self.wire.char_ns)
+        return data
+
+    def ask(self, pdu: bytes, unit: int | None = None, judge: bool = False, wait: Ns | None = None) -> bytes:
+        """The answer PDU; b"": silence, or closed.  What is wrong with its frame is judged by one purpose, and INCONC elsewhere."""
+        self.quiet()
+        frame = self.frame(pdu, unit)
+        self.send(frame)
+        start = self.wire.drained()
+        found = self.answer_frame(wait)
+        self._doubtful = not found and not self.rtu  # it may have lost the beat of the stream, or given the connection up
+        self.answered = self.answered or bool(found)
+        if found:
+            self.timed(f"answer to function {pdu[0]:02X}h", self.wire.now() - start, None, None)
+        fault = self._frame_fault(frame, found, pdu)
+        if fault:
+            if judge and not self._preparing:
+                raise Fail(fault, f"a well built answer to {hexed(frame)}", hexed(found))
+            raise Inconclusive(f"preamble: {fault}", f"a well built answer to {hexed(frame)}", hexed(found))
+        return found[1:-2] if self.rtu else found[7:]
+
+    def quiet(self) -> None:
+        """What came without a question is dropped."""
+        self._rest = b""
+        while self.hear(self.wire.now() + (LINE_QUIET if self.rtu else 0)):
+            pass
+        if self.closed or self._doubtful:
+            self.reconnect()
+
+    def _frame_fault(self, asked: bytes, found: bytes, pdu: bytes) -> str:
+        if not found:
+            return ""
+        unit = asked[0] if self.rtu else asked[6]
+        if self.rtu:
+            if len(found) < 5 or crc(found):
+                return "the answer is no RTU frame: its CRC does not fit"
+            if found[0] != unit:
+                return f"unit {found[0]} answered, {unit} was asked"
+            return _function_fault(found[1:-2], pdu)
+        if len(found) < 9 or len(found) != 6 + HEADER.unpack_from(found)[2]:
+            return "what came is no Modbus TCP frame"
+        transaction, protocol, _ = HEADER.unpack_from(found)
+        wanted = HEADER.unpack_from(asked)[0]
+        if transaction != wanted:
+            return f"transaction {transaction:04X}h answered, {wanted:04X}h was asked"
+        if protocol:
+            return f"protocol identifier {protocol} in an answer"
+        if found[6] != unit:
+            return f"unit {found[6]} answered, {unit} was asked"
+        return _function_fault(found[7:], pdu)
+
+    # ---- judged steps
+    def words(self, pdu: bytes) -> str:
+        """An answer in hex and words."""
+        if not pdu:
+            return "closed" if self.closed else "silence"
+        if pdu[0] & 0x80 and len(pdu) == 2:
+            return f"{hexed(pdu)} (exception {pdu[1]:02X}h: {EXCEPTIONS.get(pdu[1], 'unknown')})"
+        return hexed(pdu)
+
+    def exception(self, pdu: bytes, code: int, what: str, others: tuple[int, ...] = ()) -> int | None:
+        """Refused with this exception, or one of the others (which is returned); None: with the right one."""
+        got = self.ask(pdu, judge=True)
+        if len(got) == 2 and got[0] & 0x80:
+            if got[1] == code:
+                return None
+            if got[1] in others:
+                return got[1]
+        wanted = f"{pdu[0] | 0x80:02X} {code:02X} (exception {code:02X}h: {EXCEPTIONS[code]})"
+        raise Fail(f"{what}: {self.words(got)}, expected exception {code:02X}h", wanted, self.words(got))
+
+    def normal(self, pdu: bytes, what: str) -> bytes:
+        """Executed."""
+        got = self.ask(pdu)
+        if not got or got[0] & 0x80:
+            raise Fail(f"{what}: {self.words(got)}", "an answer without exception", self.words(got))
+        return got
+
+    def registers(self, function: int, address: int, count: int) -> list[int]:
+        what = f"FC {function}, {count} from {address}"
+        got = self.normal(struct.pack(">BHH", function, address, count), what)
+        if len(got) != 2 + 2 * count or got[1] != 2 * count:
+            raise Fail(f"{what}: {len(got) - 2} bytes, byte count {got[1] if len(got) > 1 else '-'}", f"{2 * count} bytes", hexed(got))
+        return list(struct.unpack(f">{count}H", got[2:]))
+
+    def bits(self, function: int, address: int, count: int) -> list[int]:
+        what = f"FC {function}, {count} from {address}"
+        got = self.normal(struct.pack(">BHH", function, address, count), what)
+        size = (count + 7) // 8
+        if len(got) != 2 + size or got[1] != size:
+            raise Fail(f"{what}: {len(got) - 2} bytes, byte count {got[1] if len(got) > 1 else '-'}", f"{size} bytes", hexed(got))
+        return [got[2 + at // 8] >> at % 8 & 1 for at in range(count)]
+
+    def read(self, function: int, address: int, count: int) -> list[int]:
+        return self.bits(function, address, count) if function < 3 else self.registers(function, address, count)
+
+    def echo(self, pdu: bytes, size: int, what: str) -> None:
+        """A write whose answer repeats the first bytes of the request."""
+        got = self.normal(pdu, what)
+        if got != pdu[:size]:
+            raise Fail(f"{what}: the answer does not repeat the request", hexed(pdu[:size]), hexed(got))
+
+    def alive(self) -> None:
+        """The suite's postamble: a read is answered."""
+        for function, address in self.setup.base.items():
+            got = self.ask(struct.pack(">BHH", function, address, 1))
+            if not got or got[0] & 0x80:
+                raise Fail(f"FC {function} is no longer answered: {self.words(got)}", "a normal answer", self.words(got))
+            return
+        got = self.ask(b"\x03\x00\x00\x00\x01")
+        if not got:
+            raise Fail("nothing is answered", "an answer", "silence")
+
+
+def _function_fault(answer: bytes, pdu: bytes) -> str:
+    if not answer or answer[0] & 0x7F != pdu[0] & 0x7F:
+        return f"answered with function {answer[0] if answer else 0:02X}h, {pdu[0]:02X}h was asked"
+    if answer[0] & 0x80 and not pdu[0] & 0x80 and len(answer) != 2:
+        return f"an exception answer of {len(answer)} bytes, it has two"
+    return ""

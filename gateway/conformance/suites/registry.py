@@ -1,0 +1,115 @@
+"""The suites: one row each."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, cast
+
+from gateway.conformance.framework.base import Tester
+from gateway.conformance.framework.run import Session
+from gateway.conformance.suites.opening import Opened
+from gateway.conformance.suites.questions import LINE, MODBUS, Question
+from gateway.pure.conformance.purpose import Purpose
+
+
+@dataclass(frozen=True, slots=True)
+class Suite:
+    """One suite.  session: a device opened for it; mutants: module with MUTANTS and VARIANTS."""
+
+    name: str
+    version: str
+    title: str
+    title_de: str
+    purposes: Callable[[], Sequence[Purpose[Tester]]]
+    session: Callable[[Opened], Session]
+    questions: Sequence[Question]
+    peers: str
+
+    @property
+    def pics_keys(self) -> Mapping[str, str]:
+        return {question.key: question.kind for question in self.questions}
+
+
+def _generic(*parts: object) -> Sequence[Purpose[Tester]]:
+    """The tester of a suite is that of its session; a purpose never meets another one."""
+    return [cast(Purpose[Tester], purpose) for part in parts for purpose in cast(Any, part).all]
+
+
+def _p3964r() -> Sequence[Purpose[Tester]]:
+    from gateway.conformance.suites.p3964r import receive, send
+
+    return _generic(receive.RCV, send.SND, send.CON)
+
+
+def _rk512() -> Sequence[Purpose[Tester]]:
+    from gateway.conformance.suites.rk512 import active, passive
+
+    return _generic(passive.PAS, active.ACT)
+
+
+def _modbus_tcp() -> Sequence[Purpose[Tester]]:
+    from gateway.conformance.suites.modbus import content, framing, functions
+
+    return _generic(functions.FUN, content.CON, framing.TCP)
+
+
+def _modbus_rtu() -> Sequence[Purpose[Tester]]:
+    from gateway.conformance.suites.modbus import content, framing, functions
+
+    return _generic(functions.RTU_FUN, content.RTU_CON, framing.RTU)
+
+
+def _line(rk512: bool) -> Callable[[Opened], Session]:
+    def make(opened: Opened) -> Session:
+        from gateway.conformance.suites.line_session import LineSession
+
+        session = LineSession(opened.wire(), opened.bench, opened.pics, rk512, opened.say, opened.seed, opened.witness)
+        return cast(Session, session)
+
+    return make
+
+
+def _modbus(rtu: bool) -> Callable[[Opened], Session]:
+    def make(opened: Opened) -> Session:
+        from gateway.conformance.suites.modbus.session import ModbusSession
+
+        return cast(Session, ModbusSession(opened, rtu))
+
+    return make
+
+
+SUITES: dict[str, Suite] = {
+    suite.name: suite
+    for suite in (
+        Suite("3964r", "1.0", "3964R, both roles", "3964R, beide Rollen", _p3964r, _line(False), LINE, "gateway.conformance.peers.p3964r"),
+        Suite(
+            "rk512",
+            "1.0",
+            "RK512 on 3964R, both roles",
+            "RK512 über 3964R, beide Rollen",
+            _rk512,
+            _line(True),
+            LINE,
+            "gateway.conformance.peers.rk512",
+        ),
+        Suite(
+            "modbus-tcp",
+            "1.0",
+            "Modbus TCP server",
+            "Modbus-TCP-Server",
+            _modbus_tcp,
+            _modbus(False),
+            MODBUS,
+            "gateway.conformance.peers.modbus_tcp",
+        ),
+        Suite(
+            "modbus-rtu",
+            "1.0",
+            "Modbus RTU server",
+            "Modbus-RTU-Server",
+            _modbus_rtu,
+            _modbus(True),
+            MODBUS,
+            "gateway.conformance.peers.modbus_rtu",
+        ),
+    )
+}

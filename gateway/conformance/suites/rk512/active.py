@@ -1,0 +1,143 @@
+"""RK512, the station is active: its command gets every wrong reaction, and it must still work (serial-protocols 2.2, 2.6).
+
+What its program is told cannot be seen on the line; that it neither hangs nor repeats for ever, and sends the next job, can.
+"""
+
+from collections.abc import Callable
+
+from gateway.conformance.suites.line import LineTester, named
+from gateway.conformance.suites.rk512.telegrams import FETCH, is_command, right_reaction
+from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.verdict import Fail, Inconclusive, NotApplicable
+from protocols.base.machine import ms
+from protocols.p3964r.characters import Char
+
+FIRST = "RK512_ACT_BV_01"
+ACT = Purposes[LineTester]("RK512_ACT", "active", "serial-protocols 2.2", condition=("active",), preamble=(FIRST,))
+MOST_REPEATS = 12
+
+
+def command(t: LineTester) -> bytes:
+    """The station's command telegram, acknowledged on the link."""
+    t.starts_sending()
+    block = t.take()
+    if not is_command(block.data):
+        raise NotApplicable(f"the station's block {block.data[:10].hex(' ').upper()} is no RK512 command")
+    return block.data
+
+
+@ACT.case(
+    "BV_01",
+    "its command telegram is well formed",
+    "sein Befehlstelegramm ist richtig aufgebaut",
+    clause="serial-protocols 2.1",
+    preamble=(),
+)
+def well_formed(t: LineTester) -> None:
+    data = command(t)
+    if len(data) < 10 or data[1] != 0 or data[0] != 0:
+        raise Fail(f"header {data[:10].hex(' ').upper()}", "00 00, command, type, address, amount, flag", data[:10].hex(" ").upper())
+    amount = int.from_bytes(data[6:8], "big")
+    size = amount if data[3] in b"EAM" else 2 * amount
+    wanted = 0 if data[2] == FETCH else min(size, 128)
+    if amount == 0 or len(data) - 10 != wanted:
+        raise Fail(f"announces {size} bytes and carries {len(data) - 10}", f"{wanted} data bytes", data[:24].hex(" ").upper())
+    with t.given():
+        t.good(right_reaction(data), "the right reaction")
+
+
+@ACT.case("BV_02", "after the right reaction it neither repeats nor complains", "nach der richtigen Reaktion wiederholt er nicht")
+def once(t: LineTester) -> None:
+    data = command(t)
+    with t.given():
+        t.good(right_reaction(data), "the right reaction")
+    got = t.answer(ms(300))
+    if got == Char.STX:
+        with t.given():
+            again = t.take()
+        if again.data == data and t.setup.stimulus_name != "periodic":
+            raise Fail("the command came again after its right reaction", "nothing", again.data[:16].hex(" ").upper())
+        if is_command(again.data):
+            t.good(right_reaction(again.data), "the right reaction")
+    elif got is not None:
+        t.fail("the right reaction", got, "nothing")
+
+
+def _wrong(number: int, summary: str, german: str, wrong: Callable[[bytes], bytes]) -> None:
+    @ACT.case(
+        f"BI_{number:02}",
+        f"{summary}: the next job is sent and works",
+        f"{german}: der nächste Auftrag kommt und läuft",
+        clause="serial-protocols 2.2, 2.4",
+    )
+    def body(t: LineTester) -> None:
+        for turn in range(1 if t.setup.stimulus_name == "operator" else 2):
+            if turn:
+                _works(t, summary)  # the other one of two jobs in turn
+            data = command(t)
+            said = wrong(right_reaction(data))
+            if said:
+                t.good(said, "a reaction telegram")
+            else:
+                t.silence(t.setup.reaction_wait + t.tolerance, "a command whose reaction never comes")
+            _quiet(t)
+            _works(t, summary)
+
+
+def _quiet(t: LineTester) -> None:
+    """It may send again; not for ever."""
+    for _ in range(MOST_REPEATS):
+        got = t.answer(t.profile.char_delay + ms(300))
+        if got is None:
+            return
+        if got == Char.STX:
+            with t.given():
+                block = t.take()
+            if is_command(block.data):
+                t.good(right_reaction(block.data), "the right reaction")
+    if t.setup.stimulus_name != "periodic":
+        raise Fail(f"sends again more than {MOST_REPEATS} times", "an end", "STX (02h)")
+
+
+def _works(t: LineTester, after: str) -> None:
+    """One that stops working is FAIL."""
+    try:
+        again = command(t)
+    except Inconclusive as ended:
+        raise Fail(f"after {after} it sends no job any more: {ended.reason}", "STX (02h) and a command", ended.got or "nothing") from ended
+    t.good(right_reaction(again), "the right reaction to the next job")
+    got = t.answer(ms(100))
+    if got not in (None, Char.STX):
+        t.fail("the right reaction to the next job", got, f"nothing, not {named(got)}")
+    if got == Char.STX:
+        t.serve()
+
+
+for _number, (_summary, _german, _reaction) in enumerate(
+    (
+        ("a reaction with error number 14h", "eine Reaktion mit Fehlernummer 14h", lambda data: data[:3] + b"\x14"),
+        ("a reaction with error number 10h", "eine Reaktion mit Fehlernummer 10h", lambda data: data[:3] + b"\x10"),
+        ("a reaction with an unknown error number", "eine Reaktion mit unbekannter Fehlernummer", lambda data: data[:3] + b"\xee"),
+        ("a reaction whose first byte is 55h", "eine Reaktion, deren erstes Byte 55h ist", lambda data: b"\x55" + data[1:]),
+        ("a reaction whose second byte is 01h", "eine Reaktion, deren zweites Byte 01h ist", lambda data: data[:1] + b"\x01" + data[2:]),
+        ("a reaction of three bytes", "eine Reaktion aus drei Bytes", lambda data: data[:3]),
+        ("a reaction with two bytes too many", "eine Reaktion mit zwei Bytes zu viel", lambda data: data + b"\0\0"),
+        ("a reaction with data too few", "eine Reaktion mit zu wenig Daten", lambda data: data[:-1] if len(data) > 4 else data[:3]),
+        (
+            "a command in place of the reaction",
+            "ein Befehl statt der Reaktion",
+            lambda data: bytes((0, 0, FETCH, 0x44, 5, 0, 0, 1, 0xFF, 0xFF)),
+        ),
+        ("no reaction at all", "gar keine Reaktion", lambda data: b""),
+    ),
+    1,
+):
+    _wrong(_number, _summary, _german, _reaction)
+
+
+@ACT.case("ST_01", "ten jobs in a row", "zehn Aufträge hintereinander")
+def run(t: LineTester) -> None:
+    for count in range(10 if t.setup.stimulus_name != "operator" else 2):
+        data = command(t)
+        t.good(right_reaction(data), f"the right reaction to job {count + 1}")
+        t.settle(ms(150))

@@ -1,0 +1,779 @@
+"""RK512, the station is passive: jobs, contents, follow-on telegrams, refusals (serial-protocols 2.1 to 2.5)."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+
+from gateway.conformance.suites.line import NAK, LineTester
+from gateway.conformance.suites.rk512.telegrams import (
+    DB,
+    FETCH,
+    SEND,
+    ask,
+    db_of,
+    fetch,
+    header,
+    number_words,
+    read,
+    refused,
+    restored,
+    room,
+    saved,
+    write,
+)
+from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, NotApplicable, Warn
+from protocols.base.machine import ms
+from protocols.p3964r.characters import Char, wire_block
+
+BASIC = "RK512_PAS_BV_01"
+WRITES, READ_BACK, LONG, REFUSES = "RK512_PAS_BV_04", "RK512_PAS_BV_05", "RK512_PAS_BV_14", "RK512_PAS_BI_01"
+PAS = Purposes[LineTester]("RK512_PAS", "passive", "serial-protocols 2", condition=("passive",), preamble=(BASIC,))
+WRITE = ("write",)
+CYCLES = 40
+
+
+def pattern(words: int, start: int = 0x0103) -> bytes:
+    """Words no two of which are equal, nor equal with their bytes exchanged."""
+    return b"".join(((start + 0x0305 * at) & 0xFFFF).to_bytes(2, "big") for at in range(words))
+
+
+@contextmanager
+def borrowed(t: LineTester, words: int, word: int = 0) -> Iterator[int]:
+    """A block that may be written; what was there is written back."""
+    db = db_of(t)
+    before = saved(t, db, word, words)
+    try:
+        yield db
+    except Ended:
+        with suppress(Ended):  # the finding counts, not that it could not be tidied up behind it
+            restored(t, db, word, before)
+        raise
+    restored(t, db, word, before)
+
+
+# ---- jobs
+@PAS.case(
+    "BV_01",
+    "FETCH of one word: reaction 00 00 00 00 and two bytes",
+    "FETCH eines Worts: Reaktion 00 00 00 00 und zwei Bytes",
+    clause="serial-protocols 2.2",
+    preamble=(),
+)
+def one_word(t: LineTester) -> None:
+    found = ask(t, fetch(t.setup.db, 0, 1), judge_link=True)
+    if found.number or len(found.data) != 2:
+        raise Fail(f"FETCH DB{t.setup.db}.DW0, 1 word: {found.words()}", "00 00 00 00 and two bytes", found.words())
+
+
+@PAS.case(
+    "BV_02",
+    "FETCH of 2, 3 and 64 words: as many bytes as asked",
+    "FETCH von 2, 3 und 64 Wörtern: so viele Bytes wie verlangt",
+    clause="serial-protocols 2.2",
+)
+def many_words(t: LineTester) -> None:
+    for words in sorted({2, 3, room(t, 32)}):
+        read(t, t.setup.db, 0, words)
+    words = room(t, 64)
+    found = ask(t, fetch(t.setup.db, 0, words))
+    if found.number in NO_FOLLOW_ON and not found.data:
+        raise Warn(f"{words} words in one job: {number_words(found.number)}; others serve 64", "00h", found.words())
+    if found.number or len(found.data) != 2 * words:
+        raise Fail(f"FETCH of {words} words: {found.words()}", f"00h and {2 * words} bytes", found.words())
+
+
+@PAS.case(
+    "BV_03",
+    "the words that the bench knows come as they are, high byte first",
+    "die der Prüfumgebung bekannten Wörter kommen unverändert, High-Byte zuerst",
+    condition=("known",),
+)
+def known(t: LineTester) -> None:
+    found = False
+    for name, value in t.setup.known.items():
+        block, dot, word = name.upper().removeprefix("DB").partition(".DW")
+        if not dot or not block.isdecimal() or not word.isdecimal():
+            continue
+        found = True
+        got = read(t, int(block), int(word), max(1, len(value) // 2))
+        if got != value:
+            raise Fail(f"{name}: {got.hex(' ').upper()}, known is {value.hex(' ').upper()}", value.hex(" ").upper(), got.hex(" ").upper())
+    if not found:
+        raise NotApplicable("[known] names no data word")
+
+
+@PAS.case(
+    "BV_04",
+    "SEND of one word: reaction of four bytes, 00",
+    "SEND eines Worts: Reaktion aus vier Bytes, 00",
+    condition=WRITE,
+    clause="serial-protocols 2.2",
+)
+def send(t: LineTester) -> None:
+    db = db_of(t)
+    before = saved(t, db, 0, 1)
+    write(t, db, 0, before)
+
+
+def _compared(got: bytes, wanted: bytes, what: str) -> None:
+    if got == wanted:
+        return
+    why = ""
+    if got == b"".join(wanted[at + 1 : at + 2] + wanted[at : at + 1] for at in range(0, len(wanted), 2)):
+        why = ": the bytes of each word are exchanged"
+    elif got == wanted[::-1]:
+        why = ": in reverse order"
+    raise Fail(f"{what} reads back otherwise{why}", wanted[:64].hex(" ").upper(), got[:64].hex(" ").upper())
+
+
+@PAS.case(
+    "BV_05",
+    "what SEND wrote FETCH reads, asymmetric words",
+    "was SEND schrieb, liest FETCH, unsymmetrische Wörter",
+    condition=WRITE,
+    preamble=(BASIC, WRITES),
+)
+def read_back(t: LineTester) -> None:
+    words = room(t, 16)
+    with borrowed(t, words) as db:
+        for start in (0x0103, 0x8001):
+            write(t, db, 0, pattern(words, start))
+            _compared(read(t, db, 0, words), pattern(words, start), f"DB{db}.DW0, {words} words")
+
+
+@PAS.case(
+    "BV_06",
+    "SEND of 64 words reads back whole",
+    "SEND von 64 Wörtern kommt ganz zurück",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, READ_BACK),
+)
+def read_back_long(t: LineTester) -> None:
+    words = room(t, 64)
+    with borrowed(t, words) as db:
+        write(t, db, 0, pattern(words))
+        _compared(read(t, db, 0, words), pattern(words), f"DB{db}.DW0, {words} words")
+
+
+@PAS.case(
+    "BV_07",
+    "one word by several addresses: DW n is word n of a longer job",
+    "ein Wort unter mehreren Adressen: DW n ist Wort n eines längeren Auftrags",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, READ_BACK),
+)
+def by_address(t: LineTester) -> None:
+    words = room(t, 8)
+    with borrowed(t, words) as db:
+        write(t, db, 0, pattern(words))
+        for word in range(words):
+            _compared(read(t, db, word, 1), pattern(words)[2 * word : 2 * word + 2], f"DB{db}.DW{word} alone")
+        if words >= 4:
+            write(t, db, 2, b"\xa5\x3c")
+            wanted = pattern(words)[:4] + b"\xa5\x3c" + pattern(words)[6:]
+            _compared(read(t, db, 0, words), wanted, f"DB{db}.DW0, {words} words after SEND of DW2 alone")
+
+
+@PAS.case(
+    "BV_08",
+    "the last word of the block is its own: numbers are not cut to fewer bits",
+    "das letzte Wort ist ein eigenes: Nummern werden nicht gekürzt",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, READ_BACK),
+)
+def aliased_words(t: LineTester) -> None:
+    last = t.setup.words - 1
+    places = sorted({0, *(place for place in (1, 2, 16, 32, 64, last) if place <= last)})
+    db = db_of(t)
+    before = {place: saved(t, db, place, 1) for place in places}
+    try:
+        for place in places:
+            write(t, db, place, bytes((0x40 + place % 64, place)))
+        for place in places:
+            _compared(read(t, db, place, 1), bytes((0x40 + place % 64, place)), f"DB{db}.DW{place}")
+    finally:
+        with suppress(Ended):
+            for place, data in before.items():
+                restored(t, db, place, data)
+
+
+@PAS.case(
+    "BV_09",
+    "a SEND to one block leaves the others alone",
+    "ein SEND in einen Baustein lässt die anderen unberührt",
+    condition=WRITE,
+    preamble=(BASIC, WRITES),
+)
+def aliased_blocks(t: LineTester) -> None:
+    db = db_of(t)
+    others: dict[int, bytes] = {}
+    for number in sorted({*t.setup.write, 5, 11, 16, (db + 1) % 256, db ^ 0x80, db ^ 0x10} - {db}):
+        found = ask(t, fetch(number, 0, 1))
+        if found.number == 0 and len(found.data) == 2:
+            others[number] = found.data
+    if not others:
+        raise NotApplicable("no other data block can be read")
+    with borrowed(t, 1):
+        write(t, db, 0, b"\x5a\x0f" if b"\x5a\x0f" not in others.values() else b"\x2d\x96")
+        for number, before in others.items():
+            _compared(read(t, number, 0, 1), before, f"DB{number}.DW0 after a SEND to DB{db}")
+
+
+PLANTED = bytes.fromhex("5510 4110 1003 1010 1055 0210 0010 10ff")
+
+
+@PAS.case(
+    "BV_10",
+    "10h in the data comes back whole, alone and in pairs",
+    "10h in den Daten kommt unverändert zurück, einzeln und in Paaren",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, READ_BACK),
+    clause="serial-protocols 1.2",
+)
+def planted(t: LineTester) -> None:
+    words = room(t, 8)
+    with borrowed(t, words) as db:
+        write(t, db, 0, PLANTED[: 2 * words])
+        _compared(read(t, db, 0, words), PLANTED[: 2 * words], f"DB{db}.DW0 with 10h in it")
+
+
+@PAS.case(
+    "BV_11",
+    "reactions whose block check is 10h, 03h, 15h and 02h are whole",
+    "Reaktionen mit der Blockprüfung 10h, 03h, 15h und 02h sind vollständig",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, READ_BACK),
+    clause="serial-protocols 1.2",
+)
+def check_of_reaction(t: LineTester) -> None:
+    with borrowed(t, 1) as db:
+        for value in (0x10, 0x03, 0x15, 0x02):
+            data = bytes((0x40, 0x40 ^ value ^ 0x13))
+            write(t, db, 0, data)
+            _compared(read(t, db, 0, 1), data, f"a word whose reaction has the block check {value:02X}h")
+            got = t.answer(t.tolerance)
+            if got not in (None, Char.STX):
+                t.fail(f"a reaction whose block check is {value:02X}h", got, "nothing")
+
+
+@PAS.case("BV_12", "a header that holds 10h three times", "ein Kopf, der dreimal 10h enthält", clause="serial-protocols 1.2, vector 9")
+def header_with_dle(t: LineTester) -> None:
+    found = ask(t, fetch(16, 16, 16))
+    if found.number == 0 and len(found.data) != 32:
+        raise Fail(f"{len(found.data)} data bytes, expected 32", "32 data bytes", found.words())
+    if found.number not in (0, 0x14, 0x0A):
+        raise Fail(
+            f"FETCH DB16.DW16, 16 words: {number_words(found.number)}: the header was not read as sent", "00h, 14h or 0Ah", found.words()
+        )
+
+
+@PAS.case("BV_13", "two reads bring the same, and one reaction each", "zwei Lesezugriffe bringen dasselbe, je eine Reaktion")
+def one_reaction(t: LineTester) -> None:
+    first = read(t, t.setup.db, 0, room(t, 4))
+    got = t.answer(t.tolerance + ms(150))
+    if got == Char.STX:
+        again = t.serve()
+        if again is not None and again == bytes(4) + first:
+            raise Fail("the reaction came twice", "one reaction", again.hex(" ").upper())
+    elif got is not None:
+        t.fail("an acknowledged reaction", got, "nothing")
+    read(t, t.setup.db, 0, room(t, 4))
+
+
+# ---- capabilities
+def _type(number: int, kind: int) -> None:
+    what = chr(kind)
+
+    @PAS.case(
+        f"CA_{number:02}",
+        f"FETCH of type {what}: served with as many bytes as asked, or refused with a number",
+        f"FETCH vom Typ {what}: bedient mit der verlangten Länge, oder mit Nummer abgelehnt",
+        clause="serial-protocols 2.1",
+        preamble=(BASIC, REFUSES),
+    )
+    def body(t: LineTester) -> None:
+        unit = 2 if kind in b"TZX" else 1
+        block = t.setup.db if kind == 0x58 else 0
+        for amount in (1, 3):
+            found = ask(t, header(FETCH, kind, block, 0, amount))
+            if found.number == 0 and len(found.data) != unit * amount:
+                raise Fail(
+                    f"{amount} of type {what}: {len(found.data)} bytes, expected {unit * amount}", f"{unit * amount} bytes", found.words()
+                )
+            if found.number == 0 and t.setup.pics.get(f"type_{what}") is False:
+                raise Fail(f"type {what} is served, the PICS says it is not", "a refusal", found.words())
+            if found.number:
+                _number_of_type(t, found.number, what, len(found.data), found.words())
+
+
+def _number_of_type(t: LineTester, number: int, what: str, size: int, words: str) -> None:
+    if size:
+        raise Fail(f"{size} data bytes behind error {number:02X}h", "4 bytes", words)
+    if t.setup.pics.get(f"type_{what}") is True:
+        raise Fail(f"type {what} is refused with {number_words(number)}, the PICS says it is served", "00h: no error", words)
+    if number not in (0x0A, 0x0C, 0x10, 0x12, 0x14) and not _own_number(t, "type", number):
+        raise Fail(f"type {what} is refused with a misleading number: {number_words(number)}", "12h: type not supported", words)
+    t.remark(f"not served: {number_words(number)}")
+
+
+def _own_number(t: LineTester, name: str, number: int) -> bool:
+    stated = t.setup.pics.get("errors")
+    own = stated.get(name) if isinstance(stated, dict) else None
+    return isinstance(own, str) and int(own, 16) == number
+
+
+for _number, _kind in enumerate(b"EAMTZX", 1):
+    _type(_number, _kind)
+
+
+@PAS.case("CA_07", "a coordination flag: served, or 32h", "ein Koppelmerker: bedient, oder 32h", clause="serial-protocols 2.5")
+def flag(t: LineTester) -> None:
+    found = ask(t, header(FETCH, DB, t.setup.db, 0, 1, b"\x06\x04"))
+    if found.number not in (0, 0x32):
+        raise Warn(f"{number_words(found.number)}, expected 00h or 32h", "00h or 32h", found.words())
+    if found.number == 0 and len(found.data) != 2:
+        raise Fail(f"{len(found.data)} data bytes, expected 2", "2 data bytes", found.words())
+
+
+NO_FOLLOW_ON = (0x10, 0x12, 0x34)
+
+
+def _long(t: LineTester, words: int) -> bytes:
+    """A FETCH with follow-on telegrams."""
+    if words > t.setup.words:
+        raise NotApplicable(f"DB{t.setup.db} has {t.setup.words} words for this bench (words in [link])")
+    found = ask(t, fetch(t.setup.db, 0, words))
+    if found.number in NO_FOLLOW_ON and not found.data:
+        raise NotApplicable(f"refused with {number_words(found.number)}: no follow-on telegrams, at most 128 bytes in a job")
+    content = b""
+    while True:
+        due = min(128, 2 * words - len(content))
+        if found.number or len(found.data) != due:
+            raise Fail(f"piece of {len(found.data)} bytes with {found.number:02X}h, expected {due}", f"00h and {due} bytes", found.words())
+        content += found.data
+        if len(content) == 2 * words:
+            return content
+        found = ask(t, bytes((0xFF, 0, FETCH, DB)))
+
+
+def _follow_on(number: int, words: int) -> None:
+    @PAS.case(
+        f"BV_{number}",
+        f"FETCH of {2 * words} bytes in follow-on telegrams, the same as in single jobs",
+        f"FETCH von {2 * words} Bytes in Folgetelegrammen, gleich wie in Einzelaufträgen",
+        clause="serial-protocols 2.3",
+        preamble=(BASIC,) if words == 65 else (BASIC, LONG),
+    )
+    def body(t: LineTester) -> None:
+        content = _long(t, words)
+        _compared(content, saved(t, t.setup.db, 0, words), f"{2 * words} bytes in follow-on telegrams")
+
+
+for _number, _words in ((14, 65), (15, 100), (16, 128)):
+    _follow_on(_number, _words)
+
+
+def _send_long(t: LineTester, db: int, content: bytes, first_only: bool = False) -> None:
+    found = ask(t, header(SEND, DB, db, 0, len(content) // 2) + content[:128])
+    if found.number in NO_FOLLOW_ON and not found.data:
+        raise NotApplicable(f"refused with {number_words(found.number)}: no follow-on telegrams")
+    for at in range(128, len(content), 128):
+        if found.number or found.data:
+            raise Fail(f"piece of a long SEND: {found.words()}", "00 00 00 00", found.words())
+        if first_only:
+            return
+        found = ask(t, bytes((0xFF, 0, SEND, DB)) + content[at : at + 128])
+    if found.number or found.data:
+        raise Fail(f"last piece of a long SEND: {found.words()}", "FF 00 00 00", found.words())
+
+
+@PAS.case(
+    "BV_17",
+    "SEND in follow-on telegrams reads back whole",
+    "SEND in Folgetelegrammen kommt ganz zurück",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, READ_BACK),
+    clause="serial-protocols 2.3",
+)
+def send_long(t: LineTester) -> None:
+    words = room(t, 100)
+    if words <= 64:
+        raise NotApplicable(f"the block has {words} words for this bench")
+    with borrowed(t, words) as db:
+        _send_long(t, db, pattern(words))
+        _compared(saved(t, db, 0, words), pattern(words), f"{2 * words} bytes sent in follow-on telegrams")
+
+
+@PAS.case(
+    "RC_01",
+    "a SEND whose follow-on never comes does not lock the station",
+    "ein SEND ohne Folgetelegramm sperrt den Teilnehmer nicht",
+    condition=WRITE,
+    preamble=(BASIC, WRITES),
+    clause="serial-protocols 2.3",
+)
+def abandoned_send(t: LineTester) -> None:
+    words = room(t, 100)
+    if words <= 64:
+        raise NotApplicable(f"the block has {words} words for this bench")
+    with borrowed(t, words) as db:
+        _send_long(t, db, saved(t, db, 0, words), first_only=True)
+        _served_again(t, "a SEND that was abandoned")
+
+
+def _served_again(t: LineTester, after: str) -> None:
+    """The next job is served, at the latest the second one: the first may be refused with 36h."""
+    for attempt in range(2):
+        found = ask(t, fetch(t.setup.db, 0, 1))
+        if found.number == 0 and len(found.data) == 2:
+            return
+        if attempt or found.number != 0x36:
+            raise Fail(f"after {after}: {found.words()}", "00h, or 36h once", found.words())
+    raise Fail(f"after {after}: no job is served", "00h", "36h twice")
+
+
+@PAS.case(
+    "RC_02",
+    "a FETCH whose follow-on is not asked for does not lock the station",
+    "ein FETCH ohne Abruf der Folgetelegramme sperrt den Teilnehmer nicht",
+    clause="serial-protocols 2.3",
+)
+def abandoned_fetch(t: LineTester) -> None:
+    if t.setup.words < 100:
+        raise NotApplicable(f"the block has {t.setup.words} words for this bench")
+    found = ask(t, fetch(t.setup.db, 0, 100))
+    if found.number:
+        raise NotApplicable(f"refused with {number_words(found.number)}: no follow-on telegrams")
+    _served_again(t, "a FETCH that was abandoned")
+
+
+# ---- refusals
+@PAS.case(
+    "BI_01",
+    "a command that cannot be executed is refused with a number and four bytes",
+    "ein nicht ausführbarer Befehl wird mit einer Nummer und vier Bytes abgelehnt",
+    clause="serial-protocols 2.4",
+)
+def is_refused(t: LineTester) -> None:
+    found = ask(t, header(0x51, DB, t.setup.db, 0, 1))
+    if found.number == 0 or found.data:
+        raise Fail(f"byte 3 is 51h: {found.words()}", "00 00 00 and an error number, no data", found.words())
+
+
+def _refusal(
+    number: int, name: str, summary: str, german: str, telegram: Callable[[LineTester], bytes], wanted: int, others: tuple[int, ...]
+) -> None:
+    @PAS.case(
+        f"BI_{number:02}",
+        f"{summary}: refused with {wanted:02X}h",
+        f"{german}: mit {wanted:02X}h abgelehnt",
+        clause="serial-protocols 2.4",
+        preamble=(BASIC, REFUSES),
+    )
+    def body(t: LineTester) -> None:
+        refused(t, name, telegram(t), wanted, others)
+
+
+def _missing(t: LineTester) -> int:
+    if ask(t, fetch(t.setup.missing, 0, 1)).number == 0:
+        raise NotApplicable(f"DB{t.setup.missing} is there; missing_db in [link] names one that is not")
+    return t.setup.missing
+
+
+_ROWS: tuple[tuple[str, str, str, Callable[[LineTester], bytes], int, tuple[int, ...]], ...] = (
+    (
+        "missing_block",
+        "FETCH of a block that does not exist",
+        "FETCH eines Bausteins, den es nicht gibt",
+        lambda t: fetch(t.setup.missing, 0, 1),
+        0x14,
+        (0x0A,),
+    ),
+    (
+        "missing_block_send",
+        "SEND to a block that does not exist",
+        "SEND in einen Baustein, den es nicht gibt",
+        lambda t: header(SEND, DB, _missing(t), 0, 1) + b"\0\0",
+        0x14,
+        (0x0A,),
+    ),
+    (
+        "behind_the_end",
+        "words behind the end of the block",
+        "Wörter hinter dem Ende des Bausteins",
+        lambda t: fetch(t.setup.db, (t.setup.size or 256) - 1, 2),
+        0x14,
+        (0x0A, 0x34),
+    ),
+    (
+        "wrong_command",
+        "byte 3 is none of A, O, E",
+        "Byte 3 ist weder A noch O noch E",
+        lambda t: header(0x51, DB, t.setup.db, 0, 1),
+        0x16,
+        (0x10,),
+    ),
+    ("wrong_type", "byte 4 names no type", "Byte 4 nennt keinen Typ", lambda t: header(FETCH, 0x71, t.setup.db, 0, 1), 0x0C, (0x10, 0x12)),
+    (
+        "wrong_byte_1",
+        "byte 1 is neither 00 nor FF",
+        "Byte 1 ist weder 00 noch FF",
+        lambda t: b"\x55" + fetch(t.setup.db, 0, 1)[1:],
+        0x10,
+        (0x36, 0x16),
+    ),
+    (
+        "follow_on_alone",
+        "a follow-on telegram without a first one",
+        "ein Folgetelegramm ohne ein erstes",
+        lambda t: b"\xff\x00\x45\x44",
+        0x36,
+        (0x10,),
+    ),
+    ("short_header", "a header of nine bytes", "ein Kopf von neun Bytes", lambda t: fetch(t.setup.db, 0, 1)[:9], 0x34, (0x10,)),
+    (
+        "data_behind_fetch",
+        "FETCH with data behind the header",
+        "FETCH mit Daten hinter dem Kopf",
+        lambda t: fetch(t.setup.db, 0, 1) + b"\0\0",
+        0x34,
+        (0x10,),
+    ),
+    ("amount_0", "an amount of 0", "eine Anzahl 0", lambda t: fetch(t.setup.db, 0, 0), 0x34, (0x10, 0x14)),
+)
+for _number, (_name, _summary, _german, _telegram, _wanted, _others) in enumerate(_ROWS, 2):
+    _refusal(_number, _name, _summary, _german, _telegram, _wanted, _others)
+
+
+def _no_effect(number: int, name: str, summary: str, german: str, data: bytes, words: int) -> None:
+    """A SEND that is refused for its length writes nothing; into a missing block where none may be written."""
+
+    @PAS.case(
+        f"BI_{number}",
+        f"{summary}: 34h, and nothing is written",
+        f"{german}: 34h, und nichts wird geschrieben",
+        clause="serial-protocols 2.3",
+        preamble=(BASIC, REFUSES),
+    )
+    def body(t: LineTester) -> None:
+        if not t.setup.write:
+            refused(t, name, header(SEND, DB, _missing(t), 0, words) + data, 0x34, (0x10, 0x14, 0x0A))
+            return
+        with borrowed(t, 4) as db:
+            before = saved(t, db, 0, 4)
+            changed = bytes(byte ^ 0xFF for byte in before)
+            try:
+                refused(t, name, header(SEND, DB, db, 0, words) + (changed + bytes(8))[: len(data)], 0x34, (0x10,))
+            finally:
+                t.settle(ms(100))
+            _compared(saved(t, db, 0, 4), before, "the block after a refused SEND")
+
+
+for _row in (
+    (12, "send_too_short", "SEND that brings less than it announces", "SEND mit weniger Daten als angekündigt", bytes(2), 2),
+    (13, "send_too_long", "SEND that brings more than it announces", "SEND mit mehr Daten als angekündigt", bytes(4), 1),
+    (14, "send_odd", "SEND with an odd number of bytes", "SEND mit ungerader Anzahl Bytes", bytes(3), 2),
+    (15, "send_no_data", "SEND without data", "SEND ohne Daten", b"", 1),
+):
+    _no_effect(*_row)
+
+
+@PAS.case(
+    "BI_16",
+    "SEND behind the end of the block is refused and writes nothing",
+    "SEND hinter das Ende wird abgelehnt und schreibt nichts",
+    condition=WRITE,
+    preamble=(BASIC, WRITES),
+)
+def send_behind(t: LineTester) -> None:
+    with borrowed(t, 2) as db:
+        before = saved(t, db, 0, 2)
+        refused(t, "behind_the_end", header(SEND, DB, db, (t.setup.size or 256) - 1, 2) + b"\x5a\x5a\xa5\xa5", 0x14, (0x0A, 0x34))
+        _compared(saved(t, db, 0, 2), before, "the block after a refused SEND")
+
+
+# ---- effects seen through the link
+@PAS.case(
+    "BO_01",
+    "a command whose block is refused has no effect",
+    "ein Auftrag, dessen Block abgelehnt wird, bleibt ohne Wirkung",
+    condition=("block_check",),
+    clause="serial-protocols 1.4",
+)
+def refused_command(t: LineTester) -> None:
+    wire = wire_block(fetch(t.setup.db, 0, 1))
+    t.connect()
+    t.say(wire[:-1] + bytes((wire[-1] ^ 0x40,)))
+    with t.given():
+        if (got := t.answer(t.profile.ack_delay + t.tolerance)) != Char.NAK:
+            t.fail("a wrong block check", got, "NAK (15h)")
+    got = t.answer(t.setup.reaction_wait // 4)
+    if got == Char.STX:
+        said = t.serve()
+        if said is not None and said[:3] in (b"\0\0\0", b"\xff\0\0"):
+            raise Fail("a command with a wrong block check was executed", "no reaction", said.hex(" ").upper())
+
+
+@PAS.case(
+    "BO_02",
+    "a refused SEND, then the same with a right check: written once",
+    "ein abgelehnter SEND, dann derselbe mit richtiger Prüfung: einmal geschrieben",
+    condition=("block_check", "write"),
+    preamble=(BASIC, WRITES, READ_BACK),
+)
+def refused_send(t: LineTester) -> None:
+    with borrowed(t, 1) as db:
+        before = saved(t, db, 0, 1)
+        changed = bytes(byte ^ 0x5A for byte in before)
+        wire = wire_block(header(SEND, DB, db, 0, 1) + changed)
+        t.connect()
+        t.say(wire[:-1] + bytes((wire[-1] ^ 0x40,)))
+        t.answer(t.profile.ack_delay)
+        t.settle(ms(300))
+        _compared(saved(t, db, 0, 1), before, "the block after a SEND with a wrong block check")
+        write(t, db, 0, changed)
+        _compared(saved(t, db, 0, 1), changed, "the block after the repeat")
+
+
+@PAS.case(
+    "BO_03",
+    "a reaction answered with NAK is sent again, the same",
+    "eine mit NAK beantwortete Reaktion kommt noch einmal, dieselbe",
+    clause="serial-protocols 1.3",
+)
+def nak_to_reaction(t: LineTester) -> None:
+    with t.given():
+        t.good(fetch(t.setup.db, 0, room(t, 2)), "a command telegram")
+        t.first_stx(t.setup.reaction_wait)
+    first = t.take(acknowledge=False)
+    t.say(NAK)
+    got = t.answer(t.profile.retry_pause + ms(300))
+    if got != Char.STX:
+        t.fail("NAK to the reaction", got, "STX (02h)")
+    again = t.take()
+    _compared(again.data, first.data, "the repeated reaction")
+
+
+@PAS.case(
+    "BO_04",
+    "a reaction nobody asked for is not answered",
+    "eine Reaktion ohne Auftrag wird nicht beantwortet",
+    clause="serial-protocols 2.6",
+)
+def unasked_reaction(t: LineTester) -> None:
+    with t.given():
+        t.good(bytes(4), "a reaction nobody awaits")
+    got = t.answer(ms(500))
+    if got == Char.STX:
+        said = t.serve()
+        if said is not None and len(said) == 4 and said[:3] in (b"\0\0\0", b"\xff\0\0"):
+            raise Warn("answers a reaction with a reaction", "nothing", said.hex(" ").upper())
+
+
+@PAS.case(
+    "BO_05",
+    "a command while its reaction is on the way: the station stays usable",
+    "ein Auftrag, während die Reaktion unterwegs ist: der Teilnehmer bleibt brauchbar",
+    clause="serial-protocols 2.6",
+)
+def overtaken(t: LineTester) -> None:
+    with t.given():
+        t.good(fetch(t.setup.db, 0, 1), "a command telegram")
+        t.first_stx(t.setup.reaction_wait)
+    t.take(acknowledge=False)
+    t.settle(t.profile.ack_delay + ms(300))
+    read(t, t.setup.db, 0, 1)
+
+
+@PAS.case(
+    "BO_06",
+    "a telegram of one byte is refused or ignored",
+    "ein Telegramm aus einem Byte wird abgelehnt oder nicht beachtet",
+    clause="serial-protocols 2.4",
+)
+def one_byte(t: LineTester) -> None:
+    with t.given():
+        t.good(b"\x55", "a telegram of one byte")
+    t.settle(ms(500))
+    read(t, t.setup.db, 0, 1)
+
+
+@PAS.case(
+    "TI_01",
+    "the reaction comes within the reaction time",
+    "die Reaktion kommt innerhalb der Reaktionszeit",
+    clause="serial-protocols 2.2",
+    limits="reaction_ms of the bench, 5 s without",
+)
+def in_time(t: LineTester) -> None:
+    for words in (1, room(t, 64)):
+        with t.given():
+            t.good(fetch(t.setup.db, 0, words), "a command telegram")
+        start = t.mark
+        got = t.answer(2 * t.setup.reaction_wait)
+        if got != Char.STX:
+            t.fail("an acknowledged command", got, "STX (02h)")
+        took = t.mark - start
+        with t.given():
+            t.take()
+        t.timed(f"STX of the reaction to a FETCH of {words} words", took, None, t.setup.reaction_wait)
+
+
+@PAS.case("ST_01", f"{CYCLES} reads without a pause", f"{CYCLES} Lesezugriffe ohne Pause")
+def reads(t: LineTester) -> None:
+    for count in range(CYCLES):
+        read(t, t.setup.db, count % max(1, room(t, 32)), 1)
+
+
+@PAS.case(
+    "ST_02",
+    f"{CYCLES // 2} writes, each read back",
+    f"{CYCLES // 2} Schreibzugriffe, je zurückgelesen",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, READ_BACK),
+)
+def writes(t: LineTester) -> None:
+    with borrowed(t, 2) as db:
+        for count in range(CYCLES // 2):
+            data = bytes((count, 0xFF - count, 0x10, count * 7 & 0xFF))
+            write(t, db, 0, data)
+            _compared(read(t, db, 0, 2), data, f"write {count + 1}")
+
+
+@PAS.case(
+    "RC_03",
+    "after refusals of every kind the next job is served",
+    "nach Ablehnungen aller Art wird der nächste Auftrag bedient",
+    preamble=(BASIC, REFUSES),
+)
+def after_refusals(t: LineTester) -> None:
+    for telegram in (header(0x51, DB, t.setup.db, 0, 1), fetch(t.setup.missing, 0, 1), b"\xff\x00\x45\x44", fetch(t.setup.db, 0, 1)[:9]):
+        with t.given():
+            t.good(telegram, "a wrong command")
+        t.settle(ms(300))
+        try:
+            read(t, t.setup.db, 0, 1)
+        except Inconclusive as ended:
+            raise Fail(f"after {telegram.hex(' ').upper()}: {ended.reason}", ended.expected, ended.got) from ended
+
+
+@PAS.case(
+    "RC_04",
+    "after a reaction that was never acknowledged the next job is served",
+    "nach einer nie quittierten Reaktion wird der nächste Auftrag bedient",
+)
+def unacknowledged(t: LineTester) -> None:
+    with t.given():
+        t.good(fetch(t.setup.db, 0, 1), "a command telegram")
+        t.first_stx(t.setup.reaction_wait)
+    got: int | object = Char.STX
+    for _ in range(20):
+        if got != Char.STX:
+            break
+        t.say(NAK)
+        got = t.answer(t.profile.retry_pause + ms(250))
+    t.settle()
+    try:
+        read(t, t.setup.db, 0, 1)
+    except Inconclusive as ended:
+        raise Fail(f"after a reaction that was given up: {ended.reason}", ended.expected, ended.got) from ended

@@ -1,0 +1,181 @@
+"""RK512 telegrams over the line tester: commands, reactions, error numbers."""
+
+from dataclasses import dataclass
+
+from gateway.conformance.suites.line import LineTester
+from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
+from protocols.base.machine import ms
+from protocols.p3964r.characters import Char, wire_block
+
+SEND, FETCH, DX_SEND = 0x41, 0x45, 0x4F
+DB = 0x44
+NO_FLAG = b"\xff\xff"
+ERROR_WORDS = {
+    0x00: "no error",
+    0x0A: "access to the area not possible or not allowed",
+    0x0C: "data type not valid",
+    0x10: "header error, or follow-on telegrams not supported",
+    0x12: "type not supported",
+    0x14: "block missing or too short",
+    0x16: "command (byte 3) wrong",
+    0x2A: "partner CPU in STOP",
+    0x32: "locked by coordination flag",
+    0x34: "length wrong",
+    0x36: "sequence: follow-on without a first telegram",
+}
+MOST_FOREIGN = 6  # blocks that are no reaction, before one is missed
+
+
+@dataclass(frozen=True, slots=True)
+class Reaction:
+    """A reaction telegram; number: byte 4."""
+
+    raw: bytes
+
+    @property
+    def number(self) -> int:
+        return self.raw[3]
+
+    @property
+    def data(self) -> bytes:
+        return self.raw[4:]
+
+    def words(self) -> str:
+        return f"{self.raw[:20].hex(' ').upper()} ({number_words(self.number)}, {len(self.data)} data bytes)"
+
+
+def number_words(number: int) -> str:
+    """An error number in hex and words."""
+    return f"{number:02X}h: {ERROR_WORDS.get(number, 'a number of its own')}"
+
+
+def header(command: int, kind: int, db: int, word: int, amount: int, flag: bytes = NO_FLAG) -> bytes:
+    """A command telegram's ten bytes, right or wrong."""
+    return bytes((0, 0, command, kind, db, word)) + amount.to_bytes(2, "big") + flag
+
+
+def fetch(db: int, word: int, words: int) -> bytes:
+    return header(FETCH, DB, db, word, words)
+
+
+def is_command(block: bytes) -> bool:
+    return len(block) >= 4 and block[0] in (0, 0xFF) and block[2] in (SEND, FETCH, DX_SEND)
+
+
+def right_reaction(command: bytes) -> bytes:
+    """What a good passive station answers, with zeros for data."""
+    size = 0
+    if command[2] == FETCH and len(command) >= 10:
+        amount = int.from_bytes(command[6:8], "big")
+        size = amount if command[3] in b"EAM" else 2 * amount
+    return bytes((command[0], 0, 0, 0)) + bytes(min(size, 128))
+
+
+def ask(t: LineTester, telegram: bytes, judge_link: bool = False) -> Reaction:
+    """The reaction to a command.  The link below is judged by its own suite: what fails there is INCONC here."""
+    if judge_link:
+        t.open()
+        t.say(wire_block(telegram, t.profile.block_check))
+        t.expect(Char.DLE, t.profile.ack_delay, "a command telegram")
+    else:
+        with t.given():
+            t.good(telegram, "a command telegram")
+    return reaction(t)
+
+
+def reaction(t: LineTester) -> Reaction:
+    """The reaction that is due; what comes in its place is served and named."""
+    foreign: list[bytes] = []
+    for _ in range(MOST_FOREIGN):
+        start = t.mark
+        got = t.answer(t.setup.reaction_wait + t.tolerance)
+        if got is None:
+            break
+        if got != Char.STX:
+            t.fail("an acknowledged command telegram", got, "STX (02h) of the reaction")
+        t.timed("STX of the reaction", t.mark - start, None, None)
+        block = t.take()
+        if looks_like_reaction(block.data):
+            return Reaction(block.data)
+        if is_command(block.data):
+            serve_command(t, block.data)
+        foreign.append(block.data)
+    said = "; ".join(block[:12].hex(" ").upper() for block in foreign) or "nothing"
+    raise Fail(
+        f"no reaction telegram within {t.setup.reaction_wait / 1e9:.1f} s; the station said: {said}",
+        "a reaction: 00 or FF, 00 00, error number",
+        said,
+    )
+
+
+def looks_like_reaction(block: bytes) -> bool:
+    """00 or FF, then 00 00: the rest is judged."""
+    return len(block) >= 4 and block[0] in (0, 0xFF) and block[1] == 0 and block[2] == 0
+
+
+def serve_command(t: LineTester, command: bytes) -> None:
+    """A command the station sends of its own gets its reaction."""
+    t.notes.unasked += 1
+    with t.given():
+        t.good(right_reaction(command), "the reaction to its own command")
+
+
+def normal(t: LineTester, telegram: bytes, size: int, what: str) -> bytes:
+    """Executed, with that many data bytes."""
+    found = ask(t, telegram)
+    if found.number:
+        raise Fail(f"{what}: refused with {number_words(found.number)}", "00h: no error", found.words())
+    if len(found.data) != size:
+        raise Fail(f"{what}: {len(found.data)} data bytes, expected {size}", f"{size} data bytes", found.words())
+    return found.data
+
+
+def read(t: LineTester, db: int, word: int, words: int) -> bytes:
+    return normal(t, fetch(db, word, words), 2 * words, f"FETCH DB{db}.DW{word}, {words} words")
+
+
+def write(t: LineTester, db: int, word: int, data: bytes) -> None:
+    normal(t, header(SEND, DB, db, word, len(data) // 2) + data, 0, f"SEND DB{db}.DW{word}, {len(data) // 2} words")
+
+
+def refused(t: LineTester, name: str, telegram: bytes, number: int, others: tuple[int, ...] = ()) -> None:
+    """The command is refused; another number of the same meaning is WARN, a misleading one FAIL unless the PICS names it."""
+    found = ask(t, telegram)
+    stated = t.setup.pics.get("errors")
+    own = stated.get(name) if isinstance(stated, dict) else None
+    wanted = f"{number_words(number)}"
+    if found.number == 0:
+        raise Fail(f"executed, expected refusal with {wanted}", wanted, found.words())
+    if found.data:
+        raise Fail(f"{len(found.data)} data bytes behind error {found.number:02X}h, none may follow", "4 bytes", found.words())
+    if found.number == number or (isinstance(own, str) and int(own, 16) == found.number):
+        return
+    if found.number in others:
+        raise Warn(f"refused with {number_words(found.number)}; the tables of the makers differ", wanted, found.words())
+    raise Fail(f"refused with a misleading number: {number_words(found.number)}", wanted, found.words())
+
+
+def db_of(t: LineTester) -> int:
+    """A block that may be written."""
+    if not t.setup.write:
+        raise NotApplicable("no data block may be written ([touch] db)")
+    return t.setup.write[0]
+
+
+def room(t: LineTester, words: int) -> int:
+    """So many words, or as many as the block has."""
+    return min(words, t.setup.words)
+
+
+def restored(t: LineTester, db: int, word: int, before: bytes) -> None:
+    """What was there is written back, 64 words at a time, as long as the station lets it."""
+    t.settle(ms(100))
+    for at in range(0, len(before), 128):
+        with t.given():
+            write(t, db, word + at // 2, before[at : at + 128])
+
+
+def saved(t: LineTester, db: int, word: int, words: int) -> bytes:
+    """What is there now."""
+    with t.given():
+        return b"".join(read(t, db, word + at, min(64, words - at)) for at in range(0, words, 64))

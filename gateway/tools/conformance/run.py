@@ -1,0 +1,225 @@
+"""`axisgate conformance run`: from files and options to a device, a run and its reports."""
+
+import argparse
+import contextlib
+import datetime
+import difflib
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Mapping, Sequence
+
+from drivers.ports.base import PortError
+from gateway.conformance.framework.base import Tester
+from gateway.conformance.framework.bench_file import BadFile, Bench, Waiver, load_bench, load_pics, load_waivers, pics_faults
+from gateway.conformance.framework.run import Result, Runner, Session, ordered
+from gateway.conformance.framework.witness import Witness
+from gateway.conformance.reporting.document import cases_of, code_of, counts, document
+from gateway.conformance.reporting.folder import load, write_folder
+from gateway.conformance.suites.opening import Opened, factory_of
+from gateway.conformance.suites.registry import SUITES, Suite
+from gateway.conformance.suites.scores import SCORES
+from gateway.links.serial.tool_wire import ToolPort
+from gateway.pure.conformance.purpose import Purpose, selected, unknown
+from gateway.pure.lines.texts import language_of
+
+NOT_PASSED = ("FAIL", "ERROR", "INCONC")
+DEFAULT_SEED = 1
+ENVIRONMENT, DONE = 3, 0
+END_LIMIT_S = 3.0
+
+
+class Stop(Exception):
+    """A fault of the command line, in one sentence."""
+
+
+def suite_named(name: str) -> Suite:
+    if name not in SUITES:
+        near = difflib.get_close_matches(name, SUITES, n=1, cutoff=0.4)
+        raise Stop(f"suite {name}: there are {', '.join(SUITES)}" + (f"; did you mean {near[0]}?" if near else ""))
+    return SUITES[name]
+
+
+def language(arguments: argparse.Namespace, bench: Bench | None = None) -> str:
+    stated = bench.report.get("language") if bench is not None else None
+    return language_of(arguments.language or (str(stated) if stated in ("en", "de") else None), os.environ)
+
+
+def bench_of(arguments: argparse.Namespace) -> Bench:
+    if (arguments.bench is None) == (arguments.port is None):
+        raise Stop("one of --bench FILE and --port URL expected")
+    bench = load_bench(arguments.bench) if arguments.bench is not None else Bench(None, arguments.port)
+    with contextlib.suppress(KeyError):
+        from drivers.ports.serial.line_format import parse_format
+
+        parse_format(bench.format)  # ValueError names what is wrong
+    return bench
+
+
+def pics_of(suite: Suite, bench: Bench, path: pathlib.Path | None) -> dict[str, object]:
+    """Stated by the bench, then by the file."""
+    faults = [f"{bench.path}: {fault}" for fault in pics_faults(bench.pics, suite.pics_keys)]
+    stated = dict(bench.pics)
+    if path is not None:
+        try:
+            stated |= load_pics(path, suite.pics_keys)
+        except BadFile as bad:
+            faults += bad.faults
+    if faults:
+        raise BadFile(faults)
+    return stated
+
+
+def chosen(suite: Suite, arguments: argparse.Namespace) -> list[Purpose[Tester]]:
+    """What --only and --failed-from leave."""
+    purposes = suite.purposes()
+    if strange := unknown(purposes, arguments.only):
+        near = difflib.get_close_matches(strange[0], [purpose.id for purpose in purposes], n=1, cutoff=0.5)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        raise Stop(f"--only {', '.join(strange)}: no such case{hint} (axisgate conformance list {suite.name})")
+    found = selected(purposes, arguments.only)
+    if arguments.failed_from is not None:
+        failed = {str(case["id"]) for case in cases_of(load(arguments.failed_from)) if case["verdict"] in NOT_PASSED}
+        found = [purpose for purpose in found if purpose.id in failed]
+    if not found:
+        raise Stop("nothing is selected: --only and --failed-from leave no case")
+    return found
+
+
+def run_suite(arguments: argparse.Namespace) -> int:
+    suite = suite_named(arguments.suite)
+    bench = bench_of(arguments)
+    stated = pics_of(suite, bench, arguments.pics)
+    purposes = chosen(suite, arguments)
+    ids = frozenset(purpose.id for purpose in suite.purposes())
+    waivers = load_waivers(arguments.waivers, ids, datetime.date.today()) if arguments.waivers is not None else {}
+    make = factory_of(bench)
+    if arguments.dry_run:
+        return _dry(suite, bench, stated, purposes, arguments)
+    if make is not None:
+        make()  # a factory that raises is a fault of the bench file
+    with started(bench), witnessed(make is not None) as witness:
+        seed = DEFAULT_SEED if arguments.seed is None else arguments.seed
+        opened = Opened(bench, stated, open_port, make, witness, seed, say=_say)
+        return _played(suite, bench, stated, purposes, waivers, opened, arguments)
+
+
+def _played(
+    suite: Suite,
+    bench: Bench,
+    stated: Mapping[str, object],
+    purposes: Sequence[Purpose[Tester]],
+    waivers: Mapping[str, Waiver],
+    opened: Opened,
+    arguments: argparse.Namespace,
+) -> int:
+    session = suite.session(opened)
+    try:
+        checked = _checked(session)
+        done = [0]
+
+        def progress(result: Result) -> None:
+            done[0] += 1
+            _progress(result, done[0], len(purposes), arguments)
+
+        runner = Runner(session, purposes, arguments.seed, waivers, progress)
+        results = runner.run()
+    finally:
+        with contextlib.suppress(PortError):
+            session.close()
+    found = document(suite, bench, stated, session.assumed, checked, results, arguments.seed, SCORES[suite.name], runner.interrupted)
+    code = code_of(results)
+    if arguments.json:
+        print(json.dumps(found, ensure_ascii=False))
+    if arguments.report is not None:
+        try:
+            write_folder(arguments.report, found, results, language(arguments, bench))
+            print(f"report: {arguments.report / 'report.html'}", file=sys.stderr if arguments.json else sys.stdout)
+        except OSError as error:
+            print(f"axisgate conformance: the report cannot be written to {arguments.report}: {error}", file=sys.stderr)
+            code = code or ENVIRONMENT
+    if not arguments.json:
+        print(", ".join(f"{count} {name}" for name, count in counts(results).items() if count))
+    return code
+
+
+def _checked(session: Session) -> Mapping[str, object]:
+    try:
+        return session.self_check()
+    except PortError as error:
+        return {"failed": str(error.args[-1] if error.args else error)}
+
+
+def _progress(result: Result, done: int, of: int, arguments: argparse.Namespace) -> None:
+    stream = sys.stderr if arguments.json else sys.stdout
+    waived = f" (waived until {result.waived.until})" if result.waived else ""
+    summary = result.purpose.summary_de if language(arguments) == "de" else result.purpose.summary
+    print(f"[{done}/{of}] {result.verdict.value:7}{waived} {result.purpose.id}  {result.reason or summary}", file=stream, flush=True)
+
+
+def _dry(
+    suite: Suite, bench: Bench, stated: Mapping[str, object], purposes: Sequence[Purpose[Tester]], arguments: argparse.Namespace
+) -> int:
+    """Nothing is opened: what the PICS states decides, the rest is found out at the device."""
+    rows = []
+    for purpose in ordered(purposes, arguments.seed):
+        missing = [key for key in purpose.condition if stated.get(key) is False]
+        rows.append({"id": purpose.id, "run": not missing, "reason": f"the PICS has no {', '.join(missing)}" if missing else ""})
+    if arguments.json:
+        print(json.dumps({"kind": "axisgate conformance dry run", "format": 1, "suite": suite.name, "port": bench.url, "cases": rows}))
+        return DONE
+    for row in rows:
+        print(f"{'run' if row['run'] else 'N/A':4} {row['id']}  {row['reason']}".rstrip())
+    print(f"{sum(bool(row['run']) for row in rows)} of {len(rows)} cases would be run at {bench.url}; nothing was opened")
+    return DONE
+
+
+def _say(text: str) -> None:
+    print(f">>> {text}", file=sys.stderr, flush=True)
+
+
+def open_port(url: str, line_format: str) -> ToolPort:
+    from gateway.tools.line.ports import open_port as opener
+
+    try:
+        return opener(url, line_format)
+    except ImportError as error:
+        raise PortError(0, f"this port needs {error.name}, which this system has not; use COM..., rfc2217:// or tcp://") from error
+
+
+@contextlib.contextmanager
+def witnessed(simulated: bool) -> Iterator[Witness | None]:
+    """In virtual time no host is late."""
+    if simulated:
+        yield None
+        return
+    witness = Witness()
+    try:
+        yield witness
+    finally:
+        witness.close()
+
+
+@contextlib.contextmanager
+def started(bench: Bench) -> Iterator[None]:
+    """The device's own program, ended with the run."""
+    if not bench.start:
+        yield
+        return
+    try:
+        child = subprocess.Popen(bench.start, cwd=bench.folder, stdout=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
+    except OSError as error:
+        raise BadFile([f"{bench.path}: device.start {bench.start[0]}: cannot be started ({error.strerror or error})"]) from error
+    try:
+        time.sleep(0.2)
+        yield
+    finally:
+        child.terminate()
+        try:
+            child.wait(END_LIMIT_S)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            child.wait()
