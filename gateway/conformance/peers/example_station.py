@@ -1,5 +1,7 @@
 """Example peers of `axisgate conformance`: stations as byte machines, tested in virtual time (see docs/guide/conformance.md)."""
 
+from collections.abc import Callable
+
 from gateway.conformance.peers.modbus_devices import Answer, Device, padded, rewritten
 from gateway.conformance.peers.stations import ActiveStation, Built
 from gateway.conformance.serial.partners import DropsItsJob, Late, NoNak, Silent
@@ -12,7 +14,7 @@ FAULTS: dict[str, Answer] = {"padding": rewritten(1, padded)}
 def station(kind: str = "good", profile: str = "rho3", priority: str = "low") -> object:
     """good, active, silent, no-nak, drops-its-job, slow: `machine:example_station.py:station?kind=no-nak`."""
     table, rank = PROFILES[profile], Priority[priority.upper()]
-    makers = {
+    makers: dict[str, Callable[[], object]] = {
         "good": lambda: Built(table, rank),
         "active": lambda: ActiveStation(table, rank),
         "silent": lambda: Silent(table, rank),

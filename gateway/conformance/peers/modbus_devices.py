@@ -62,6 +62,7 @@ class Device:
         self._queue: list[tuple[Ns, bytes]] = []
         self.count = 0
         self.dead = False
+        self.refused = 0
 
     def serve(self, request: Request, now: Ns) -> bytes:
         """The answer PDU; b"": none."""
@@ -319,8 +320,8 @@ def _byte_more(asked: bytes, said: bytes) -> bytes:
 
 def _after_refusals(device: Device, asked: bytes, said: bytes) -> bytes:
     if said[0] & 0x80:
-        device.refused = getattr(device, "refused", 0) + 1  # type: ignore[attr-defined]
-    return said if getattr(device, "refused", 0) < 100 else bytes((asked[0] | 0x80, 4))
+        device.refused += 1
+    return said if device.refused < 100 else bytes((asked[0] | 0x80, 4))
 
 
 def _each_70th(device: Device, asked: bytes, said: bytes) -> bytes:
@@ -355,7 +356,7 @@ ROWS: tuple[Row, ...] = (
     _answers("address-as-04", "refuses missing addresses with 04", ["FUN_BI_34"], _number(2, 4, (3, 4))),
     _answers("coil-amount", "refuses bad amounts of coils with 02", ["FUN_BI_10"], _number(3, 2, (1, 2))),
     _answers("any-coil-value", "takes any value for a coil", ["FUN_BI_50"], _any_coil_value),
-    _answers("writes-bad", "refuses a bad byte count, and writes", ["FUN_BI_16"], _writes_bad),
+    _answers("writes-bad", "refuses a bad byte count, and writes", ["FUN_BI_71"], _writes_bad),
     _answers(
         "byte-count",
         "byte count of FC 3 is the number of registers",

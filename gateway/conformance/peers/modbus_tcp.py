@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from gateway.conformance.peers.modbus_devices import Device, Row, mutants, variants
 from protocols.base.machine import Ns
-from protocols.modbus.mbap import ANSWER, HEADER, Closing, Foreign
+from protocols.modbus.mbap import ANSWER, HEADER, Closing, Foreign, Framing
 
 
 class Framed(Device):
@@ -60,7 +60,7 @@ class WholeOnly(Device):
 
     def receive(self, data: bytes, now: Ns) -> Sequence[object]:
         if now != self._last:
-            self.framing = type(self.framing)()  # type: ignore[call-arg]
+            self.framing = Framing()
         self._last = now
         return super().receive(data, now)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 from gateway.conformance.peers.stations import DLE, STX, AnswersLate, Built, Chatty, Maker, Mutant, Variant, fresh_link, link_of
 from gateway.conformance.serial.partners import (
@@ -458,8 +459,8 @@ def _no_end(output: bytes) -> bytes:
     return output[:-3] if _block(output) else output
 
 
-def _profile(**changes: object) -> Callable[[], object]:
-    return lambda: Built(replace(RHO3, **changes))  # type: ignore[arg-type]
+def _profile(**changes: Any) -> Callable[[], object]:
+    return lambda: Built(replace(RHO3, **changes))
 
 
 def _mutant(name: str, what: str, expects: Sequence[str], make: Maker, priority: Priority = LOW) -> Mutant:

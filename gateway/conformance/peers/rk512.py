@@ -8,10 +8,11 @@ from gateway.conformance.serial.partners import Blocks
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.profiles import RHO3, SIEMENS_CP341, VIPA_CP240, WAGO, Priority, Profile
 from protocols.rk512.active import Active
+from protocols.rk512.active import Event as ActiveEvent
 from protocols.rk512.dialects import DIALECTS, Dialect
 from protocols.rk512.flags import Flags
 from protocols.rk512.header import ErrorNumber, Header, Kind
-from protocols.rk512.passive import Areas, Passive
+from protocols.rk512.passive import Areas, Passive, Refused
 from protocols.rk512.passive import Event as PassiveEvent
 from protocols.rk512.station import Event as StationEvent
 from protocols.rk512.station import Station as Roles
@@ -155,7 +156,7 @@ class NoFirstByte(Passive):
 class LockedByFollowOn(Passive):
     """A long job that is abandoned is waited for for ever."""
 
-    def _refuse(self, fault: tuple[int, str], data: bytes) -> object:  # type: ignore[override]
+    def _refuse(self, fault: tuple[int, str], data: bytes) -> Refused:
         kept = self._open
         refused = super()._refuse(fault, data)
         self._open = kept
@@ -255,7 +256,7 @@ class AllAreas(Areas):
 class Hangs(Active):
     """A reaction it does not like is waited for again, for ever."""
 
-    def reaction(self, data: bytes, now: Ns) -> list[object]:  # type: ignore[override]
+    def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
         if data[3:4] != b"\x00" or data[:1] not in (b"\x00", b"\xff"):
             self._until = None
             return []
@@ -263,7 +264,7 @@ class Hangs(Active):
 
 
 class HangsWhenShort(Active):
-    def reaction(self, data: bytes, now: Ns) -> list[object]:  # type: ignore[override]
+    def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
         if len(data) < 4:
             self._until = None
             return []
@@ -273,7 +274,7 @@ class HangsWhenShort(Active):
 class WaitsForEver(Active):
     """No limit for the reaction."""
 
-    def acknowledged(self, now: Ns) -> list[object]:  # type: ignore[override]
+    def acknowledged(self, now: Ns) -> list[ActiveEvent]:
         events = super().acknowledged(now)
         if self._until is not None:
             self._until += ms(10_000_000)
@@ -281,7 +282,7 @@ class WaitsForEver(Active):
 
 
 class HangsAtError(Active):
-    def reaction(self, data: bytes, now: Ns) -> list[object]:  # type: ignore[override]
+    def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
         if data[3:4] == b"\x14":
             self._until = None
             return []
@@ -289,7 +290,7 @@ class HangsAtError(Active):
 
 
 class HangsWhenLong(Active):
-    def reaction(self, data: bytes, now: Ns) -> list[object]:  # type: ignore[override]
+    def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
         if self._until is not None and len(data) > 8:
             self._until = None
             return []

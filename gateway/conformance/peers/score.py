@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import cast
 
 from drivers.ports.base import PortError
+from gateway.conformance.framework.base import Tester
 from gateway.conformance.framework.bench_file import Bench
 from gateway.conformance.framework.machine import Guarded
 from gateway.conformance.framework.run import Result, Runner
@@ -58,7 +59,7 @@ def play(suite: Suite, device: Mutant | Variant, only: Sequence[str] = (), seed:
         session.close()
 
 
-def with_preambles(purposes: Sequence[Purpose], only: Sequence[str]) -> list[Purpose]:  # type: ignore[type-arg]
+def with_preambles(purposes: Sequence[Purpose[Tester]], only: Sequence[str]) -> list[Purpose[Tester]]:
     """Those named and all they start from."""
     wanted = {purpose.id for purpose in selected(purposes, only)}
     while more := {before for purpose in purposes if purpose.id in wanted for before in purpose.preamble} - wanted:

@@ -130,9 +130,9 @@ def _measure(one: Measure) -> Json:
 
 
 def trace(result: Result) -> str:
-    """What was on the line, in order of the moments: > the tester, < the device."""
+    """What was on the line, in the order in which it was said and heard: > the tester, < the device."""
     parts, last = [], ""
-    for piece in sorted(result.notes.trace, key=lambda one: one.ns):
+    for piece in result.notes.trace:
         if piece.side != last:
             parts.append(">" if piece.side == "tester" else "<")
             last = piece.side
@@ -153,8 +153,11 @@ def coverage(results: Sequence[Result]) -> Json:
 
 
 def code_of(results: Sequence[Result]) -> int:
-    """Exit code: waived cases do not count."""
-    return exit_code(result.verdict for result in results if result.waived is None)
+    """Exit code: waived cases do not count, nor what is INCONC because of one."""
+    waived = {result.purpose.id for result in results if result.waived is not None}
+    follows = {result.purpose.id for result in results if result.verdict is Verdict.INCONC and result.caused_by in waived}
+    counted = (result for result in results if result.purpose.id not in waived | follows)
+    return exit_code(result.verdict for result in counted)
 
 
 def cases_of(found: Mapping[str, object]) -> list[Json]:

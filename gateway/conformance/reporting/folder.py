@@ -44,7 +44,7 @@ def write_folder(folder: pathlib.Path, found: Json, results: Sequence[Result], l
 def _capture(result: Result) -> bytes:
     """Runs of one side as packets; the dissector of configs/wireshark shows them as characters."""
     turns: list[Turn] = []
-    for one in sorted(result.notes.trace, key=lambda piece: piece.ns):
+    for one in result.notes.trace:
         side = "A" if one.side == "tester" else "B"
         if not turns or turns[-1].side != side:
             turns.append(Turn(one.ns, one.ns, side, Kind.STRAY, bytearray()))

@@ -46,6 +46,7 @@ class LineSetup:
     missing: int = 99
     db: int = 10
     words: int = 128
+    job: int = 64  # words the station serves in one job
     size: int | None = None  # of the block that is read, where it was found out
     seed: int = 1
 

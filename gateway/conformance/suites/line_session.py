@@ -4,7 +4,7 @@ import contextlib
 import subprocess
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import cast
+from typing import Any, cast
 
 from gateway.conformance.framework.bench_file import TIMES, Bench
 from gateway.conformance.framework.machine import Guarded
@@ -70,14 +70,14 @@ class LineSession:
         profile = PROFILES[str(name)] if name in PROFILES else RHO3
         if name is None:
             self.assumed.append(f"profile {profile.name}: neither bench nor PICS names one")
-        changes: dict[str, object] = {}
+        changes: dict[str, Any] = {}
         for field, names in TIMES.items():
             for key in names:
                 value = self._times().get(key)
                 if isinstance(value, (int, float)):
                     changes[field] = int(value) if field.endswith("attempts") else ms(value)
         check = link.get("block_check", self.pics.get("block_check", True))
-        profile = replace(profile, **changes) if changes else profile  # type: ignore[arg-type]
+        profile = replace(profile, **changes) if changes else profile
         return profile if check else profile.plain()
 
     def _priority(self) -> Priority | None:
@@ -146,6 +146,9 @@ class LineSession:
             self.assumed.append(f"block DB{setup.db}: the first one that can be read")
         stated = self._bench.link.get("words", self.pics.get("words"))
         setup.words = stated if isinstance(stated, int) else self._size(setup.db)
+        if setup.words >= 64 and not self._try(setup.db, 0, 64):
+            setup.job = next((words for words in (62, 60, 56, 48, 32, 16, 8, 4, 2) if self._try(setup.db, 0, words)), 1)
+            self.assumed.append(f"{setup.job} words at most in one job")
         if "missing_db" not in self._bench.link:
             setup.missing = next(
                 (db for db in MISSING if db not in (setup.db, *setup.write) and self._try(db, 0, 1) is False), setup.missing

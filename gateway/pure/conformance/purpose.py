@@ -1,6 +1,6 @@
 """A test purpose as data, in the manner of ETSI, and how purposes are collected and selected."""
 
-import fnmatch
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -105,4 +105,9 @@ def unknown(purposes: Sequence[Purpose[T]], only: Sequence[str]) -> list[str]:
 
 
 def _named(one: Purpose[T], name: str) -> bool:
-    return name in (one.id, one.group) or fnmatch.fnmatchcase(one.id, name)
+    return name in (one.id, one.group) or re.fullmatch(_pattern(name), one.id) is not None
+
+
+def _pattern(glob: str) -> str:
+    """* any characters, ? one."""
+    return re.escape(glob).replace(r"\*", ".*").replace(r"\?", ".")

@@ -45,7 +45,7 @@ def suite_named(name: str) -> Suite:
 
 def language(arguments: argparse.Namespace, bench: Bench | None = None) -> str:
     stated = bench.report.get("language") if bench is not None else None
-    return language_of(arguments.language or (str(stated) if stated in ("en", "de") else None), os.environ)
+    return language_of(arguments.language or (str(stated) if stated in ("en", "de") else None), dict(os.environ))
 
 
 def bench_of(arguments: argparse.Namespace) -> Bench:

@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Callable
 
+from gateway.conformance.suites.modbus.content import put
 from gateway.conformance.suites.modbus.tester import TABLES, ModbusTester
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
@@ -211,7 +212,7 @@ def _writes(p: Purposes[ModbusTester], basic: str) -> None:  # noqa: C901  a lis
         _unchanged(t, struct.pack(">BHH", 6, t.setup.holding[0], 0x5A5A)[:-1], "FC 6, a byte too few", 3, t.setup.holding[0], 1)
 
     @case(
-        "BI_15",
+        "BI_70",
         15,
         "amount 0, and byte counts that do not fit, are refused with 03h, without effect",
         "Anzahl 0 und unpassende Bytezahlen werden mit 03h abgelehnt, ohne Wirkung",
@@ -219,7 +220,7 @@ def _writes(p: Purposes[ModbusTester], basic: str) -> None:  # noqa: C901  a lis
     def coils(t: ModbusTester) -> None:
         at = t.setup.coils[0]
         with t.given():
-            t.echo(struct.pack(">BHH", 5, at, 0), 5, "FC 5")
+            put(t, 1, at, [0])
         for what, pdu in (
             ("0 coils", struct.pack(">BHHB", 15, at, 0, 0)),
             ("9 coils in one byte", struct.pack(">BHHBB", 15, at, 9, 1, 0xFF)),
@@ -229,7 +230,7 @@ def _writes(p: Purposes[ModbusTester], basic: str) -> None:  # noqa: C901  a lis
             _without_effect(t, pdu, 3, f"FC 15: {what}", 1, at, 1)
 
     @case(
-        "BI_16",
+        "BI_71",
         16,
         "amount 0, and byte counts that do not fit, are refused with 03h, without effect",
         "Anzahl 0 und unpassende Bytezahlen werden mit 03h abgelehnt, ohne Wirkung",
@@ -245,7 +246,7 @@ def _writes(p: Purposes[ModbusTester], basic: str) -> None:  # noqa: C901  a lis
             _without_effect(t, pdu, 3, f"FC 16: {what}", 3, at, 1)
 
     @case(
-        "BI_17",
+        "BI_72",
         16,
         "124 registers are refused or the connection is closed, without effect",
         "124 Register werden abgelehnt oder die Verbindung wird geschlossen, ohne Wirkung",
@@ -255,18 +256,18 @@ def _writes(p: Purposes[ModbusTester], basic: str) -> None:  # noqa: C901  a lis
             t, struct.pack(">BHHB", 16, t.setup.holding[0], 124, 248) + b"\x5a" * 248, "FC 16: 124 registers", 3, t.setup.holding[0], 1
         )
 
-    @case("BI_18", 16, "a range beyond address 65535 is refused with 02h", "ein Bereich über Adresse 65535 wird mit 02h abgelehnt")
+    @case("BI_73", 16, "a range beyond address 65535 is refused with 02h", "ein Bereich über Adresse 65535 wird mit 02h abgelehnt")
     def beyond(t: ModbusTester) -> None:
         lived = t.exception(struct.pack(">BHHBHH", 16, 0xFFFF, 2, 4, 1, 2), 2, "FC 16 beyond 65535", (3,))
         if lived is not None:
             raise Warn("FC 16 beyond 65535 is refused with 03h", "02h", "03h")
 
-    @case("BI_22", 22, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, ohne Wirkung")
+    @case("BI_80", 22, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, ohne Wirkung")
     def mask_short(t: ModbusTester) -> None:
         _unchanged(t, struct.pack(">BHHH", 22, t.setup.holding[0], 0, 0x5A5A)[:-1], "FC 22, a byte too few", 3, t.setup.holding[0], 1)
 
     @case(
-        "BI_23",
+        "BI_81",
         23,
         "a byte count that does not fit is refused with 03h, without effect",
         "eine unpassende Bytezahl wird mit 03h abgelehnt, ohne Wirkung",

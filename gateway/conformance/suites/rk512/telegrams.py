@@ -164,18 +164,19 @@ def db_of(t: LineTester) -> int:
 
 def room(t: LineTester, words: int) -> int:
     """So many words, or as many as the block has."""
-    return min(words, t.setup.words)
+    return min(words, t.setup.words, t.setup.job if words <= 64 or t.setup.job < 64 else words)
 
 
 def restored(t: LineTester, db: int, word: int, before: bytes) -> None:
     """What was there is written back, 64 words at a time, as long as the station lets it."""
     t.settle(ms(100))
-    for at in range(0, len(before), 128):
+    for at in range(0, len(before), 2 * t.setup.job):
         with t.given():
-            write(t, db, word + at // 2, before[at : at + 128])
+            write(t, db, word + at // 2, before[at : at + 2 * t.setup.job])
 
 
 def saved(t: LineTester, db: int, word: int, words: int) -> bytes:
     """What is there now."""
     with t.given():
-        return b"".join(read(t, db, word + at, min(64, words - at)) for at in range(0, words, 64))
+        step = t.setup.job
+        return b"".join(read(t, db, word + at, min(step, words - at)) for at in range(0, words, step))

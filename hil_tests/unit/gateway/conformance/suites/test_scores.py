@@ -1,0 +1,64 @@
+"""Every faulty device is found by a case that is expected to find it, every correct one passes; in virtual time."""
+
+import pytest
+
+from gateway.conformance.peers.score import fails, peers, play
+from gateway.conformance.peers.stations import Mutant, Variant
+from gateway.conformance.suites.registry import SUITES
+from gateway.conformance.suites.scores import SCORES
+from gateway.pure.conformance.verdict import Verdict
+
+MUTANTS = [pytest.param(name, mutant, id=f"{name}-{mutant.id}") for name, suite in SUITES.items() for mutant in peers(suite)[0]]
+VARIANTS = [pytest.param(name, variant, id=f"{name}-{variant.id}") for name, suite in SUITES.items() for variant in peers(suite)[1]]
+
+
+@pytest.mark.parametrize("name, mutant", MUTANTS)
+def test_a_faulty_device_is_found_by_an_expected_case(name: str, mutant: Mutant) -> None:
+    found = fails(play(SUITES[name], mutant, mutant.expects))
+    assert set(found) & set(mutant.expects)
+
+
+@pytest.mark.parametrize("name, variant", VARIANTS)
+def test_a_correct_device_has_no_fail(name: str, variant: Variant) -> None:
+    results = play(SUITES[name], variant)
+    assert fails(results) == ()
+    assert not [result.purpose.id for result in results if result.verdict in (Verdict.ERROR, Verdict.INCONC)]
+
+
+@pytest.mark.parametrize("name", SUITES)
+def test_the_recorded_score_counts_the_mutants_there_are(name: str) -> None:
+    mutants, variants = peers(SUITES[name])
+    assert SCORES[name] == (len(mutants), len(mutants))
+    assert len(mutants) >= 40 and len(variants) >= 8
+    assert len({mutant.id for mutant in mutants}) == len(mutants)
+    ids = {purpose.id for purpose in SUITES[name].purposes()}
+    assert {expected for mutant in mutants for expected in mutant.expects} <= ids
+
+
+@pytest.mark.parametrize("name", SUITES)
+def test_purposes_are_whole_data(name: str) -> None:
+    purposes = SUITES[name].purposes()
+    ids = [purpose.id for purpose in purposes]
+    assert len(ids) == len(set(ids))
+    for purpose in purposes:
+        assert purpose.summary and purpose.summary_de and purpose.clause and purpose.role
+        assert set(purpose.preamble) <= set(ids) - {purpose.id}
+
+
+@pytest.mark.parametrize("kind, fails_are", [("silent", 1), ("empty-hangs", 1)])
+def test_one_fault_is_one_fail_and_the_rest_names_it(kind: str, fails_are: int) -> None:
+    suite = SUITES["3964r"]
+    mutant = next(one for one in peers(suite)[0] if one.id == kind)
+    results = play(suite, mutant)
+    failed = fails(results)
+    assert len(failed) == fails_are
+    behind = [result for result in results if result.verdict is Verdict.INCONC]
+    assert behind and {result.caused_by for result in behind} == set(failed)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_shuffled_run_has_the_same_verdicts(seed: int) -> None:
+    suite = SUITES["3964r"]
+    mutant = next(one for one in peers(suite)[0] if one.id == "no-nak")
+    plain = {result.purpose.id: result.verdict for result in play(suite, mutant)}
+    assert {result.purpose.id: result.verdict for result in play(suite, mutant, seed=seed)} == plain

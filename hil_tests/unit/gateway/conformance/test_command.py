@@ -1,0 +1,229 @@
+"""`axisgate conformance` from end to end with machines in virtual time: files, JSON, exit codes, reports."""
+
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+import gateway
+from gateway.commands.conformance import main
+from gateway.conformance.reporting.document import checksum
+from gateway.conformance.reporting.folder import BadReport, load, verify
+
+BENCHES = pathlib.Path(gateway.__file__).parents[1] / "configs" / "conformance"
+DEVICE = """
+from gateway.conformance.peers.stations import Built
+def good(): return Built()
+def raises(): raise RuntimeError("no power")
+def nothing(): return object()
+class Dies(Built):
+    def receive(self, data, now):
+        if data == b"\\x55": raise RuntimeError("stack overflow")
+        return super().receive(data, now)
+def dies(): return Dies()
+"""
+
+
+def bench(folder: pathlib.Path, factory: str, more: str = "") -> pathlib.Path:
+    (folder / "device.py").write_text(DEVICE)
+    path = folder / "bench.toml"
+    path.write_text(f'[port]\nurl = "machine:device.py:{factory}"\n[link]\nprofile = "rho3"\npriority = "low"\n{more}')
+    return path
+
+
+def run(capsys: pytest.CaptureFixture[str], *argv: object) -> tuple[int, dict[str, Any], str]:
+    code = main(["run", *map(str, argv), "--json"])
+    out, err = capsys.readouterr()
+    return code, json.loads(out) if out else {}, err
+
+
+def test_the_json_has_all_fields_of_format_1(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, found, progress = run(capsys, "3964r", "--bench", bench(tmp_path, "good"), "--only", "3964R_RCV_*")
+    assert code == 0 and "PASS" in progress
+    assert found["kind"] == "axisgate conformance" and found["format"] == 1
+    wanted = "suite bench pics seed versions self_check counts cases coverage sha256"
+    assert set(wanted.split()) <= set(found)
+    assert set(found["suite"]) == {"name", "version", "killed", "mutants"}
+    fields = "id group role summary clause requirements verdict reason expected got measures host_late_ms caused_by waived trace took_ms"
+    for case in found["cases"]:
+        assert set(fields.split()) <= set(case)
+    measure = next(case for case in found["cases"] if case["id"] == "3964R_RCV_TI_01")["measures"][-1]
+    assert set(measure) == {"what", "ms", "min_ms", "max_ms", "uncertainty_ms", "clock"} and measure["clock"] == "virtual"
+    assert found["coverage"]["RHO-SER-06"]["verdict"] == "PASS"
+    assert found["sha256"] == checksum(found)
+
+
+@pytest.mark.parametrize(
+    "peer, suite, expected, code",
+    [
+        ("good", "3964r", set(), 0),
+        ("good", "rk512", set(), 0),
+        ("silent", "3964r", {"3964R_RCV_BV_01"}, 1),
+        ("silent", "rk512", {"RK512_PAS_BV_01"}, 1),
+        ("slow", "3964r", {"3964R_RCV_BV_01"}, 1),
+        ("drops-its-job", "3964r", {"3964R_CON_BV_02"}, 1),
+        ("modbus-tcp", "modbus-tcp", set(), 0),
+        ("modbus-rtu", "modbus-rtu", set(), 0),
+    ],
+)
+def test_an_example_peer_gets_the_fails_of_the_guide(
+    peer: str, suite: str, expected: set[str], code: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    got, found, _ = run(capsys, suite, "--bench", BENCHES / f"{peer}.toml")
+    failed = [case for case in found["cases"] if case["verdict"] == "FAIL"]
+    assert got == code and {case["id"] for case in failed} == expected
+    assert all(case["expected"] and case["got"] and case["reason"] for case in failed)
+
+
+def test_no_nak_fails_where_a_refusal_is_due(capsys: pytest.CaptureFixture[str]) -> None:
+    code, found, _ = run(capsys, "3964r", "--bench", BENCHES / "no-nak.toml")
+    verdicts = {case["id"]: case for case in found["cases"]}
+    assert code == 1 and found["counts"]["FAIL"] <= 12
+    assert {"3964R_RCV_BI_01", "3964R_RCV_TI_01", "3964R_SND_BI_01"} <= {
+        name for name, case in verdicts.items() if case["verdict"] == "FAIL"
+    }
+    assert verdicts["3964R_RCV_BI_04"]["verdict"] == "INCONC" and verdicts["3964R_RCV_BI_04"]["caused_by"] == "3964R_RCV_BI_01"
+
+
+def test_a_device_that_dies_fails_that_case_and_is_reported(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, found, _ = run(capsys, "3964r", "--bench", bench(tmp_path, "dies"))
+    failed = [case for case in found["cases"] if case["verdict"] == "FAIL"]
+    assert code == 1 and len(failed) == 1
+    assert "stack overflow" in failed[0]["reason"] and failed[0]["trace"]
+    assert all(case["caused_by"] == failed[0]["id"] for case in found["cases"] if case["verdict"] == "INCONC")
+
+
+def test_all_faults_of_a_bench_come_in_one_run(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "bench.toml"
+    path.write_text(
+        '[port]\nurl = 5\n[link]\nprofil = "rho3"\npriority = "middle"\n[touch]\ndb = [300]\n[known]\n"DB10.DW3" = "xy"\n[spare]\n'
+    )
+    assert main(["run", "3964r", "--bench", str(path)]) == 2
+    said = capsys.readouterr().err
+    for key in (
+        "port.url",
+        "link.profil",
+        "did you mean profile",
+        "link.priority",
+        "high, low",
+        "touch.db",
+        "0 to 255",
+        "DB10.DW3",
+        "[spare]",
+    ):
+        assert key in said
+    assert all(str(path) in line for line in said.splitlines())
+
+
+@pytest.mark.parametrize(
+    "factory, words",
+    [
+        ("raises", "raised RuntimeError: no power"),
+        ("nothing", "lacks receive"),
+        ("absent", "has no function absent"),
+        ("good?x=1", "raised TypeError"),
+    ],
+)
+def test_a_factory_that_gives_no_device_is_a_fault_of_the_file(
+    factory: str, words: str, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", "3964r", "--bench", str(bench(tmp_path, factory))]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_waivers_are_beside_the_verdict_and_expired_ones_are_refused(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    row = '[[waiver]]\nid = "{}"\nreason = "known"\nwho = "lab"\nuntil = {}\n'
+    good, old = tmp_path / "good.toml", tmp_path / "old.toml"
+    good.write_text(row.format("3964R_CON_BV_02", "2099-12-31"))
+    old.write_text(row.format("3964R_CON_BV_02", "2020-01-01") + row.format("3964R_CON_BV_99", "2099-01-01"))
+    code, found, _ = run(capsys, "3964r", "--bench", BENCHES / "drops-its-job.toml", "--waivers", good)
+    case = next(case for case in found["cases"] if case["id"] == "3964R_CON_BV_02")
+    assert code == 0 and case["verdict"] == "FAIL" and case["waived"]["who"] == "lab"
+    assert main(["run", "3964r", "--bench", str(BENCHES / "good.toml"), "--waivers", str(old)]) == 2
+    said = capsys.readouterr().err
+    assert "expired on 2020-01-01" in said and "3964R_CON_BV_99 is in no case" in said
+
+
+def test_a_report_is_whole_and_any_changed_byte_is_found(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "report"
+    code, found, _ = run(capsys, "3964r", "--bench", BENCHES / "no-nak.toml", "--report", folder)
+    assert code == 1 and load(folder)["sha256"] == found["sha256"]
+    page = (folder / "report.html").read_text()
+    assert "page 1 of" in page and found["sha256"] in page and "http" not in page.replace("http-equiv", "")
+    assert "<failure" in (folder / "junit.xml").read_text()
+    assert (folder / "traces" / "3964R_RCV_BI_01.pcapng").read_bytes()[:4] == b"\x0a\x0d\x0d\x0a"
+    assert verify(folder) == []
+    for name in ("report.json", "report.html", "junit.xml", "traces/3964R_RCV_BI_01.txt"):
+        copy = tmp_path / "copy"
+        shutil.copytree(folder, copy)
+        content = bytearray((copy / name).read_bytes())
+        content[len(content) // 2] ^= 1
+        (copy / name).write_bytes(content)
+        assert any(name in fault for fault in verify(copy))
+        assert main(["verify", str(copy)]) == 1
+        shutil.rmtree(copy)
+    with pytest.raises(BadReport):
+        verify(tmp_path)
+
+
+def test_the_page_is_german_where_it_is_wanted(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["run", "3964r", "--bench", str(BENCHES / "silent.toml"), "--report", str(tmp_path / "r"), "--language", "de", "--only", "BV"])
+    page = (tmp_path / "r" / "report.html").read_text()
+    assert "Konformitätsbericht" in page and "Seite 1 von" in page and "STX in Ruhe" in page
+    assert "FAIL" in capsys.readouterr().out
+
+
+def test_failed_from_only_and_compare(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old, new = tmp_path / "old.json", tmp_path / "new.json"
+    for name, path in (("drops-its-job", old), ("good", new)):
+        _, found, _ = run(capsys, "3964r", "--bench", BENCHES / f"{name}.toml")
+        path.write_text(json.dumps(found))
+    code, found, _ = run(capsys, "3964r", "--bench", BENCHES / "good.toml", "--failed-from", old)
+    assert code == 0 and [case["id"] for case in found["cases"]] == ["3964R_CON_BV_02", "3964R_CON_ST_01"]
+    assert main(["compare", str(old), str(new)]) == 0
+    assert main(["compare", str(new), str(old)]) == 1
+    assert "3964R_CON_BV_02" in capsys.readouterr().out
+    assert main(["run", "3964r", "--bench", str(BENCHES / "good.toml"), "--failed-from", str(new)]) == 2
+    assert main(["run", "3964r", "--bench", str(BENCHES / "good.toml"), "--only", "3964R_RCV_BV_99"]) == 2
+    assert "did you mean" in capsys.readouterr().err
+
+
+def test_a_dry_run_opens_nothing(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "bench.toml"
+    path.write_text('[port]\nurl = "/dev/nothing-here"\n[pics]\nblock_check = false\n')
+    assert main(["run", "3964r", "--bench", str(path), "--dry-run"]) == 0
+    said = capsys.readouterr().out
+    assert "N/A  3964R_RCV_BI_01" in said and "nothing was opened" in said
+
+
+def test_ctrl_c_reports_what_was_done(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    from gateway.tools.conformance import run as module
+
+    seen = []
+
+    def progress(*arguments: object) -> None:
+        seen.append(arguments)
+        if len(seen) == 5:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(module, "_progress", progress)
+    code, found, _ = run(capsys, "3964r", "--bench", BENCHES / "good.toml")
+    assert code == 3 and found["interrupted"]
+    assert sum(case["verdict"] == "PASS" for case in found["cases"]) >= 4
+    assert all("interrupted" in case["reason"] for case in found["cases"] if case["verdict"] == "INCONC")
+
+
+def test_it_runs_where_no_module_of_linux_is(tmp_path: pathlib.Path) -> None:
+    """As on Windows: machines and COM ports need none of them."""
+    program = (
+        "import sys\n"
+        "for name in ('fcntl', 'termios', 'pty', 'tty', 'resource', 'gpiod', 'grp', 'pwd'): sys.modules[name] = None\n"
+        "from gateway.commands.conformance import main\n"
+        f"sys.exit(main(['run', 'rk512', '--bench', r'{BENCHES / 'good.toml'}', '--only', 'BV']))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
