@@ -497,7 +497,7 @@ MUTANTS = (
     _mutant("pause-before-repeat", "waits 1 s before a repeat", [f"{S}BI_06"], _profile(retry_pause=ms(1000))),
     _mutant("no-wait-for-buffer", "NAK at once without a buffer", [f"{R}BO_06"], _profile(no_buffer_wait=0)),
     _mutant("long-wait-for-buffer", "NAK after 1 s without a buffer", [f"{R}BO_06"], _profile(no_buffer_wait=ms(1000))),
-    _mutant("short-buffer", "blocks of 64 characters at most", [f"{R}BV_16"], _profile(max_data=128, max_received=64)),
+    _mutant("short-buffer", "blocks of 64 characters at most", [f"{R}BV_16"], _profile(max_received=64)),
     _mutant("limit-137", "one character less than its profile", [f"{R}BV_17"], _profile(max_received=137)),
     _mutant(
         "yields",

@@ -47,15 +47,19 @@ def _rk512() -> Sequence[Purpose[Tester]]:
 
 
 def _modbus_tcp() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.modbus import content, framing, functions
+    from gateway.conformance.suites.modbus.content import CON
+    from gateway.conformance.suites.modbus.framing import TCP
+    from gateway.conformance.suites.modbus.functions import FUN
 
-    return _generic(functions.FUN, content.CON, framing.TCP)
+    return _generic(FUN, CON, TCP)
 
 
 def _modbus_rtu() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.modbus import content, framing, functions
+    from gateway.conformance.suites.modbus.content import RTU_CON
+    from gateway.conformance.suites.modbus.framing import RTU
+    from gateway.conformance.suites.modbus.functions import RTU_FUN
 
-    return _generic(functions.RTU_FUN, content.RTU_CON, framing.RTU)
+    return _generic(RTU_FUN, RTU_CON, RTU)
 
 
 def _line(rk512: bool) -> Callable[[Opened], Session]:

@@ -29,10 +29,10 @@ def _kept(t: ModbusTester, function: int, at: int, count: int) -> Iterator[None]
         yield
     finally:
         with suppress(Ended):
-            put(t, function, at, before)
+            write_back(t, function, at, before)
 
 
-def put(t: ModbusTester, function: int, at: int, values: list[int]) -> None:
+def write_back(t: ModbusTester, function: int, at: int, values: list[int]) -> None:
     for offset, value in enumerate(values):
         if function == 3:
             if t.setup.pics.get("fc6"):
@@ -137,7 +137,7 @@ def _registers(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:  # n
             raise NotApplicable("fewer than three registers in a row may be written")
         with _kept(t, 3, at, count):
             with t.given():
-                put(t, 3, at, pattern(count))
+                write_back(t, 3, at, pattern(count))
             middle = count // 2
             t.echo(struct.pack(">BHH", 6, at + middle, 0x5AC3), 5, "FC 6")
             wanted = pattern(count)
@@ -165,7 +165,7 @@ def _registers(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:  # n
         finally:
             with suppress(Ended):
                 for number, value in zip(numbers, before, strict=True):
-                    put(t, 3, number, [value])
+                    write_back(t, 3, number, [value])
 
     @p.case(
         "BV_22",
@@ -185,7 +185,7 @@ def _registers(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:  # n
                 (0x1234, 0x0000, 0xA5A5),
             ):
                 with t.given():
-                    put(t, 3, at, [current])
+                    write_back(t, 3, at, [current])
                 t.echo(struct.pack(">BHHH", 22, at, keep, put), 7, "FC 22")
                 _same(t.registers(3, at, 1), [current & keep | put & ~keep & 0xFFFF], f"register {at} after FC 22")
 
@@ -201,7 +201,7 @@ def _registers(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:  # n
         at, count = _run(t.setup.holding, 4)
         with _kept(t, 3, at, count):
             with t.given():
-                put(t, 3, at, [0x1111] * count)
+                write_back(t, 3, at, [0x1111] * count)
             values = pattern(count)
             got = t.normal(struct.pack(f">BHHHHB{count}H", 23, at, count, at, count, 2 * count, *values), "FC 23")
             if len(got) != 2 + 2 * count or got[1] != 2 * count:
@@ -266,7 +266,7 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
         at, count = _run(t.setup.coils, 11)
         with _kept(t, 1, at, count):
             with t.given():
-                put(t, 1, at, [1] * count)
+                write_back(t, 1, at, [1] * count)
             for size in range(1, count + 1):
                 got = t.normal(struct.pack(">BHH", 1, at, size), "FC 1")
                 if got[2:] != ((1 << size) - 1).to_bytes((size + 7) // 8, "little"):
@@ -304,7 +304,7 @@ def _tables(p: Purposes[ModbusTester]) -> None:
                 changed = []
                 for value in (0x5AC3, 0xA53C) if written == 3 else (1, 0, 1):
                     with t.given():
-                        put(t, written, at, [value])
+                        write_back(t, written, at, [value])
                     changed.append(t.read(read, at, 1) == [value if read > 2 else value & 1])
                 if all(changed):
                     raise Fail(f"{what}: a write to {at} of one shows in the other", f"{first}", f"{t.read(read, at, 1)}")

@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Callable
 
-from gateway.conformance.suites.modbus.content import put
+from gateway.conformance.suites.modbus.content import write_back
 from gateway.conformance.suites.modbus.tester import TABLES, ModbusTester
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
@@ -220,7 +220,7 @@ def _writes(p: Purposes[ModbusTester], basic: str) -> None:  # noqa: C901  a lis
     def coils(t: ModbusTester) -> None:
         at = t.setup.coils[0]
         with t.given():
-            put(t, 1, at, [0])
+            write_back(t, 1, at, [0])
         for what, pdu in (
             ("0 coils", struct.pack(">BHHB", 15, at, 0, 0)),
             ("9 coils in one byte", struct.pack(">BHHBB", 15, at, 9, 1, 0xFF)),

@@ -83,16 +83,20 @@ def well_formed(t: LineTester) -> None:
     requirements=("RHO-SER-07",),
 )
 def once(t: LineTester) -> None:
-    t.starts_sending()
-    first = t.take()
-    got = t.answer(t.tolerance + ms(150))
-    if got is None:
-        return
-    if got != Char.STX:
-        t.fail("the acknowledged block", got, "nothing")
-    again = t.serve()
-    if again == first.data and t.setup.stimulus_name != "periodic":
-        raise Fail("the acknowledged block came again at once", "nothing", f"the same block: {again.hex(' ').upper()}")
+    again = b""
+    for _ in range(2):  # a station that also sends by itself may hit that moment once
+        t.starts_sending()
+        first = t.take()
+        got = t.answer(t.tolerance + ms(150))
+        if got is None:
+            return
+        if got != Char.STX:
+            t.fail("the acknowledged block", got, "nothing")
+        again = t.serve() or b""
+        if again != first.data or t.setup.stimulus_name == "periodic":
+            return
+        t.settle()
+    raise Fail("the acknowledged block came again at once", "nothing", f"the same block: {again.hex(' ').upper()}")
 
 
 @SND.case(
