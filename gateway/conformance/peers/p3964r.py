@@ -86,7 +86,7 @@ class Restarts(Receiver):
         if data[at] == Char.STX:
             self._data.clear()
             self._count, self._check = 0, 0
-            self._untouched = False
+            self._guard.untouched = False
             return at + 1
         return super()._collect(data[: at + 1], at)
 
@@ -121,12 +121,12 @@ class TimerOfBlock(Receiver):
 
     def sent(self, now: Ns) -> None:
         super().sent(now)
-        if self._state is Hearing.DATA and self._untouched:
+        if self._state is Hearing.DATA and self._guard.untouched:
             self._began = now
 
     def hear(self, data: bytes, at: int, now: Ns) -> int:
         found = super().hear(data, at, now)
-        if self._due is not None and not self._untouched and self._state in (Hearing.DATA, Hearing.ESCAPED, Hearing.CHECK):
+        if self._due is not None and not self._guard.untouched and self._state in (Hearing.DATA, Hearing.ESCAPED, Hearing.CHECK):
             self._due = min(self._due, self._began + self._profile.char_delay)
         return found
 
@@ -195,10 +195,10 @@ class TailOpens(Receiver):
 
     def _broken_pair(self, byte: int) -> None:
         self._refuse(Refusal.ORDER)
-        self._torn = self._restless = False
+        self._guard.torn = self._guard._restless = False
 
     def _open(self, now: Ns) -> None:
-        self._torn = self._restless = False
+        self._guard.torn = self._guard._restless = False
         super()._open(now)
 
 
