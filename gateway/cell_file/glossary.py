@@ -64,6 +64,7 @@ PARAMETERS: Mapping[str, tuple[str, str]] = {  # P number -> (meaning, unit); rh
     "P208": ("way moved after the reference point", "deg or mm"),
     "P303": ("axis type: 3, 4 endless; 1, 4 manual axis", ""),
     "P306": ("of each kinematic; monitoring: sub-query 6, axis speeds on paths: 0 none, 1 abort, 2 manual, 3 limit with warning", ""),
+    "P213": ("passing distances of R_PTP = 1 in joint coordinates", "deg or mm"),
     "P311": ("modulo value of endless axes", "deg"),
     "P313": ("of each kinematic: numbers of the components that hold x, y, z, a, b, c for a workpiece system, 0: not corrected", ""),
     "P401": ("measuring systems: module, referencing mode, gear factor, pulses, evaluation, output", ""),
