@@ -148,7 +148,8 @@ def test_the_guide_works_word_for_word_without_metal(tmp_path: pathlib.Path) -> 
             command = [sys.executable, *(words[1:] if words[0] == "python" else ["-m", "gateway", *words[1:]])]
             if "broker" in command[2] or "emulate" in command:
                 running.append(subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment))
-                assert "ready\n" in iter(running[-1].stdout.readline, "")  # type: ignore[union-attr]  # its output is a pipe
+                output = running[-1].stdout
+                assert output is not None and "ready\n" in iter(output.readline, "")
             else:
                 done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, timeout=60)
                 assert done.returncode == 0, (words, done)

@@ -46,14 +46,15 @@ def compared(path: pathlib.Path) -> Iterator[int]:
     if not any(f'"{kind}"' in text for kind in KINDS):
         return
     for node in ast.walk(ast.parse(text)):
-        sides: list[ast.expr] = []
         if isinstance(node, ast.Compare):
             sides = [node.left, *node.comparators]
         elif isinstance(node, ast.MatchValue):
             sides = [node.value]
+        else:
+            continue
         words = [each for side in sides for each in (side.elts if isinstance(side, ast.Tuple | ast.List | ast.Set) else [side])]
         if any(isinstance(word, ast.Constant) and word.value in KINDS for word in words if isinstance(word, ast.Constant)):
-            yield node.value.lineno if isinstance(node, ast.MatchValue) else node.lineno  # type: ignore[attr-defined]
+            yield sides[0].lineno
 
 
 def test_names_of_kinds_are_compared_less_and_less() -> None:
