@@ -1,7 +1,7 @@
 """What exists: kinds a cell file may name, processes, languages and suites, one row each.
 
 A row is data and functions that import inside, so reading the registry loads nothing. Code asks a row for what it needs to know
-(`LINE_LAYERS[line.layer].blocks`) and never compares names: a new kind is its own folder and a row here. docs/adding.md says which.
+(`LINE_LAYERS[line.layer].blocks`) and never compares names: a new kind is its own folder and a row here. docs/adding.md lists the rows.
 """
 
 from collections.abc import Callable, Iterable, Mapping

@@ -73,7 +73,7 @@ class Guarded:
 
 
 def load_machine(url: str, folder: pathlib.Path) -> Callable[[], Guarded]:
-    """A maker of the device; BadFile says what is wrong with the address, the file or the factory."""
+    """A maker of the device; BadFile names the fault in the address, the file or the factory."""
     address, _, query = url.removeprefix("machine:").partition("?")
     name, colon, factory_name = address.rpartition(":")
     if not colon or not name or not factory_name:

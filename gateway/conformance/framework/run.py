@@ -228,7 +228,7 @@ class Runner:
     def _set(result: Result, verdict: Verdict, reason: str, expected: str, got: str) -> None:
         result.verdict, result.reason = verdict, reason
         result.expected, result.got = (
-            expected or ("as the summary says" if verdict is Verdict.FAIL else ""),
+            expected or ("as stated in the summary" if verdict is Verdict.FAIL else ""),
             got or ("nothing" if verdict is Verdict.FAIL else ""),
         )
 

@@ -1,4 +1,4 @@
-"""Modbus servers of ours as byte machines, with one fault each, or correct in another way."""
+"""Axisgate's Modbus servers as byte machines, each with one fault or with correct but different behaviour."""
 
 import struct
 from collections.abc import Callable, Sequence
@@ -461,7 +461,7 @@ def variants(rtu: bool) -> tuple[Variant, ...]:
         one("any-unit", "answers for any unit" if not rtu else "one more of the usual", lambda: Device(rtu, any_unit=not rtu)),
         one(
             "mapped",
-            "input registers show the holding registers, as its PICS says",
+            "input registers show the holding registers, as declared in its PICS",
             lambda: Device(rtu, tables=OneRegisterTable()),
             mapped=True,
         ),

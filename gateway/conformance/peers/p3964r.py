@@ -181,15 +181,6 @@ class GarbageKills(Receiver):
         return len(data) if self._full else super().hear(data, at, now)
 
 
-class DropsDle(Receiver):
-    """A DLE that is not doubled is left out."""
-
-    def _broken_pair(self, byte: int) -> None:
-        self._state = Hearing.DATA
-        self._check ^= Char.DLE ^ byte
-        self._store(bytes((byte,)))
-
-
 class TailOpens(Receiver):
     """NAK at once at a broken pair, and a 02h of the rest opens a block."""
 
@@ -481,7 +472,7 @@ class _Drops(DropsItsJob, Built):
 
 MUTANTS = (
     _mutant("silent", "never answers", [f"{R}BV_01"], lambda: Silent(RHO3, LOW)),
-    _mutant("no-nak", "never says NAK", [f"{R}BI_01", f"{R}TI_01", f"{S}BI_01"], lambda: NoNak(RHO3, LOW)),
+    _mutant("no-nak", "never sends NAK", [f"{R}BI_01", f"{R}TI_01", f"{S}BI_01"], lambda: NoNak(RHO3, LOW)),
     _mutant("drops-its-job", "gives way in a conflict and forgets its own job", [f"{C}BV_02"], lambda: _Drops(RHO3, LOW)),
     _mutant("slow", "everything 3 s late", [f"{R}BV_01"], lambda: Late(RHO3, LOW, late=ms(3000))),
     _mutant("slow-40ms", "its timers 40 ms late", [f"{R}TI_01", f"{S}TI_01"], lambda: Late(RHO3, LOW, late=ms(40))),
@@ -567,7 +558,7 @@ MUTANTS = (
 
 
 class AnyCheckAfterDamage(Receiver):
-    """The adapter hands a damaged character on as if it were good, and the check is not looked at."""
+    """The adapter passes a damaged character on as good, and the block check is ignored."""
 
     def _judge(self, check: int) -> None:
         super()._judge(self._check if b"U" in self._data[1:] else check)

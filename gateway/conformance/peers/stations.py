@@ -1,4 +1,4 @@
-"""Stations of ours with one fault each, or correct in another way: our link with parts of it exchanged."""
+"""Axisgate's link with parts exchanged: stations with one fault each or with correct but different behaviour."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ DLE, NAK, STX = (bytes((char,)) for char in (Char.DLE, Char.NAK, Char.STX))
 
 
 class Built(Station):
-    """Our station with another receiver or sender, and with what it says or hears changed."""
+    """Axisgate's station with another receiver or sender, and with changed output or input."""
 
     def __init__(
         self,
@@ -182,7 +182,7 @@ class Variant:
 
 
 def link_of(profile: Profile, priority: Priority) -> dict[str, object]:
-    """What a bench says of such a station."""
+    """The [link] table of a bench for such a station."""
     return {"profile": profile.name.removesuffix("-3964"), "priority": priority.name.lower(), "block_check": profile.block_check}
 
 

@@ -104,7 +104,7 @@ def _own_sum(folder: pathlib.Path) -> list[str]:
 
 
 def load(path: pathlib.Path) -> Json:
-    """A report by its folder or file; BadReport says why it is none."""
+    """A report by its folder or file; BadReport gives the reason if it is not a report."""
     file = path / JSON if path.is_dir() else path
     try:
         found = json.loads(file.read_text(encoding="utf-8"))

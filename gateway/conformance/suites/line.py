@@ -1,4 +1,4 @@
-"""The tester's side of a 3964R line: says, expects, measures; what the station sends unasked is served and noted."""
+"""The tester's side of a 3964R line: sends, expects, measures; unsolicited blocks of the station are served and noted."""
 
 import itertools
 from collections.abc import Callable, Mapping
@@ -221,7 +221,7 @@ class LineTester(Tester):
             self.open()
 
     def open(self) -> None:
-        """STX and the station's DLE; wishes of its own that meet ours are let through first."""
+        """STX and the station's DLE; the station's own send requests are served first if they collide."""
         while self._hear(self.wire.now()) is not None:
             if self.notes.trace[-1].data == STX:
                 self.serve()
@@ -247,7 +247,7 @@ class LineTester(Tester):
         raise Disturbed("the station sends without a pause", "DLE (10h)", "STX (02h)")
 
     def block(self, wire: bytes, what: str) -> int | Damage | None:
-        """Connects, says these characters after the DLE; the answer."""
+        """Connects and sends these characters after the DLE; returns the answer."""
         self.connect()
         self.say(wire)
         start = self.mark
@@ -270,7 +270,7 @@ class LineTester(Tester):
 
     @property
     def harmless(self) -> bytes:
-        """A block that is answered by nothing of its own: to RK512 a reaction nobody awaits."""
+        """A block that triggers no block in return: for RK512 an unsolicited reaction telegram."""
         return bytes(4) if self.setup.pics.get("rk512") else b"UC"
 
     def starts_sending(self) -> None:

@@ -16,7 +16,7 @@ START_LIMIT_S = 10.0
 
 
 def silent(text: str) -> None:
-    """Nobody listens."""
+    """Discards the text."""
 
 
 @dataclass(slots=True)

@@ -299,7 +299,7 @@ def _tables(p: Purposes[ModbusTester]) -> None:
             at = shared[0]
             first = t.read(read, at, 1)
             if t.setup.pics.get("mapped"):
-                raise NotApplicable("the PICS says that these tables overlap")
+                raise NotApplicable("the PICS declares that these tables overlap")
             with _kept(t, written, at, 1):
                 changed = []
                 for value in (0x5AC3, 0xA53C) if written == 3 else (1, 0, 1):

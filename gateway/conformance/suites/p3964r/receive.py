@@ -149,7 +149,7 @@ def etb(t: LineTester) -> None:
     "CA_02",
     "an empty block: DLE or NAK, and the link stays usable",
     "ein leerer Block: DLE oder NAK, die Kopplung bleibt brauchbar",
-    clause="open: no source says which",
+    clause="open: not specified by any source",
 )
 def empty(t: LineTester) -> None:
     got = t.block(wire_block(b"", t.profile.block_check), "an empty block")

@@ -1,6 +1,7 @@
 """RK512, the station is active: its command gets every wrong reaction, and it must still work (serial-protocols 2.2, 2.6).
 
-What its program is told cannot be seen on the line; that it neither hangs nor repeats for ever, and sends the next job, can.
+The status its program receives is not visible on the line; the line does show that the station neither hangs nor repeats
+endlessly, and that it sends the next job.
 """
 
 from collections.abc import Callable

@@ -301,7 +301,7 @@ def _type(number: int, kind: int) -> None:
                     f"{amount} of type {what}: {len(found.data)} bytes, expected {unit * amount}", f"{unit * amount} bytes", found.words()
                 )
             if found.number == 0 and t.setup.pics.get(f"type_{what}") is False:
-                raise Fail(f"type {what} is served, the PICS says it is not", "a refusal", found.words())
+                raise Fail(f"type {what} is served although the PICS excludes it", "a refusal", found.words())
             if found.number:
                 _number_of_type(t, found.number, what, len(found.data), found.words())
 
@@ -310,7 +310,7 @@ def _number_of_type(t: LineTester, number: int, what: str, size: int, words: str
     if size:
         raise Fail(f"{size} data bytes behind error {number:02X}h", "4 bytes", words)
     if t.setup.pics.get(f"type_{what}") is True:
-        raise Fail(f"type {what} is refused with {number_words(number)}, the PICS says it is served", "00h: no error", words)
+        raise Fail(f"type {what} is refused with {number_words(number)} although the PICS lists it as served", "00h: no error", words)
     if number not in (0x0A, 0x0C, 0x10, 0x12, 0x14) and not _own_number(t, "type", number):
         raise Fail(f"type {what} is refused with a misleading number: {number_words(number)}", "12h: type not supported", words)
     t.remark(f"not served: {number_words(number)}")
@@ -656,13 +656,13 @@ def nak_to_reaction(t: LineTester) -> None:
 
 @PAS.case(
     "BO_04",
-    "a reaction nobody asked for is not answered",
+    "an unsolicited reaction is not answered",
     "eine Reaktion ohne Auftrag wird nicht beantwortet",
     clause="serial-protocols 2.6",
 )
 def unasked_reaction(t: LineTester) -> None:
     with t.given():
-        t.good(bytes(4), "a reaction nobody awaits")
+        t.good(bytes(4), "an unsolicited reaction")
     got = t.answer(ms(500))
     if got == Char.STX:
         said = t.serve()

@@ -31,7 +31,7 @@ class Event:
 
 
 def event_of(seconds: str, text: str) -> Event:
-    """From the command line.  EventFault says what is wrong."""
+    """From the command line.  EventFault names the fault."""
     try:
         at = float(seconds)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Serial lines and sockets of a virtual run: the core is the real one, its partners are played by events; without them nobody answers."""
+"""Serial lines and sockets of a virtual run: the core is the real one, events play its partners; without events there is no answer."""
 
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
 from gateway.pure.controllers.val3.sio.core import SioCore
@@ -12,7 +12,7 @@ PEER = "127.0.0.1"
 
 
 def kind_of(link: str) -> Kind:
-    """A serial line, a server, UDP or a client, as the path of the link says."""
+    """A serial line, a server, UDP or a client, depending on the path of the link."""
     text = link.lower()
     if "serial" in text or text.split("\\", maxsplit=1)[0].startswith("com"):
         return Kind.SERIAL
