@@ -1,12 +1,31 @@
-"""Entries of data blocks that name a signal or an address instead of a name of the cell: `to = "K01_A_MN_RCI"`, `from = "I8.4"`."""
+"""Entries of data blocks: their places, and what they name beside names of the cell: `to = "K01_A_MN_RCI"`, `from = "I8.4"`."""
 
 from collections.abc import Mapping
 
 from gateway.files.find import read_signals
-from gateway.pure.cell.cell import Cell
-from gateway.pure.image.addresses import AddressFault, Direction, Kind, Operand, RcBit, parse_operand
+from gateway.pure.cell.cell import Cell, Db, Entry
+from gateway.pure.image.addresses import AddressFault, DataBit, DataWord, Direction, Kind, Operand, RcBit, parse, parse_operand
 from gateway.pure.image.names import lookup
 from gateway.pure.image.signals import SignalList, from_tables
+
+
+def parsed(block: Db, entry: Entry) -> object:
+    """Entries at `at`; an area has no number, its words are counted all the same.  Raises AddressFault."""
+    return parse(entry.at, db=number_of(block))
+
+
+def number_of(block: Db) -> int:
+    """The number its places are written with: 1 where it has none."""
+    return block.number or 1
+
+
+def place_of(block: Db, entry: Entry) -> DataWord | DataBit | None:
+    """The parsed place of an entry, None when it is none."""
+    try:
+        address = parsed(block, entry)
+    except AddressFault:
+        return None
+    return address if isinstance(address, DataWord | DataBit) and address.db == number_of(block) else None
 
 
 def signals_of(cell: Cell) -> SignalList:

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from gateway.assembly.data_block_signals import place_of
 from gateway.assembly.line_dialects import rk512_dialect
 from gateway.cell_file.explain_operands import operand_lines
 from gateway.cell_file.field_faults import field_of
 from gateway.cell_file.glossary import ALIASES, ALSO_CALLED, MEANINGS, PARAMETERS, WORDS
 from gateway.cell_file.keys import line_of, steps_of, written
 from gateway.cell_file.rho3_parameters import LEGAL
-from gateway.checks.blocks import place_of
 from gateway.files.decisions import read_decision
 from gateway.files.find import find_config, read_signals, read_text
 from gateway.files.texts import read_texts

@@ -1,6 +1,6 @@
 """Data blocks: places, types, names, ranges, who writes which word, and the bits of the handshakes."""
 
-from gateway.assembly.data_block_signals import flag_operand, operand, rc_place
+from gateway.assembly.data_block_signals import flag_operand, number_of, operand, parsed, place_of, rc_place
 from gateway.checks.context import Context, near, number
 from gateway.checks.controller import names_of, phg_fault
 from gateway.pure.cell.cell import Axis, Db, Entry, Handshake
@@ -50,25 +50,6 @@ def counts_of(entry: Entry, address: DataWord | DataBit) -> tuple[float, float] 
     if isinstance(address, DataWord) and address.part in (Part.LEFT, Part.RIGHT):
         return 0, 255
     return COUNTS.get(entry.type)
-
-
-def parsed(block: Db, entry: Entry) -> object:
-    """Entries at `at`; an area has no number, its words are counted all the same.  Raises AddressFault."""
-    return parse(entry.at, db=number_of(block))
-
-
-def number_of(block: Db) -> int:
-    """The number its places are written with: 1 where it has none."""
-    return block.number or 1
-
-
-def place_of(block: Db, entry: Entry) -> DataWord | DataBit | None:
-    """The parsed place of an entry, None when it is none."""
-    try:
-        address = parsed(block, entry)
-    except AddressFault:
-        return None
-    return address if isinstance(address, DataWord | DataBit) and address.db == number_of(block) else None
 
 
 def _key(block: Db, entry: Entry) -> str:

@@ -5,7 +5,8 @@ import re
 from collections.abc import Iterator
 
 from gateway.assembly.axis_scaling import scaling_of
-from gateway.checks.blocks import counts_of, place_of, split_unit
+from gateway.assembly.data_block_signals import place_of
+from gateway.checks.blocks import counts_of, split_unit
 from gateway.checks.context import number
 from gateway.checks.playable import not_playable
 from gateway.pure.arbitration.command_block import AXES as TABLED

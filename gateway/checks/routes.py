@@ -3,9 +3,9 @@
 import math
 from collections.abc import Iterator
 
+from gateway.assembly.data_block_signals import place_of as entry_place
 from gateway.assembly.routes import BOUNDED, POLL_MS, Compiled, compile_route, devices_of, lines_of, symbols_of
 from gateway.assembly.telegrams import named_values
-from gateway.checks.blocks import place_of as entry_place
 from gateway.checks.context import Context, near, number
 from gateway.checks.controller import names_of, wired
 from gateway.files.eds_sheets import read_eds

@@ -11,6 +11,7 @@ import pathlib
 from collections.abc import Callable
 
 from drivers.ports.base import runtime_dir
+from gateway.assembly.data_block_signals import place_of
 from gateway.pure.arbitration.block_keys import AREA_BYTES
 from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.rho3.functions.system_variables import STOP_PROCESS, VariableError
@@ -40,6 +41,8 @@ from gateway.services.part import Part
 from gateway.services.part_context import PartContext
 from gateway.services.plant_addresses import PlantAddresses, word_bytes
 from gateway.services.tool_interface import TOOL_DOOR
+from protocols.base.errors import ProtocolError
+from protocols.base.step5 import Step5Type, decode
 from protocols.modbus.view import ExceptionCode, Kind
 
 LONGEST = 4096
@@ -72,6 +75,7 @@ class Variables(Part):
         self._tools, self._contacts, self._host, self._joined, self._status = tools, contacts, host, joined, status
         self._addresses, self._operands = addresses, addresses.operands
         self._clients = 0
+        self._failed = ""
         self._server: asyncio.Server | None = None
 
     async def start(self) -> None:
@@ -95,8 +99,8 @@ class Variables(Part):
                 if self._clients > CLIENTS:
                     writer.write(json.dumps({"error": f"{CLIENTS} tools are connected; end one of them"}).encode() + b"\n")
                     return
-                while line := await reader.readline():
-                    writer.write(json.dumps(self.answer(line, writer)).encode() + b"\n")
+                while line := await _request(reader):
+                    writer.write(self._reply(line, writer) + b"\n")
                     await writer.drain()
                     await asyncio.sleep(0)  # one request a turn: a line that is here already would be answered before anything else
         finally:
@@ -104,8 +108,21 @@ class Variables(Part):
             self._tools.closed(writer)
             writer.close()
 
+    def _reply(self, line: bytes, connection: object) -> bytes:
+        """Whatever goes wrong: a sentence for the tool and the journal, the connection stays."""
+        try:
+            if len(line) > LONGEST:
+                return json.dumps({"error": f"a request has at most {LONGEST} bytes"}).encode()
+            return json.dumps(self.answer(line, connection)).encode()
+        except Exception as fault:
+            words = f"{type(fault).__name__}: {fault}"
+            if words != self._failed:  # a tool asks again and again
+                self._failed = words
+                self._run.journal.write("alarm", f"a tool's request failed: {words}")
+            return json.dumps({"error": f"the request failed: {words}"}).encode()
+
     def answer(self, line: bytes, connection: object = "") -> dict[str, object]:
-        """One request; never raises.  `connection`: what a tool's control belongs to."""
+        """One request; what is wrong with it comes back in words.  `connection`: what a tool's control belongs to."""
         try:
             request = json.loads(line)
             if request.get("op") not in ASKING:
@@ -250,7 +267,9 @@ class Variables(Part):
 
     def _flag(self, text: str, place: FlagBit) -> dict[str, object]:
         """A coordination flag, of whichever line has it set; 0 while none has."""
-        holders = [line for line in self._values.lines if line.flag_bytes()[place.byte] >> place.bit & 1]
+        holders = [
+            line for line in self._values.lines if any(byte >> place.bit & 1 for byte in line.flag_bytes()[place.byte : place.byte + 1])
+        ]
         return {"address": text, "place": str(place), "value": int(bool(holders)), "door": ", ".join(line.name for line in holders)}
 
     def _reset_flag(self, text: str, place: FlagBit, value: str) -> dict[str, object]:
@@ -300,6 +319,20 @@ class Variables(Part):
         return {"error": refused} if refused else self._get(text)
 
 
+async def _request(reader: asyncio.StreamReader) -> bytes:
+    """One line; of a longer one than LONGEST what says so; b"": the tool is gone."""
+    long = False
+    while True:
+        try:
+            line = await reader.readuntil(b"\n")
+            return line if not long else bytes(LONGEST + 1)
+        except asyncio.LimitOverrunError as fault:
+            long = True
+            await reader.readexactly(fault.consumed)
+        except asyncio.IncompleteReadError as fault:
+            return fault.partial if not long else b""
+
+
 def _typed(text: str) -> bool | int | float | str:
     """A number where it reads like one, else the text."""
     if text in ("true", "false"):
@@ -333,9 +366,6 @@ def _columns(raw: bytes, part: WordPart) -> dict[str, object]:
 
 
 def _floats(raw: bytes) -> dict[str, object]:
-    from protocols.base.errors import ProtocolError
-    from protocols.base.step5 import Step5Type, decode
-
     found: dict[str, object] = {}
     for kind in (Step5Type.KG, Step5Type.REAL):
         with contextlib.suppress(ProtocolError):
@@ -356,8 +386,6 @@ def name_unit(cell: Cell, name: str) -> dict[str, object]:
 
 def entry_unit(cell: Cell, line: str, place: DataWord) -> dict[str, object]:
     """Value of one step of that word, where an entry of the cell gives it: 0.1 mm."""
-    from gateway.checks.blocks import place_of
-
     for block in cell.db:
         if block.number == place.db and block.line == line:
             return next(

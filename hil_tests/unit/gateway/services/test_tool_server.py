@@ -1,0 +1,101 @@
+"""The server of the tools, built alone: whatever a request does, its connection stays and gets a sentence."""
+
+import asyncio
+import json
+import pathlib
+import subprocess
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from gateway.pure.cell.cell import Cell
+from gateway.pure.image.error_list import ErrorList
+from gateway.runtime.journal import Journal
+from gateway.services.canopen import CanopenServices
+from gateway.services.contacts import DigitalContacts
+from gateway.services.context import RunContext
+from gateway.services.controller_host import ControllerHost
+from gateway.services.page_interface import PageInterfaces
+from gateway.services.part_context import PartContext
+from gateway.services.plant_addresses import PlantAddresses
+from gateway.services.tool_server import LONGEST, Variables
+from hil_tests.lab.virtual.cell_bench import DEMO
+from hil_tests.lab.virtual.source_bench import SourceBench
+
+BROKEN = b'{"op": "get", "address": "io.broken"}\n'
+GOOD = b'{"op": "names"}\n'
+
+
+def joined(name: str) -> dict[str, object] | None:
+    if name == "io.broken":
+        raise IndexError("no such place")
+    return {"value": object()} if name == "io.strange" else None
+
+
+@pytest.fixture
+def bench() -> Iterator[SourceBench]:
+    made = SourceBench(DEMO)
+    made.publish()
+    yield made
+    made.close()
+
+
+def server_of(bench: SourceBench, journal: pathlib.Path) -> Variables:
+    old: Cell = bench.run.cell
+    run = RunContext(old, bench.plan, Journal(journal, "services"), bench.run.recorder, bench.run.clock)
+    canopen = CanopenServices(bench.plan, bench.fds, run.journal.write)
+    contacts = DigitalContacts(run, bench.image, bench.values, canopen.coupler_fault, {})
+    tools = PageInterfaces(run, bench.image, bench.values, bench.office, canopen, contacts, [])
+    context = PartContext(run, bench.image, bench.values, bench.office)
+    host = ControllerHost(context, ErrorList(), lambda: 0, lambda jobs: None, {}, 0)
+    return Variables(context, tools, contacts, host, PlantAddresses(old, bench.image, bench.values), joined, dict)
+
+
+def told(bench: SourceBench, folder: pathlib.Path, *requests: bytes) -> list[dict[str, Any]]:
+    """Answers on one connection, one after the other."""
+
+    async def talk() -> list[dict[str, Any]]:
+        server = await server_of(bench, folder / "journal").listen(folder / "tools.sock")
+        reader, writer = await asyncio.open_unix_connection(folder / "tools.sock", limit=1 << 20)
+        found = []
+        for request in requests:
+            writer.write(request)
+            found.append(json.loads(await asyncio.wait_for(reader.readline(), 5)))
+        writer.close()
+        server.close()
+        return found
+
+    return asyncio.run(talk())
+
+
+def test_what_goes_wrong_inside_is_told_and_journalled_once(bench: SourceBench, tmp_path: pathlib.Path) -> None:
+    first, again, after = told(bench, tmp_path, BROKEN, BROKEN, GOOD)
+    assert first == again == {"error": "the request failed: IndexError: no such place"} and "cell.ready" in after["names"]
+    assert (tmp_path / "journal").read_text().count("a tool's request failed: IndexError: no such place") == 1
+
+
+def test_an_answer_that_is_no_json_is_told(bench: SourceBench, tmp_path: pathlib.Path) -> None:
+    strange, after = told(bench, tmp_path, b'{"op": "get", "address": "io.strange"}\n', GOOD)
+    assert strange["error"].startswith("the request failed: TypeError: ") and "names" in after
+
+
+@pytest.mark.parametrize("size", [LONGEST, LONGEST + 1, 3 * LONGEST, 20 * LONGEST])
+def test_a_request_too_long_is_told_and_the_next_one_answered(bench: SourceBench, tmp_path: pathlib.Path, size: int) -> None:
+    long, after = told(bench, tmp_path, b"x" * size + b"\n", GOOD)
+    assert "error" in long and "names" in after
+
+
+@pytest.mark.parametrize("request_", [b"[" * 4000 + b"\n", b"\xff\xfe\n", b"\n", b"[1]\n", b"7\n", b'{"op": "get"}\n', b'{"op": [1]}\n'])
+def test_junk_is_told(bench: SourceBench, tmp_path: pathlib.Path, request_: bytes) -> None:
+    junk, after = told(bench, tmp_path, request_, GOOD)
+    assert "error" in junk and "names" in after
+
+
+def test_reading_a_word_loads_nothing_while_the_cell_runs() -> None:
+    """The services are silent meanwhile, and the supervisor ends them: rules of cell files bring in every control and language."""
+    program = "import sys, gateway.services.tool_server; print([n for n in sys.modules if 'checks' in n or '.languages' in n])"
+    assert subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+    source = pathlib.Path(sys.modules[Variables.__module__].__file__ or "").read_text()
+    assert "\n    from " not in source and "\n    import " not in source, "an import in a function runs while the cell does"
