@@ -92,7 +92,7 @@ class Look:
             case "signals":
                 return [await self._signals()]
             case "lines":
-                return [doors_table(regions), sentences_table(await self._sentences())]
+                return [doors_table(regions), sentences_table(await self._sentences(), self.language)]
             case _:
                 return [errors_table(regions, self.alarms, self.language)]
 

@@ -130,19 +130,19 @@ def doors_table(regions: Regions) -> Table:
     return Table("Command sources", DOORS, tuple(rows), tuple(marks), "this cell has no command source")
 
 
-def sentences_table(lines: Row) -> Table:
+def sentences_table(lines: Row, language: str) -> Table:
     """What was said on the lines, newest last."""
     told = sorted(((line, one) for line, kept in lines.items() for one in kept), key=lambda said: said[1]["ms"])[-SHOWN_SENTENCES:]
-    rows = tuple((line, f"{one['ms']:.1f}", *_sentence(one)) for line, one in told)
+    rows = tuple((line, f"{one['ms']:.1f}", *_sentence(one, language == "de")) for line, one in told)
     marks = tuple("bad" if one.get("kind") in ("BROKEN", "DAMAGED") or one["ok"] is False else "" for _, one in told)
     return Table("Traffic on the lines", SENTENCES, rows, marks, "no traffic yet")
 
 
-def _sentence(one: Row) -> tuple[str, str, str]:
-    """Side, kind and words; of a Modbus server one row is a client's request with its answer."""
+def _sentence(one: Row, german: bool) -> tuple[str, str, str]:
+    """Side, kind and words, of which the views have both languages; of a Modbus server one row is a client's request with its answer."""
     if "client" in one:
-        return one["client"], f"FC {one['function']}", f"unit {one['unit']}, {one['asked']}: {one['answered']}"
-    return one["side"], one["kind"], one["text"]
+        return one["client"], f"FC {one['function']}", f"unit {one['unit']}, {one['asked'][german]}: {one['answered'][german]}"
+    return one["side"], one["kind"], one["say"][german]
 
 
 def errors_table(regions: Regions, alarms: Sequence[str], language: str) -> Table:

@@ -85,6 +85,17 @@ def test_everything_written_into_the_journal_has_german_words() -> None:
             "cycle: broker:a-drives: solange er sendet, wird nichts gesendet; ein anderer Master sendet auf diesem Bus: SYNC (080h)",
         ),
         ("command source 2: enable refused: drives are off: A6", "Befehlsquelle 2: Antriebe ein: abgelehnt: Antriebe sind aus: A6"),
+        (
+            "the PLC process is gone: its outputs are 0 until it is back",
+            "der SPS-Prozess ist ausgefallen: Seine Ausgänge sind 0, bis er wieder läuft",
+        ),
+        ("PLC: door open (MAIN step 4)", "SPS: door open (MAIN Schritt 4)"),
+        ("PLC: PLC error 7000", "SPS: SPS-Fehler 7000"),
+        ("PLC: System error 1052", "SPS: Systemfehler 1052"),
+        ("PLC: Text 5 is not in PLCMSG_CNF", "SPS: Text 5 steht nicht in PLCMSG_CNF"),
+        ("PLC programs: a.plc: line 3", "SPS-Programme: a.plc: Zeile 3"),
+        ("PLC RUN", "SPS RUN"),
+        ("a tool's request failed: IndexError: index out of range", "Anfrage eines Werkzeugs gescheitert: IndexError: index out of range"),
         ("what nobody has German for", "what nobody has German for"),
     ],
 )
