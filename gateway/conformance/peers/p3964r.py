@@ -4,7 +4,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from gateway.conformance.peers.stations import DLE, STX, AnswersLate, Built, Chatty, Maker, Mutant, Variant, fresh_link, link_of
+from gateway.conformance.peers.stations import (
+    DLE,
+    STX,
+    AnswersLate,
+    Built,
+    Chatty,
+    DeafToDamage,
+    Maker,
+    Mutant,
+    Variant,
+    fresh_link,
+    link_of,
+)
 from gateway.conformance.serial.partners import (
     DropsItsJob,
     Late,
@@ -530,7 +542,7 @@ MUTANTS = (
         "ignores-parity",
         "takes a damaged character for a good one",
         [f"{R}BI_08"],
-        lambda: Built(deaf_to_damage=True, hears=None, receiver=AnyCheckAfterDamage),
+        lambda: DeafToDamage(receiver=AnyCheckAfterDamage),
     ),
     _mutant("any-is-dle", "any answer to STX lets it send", [f"{S}BI_02", f"{S}BI_03"], _with(sender=AnyIsDle)),
     _mutant("any-acknowledges", "any character acknowledges its block", [f"{S}BI_06"], _with(sender=AnyAcknowledges)),

@@ -31,11 +31,10 @@ class Built(Station):
         sender: type[Sender] | None = None,
         says: Callable[[bytes], bytes] | None = None,
         hears: Callable[[int], bytes] | None = None,
-        deaf_to_damage: bool = False,
         passive: Callable[["Built"], Passive] | None = None,
     ) -> None:
         super().__init__(profile, priority, layer)
-        self._says, self._hears, self._deaf_to_damage = says, hears, deaf_to_damage
+        self._says, self._hears = says, hears
         if receiver is not None:
             self.link._receiver = receiver(profile, self.link._box, False)
         if sender is not None:
@@ -53,10 +52,12 @@ class Built(Station):
     def receive(self, data: bytes, now: Ns) -> Sequence[object]:
         return super().receive(data if self._hears is None else b"".join(map(self._hears, data)), now)
 
+
+class DeafToDamage(Built):
+    """Takes a damaged character for one like any other; a break it hears."""
+
     def damaged(self, kind: Damage, now: Ns) -> Sequence[object]:
-        if self._deaf_to_damage and kind is not Damage.BREAK:
-            return super().receive(b"U", now)
-        return super().damaged(kind, now)
+        return super().damaged(kind, now) if kind is Damage.BREAK else Station.receive(self, b"U", now)
 
 
 class AnswersLate(Late):

@@ -5,6 +5,7 @@ import hashlib
 import json
 import platform
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from importlib.metadata import version
 from typing import cast
 
@@ -19,16 +20,18 @@ Json = dict[str, object]
 KIND = "axisgate conformance"
 
 
+@dataclass(frozen=True, slots=True)
+class Circumstances:
+    """Of a run, beside its results: what was assumed of the device, what the tester found of itself, the order, whether it was ended."""
+
+    assumed: Sequence[str]
+    self_check: Mapping[str, object]
+    seed: int | None
+    interrupted: bool = False
+
+
 def document(
-    suite: Suite,
-    bench: Bench,
-    pics: Mapping[str, object],
-    assumed: Sequence[str],
-    self_check: Mapping[str, object],
-    results: Sequence[Result],
-    seed: int | None,
-    score: tuple[int, int],
-    interrupted: bool = False,
+    suite: Suite, bench: Bench, pics: Mapping[str, object], results: Sequence[Result], ran: Circumstances, score: tuple[int, int]
 ) -> Json:
     """Everything, with the check sum over all of it but itself."""
     found: Json = {
@@ -37,16 +40,16 @@ def document(
         "suite": {"name": suite.name, "version": suite.version, "killed": score[0], "mutants": score[1]},
         "at": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
         "bench": _bench(bench),
-        "pics": {"stated": dict(pics), "assumed": list(assumed)},
-        "seed": seed,
+        "pics": {"stated": dict(pics), "assumed": list(ran.assumed)},
+        "seed": ran.seed,
         "versions": {
             "axisgate": version("axisgate"),
             "suite": suite.version,
             "python": platform.python_version(),
             "system": f"{platform.system()} {platform.machine()}",
         },
-        "self_check": dict(self_check),
-        "interrupted": interrupted,
+        "self_check": dict(ran.self_check),
+        "interrupted": ran.interrupted,
         "counts": counts(results),
         "cases": [case(result) for result in results],
         "coverage": coverage(results),

@@ -13,6 +13,7 @@ from gateway.conformance.suites.line import LineSetup, LineTester
 from gateway.conformance.suites.rk512.telegrams import ask, fetch, is_command, right_reaction
 from gateway.links.serial.tool_wire import VirtualWire, Wire
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive
+from gateway.registry import LINE_LAYERS
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.characters import Char
 from protocols.p3964r.profiles import PROFILES, RHO3, Priority, Profile
@@ -112,8 +113,10 @@ class LineSession:
         return pics
 
     def _layer(self) -> bool | None:
+        """Whether the bench's layer has blocks by number; None: it names none."""
         layer = self._bench.link.get("layer")
-        return None if layer is None else layer == "rk512"
+        row = LINE_LAYERS.get(str(layer))
+        return None if layer is None else row is not None and row.blocks
 
     def _speaks_rk512(self) -> bool:
         if self._rk512:

@@ -45,6 +45,18 @@ class Purpose(Generic[T]):
         return self.id.split("_")[-2]
 
 
+@dataclass(frozen=True, slots=True)
+class Particulars:
+    """What few cases have: a reference beside the clause, limits in words, an end of their own instead of the suite's postamble."""
+
+    cross: str = ""
+    limits: str = ""
+    postamble: bool = True
+
+
+USUAL = Particulars()
+
+
 class Purposes(Generic[T]):
     """Collects the purposes of a suite in the order in which they stand in the source."""
 
@@ -63,9 +75,7 @@ class Purposes(Generic[T]):
         requirements: Sequence[str] = (),
         condition: Sequence[str] = (),
         preamble: Sequence[str] | None = None,
-        cross: str = "",
-        limits: str = "",
-        postamble: bool = True,
+        beside: Particulars = USUAL,
     ) -> Callable[[Callable[[T], None]], Callable[[T], None]]:
         """Decorator: this function is the body of a purpose."""
 
@@ -80,11 +90,11 @@ class Purposes(Generic[T]):
                     clause or self._clause,
                     body,
                     tuple(requirements),
-                    cross,
+                    beside.cross,
                     (*self._condition, *condition),
                     before,
-                    postamble,
-                    limits,
+                    beside.postamble,
+                    beside.limits,
                 )
             )
             return body

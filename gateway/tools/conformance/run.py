@@ -17,7 +17,7 @@ from gateway.conformance.framework.base import Tester
 from gateway.conformance.framework.bench_file import BadFile, Bench, Waiver, load_bench, load_pics, load_waivers, pics_faults
 from gateway.conformance.framework.run import Result, Runner, Session, ordered
 from gateway.conformance.framework.witness import Witness
-from gateway.conformance.reporting.document import cases_of, code_of, counts, document
+from gateway.conformance.reporting.document import Circumstances, cases_of, code_of, counts, document
 from gateway.conformance.reporting.folder import load, write_folder
 from gateway.conformance.suites.opening import Opened, factory_of
 from gateway.conformance.suites.registry import SUITES, Suite
@@ -130,7 +130,8 @@ def _played(
     finally:
         with contextlib.suppress(PortError):
             session.close()
-    found = document(suite, bench, stated, session.assumed, checked, results, arguments.seed, SCORES[suite.name], runner.interrupted)
+    ran = Circumstances(session.assumed, checked, arguments.seed, runner.interrupted)
+    found = document(suite, bench, stated, results, ran, SCORES[suite.name])
     code = code_of(results)
     if arguments.json:
         print(json.dumps(found, ensure_ascii=False))

@@ -68,15 +68,17 @@ def pattern(count: int) -> list[int]:
 def _collect(prefix: str) -> Purposes[ModbusTester]:
     basic = f"{prefix}_FUN_BV_01"
     p = Purposes[ModbusTester](f"{prefix}_CON", "server", "V1.1b3, 4.3", preamble=(basic,))
-    _registers(p, prefix, basic)
+    first = (basic, f"{prefix}_CON_BV_06")
+    _register_writes(p)
+    _other_registers(p, first)
+    _writes_in_one_request(p, first)
+    _many_writes(p, first)
     _coils(p, prefix, basic)
     _tables(p)
     return p
 
 
-def _registers(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:  # noqa: C901, PLR0915  a list of small cases
-    first = (basic, f"{prefix}_CON_BV_06")
-
+def _register_writes(p: Purposes[ModbusTester]) -> None:
     @p.case(
         "BV_06",
         "FC 6: echo and effect, high byte first",
@@ -124,6 +126,8 @@ def _registers(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:  # n
             if count > 2:
                 _same(t.registers(3, at + 1, count - 1), values[1:], f"{count - 1} registers from {at + 1}")
 
+
+def _other_registers(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
     @p.case(
         "BV_18",
         "a write changes its registers and no others",
@@ -167,6 +171,8 @@ def _registers(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:  # n
                 for number, value in zip(numbers, before, strict=True):
                     write_back(t, 3, number, [value])
 
+
+def _writes_in_one_request(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
     @p.case(
         "BV_22",
         "FC 22: (current AND and-mask) OR (or-mask AND NOT and-mask)",
@@ -209,6 +215,8 @@ def _registers(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:  # n
             _same(list(struct.unpack(f">{count}H", got[2:])), values, "what FC 23 read")
             _same(t.registers(3, at, count), values, "what FC 23 wrote")
 
+
+def _many_writes(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
     @p.case(
         "ST_01",
         "40 writes of chosen registers, each read back",

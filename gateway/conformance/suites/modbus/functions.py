@@ -2,14 +2,16 @@
 
 import struct
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from gateway.conformance.suites.modbus.content import write_back
 from gateway.conformance.suites.modbus.tester import TABLES, ModbusTester
-from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
 
 Body = Callable[[ModbusTester], None]
-CROSS = "Modbus conformance test specification V3.0"
+Case = Callable[[str, int, str, str], Callable[[Body], Body]]  # name, function, what is judged in both languages
+CROSS = Particulars(cross="Modbus conformance test specification V3.0")
 GERMAN = {1: "Spulen", 2: "diskrete Eingänge", 3: "Halteregister", 4: "Eingangsregister"}
 
 
@@ -18,9 +20,16 @@ def _collect(prefix: str) -> Purposes[ModbusTester]:
     basic = f"{prefix}_FUN_BV_01"
     _basic(found)
     for function in TABLES:
-        _reads(found, prefix, basic, function)
+        reading = Reading(found, basic, f"{prefix}_FUN_BV_{10 * function}", function)
+        _reads(reading)
+        _refused_reads(reading)
+        _misread(reading)
     _other(found, basic)
-    _writes(found, basic)
+    case = _write_case(found, basic)
+    _single_writes(case)
+    _counted_writes(case)
+    _writes_beyond(case)
+    _writes_in_one_request(case)
     return found
 
 
@@ -31,7 +40,7 @@ def _basic(p: Purposes[ModbusTester]) -> None:
         "eine Anfrage wird beantwortet, mit eigenem Kopf und Funktion",
         preamble=(),
         clause="V1.1b3, 4.1; TCP guide, 3.1.3",
-        cross=CROSS,
+        beside=CROSS,
     )
     def answered(t: ModbusTester) -> None:
         function = next(iter(t.setup.base), 3)
@@ -40,20 +49,44 @@ def _basic(p: Purposes[ModbusTester]) -> None:
             raise Fail(f"FC {function}: {t.words(got)}", "an answer", t.words(got))
 
 
-def _reads(p: Purposes[ModbusTester], prefix: str, basic: str, function: int) -> None:  # noqa: C901  a list of small cases
-    table, german = TABLES[function], GERMAN[function]
-    words, section, most = table.replace("_", " "), f"V1.1b3, 6.{function}", 2000 if function < 3 else 125
-    number = 10 * function
-    one = f"{prefix}_FUN_BV_{number}"
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """The cases of one function that reads: basic, one: those that all and all but the first of them start from."""
 
-    def case(name: str, summary: str, summary_de: str, first: bool = False) -> Callable[[Body], Body]:
-        before = (basic,) if first else (basic, one)
-        return p.case(name, summary, summary_de, clause=section, condition=(table,), preamble=before, cross=CROSS)
+    purposes: Purposes[ModbusTester]
+    basic: str
+    one: str
+    function: int
 
-    @case(
+    @property
+    def number(self) -> int:
+        """Of its first case."""
+        return 10 * self.function
+
+    @property
+    def most(self) -> int:
+        """That one request may read."""
+        return 2000 if self.function < 3 else 125
+
+    def case(self, name: str, summary: str, summary_de: str, first: bool = False) -> Callable[[Body], Body]:
+        return self.purposes.case(
+            name,
+            f"FC {self.function}: {summary}",
+            f"FC {self.function}: {summary_de}",
+            clause=f"V1.1b3, 6.{self.function}",
+            condition=(TABLES[self.function],),
+            preamble=(self.basic,) if first else (self.basic, self.one),
+            beside=CROSS,
+        )
+
+
+def _reads(reading: Reading) -> None:
+    function, number = reading.function, reading.number
+
+    @reading.case(
         f"BV_{number}",
-        f"FC {function}: one of the {words}, and as many as can be read",
-        f"FC {function}: eines und so viele {german}, wie lesbar sind",
+        f"one of the {TABLES[function].replace('_', ' ')}, and as many as can be read",
+        f"eines und so viele {GERMAN[function]}, wie lesbar sind",
         first=True,
     )
     def valid(t: ModbusTester) -> None:
@@ -61,16 +94,18 @@ def _reads(p: Purposes[ModbusTester], prefix: str, basic: str, function: int) ->
         for count in sorted({1, min(span, 3), min(span, 9), min(span, 16), span}):
             t.read(function, base, count)
 
-    @case(f"BV_{number + 1}", f"FC {function}: the last that can be read, alone", f"FC {function}: das letzte lesbare, allein")
+    @reading.case(f"BV_{number + 1}", "the last that can be read, alone", "das letzte lesbare, allein")
     def last(t: ModbusTester) -> None:
         base, span = t.setup.base[function], t.setup.span[function]
         if t.read(function, base + span - 1, 1) != t.read(function, base, span)[-1:] and not _moves(t, function):
             raise Fail(f"FC {function}: {base + span - 1} alone differs from the last of {span}", "the same value", "another one")
 
+
+def _refused_reads(reading: Reading) -> None:
+    function, number, most = reading.function, reading.number, reading.most
+
     def refusal(at: int, what: str, de: str, pdu: bytes, code: int, others: tuple[int, ...] = ()) -> None:
-        @case(
-            f"BI_{number + at}", f"FC {function}: {what} is refused with {code:02X}h", f"FC {function}: {de} wird mit {code:02X}h abgelehnt"
-        )
+        @reading.case(f"BI_{number + at}", f"{what} is refused with {code:02X}h", f"{de} wird mit {code:02X}h abgelehnt")
         def body(t: ModbusTester) -> None:
             request = pdu[:1] + (t.setup.base[function].to_bytes(2, "big") if pdu[1:3] == b"\xee\xee" else pdu[1:3]) + pdu[3:]
             lived = t.exception(request, code, f"FC {function}: {what}", others)
@@ -83,23 +118,25 @@ def _reads(p: Purposes[ModbusTester], prefix: str, basic: str, function: int) ->
     refusal(2, "an amount of 65535", "eine Anzahl 65535", bytes((function,)) + here + b"\xff\xff", 3)
     refusal(3, "a range beyond address 65535", "ein Bereich über Adresse 65535", struct.pack(">BHH", function, 0xFFFF, 2), 2, (3,))
 
-    @case(
-        f"BI_{number + 4}",
-        f"FC {function}: a range that is partly missing is refused with 02h",
-        f"FC {function}: ein teilweise fehlender Bereich wird mit 02h abgelehnt",
+
+def _misread(reading: Reading) -> None:
+    function, number = reading.function, reading.number
+
+    @reading.case(
+        f"BI_{number + 4}", "a range that is partly missing is refused with 02h", "ein teilweise fehlender Bereich wird mit 02h abgelehnt"
     )
     def partly(t: ModbusTester) -> None:
         base, span = t.setup.base[function], t.setup.span[function]
-        if span >= most or base + span > 0xFFFF:
+        if span >= reading.most or base + span > 0xFFFF:
             raise NotApplicable("the end of the table was not found")
         lived = t.exception(struct.pack(">BHH", function, base, span + 1), 2, f"FC {function}: one more than there are", (3,))
         if lived is not None:
             raise Warn(f"FC {function}: one more than there are is refused with {lived:02X}h", "02h", f"{lived:02X}h")
 
-    @case(
+    @reading.case(
         f"BI_{number + 5}",
-        f"FC {function}: a request that is too short or too long is not taken for another",
-        f"FC {function}: eine zu kurze oder zu lange Anfrage wird nicht falsch verstanden",
+        "a request that is too short or too long is not taken for another",
+        "eine zu kurze oder zu lange Anfrage wird nicht falsch verstanden",
     )
     def lengths(t: ModbusTester) -> None:
         good = struct.pack(">BHH", function, t.setup.base[function], 1)
@@ -128,7 +165,7 @@ def _other(p: Purposes[ModbusTester], basic: str) -> None:
         "Funktionen, die keine sind, werden mit 01h abgelehnt",
         clause="V1.1b3, 7",
         preamble=(basic,),
-        cross=CROSS,
+        beside=CROSS,
     )
     def none(t: ModbusTester) -> None:
         for function in (0x41, 0x09, 0x64, 0x6E):
@@ -179,7 +216,7 @@ def _other(p: Purposes[ModbusTester], basic: str) -> None:
         t.exception(b"\x2b\x0e\x00\x00", 3, "FC 43/14, code 0")
 
 
-def _writes(p: Purposes[ModbusTester], basic: str) -> None:  # noqa: C901  a list of small cases
+def _write_case(p: Purposes[ModbusTester], basic: str) -> Case:
     def case(name: str, function: int, summary: str, de: str) -> Callable[[Body], Body]:
         needs = "write_coils" if function in (5, 15) else "write_holding"
         section = {5: 5, 6: 6, 15: 11, 16: 12, 22: 16, 23: 17}[function]
@@ -190,9 +227,13 @@ def _writes(p: Purposes[ModbusTester], basic: str) -> None:  # noqa: C901  a lis
             clause=f"V1.1b3, 6.{section}",
             condition=(needs, f"fc{function}"),
             preamble=(basic,),
-            cross=CROSS,
+            beside=CROSS,
         )
 
+    return case
+
+
+def _single_writes(case: Case) -> None:
     @case(
         "BI_50",
         5,
@@ -211,6 +252,8 @@ def _writes(p: Purposes[ModbusTester], basic: str) -> None:  # noqa: C901  a lis
     def register_short(t: ModbusTester) -> None:
         _unchanged(t, struct.pack(">BHH", 6, t.setup.holding[0], 0x5A5A)[:-1], "FC 6, a byte too few", 3, t.setup.holding[0], 1)
 
+
+def _counted_writes(case: Case) -> None:
     @case(
         "BI_70",
         15,
@@ -245,6 +288,8 @@ def _writes(p: Purposes[ModbusTester], basic: str) -> None:  # noqa: C901  a lis
         ):
             _without_effect(t, pdu, 3, f"FC 16: {what}", 3, at, 1)
 
+
+def _writes_beyond(case: Case) -> None:
     @case(
         "BI_72",
         16,
@@ -262,6 +307,8 @@ def _writes(p: Purposes[ModbusTester], basic: str) -> None:  # noqa: C901  a lis
         if lived is not None:
             raise Warn("FC 16 beyond 65535 is refused with 03h", "02h", "03h")
 
+
+def _writes_in_one_request(case: Case) -> None:
     @case("BI_80", 22, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, ohne Wirkung")
     def mask_short(t: ModbusTester) -> None:
         _unchanged(t, struct.pack(">BHHH", 22, t.setup.holding[0], 0, 0x5A5A)[:-1], "FC 22, a byte too few", 3, t.setup.holding[0], 1)

@@ -6,7 +6,7 @@ Blocks begin with 55h, never with 00 or FF: to an RK512 station they are no tele
 import random
 
 from gateway.conformance.suites.line import DLE, NAK, STX, LineTester, named
-from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Disturbed, Fail, NotApplicable, Warn
 from protocols.base.machine import Damage, ms
 from protocols.p3964r.characters import Char, check_of, wire_block
@@ -33,8 +33,7 @@ def text(size: int) -> bytes:
     "STX in Ruhe wird innerhalb QVZ mit DLE beantwortet",
     requirements=("RHO-SER-01",),
     preamble=(),
-    limits="QVZ of the profile + 20 ms + one character",
-    postamble=False,
+    beside=Particulars(limits="QVZ of the profile + 20 ms + one character", postamble=False),
 )
 def connection(t: LineTester) -> None:
     t.open()
@@ -431,7 +430,7 @@ def freed(t: LineTester) -> None:
 
 
 # ---- timers
-ZVZ = "ZVZ of the profile, 20 ms and one character to either side"
+ZVZ = Particulars(limits="ZVZ of the profile, 20 ms and one character to either side")
 
 
 @RCV.case(
@@ -439,7 +438,7 @@ ZVZ = "ZVZ of the profile, 20 ms and one character to either side"
     "silence after its DLE: NAK when ZVZ is over",
     "Stille nach seinem DLE: NAK nach Ablauf der ZVZ",
     requirements=("RHO-SER-06",),
-    limits=ZVZ,
+    beside=ZVZ,
 )
 def gap_first(t: LineTester) -> None:
     t.connect()
@@ -451,7 +450,7 @@ def gap_first(t: LineTester) -> None:
     "silence inside the data: NAK when ZVZ is over",
     "Stille in den Daten: NAK nach Ablauf der ZVZ",
     requirements=("RHO-SER-06",),
-    limits=ZVZ,
+    beside=ZVZ,
     preamble=(CONNECT, BLOCK, GAP),
 )
 def gap_in_data(t: LineTester) -> None:
@@ -466,7 +465,7 @@ def gap_in_data(t: LineTester) -> None:
     "Stille vor der Blockprüfung: NAK nach Ablauf der ZVZ",
     condition=CHECK,
     requirements=("RHO-SER-06",),
-    limits=ZVZ,
+    beside=ZVZ,
     preamble=(CONNECT, BLOCK, GAP),
 )
 def gap_before_check(t: LineTester) -> None:
@@ -480,7 +479,7 @@ def gap_before_check(t: LineTester) -> None:
     "silence behind a DLE: NAK when ZVZ is over",
     "Stille hinter einem DLE: NAK nach Ablauf der ZVZ",
     requirements=("RHO-SER-06",),
-    limits=ZVZ,
+    beside=ZVZ,
     preamble=(CONNECT, BLOCK, GAP),
 )
 def gap_in_pair(t: LineTester) -> None:

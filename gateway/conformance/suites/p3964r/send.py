@@ -4,7 +4,7 @@ from contextlib import suppress
 
 from gateway.conformance.suites.line import DLE, NAK, STX, Block, LineTester, named
 from gateway.conformance.suites.p3964r.receive import BLOCK, CONNECT, stray_answer
-from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Disturbed, Fail, Inconclusive, NotApplicable, Warn
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, wire_block
@@ -43,7 +43,7 @@ def _gives_up(t: LineTester, got: int | Damage | None) -> None:
     "er baut mit STX auf, sendet nach DLE und schließt seinen Block ab",
     requirements=("RHO-SER-01",),
     preamble=(CONNECT,),
-    postamble=False,
+    beside=Particulars(postamble=False),
 )
 def sends(t: LineTester) -> None:
     if t.setup.stimulus is None:
@@ -104,7 +104,7 @@ def once(t: LineTester) -> None:
     "no answer to STX: STX again when QVZ is over",
     "keine Antwort auf STX: STX erneut nach Ablauf der QVZ",
     requirements=("RHO-SER-02",),
-    limits="QVZ of the profile, 20 ms and one character to either side",
+    beside=Particulars(limits="QVZ of the profile, 20 ms and one character to either side"),
 )
 def repeats_stx(t: LineTester) -> None:
     if t.profile.silence_ends:
@@ -133,7 +133,7 @@ def just_in_time(t: LineTester) -> None:
     "no answer to the block: STX again when QVZ is over, the same block",
     "keine Antwort auf den Block: STX nach Ablauf der QVZ, derselbe Block",
     requirements=("RHO-SER-08",),
-    limits="QVZ of the profile, 20 ms and one character to either side",
+    beside=Particulars(limits="QVZ of the profile, 20 ms and one character to either side"),
 )
 def repeats_block(t: LineTester) -> None:
     t.starts_sending()

@@ -20,7 +20,7 @@ from gateway.conformance.suites.rk512.telegrams import (
     saved,
     write,
 )
-from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, NotApplicable, Warn
 from protocols.base.machine import ms
 from protocols.p3964r.characters import Char, wire_block
@@ -703,7 +703,7 @@ def one_byte(t: LineTester) -> None:
     "the reaction comes within the reaction time",
     "die Reaktion kommt innerhalb der Reaktionszeit",
     clause="serial-protocols 2.2",
-    limits="reaction_ms of the bench, 5 s without",
+    beside=Particulars(limits="reaction_ms of the bench, 5 s without"),
 )
 def in_time(t: LineTester) -> None:
     for words in (1, room(t, 64)):
