@@ -22,6 +22,7 @@ COMMANDS = (  # they start commands or call them and read files; no clock runs i
     *("bridge/test_mapping_command.py", "broker/test_socketcan_refusals.py", "cell/test_commands.py", "doors/test_modbus_door.py"),
     *(
         "house/test_awake.py",
+        "house/test_check_modules.py",
         "house/test_commands.py",
         "house/test_cycle_modules.py",
         "house/test_every_command.py",
@@ -52,7 +53,12 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("bridge/test_route_figures.py", "cell/test_simulated_time_waits.py", "cycle/test_rho3_2_2_one_cycle.py"),
     *("death/test_cycle_dies.py", "death/test_cycle_dies_402.py", "death/test_every_loop_is_watched.py", "death/test_floods.py"),
     *("death/test_line_silence.py", "death/test_output_disk_and_terminal.py", "death/test_services_die.py"),
-    *("death/test_too_many_deaths.py", "doors/test_one_tool_in_control.py", "doors/test_refused_over_the_line.py"),
+    *(
+        "death/test_terminal_signals.py",
+        "death/test_too_many_deaths.py",
+        "doors/test_one_tool_in_control.py",
+        "doors/test_refused_over_the_line.py",
+    ),
     *("drives/test_cell_on_an_adapter.py", "drives/test_two_buses_one_away.py", "emulator/test_emulator_process.py"),
     *("image/test_threads.py", "line_tools/test_foreign_ttys.py", "modbus/test_late_address.py"),
     *("modbus/test_modbus_growth.py", "modbus/test_modbus_links_reported.py", "recording/test_record_and_replay.py"),

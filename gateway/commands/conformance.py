@@ -66,6 +66,7 @@ def _parser() -> argparse.ArgumentParser:
     compared.add_argument("--json", action="store_true")
     checked = tool("verify", "find any changed byte of a report folder", verify_folder)
     checked.add_argument("folder", type=pathlib.Path, metavar="DIR")
+    checked.add_argument("--json", action="store_true")
     return parser
 
 

@@ -173,6 +173,9 @@ def compare_reports(arguments: argparse.Namespace) -> int:
 
 def verify_folder(arguments: argparse.Namespace) -> int:
     faults = verify(arguments.folder)
+    if arguments.json:
+        print(json.dumps({"folder": str(arguments.folder), "faults": faults}))
+        return FINDING if faults else DONE
     for fault in faults:
         print(f"{arguments.folder}: {fault}")
     if not faults:

@@ -13,6 +13,8 @@ from gateway.tools.completion.parsers import Node, tree
 ENTRIES = {entry.name: entry for entry in entry_points(group=GROUP)}
 NO_DATA = {  # commands that print no data, and what they do instead
     "completion": "prints a script",
+    "conformance new": "prints a case to edit",
+    "conformance new-pics": "prints a file to edit",
     "emulate": "runs until it is ended",
     "fault": "gives one order to an emulator",
     "mapping": "reads and writes files of tables",

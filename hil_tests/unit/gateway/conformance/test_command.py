@@ -164,7 +164,10 @@ def test_a_report_is_whole_and_any_changed_byte_is_found(tmp_path: pathlib.Path,
         content[len(content) // 2] ^= 1
         (copy / name).write_bytes(content)
         assert any(name in fault for fault in verify(copy))
-        assert main(["verify", str(copy)]) == 1
+        capsys.readouterr()
+        assert main(["verify", str(copy), "--json"]) == main(["verify", str(copy)]) == 1
+        said = json.loads(capsys.readouterr().out.splitlines()[0])
+        assert said == {"folder": str(copy), "faults": verify(copy)}
         shutil.rmtree(copy)
     with pytest.raises(BadReport):
         verify(tmp_path)
