@@ -93,6 +93,11 @@ def joint_difference(own: Instance, first: JointV, second: JointV) -> JointV:
     return _axes(first, second, lambda a, b: a - b)
 
 
+def joint_above(own: Instance, first: JointV, second: JointV) -> bool:
+    """Every field is greater."""
+    return all(a > b for a, b in zip(first.numbers(), second.numbers(), strict=False))
+
+
 def joint_below(own: Instance, first: JointV, second: JointV) -> bool:
     """Every field is smaller."""
     return all(a < b for a, b in zip(first.numbers(), second.numbers(), strict=False))

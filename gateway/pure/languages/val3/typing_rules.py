@@ -27,7 +27,7 @@ def compare(operator: str, kind: Type, left: str, right: str) -> str | None:
     if kind == "num":
         return f"({left} {operator} {right})"
     if kind == "joint" and operator in (">", "<"):
-        return f"joint_{'above' if operator == '>' else 'below'}({left}, {right})"
+        return f"joint_above({left}, {right})" if operator == ">" else f"joint_below({left}, {right})"
     return None
 
 
