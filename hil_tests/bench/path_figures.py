@@ -88,7 +88,7 @@ def by_text(machine: Machine, text: str) -> float:
     planner.finish()
     while planner.plan(planner.end, hurry=True):
         pass
-    return planner.end
+    return round(planner.end, 9)  # whole nanoseconds, as every clock here
 
 
 def u_arm_text(radius: float) -> str:

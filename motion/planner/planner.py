@@ -38,6 +38,7 @@ from motion.timing.slices import Slices, Work
 LOOK_AHEAD = 512  # blocks that may wait (owed: 256)
 WINDOW = 256  # stretches one law spans at most
 IN_TIME, PATIENCE = 0.3, 8.0  # of the lead: a tail that is made later comes too late; and so many times the lead at most, then
+WORTH = 0.75  # of the time of passing: stops in a row that still grows take less than this, or it is passed (AX-661)
 LEAD_S = 0.15  # a tail that begins sooner is not replaced any more: its replacement might come too late
 AHEAD_S = 2.0  # with more than this ahead nothing is handed on, hurry or not: the axes would go on for it without their planner
 HORIZON_S = 0.6  # with more than this ahead (at full speed) the tail is left alone; laws: AX-421
@@ -312,7 +313,7 @@ class Planner:
                 return self._commit(run, law, self.end, None, _Origin(None, 0, 0.0))
             width = width_s(run.limits)
             made = yield from swift_work(run.path, run.limits, width)
-            stops, _ = yield from stopping(row, self.machine, made.law.duration, self.factors)
+            stops, _ = yield from stopping(row, self.machine, WORTH * made.law.duration, self.factors)
             if stops:
                 self._back(stretch for part in stops for stretch in part)
                 return []
@@ -352,7 +353,7 @@ class Planner:
         try:
             run, made = yield from led(row)
             taken = made.law.duration - cut * STEP_S
-            stops, seconds = yield from stopping(row, self.machine, taken - (last.end - at), self.factors, moving=True)
+            stops, seconds = yield from stopping(row, self.machine, WORTH * (taken - (last.end - at)), self.factors, moving=True)
             if stops:
                 first = yield from led(stops[0])
                 if first[1].law.duration - cut * STEP_S + seconds < taken:

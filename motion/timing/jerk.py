@@ -72,7 +72,9 @@ def jerk_limited_work(path: JointPath, limits: LawLimits, start: tuple[float, fl
         first = first or made.duration
         at, excess, fast = yield from _excess(path, limits, made)
         worst = max(float(np.cbrt(np.max(excess))), float(np.max(fast)))
-        value = made.duration * max(worst, 1.0)  # a round with lower limits may cost more than it mends
+        few = made.duration > 4 * NEAR_S and int(np.count_nonzero(np.maximum(excess, fast) > 1.0)) <= FEW
+        mend = min(worst, WORTH) if few else worst  # a few places are slowed alone
+        value = made.duration * max(mend, 1.0)  # a round with lower limits may cost more than it mends
         if not made.at_rest or value < (least if worst > 1.0 else WORTH * least):
             law, found, least = made, (at, excess, fast), value
         if worst <= 1.0:
