@@ -11,6 +11,7 @@ import select
 import signal
 import threading
 import time
+from dataclasses import replace
 
 from gateway.assembly.integrated_plc import kept_file, plc_folder
 from gateway.assembly.run import RunPlan, load_plan
@@ -130,10 +131,14 @@ class PlcProcess:
     # ---- start ---------------------------------------------------------------------------------------------------------
     def _begin(self) -> None:
         """After a death the copy that ran, with its markers; else the start program with what outlived power-off."""
-        self._read_sources()
         last, now = self.region.latest(), time.monotonic_ns()
-        if last is not None:
-            self._come_back(unpack_plc(last), now)
+        before = None if last is None else unpack_plc(last)
+        if before is not None:  # before anything that takes time
+            gone = replace(before, id=self.run_id, running=False, outputs=bytes(AREA), written=bytes(AREA))
+            self.region.write(pack_plc(gone), now)
+        self._read_sources()
+        if before is not None:
+            self._come_back(before, now)
             return
         kept = self.keeper.read()
         if kept:

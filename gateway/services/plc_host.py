@@ -47,7 +47,7 @@ class PlcHost:
 
     def after(self, *, drives: bool) -> list[str]:
         """Behind it: the robot's markers, orders; what a person should read."""
-        robot = pack_robot(RobotSide(self._control.markers.own(), drives))
+        robot = pack_robot(RobotSide(drives, self._control.markers.own()))
         if robot != self._seen.robot:
             self._seen.robot = robot
             self._robot.write(robot, time.monotonic_ns())

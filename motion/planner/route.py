@@ -121,8 +121,8 @@ class Route:
 
     @property
     def pending(self) -> bool:
-        """Something is left that only the next block or finish() fixes."""
-        return self._now.last is not None or bool(self._now.splines)
+        """Something is left that only the next block or finish() fixes, or that take() has not given away."""
+        return self._now.last is not None or bool(self._now.splines) or bool(self._now.out)
 
     def add(self, block: Block) -> int:
         """The next block; its number, counted from 1.  Raises BlockError."""

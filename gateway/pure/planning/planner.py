@@ -195,8 +195,8 @@ class Programs:
             self._job.number = self._job.trial.program = order.number
             self._job.lines = enumerate(self.cell.text_of(order.number).splitlines(), 1)
             return
-        if record.say is Say.STREAM:
-            self._job.number = -int(record.text)
+        if record.say in (Say.STREAM, Say.WHOLE) or (self._job.whole is not None and record.say in (Say.LINE, Say.END)):
+            self._collect(record)
             return
         if record.text:
             yield from self._statement(record.text, 0, standing)

@@ -4,11 +4,12 @@ gateway.pure.image.records.planner).
 """
 
 import json
-import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 from gateway.pure.image.records.cell import RC_BYTES
+from gateway.pure.image.records.layout import U8, U32, U64, Code, Layout
 
 TEXT_BYTES = 1_500  # of a record of the two rings
 RECORDS = 1_024
@@ -17,12 +18,17 @@ REPORT_LAYOUT = "interpreter/1 json"
 Fact = str | int | float | bool
 Facts = Mapping[str, Fact]
 
-_TEXT = struct.Struct(f"=I{TEXT_BYTES}s")
-TEXT_SIZE = _TEXT.size
-TEXT_LAYOUT = f"programs/1 {_TEXT.format}"
-_SEEN = struct.Struct(f"={RC_BYTES}s{RC_BYTES}s8sQQBBddd")
-SEEN_SIZE = _SEEN.size
-SEEN_LAYOUT = f"channels/1 {_SEEN.format}"
+
+@dataclass(frozen=True, slots=True)
+class _Text:
+    """A record of the two rings."""
+
+    size: U32
+    octets: Annotated[bytes, Code(f"{TEXT_BYTES}s")]
+
+
+_TEXT = Layout(_Text, "programs/1")
+TEXT_SIZE, TEXT_LAYOUT = _TEXT.size, _TEXT.text
 FIRST_FAST, FAST = 610, 30  # high-speed inputs of three boards
 FIRST_MULTI, MULTI = 801, 4
 NO_MULTI = 0x80
@@ -35,15 +41,23 @@ def pack_facts(facts: Facts) -> bytes:
         room = TEXT_BYTES - len(json.dumps({**facts, "text": ""}, ensure_ascii=False).encode())
         text = str(facts.get("text", "")).encode()[: max(0, room // 2)].decode(errors="ignore")
         octets = json.dumps({**facts, "text": text}, ensure_ascii=False).encode()
-    return _TEXT.pack(len(octets), octets)
+    return _TEXT.pack(_Text(len(octets), octets))
 
 
 def unpack_facts(data: bytes) -> dict[str, Fact]:
     """The reverse of pack_facts."""
-    size, octets = _TEXT.unpack(data)
-    found = json.loads(octets[:size])
+    text = _TEXT.unpack(data)
+    found = json.loads(text.octets[: text.size])
     assert isinstance(found, dict)
     return found
+
+
+def _multi(byte: int) -> int | None:
+    return None if byte == NO_MULTI else byte
+
+
+def _multi_byte(value: int | None) -> int:
+    return NO_MULTI if value is None else value
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,38 +65,19 @@ class Channels:
     """The control as programs see it: RC inputs and outputs, INTEGER inputs as taken with their strobes, high-speed inputs that P11 gives
     and their values (bit 0 = channel 610), the multi-function inputs (None: the control has none), the global factors."""
 
-    inputs: bytes = bytes(RC_BYTES)
-    outputs: bytes = bytes(RC_BYTES)
-    integers: bytes = bytes(8)
-    fast: int = 0
-    fast_given: int = 0
-    multi: int | None = None
-    multi_out: int = 0
-    factors: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    inputs: Annotated[bytes, Code(f"{RC_BYTES}s")] = bytes(RC_BYTES)
+    outputs: Annotated[bytes, Code(f"{RC_BYTES}s")] = bytes(RC_BYTES)
+    integers: Annotated[bytes, Code("8s")] = bytes(8)
+    fast: U64 = 0
+    fast_given: U64 = 0
+    multi: Annotated[int | None, Code("B", _multi, _multi_byte)] = None
+    multi_out: U8 = 0
+    factors: Annotated[tuple[float, float, float], Code("3d")] = (1.0, 1.0, 1.0)
 
 
-def pack_channels(channels: Channels) -> bytes:
-    """As SEEN_SIZE bytes."""
-    multi = NO_MULTI if channels.multi is None else channels.multi
-    return _SEEN.pack(
-        channels.inputs,
-        channels.outputs,
-        channels.integers,
-        channels.fast,
-        channels.fast_given,
-        multi,
-        channels.multi_out,
-        *channels.factors,
-    )
-
-
-def unpack_channels(data: bytes) -> Channels:
-    """The reverse of pack_channels."""
-    inputs, outputs, integers, fast, given, multi, multi_out, *factors = _SEEN.unpack(data)
-    velocity, acceleration, deceleration = factors
-    return Channels(
-        inputs, outputs, integers, fast, given, None if multi == NO_MULTI else multi, multi_out, (velocity, acceleration, deceleration)
-    )
+_SEEN = Layout(Channels, "channels/2")
+SEEN_SIZE, SEEN_LAYOUT = _SEEN.size, _SEEN.text
+pack_channels, unpack_channels = _SEEN.pack, _SEEN.unpack
 
 
 def pack_report(report: Mapping[str, object], size: int = REPORT_BYTES) -> bytes:
