@@ -1,6 +1,5 @@
 """The interpreter's inside as a cell sets it up: programs of its memory, its robots, its parameters."""
 
-import pathlib
 from itertools import accumulate
 
 from gateway.files.program_memory import baps2_words
@@ -11,13 +10,6 @@ from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.robots import CellRobot
 from gateway.pure.languages.base.hosting import Port
 from protocols.base.machine import ms
-
-
-def memory_folder(cell: Cell) -> pathlib.Path | None:
-    """Where the programs of [controller] are; None: it names no memory."""
-    if cell.controller is None or not cell.controller.memory:
-        return None
-    return pathlib.Path(cell.file).parent / cell.controller.memory
 
 
 def robots_of_cell(cell: Cell) -> tuple[CellRobot, ...]:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from gateway.assembly.controllers import dat_tables, make_control
 from gateway.assembly.integrated_plc import plc_folder
-from gateway.assembly.interpreter import memory_folder
+from gateway.assembly.program_memory import memory_folder
 from gateway.checks.context import Context, number
 from gateway.files.plc_programs import ProgramFileFault, read_programs
 from gateway.files.program_memory import baps2_words, folder_memory

@@ -96,6 +96,6 @@ def sentence(answer: dict[str, object]) -> str:
     text = f"{value:.4f}".rstrip("0").rstrip(".") if isinstance(value, float) else str(value)
     quality = str(answer.get("quality", "GOOD"))
     columns += [] if quality == "GOOD" else [quality.lower()]  # an old value is marked old
-    unit = str(answer.get("unit", ""))
+    unit = str(answer.get("unit", "")).removeprefix("1 ")  # one count is one of it
     text += f"{' x' if unit[:1].isdigit() else ''} {unit}" if unit and isinstance(value, int | float) else ""  # 1200 x 0.1 mm
     return f"{answer['place']} = {text}" + (f"   ({', '.join(columns)})" if columns else "")

@@ -14,7 +14,8 @@ import time
 from collections.abc import Mapping
 from dataclasses import asdict
 
-from gateway.assembly.interpreter import language_of, memory_folder
+from gateway.assembly.interpreter import language_of
+from gateway.assembly.program_memory import memory_folder
 from gateway.assembly.run import RunPlan, load_plan
 from gateway.files.program_memory import folder_memory
 from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, CellState, unpack_cell_state

@@ -47,7 +47,7 @@ READ = [
     ("30001", "input 0 = "),
     ("40001", "holding 0 = "),
     ("K01_A_MN_RCI", "RC input 38 (O4.6, K01_A_MN_RCI) = 0"),
-    ("DB12.DD0", "DB12.DD0 = 0   (DH 0, KH 00000000, KG 0.0, REAL 0.0)"),
+    ("DB12.DD0", "DB12.DD0 = 0 mm   (DH 0, KH 00000000, KG 0.0, REAL 0.0)"),
 ]
 WRONG = [
     (("nonsense",), "'nonsense': expected DB10.DW2"),
@@ -78,7 +78,7 @@ def test_var_tells_what_is_wrong_in_one_line(run: CellRun, arguments: tuple[str,
 
 def test_var_writes_as_the_plc_would_and_speaks_json(run: CellRun) -> None:
     code, out, _ = axisgate("var", "DB10.DW2", "--set", "-1200")
-    assert (code, out) == (0, "DB10.DW2 = -1200   (KF -1200, KH FB50, KM 1111101101010000)")
+    assert (code, out) == (0, "DB10.DW2 = -1200 x 0.1 mm   (KF -1200, KH FB50, KM 1111101101010000)")
     code, out, _ = axisgate("var", "DB10.DW2", "--json")
     found = json.loads(out)
     assert (code, found["value"], found["KH"], found["door"]) == (0, -1200, "FB50", "plc1")
