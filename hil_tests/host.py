@@ -99,7 +99,7 @@ class Child:
         lines = data[: data.rfind(b"\n") + 1]
         self._read += len(lines)
         for line in lines.splitlines():
-            report = self._config.hook.pytest_report_from_serializable(config=self._config, data=json.loads(line))
+            report = reports.report_of(self._config, json.loads(line))
             self._results.setdefault(report.nodeid, []).append(report)
 
 

@@ -25,12 +25,21 @@ class Reporter:
             os.fsync(file.fileno())  # a guest that dies has told all it knew
 
 
+def report_of(config: pytest.Config, data: object) -> pytest.TestReport:
+    """A report as pytest needs it: where and why a test was skipped is a tuple there and a list in JSON."""
+    report: pytest.TestReport = config.hook.pytest_report_from_serializable(config=config, data=data)
+    if isinstance(report.longrepr, list):
+        file, line, reason = report.longrepr
+        report.longrepr = (file, line, reason)
+    return report
+
+
 def read(config: pytest.Config, path: pathlib.Path) -> Reports:
     """What the other process has told; nothing if it never began."""
     results: dict[str, list[pytest.TestReport]] = {}
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
         with contextlib.suppress(json.JSONDecodeError):  # the half line of a process that died
-            report = config.hook.pytest_report_from_serializable(config=config, data=json.loads(line))
+            report = report_of(config, json.loads(line))
             results.setdefault(report.nodeid, []).append(report)
     return results
 
