@@ -259,11 +259,9 @@ class PlcProcess:
         if plc.state is not self._state:
             self._state = plc.state
             self.journal.write("plc", f"PLC {plc.state.value}")
-        shown = plc.shown_message
         report = PlcReport(
             self.run_id,
             plc.state is PlcState.RUN,
-            shown is not None and shown.reaction >= 7,
             plc.scans,
             bytes(plc.data.memory[:MARKERS]),
             plc.outputs,

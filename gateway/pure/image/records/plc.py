@@ -14,11 +14,10 @@ Outputs = Annotated[bytes, Code(f"{AREA}s")]
 @dataclass(frozen=True, slots=True)
 class PlcReport:
     """The PLC behind a period.  `id`: start of the process; `written`: output bits the last scan wrote; `cells`: timers and counters with
-    what is left of them, as they are retained; `drives_off`: a message has switched the drives off and is not acknowledged."""
+    what is left of them, as they are retained."""
 
     id: U64
     running: Yes = False
-    drives_off: Yes = False
     scans: U64 = 0
     markers: Markers = bytes(MARKERS)
     outputs: Outputs = bytes(AREA)
