@@ -74,6 +74,7 @@ def test_a_stop_is_an_error_only_while_a_rest_of_the_move_waits(web: WebRun, bos
     assert web.ask("POST", "/api/stop", x_axisgate="1")[0] == 200
     until(lambda: any(row["code"] == 19 for row in alarms(web, state="standing")), "the stop is an error while its rest waits")
     boss.mouse.up()
+    until(lambda: web.run.state().motion is Motion.STOPPED, "A6 is at rest: only then there is a rest to abandon")
     boss.click("[data-code=abandon]")
     until(lambda: not any(row["code"] == 19 for row in alarms(web, state="standing")), "and ends with it")
 
