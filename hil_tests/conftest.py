@@ -10,6 +10,7 @@ from collections.abc import Generator
 import hypothesis
 import pytest
 
+from hil_tests.host import CLAIMS as RIGS_CLAIMS
 from hil_tests.host import REPORTS as RIGS_REPORTS
 from hil_tests.host import Host
 from hil_tests.lab.virtual.bench import played
@@ -55,6 +56,8 @@ def pytest_configure(config: pytest.Config) -> None:
     elif RIGS_REPORTS in os.environ:  # the process of the rig's tests
         reports = os.environ.pop(RIGS_REPORTS)
         plugins.register(Reporter(config, pathlib.Path(reports)), "axisgate-reporter")
+        if RIGS_CLAIMS in os.environ:  # beside others
+            plugins.register(Mate(pathlib.Path(os.environ.pop(RIGS_CLAIMS))), "axisgate-mate")
     else:
         plugins.register(GuestLane(config), "axisgate-guest")
         plugins.register(Pair(config), "axisgate-pair")

@@ -1,7 +1,7 @@
 """The rig's tests of a whole run, in a process of their own, one module after the other; what a busy machine spoilt is played again.
 
 Modules that stand a busy machine (BESIDE in hil_tests/test_folders.py) are played beside the pure tests and the guests, where those have a
-clock of their own, by two processes like that: they wait more than they compute.  The others are played when all these have ended,
+clock of their own, by three processes like that: they wait more than they compute.  The others are played when all these have ended,
 alone.  What failed beside them counts as not played: it is played with the others, and what it says there is its verdict.
 
 A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must.  Witnesses
@@ -32,10 +32,12 @@ from hil_tests.rig.uml.lane import Guests, folder_of, of_the_guest
 from hil_tests.test_folders import BESIDE, NO_OWN_TIME, of_one, unhurried
 
 REPORTS = "AXISGATE_TEST_RIG"  # set in that process: file for its reports
+CLAIMS = "AXISGATE_TEST_CLAIMS"  # set in those that share modules: folder of claims (hil_tests/pair.py)
 P5 = "AXISGATE_TEST_P5"  # ms; hil_tests/lab/running/cell_running.py
 AGAIN_P5_MS = (16, 32, 32, 32)  # of the repetitions
 MOST_AGAIN = 35  # modules, of some forty; more than these is no matter of the machine
-BESIDE_THEM = ("beside-1", "beside-2")  # names of the processes that play BESIDE
+BESIDE_THEM = ("beside-1", "beside-2", "beside-3")  # the processes that play BESIDE: they share its modules as they come to them
+BESIDE_NAME = "beside"
 POLL_S = 0.2
 ENDS_S = 60.0
 
@@ -43,7 +45,15 @@ ENDS_S = 60.0
 class Child:
     """One process that runs these tests; its reports are read as they come."""
 
-    def __init__(self, config: pytest.Config, folder: pathlib.Path, name: str, ids: Sequence[str], p5_ms: int | None = None) -> None:
+    def __init__(
+        self,
+        config: pytest.Config,
+        folder: pathlib.Path,
+        name: str,
+        ids: Sequence[str],
+        p5_ms: int | None = None,
+        claims: pathlib.Path | None = None,
+    ) -> None:
         self._config, self._folder = config, folder
         self._results: dict[str, list[pytest.TestReport]] = {}
         self._read = 0
@@ -57,19 +67,25 @@ class Child:
         for file, option in self._stolen.items():
             self._watch.enter_context(witness(file, option))
         slower = {} if p5_ms is None else {P5: str(p5_ms)}
+        sharing = {} if claims is None else {CLAIMS: str(claims)}
         command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "--color=no", f"@{listed}"]
         with self.log.open("wb") as log:
-            environment = surroundings(**{REPORTS: str(self._file)}, **slower)
+            environment = surroundings(**{REPORTS: str(self._file)}, **slower, **sharing)
             self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment)
 
     def wait(self, ids: Sequence[str]) -> reports.Reports:
         """Until these tests have ended, or the process has."""
         while True:
-            alive = self._process.poll() is None
-            self._take()
-            if not alive or all(any(r.when == "teardown" for r in self._results.get(name, ())) for name in ids):
-                return self._results
+            alive, results = self.look()
+            if not alive or ended(ids, results):
+                return results
             time.sleep(POLL_S)
+
+    def look(self) -> tuple[bool, reports.Reports]:
+        """Whether the process lives, and what it has reported until now."""
+        alive = self._process.poll() is None
+        self._take()
+        return alive, self._results
 
     def leave(self) -> None:
         """All its tests have ended: it may finish."""
@@ -103,6 +119,39 @@ class Child:
             self._results.setdefault(report.nodeid, []).append(report)
 
 
+class Together:
+    """Several such processes that share modules: each takes the next one that nobody has."""
+
+    def __init__(self, config: pytest.Config, folder: pathlib.Path, modules: Sequence[Sequence[str]]) -> None:
+        claims = folder / "claims"
+        claims.mkdir()
+        self._children = []
+        for number, name in enumerate(BESIDE_THEM):
+            first = number * len(modules) // len(BESIDE_THEM)
+            turn = [*modules[first:], *modules[:first]]
+            self._children.append(Child(config, folder, name, [each for ids in turn for each in ids], claims=claims))
+        self.log = folder
+
+    def wait(self, ids: Sequence[str]) -> reports.Reports:
+        while True:
+            looks = [child.look() for child in self._children]
+            results = {name: told for _, found in looks for name, told in found.items()}
+            if ended(ids, results) or not any(alive for alive, _ in looks):
+                return results
+            time.sleep(POLL_S)
+
+    def spoilt(self, ids: Sequence[str]) -> list[tuple[float, float]]:
+        return []
+
+    def leave(self) -> None:
+        for child in self._children:
+            child.leave()
+
+    def end(self) -> None:
+        for child in self._children:
+            child.end()
+
+
 class InGuests:
     """Modules played by guests with a clock of their own: no machine spoils that, so it is their last play."""
 
@@ -124,17 +173,15 @@ class InGuests:
 
 
 class Host:
-    """Only in a whole run; a selection is run here, as it stands."""
+    """Only in a whole run; a selection is run here, as it is."""
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
         self._folder = config.rootpath / "build" / "rig" / str(os.getpid())
-        self._children: dict[
-            str, Child | InGuests
-        ] = {}  # in the order of their starts; those of BESIDE_THEM run together, else at most the last one
+        self._children: dict[str, Child | Together | InGuests] = {}  # in the order of their starts; at most the last one runs
         self._modules: dict[str, list[pytest.Item]] = {}
         self._waiting: dict[str, list[pytest.Item]] = {}  # modules whose verdict is not told yet
-        self._by: dict[str, Child | InGuests] = {}  # who played the module last
+        self._by: dict[str, Child | Together | InGuests] = {}  # who played the module last
         self._told: list[str] = []
 
     @pytest.hookimpl(tryfirst=True)
@@ -146,9 +193,9 @@ class Host:
                 self._modules.setdefault(module_of(item), []).append(item)
         modules = [module for module, items in self._modules.items() if of_one(items[0], BESIDE)]
         if modules and guest.own_time() and (os.cpu_count() or 1) > 1 and not session.testsfailed:
-            for number, name in enumerate(BESIDE_THEM):
-                if share := modules[number :: len(BESIDE_THEM)]:
-                    self._launch(name, share)
+            self._begin()
+            self._children[BESIDE_NAME] = played = Together(self._config, self._folder, [ids_of(self._modules[each]) for each in modules])
+            self._by.update(dict.fromkeys(modules, played))
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
@@ -188,9 +235,7 @@ class Host:
         self._launch(name, modules, p5_ms)
 
     def _launch(self, name: str, modules: Sequence[str], p5_ms: int | None = None) -> None:
-        if not self._children:
-            forget_the_dead(self._folder.parent)
-            self._folder.mkdir(parents=True)
+        self._begin()
         ids = [each for module in modules for each in ids_of(self._modules[module])]
         self._told += [
             f"{module}: failed beside the pure tests; again alone" for module in modules if module in self._waiting and p5_ms is None
@@ -198,11 +243,16 @@ class Host:
         self._children[name] = child = Child(self._config, self._folder, name, ids, p5_ms)
         self._by.update(dict.fromkeys(modules, child))
 
-    def _beside(self, child: Child | InGuests) -> bool:
-        return any(child is self._children.get(name) for name in BESIDE_THEM)
+    def _begin(self) -> None:
+        if not self._children:
+            forget_the_dead(self._folder.parent)
+            self._folder.mkdir(parents=True)
+
+    def _beside(self, child: Child | Together | InGuests) -> bool:
+        return isinstance(child, Together)
 
     def _play_again(self) -> None:
-        if self._waiting and set(self._children) <= set(BESIDE_THEM):
+        if self._waiting and set(self._children) <= {BESIDE_NAME}:
             self._start("first", list(self._waiting))
         self._tell_settled()
         self._again_in_guests()
@@ -243,6 +293,10 @@ class Host:
         child = self._by[module]
         for item in self._waiting.pop(module):
             reports.tell(item, child.wait(()), f"the rig's process did not report the end of this test; see {child.log}")
+
+
+def ended(ids: Sequence[str], results: reports.Reports) -> bool:
+    return all(any(r.when == "teardown" for r in results.get(name, ())) for name in ids)
 
 
 def on_host(item: pytest.Item) -> bool:
