@@ -15,15 +15,19 @@ if TYPE_CHECKING:
     from drivers.drives.family import BusFamily, DriveMaker
     from gateway.assembly.controllers import ControllerPlan
     from gateway.assembly.modbus_views import OtherView
+    from gateway.assembly.run import RunPlan
+    from gateway.pure.arbitration.dispatcher import CommandDispatcher
     from gateway.pure.buses.load import Traffic
     from gateway.pure.cell.axes import Axis
     from gateway.pure.cell.cell import Bus, Cell, Line
     from gateway.pure.cell.controller import Controller
     from gateway.pure.cell.modbus import Modbus
     from gateway.pure.controllers.control import Control
+    from gateway.pure.languages.base.hosting import Port, Programs
     from gateway.pure.modbus.other_views import Image
     from gateway.pure.modbus.registers import Registers
     from gateway.pure.reports.tables import Cell as Field
+    from gateway.services.program_host import ProgramsOfControl
     from gateway.services.sources.base import BaseSource
     from protocols.rk512.active import Denied, Failed
     from protocols.rk512.dialects import Dialect
@@ -264,6 +268,52 @@ CONTROLLERS = _table(
     ControllerKind("reis", "Reis", _make_reis, flags="markers", markers=True, little=True, plc=True),
     ControllerKind("val3", "VAL 3", _make_val3, points=True),
 )
+
+
+# ---- languages: programs of an old control that the interpreter runs in a cell -------------------------------------------
+
+
+NO_PROGRAMS = '[controller] with memory = "FOLDER" names their folder'
+
+
+@dataclass(frozen=True, slots=True)
+class CellLanguage:
+    """A language whose programs run in a cell: one part in the interpreter process, one in the services."""
+
+    name: str
+    words: str
+    given: "Callable[[Cell], bool]"  # the cell has programs of it
+    programs: "Callable[[RunPlan, Port], Programs]"  # in the interpreter
+    host: "Callable[[Cell, Control, CommandDispatcher], ProgramsOfControl]"  # in the services
+    turn_ms: int = 0  # of the interpreter; 0: P5
+
+
+def _has_memory(cell: "Cell") -> bool:
+    return cell.controller is not None and bool(cell.controller.memory) and CONTROLLERS[cell.controller.kind].parameters
+
+
+def _baps2_programs(plan: "RunPlan", port: "Port") -> "Programs":
+    from gateway.assembly.interpreter import Baps2Programs
+
+    return Baps2Programs(plan, port)
+
+
+def _baps2_host(cell: "Cell", control: "Control", dispatcher: "CommandDispatcher") -> "ProgramsOfControl":
+    from gateway.pure.controllers.rho3.signals.control import RhoControl
+    from gateway.services.rho3_programs import Rho3Programs
+
+    assert isinstance(control, RhoControl)  # as `check` has it
+    return Rho3Programs(control, cell.cell.language)
+
+
+CELL_LANGUAGES = _table(
+    CellLanguage("baps2", "BAPS2", _has_memory, _baps2_programs, _baps2_host),
+)
+
+
+def language_in(cell: "Cell") -> CellLanguage | None:
+    """The language of the programs of a cell; None: it has none."""
+    return next((row for row in CELL_LANGUAGES.values() if row.given(cell)), None)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,14 +1,20 @@
-"""The interpreter's inside as a cell sets it up: programs of its memory, its robots, its parameters."""
+"""BAPS2 programs as a cell sets them up: those of its memory, its robots, its parameters; the files they write."""
 
+import contextlib
+import pathlib
+from collections.abc import Callable
 from itertools import accumulate
 
-from gateway.files.program_memory import baps2_words
+from gateway.assembly.program_memory import memory_folder
+from gateway.assembly.run import RunPlan
+from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.pure.cell.cell import Cell
-from gateway.pure.languages.baps2.cell_run import CellRun
+from gateway.pure.languages.baps2.cell_run import CellRun, changed
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.robots import CellRobot
 from gateway.pure.languages.base.hosting import Port
+from gateway.runtime.safe_file import write_whole
 from protocols.base.machine import ms
 
 
@@ -31,3 +37,75 @@ def passing_of(cell: Cell) -> tuple[float, ...]:
 def language_of(cell: Cell, memory: Memory, port: Port, p5_ms: int) -> CellRun:
     """Programs of a checked cell."""
     return CellRun(Library(baps2_words(), memory), memory, port, robots_of_cell(cell), ms(p5_ms), passing=passing_of(cell))
+
+
+class Baps2Programs:
+    """The memory of a cell and its folder."""
+
+    def __init__(self, plan: RunPlan, port: Port) -> None:
+        folder = memory_folder(plan.cell)
+        assert folder is not None  # its language has no row otherwise
+        self.folder = folder
+        self._stamps = self._stamped()
+        self.memory = folder_memory(folder)
+        self.language = language_of(plan.cell, self.memory, port, plan.p5_ms)
+        self._kept = dict(self.memory.files)
+
+    def _stamped(self) -> dict[str, tuple[int, int]]:
+        found = {path.name: path.stat() for path in self.folder.iterdir() if not path.name.startswith(".")}
+        return {name: (stat.st_mtime_ns, stat.st_size) for name, stat in found.items()}
+
+    def read(self, alive: Callable[[], None]) -> list[str]:
+        """A big memory takes seconds."""
+        found = []
+        for name in list(self.language.library.names()):
+            _, faults = self.language.library.unit(name)
+            alive()
+            found += [f"{fault}" for fault in faults if fault.severity.value == "error"]
+        return found
+
+    def refresh(self, alive: Callable[[], None]) -> list[str] | None:
+        """Files that were put into the memory since the last start of a program."""
+        stamps = self._stamped()
+        if stamps == self._stamps:
+            return None
+        before, self._stamps = self._stamps, stamps
+        fresh = folder_memory(self.folder).files
+        for name in {path.upper() for path in stamps.keys() | before.keys() if stamps.get(path) != before.get(path)}:
+            if fresh.get(name) == self._kept.get(name):
+                continue
+            if name in fresh:
+                self.memory.files[name] = self._kept[name] = fresh[name]
+            else:
+                self.memory.files.pop(name, None), self._kept.pop(name, None)
+            self.language.file_changed(name)
+        return self.read(alive)
+
+    def write_back(self) -> list[str]:
+        """Points and files that programs have written are on the disk before anything else happens."""
+        files, faults = self.memory.files, []
+        for name, data in changed(self._kept, files).items():
+            path = self._path(name)
+            try:
+                if data is None:
+                    path.unlink(missing_ok=True)
+                else:
+                    write_whole(path, data)
+            except OSError as error:
+                faults.append(f"{path}: {error.strerror}; what programs have written there is lost with this run")
+            if data is None:
+                self._kept.pop(name, None)
+            else:
+                self._kept[name] = data
+            with contextlib.suppress(OSError):
+                found = path.stat()
+                self._stamps[path.name] = (found.st_mtime_ns, found.st_size)
+        return faults
+
+    def _path(self, name: str) -> pathlib.Path:
+        """The file of that name in any case of letters, or a new one."""
+        with contextlib.suppress(OSError):
+            for path in self.folder.iterdir():
+                if path.name.upper() == name:
+                    return path
+        return self.folder / name

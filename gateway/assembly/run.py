@@ -29,6 +29,7 @@ from gateway.pure.image.records.cell import (
 )
 from gateway.pure.recording import messages
 from gateway.pure.scope.records import SCOPE_LAYOUT, SCOPE_RECORDS, scope_bytes
+from gateway.registry import language_in
 from gateway.runtime import state_folder as statefolder
 from gateway.runtime.regions import create_region, create_ring
 from motion.execution.pieces import record_size
@@ -244,7 +245,7 @@ def core_processes(cell: Cell, period_ms: int, doors: Sequence[CommandSource], *
         core.append(
             Child("planner", "gateway.processes.planner", (), ("axes", "blocks", "pieces", "planner"), "planner", PLANNER_LIFE_MS * MS)
         )
-    if cell.robot and cell.controller is not None and cell.controller.memory:
+    if cell.robot and language_in(cell) is not None:
         core[1] = replace(core[1], regions=(*core[1].regions, *PROGRAM_REGIONS))
         core[2] = replace(core[2], regions=(*core[2].regions, "lines"))
         own = ("axes", "planner", "lines", *PROGRAM_REGIONS)

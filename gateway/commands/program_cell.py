@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from gateway.assembly.run import slug_of
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.records.cell import Motion
+from gateway.registry import NO_PROGRAMS, language_in
 from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
 
@@ -43,8 +44,8 @@ def run_in_cell(options: argparse.Namespace) -> int:
     cell = load(options.cell)
     if isinstance(cell, int):
         return cell
-    if cell.controller is None or not cell.controller.memory:
-        return _said(f'{options.cell} has no programs: [controller] with memory = "FOLDER" names their folder', USAGE)
+    if language_in(cell) is None:
+        return _said(f"{options.cell} has no programs: {NO_PROGRAMS}", USAGE)
     try:
         with _client(options, cell) as client:
             try:

@@ -6,18 +6,13 @@ Two times are its own: a turn, in which programs read each input once, and the l
 """
 
 import argparse
-import contextlib
-import pathlib
 import select
 import signal
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
-from gateway.assembly.interpreter import language_of
-from gateway.assembly.program_memory import memory_folder
 from gateway.assembly.run import RunPlan, load_plan
-from gateway.files.program_memory import folder_memory
 from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, CellState, unpack_cell_state
 from gateway.pure.image.records.interpreter import (
     REPORT_LAYOUT,
@@ -31,13 +26,12 @@ from gateway.pure.image.records.interpreter import (
     unpack_facts,
 )
 from gateway.pure.image.records.planner import SAY_LAYOUT, BlockRecord, PlannerState, Say, pack_block, unpack_planner
-from gateway.pure.languages.baps2.cell_run import changed
 from gateway.pure.languages.base.hosting import PathState, View
 from gateway.pure.languages.base.requests import RuntimeFault
+from gateway.registry import language_in
 from gateway.runtime.journal import Journal
 from gateway.runtime.realtime import Timerfd, die_with_parent
 from gateway.runtime.regions import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
-from gateway.runtime.safe_file import write_whole
 from motion.geometry.units import from_si
 
 WORKING_NS = 2_000_000  # of a turn for programs that compute
@@ -120,6 +114,10 @@ class CellPort:
         """Characters for the hand-held panel."""
         self.say("panel", text=text)
 
+    def tell(self, what: str, **facts: Fact) -> None:
+        """A message of the language's own."""
+        self.say(what, **facts)
+
 
 class InterpreterProcess:
     """One run's interpreter."""
@@ -127,61 +125,35 @@ class InterpreterProcess:
     def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
         self.plan = plan
         self.journal = Journal(plan.journal, "interpreter")
-        folder = memory_folder(plan.cell)
-        assert folder is not None  # there is no such process without one
-        self.folder = folder
+        row = language_in(plan.cell)
+        assert row is not None  # there is no such process without one
+        self.period_ns = (row.turn_ms or plan.p5_ms) * 1_000_000
         self.region = RegionWriter(fds["interpreter"], "interpreter", REPORT_LAYOUT)
         self.orders = RingReader(fds["program-orders"], "program-orders", TEXT_LAYOUT)
         self.run_id = time.monotonic_ns()
         self.port = CellPort(plan, fds, self.journal, self.run_id)
-        self.region.beat(time.monotonic_ns())
-        self._stamps = self._stamped()
-        self.memory = folder_memory(folder)
+        self._alive()
         self.port.look()
-        self.language = language_of(plan.cell, self.memory, self.port, plan.p5_ms)
-        self._kept = dict(self.memory.files)
+        self.programs = row.programs(plan, self.port)
+        self.language = self.programs.language
         self._catalogue: list[dict[str, object]] = []
         self._reported, self._shown = 0, b""
         self._stop = False
-        self._read_programs()
+        self._have_read(self.programs.read(self._alive))
 
-    def _stamped(self) -> dict[str, tuple[int, int]]:
-        found = {path.name: path.stat() for path in self.folder.iterdir() if not path.name.startswith(".")}
-        return {name: (stat.st_mtime_ns, stat.st_size) for name, stat in found.items()}
+    def _alive(self) -> None:
+        self.region.beat(time.monotonic_ns())
 
-    def _read_programs(self) -> None:
-        """All programs are read and checked before any is started; a big memory takes seconds, and the process shows life meanwhile."""
-        for name in list(self.language.library.names()):
-            _, faults = self.language.library.unit(name)
-            self.region.beat(time.monotonic_ns())
-            for fault in faults:
-                if fault.severity.value == "error":
-                    self.journal.write("program", f"{fault}")
+    def _have_read(self, faults: Sequence[str]) -> None:
+        for fault in faults:
+            self.journal.write("program", fault)
         self._catalogue = [asdict(row) for row in self.language.catalogue()]
-
-    def _refresh(self) -> None:
-        """Files that were put into the memory since the last start of a program."""
-        stamps = self._stamped()
-        if stamps == self._stamps:
-            return
-        before, self._stamps = self._stamps, stamps
-        fresh = folder_memory(self.folder).files
-        for name in {path.upper() for path in stamps.keys() | before.keys() if stamps.get(path) != before.get(path)}:
-            if fresh.get(name) == self._kept.get(name):
-                continue
-            if name in fresh:
-                self.memory.files[name] = self._kept[name] = fresh[name]
-            else:
-                self.memory.files.pop(name, None), self._kept.pop(name, None)
-            self.language.file_changed(name)
-        self._read_programs()
 
     def run(self) -> None:
         """Until SIGTERM."""
         signal.signal(signal.SIGTERM, self._on_signal)
         timer = Timerfd()
-        period = self.plan.p5_ms * 1_000_000
-        timer.set(time.monotonic_ns() + period, period)
+        timer.set(time.monotonic_ns() + self.period_ns, self.period_ns)
         while not self._stop:
             select.select([timer], (), ())
             if timer.expired():
@@ -203,52 +175,33 @@ class InterpreterProcess:
             pass
         self._write_back()
         self._report(now)
-        self.region.beat(time.monotonic_ns())
+        self._alive()
 
     def _obey(self, order: dict[str, Fact], now: int) -> None:
         match order["do"]:
             case "hello":  # services have begun: for the control this is a start, and nothing runs (AX-332)
                 self.language.stop_all(now)
             case "start":
-                self._refresh()
+                if (faults := self.programs.refresh(self._alive)) is not None:
+                    self._have_read(faults)
                 self.language.start_run(str(order["program"]), int(order["run"]), now)
             case "stop":
                 self.language.stop_run(int(order["run"]), now)
             case "fail":
                 self.language.stop_run(int(order["run"]), now, RuntimeFault(int(order["code"]), str(order["text"])))
-            case "given" if order["id"] == self.run_id:
+            case "given" | "over" if order["id"] != self.run_id:
+                pass  # meant for the interpreter before this one
+            case "given":
                 self.language.path_given(int(order["ticket"]), int(order["job"]))
-            case "over" if order["id"] == self.run_id:
+            case "over":
                 code = int(order["code"])
                 self.language.path_over(int(order["ticket"]), RuntimeFault(code, str(order["text"])) if code else None, now)
+            case _:
+                self.language.hear(order, now)
 
     def _write_back(self) -> None:
-        """Points and files that programs have written are on the disk before anything else happens."""
-        files = self.memory.files
-        for name, data in changed(self._kept, files).items():
-            path = self._path(name)
-            try:
-                if data is None:
-                    path.unlink(missing_ok=True)
-                else:
-                    write_whole(path, data)
-            except OSError as error:
-                self.journal.write("alarm", f"{path}: {error.strerror}; what programs have written there is lost with this run")
-            if data is None:
-                self._kept.pop(name, None)
-            else:
-                self._kept[name] = data
-            with contextlib.suppress(OSError):
-                found = path.stat()
-                self._stamps[path.name] = (found.st_mtime_ns, found.st_size)
-
-    def _path(self, name: str) -> pathlib.Path:
-        """The file of that name in any case of letters, or a new one."""
-        with contextlib.suppress(OSError):
-            for path in self.folder.iterdir():
-                if path.name.upper() == name:
-                    return path
-        return self.folder / name
+        for fault in self.programs.write_back():
+            self.journal.write("alarm", fault)
 
     def _report(self, now: int) -> None:
         if now - self._reported < REPORTS_NS:
@@ -274,7 +227,7 @@ def main(argv: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 0
     except OSError as error:
-        print(f"the memory {memory_folder(plan.cell)} cannot be read: {error.strerror}; it is tried again")
+        print(f"{error.filename or 'programs'} cannot be read: {error.strerror}; it is tried again")
         return 1
     return 0
 

@@ -14,7 +14,7 @@ from gateway.pure.controllers.rho3.signals.coupling import Coupled
 from gateway.pure.controllers.rho3.signals.errors import RESETS, RHO3, kind_of
 from gateway.pure.image.error_list import ErrorList, Reset
 from gateway.pure.image.records.cell import RC_BYTES, AxisFlag, InputImage, Quality
-from gateway.registry import CONTROLLERS
+from gateway.registry import CONTROLLERS, language_in
 from gateway.services.part import Part
 from gateway.services.part_context import PartContext
 from gateway.services.value_directory import Reader, as_number
@@ -43,12 +43,6 @@ class Panel(Protocol):
     def look(self, now: Ns) -> None:
         """Before a step of the control."""
 
-    def after(self) -> tuple[list[str], list[int]]:
-        """After it: what a person should read, jobs of an interpreter that is gone."""
-
-    def process(self, request: dict[str, object], source: int) -> dict[str, object] | None:
-        """Programs of the interpreter; None: the cell has none."""
-
     def judge_reset(self, now: Ns) -> str:
         """After it; why a reset at the panel is refused."""
 
@@ -63,6 +57,22 @@ class Panel(Protocol):
 
     def write(self, name: str, value: Value) -> None:
         """A variable of the PHG."""
+
+
+class CellPrograms(Protocol):
+    """Programs of the interpreter (gateway.services.program_host); loaded only where a cell has some."""
+
+    def before(self, now: Ns) -> None:
+        """Before a step of the control."""
+
+    def after(self) -> list[str]:
+        """After it: what a person should read."""
+
+    def ending(self) -> list[int]:
+        """Jobs of an interpreter that is gone."""
+
+    def answer(self, request: dict[str, object], source: int) -> dict[str, object]:
+        """A tool asks: list, start, stop, state."""
 
 
 class PlcProcess(Protocol):
@@ -100,6 +110,7 @@ class ControllerHost(Part):
         self.wired = False  # a route has changed an input of the control since its last cycle
         self.panel: Panel | None = None
         self.plc: PlcProcess | None = None
+        self.programs: CellPrograms | None = None
         context.values.register(ControlValues(self))
         if run.cell.controller is None:
             return
@@ -109,13 +120,16 @@ class ControllerHost(Part):
         image.control, faults = make_control(run.cell, image.owners, sources, context.office, errors, now)
         if CONTROLLERS[run.cell.controller.kind].parameters:
             from gateway.pure.controllers.rho3.signals.control import RhoControl
-            from gateway.services.program_host import ProgramHost
             from gateway.services.rho3_panel import Rho3Panel
 
             assert isinstance(image.control, RhoControl)
-            programs = ProgramHost(image.control, fds, run.cell.cell.language) if "interpreter" in fds else None
-            self.panel = Rho3Panel(image.control, context.office, programs)
+            self.panel = Rho3Panel(image.control, context.office)
             image.coupled = self.panel.coupled
+        language = language_in(run.cell)
+        if "interpreter" in fds and language is not None and image.control is not None:
+            from gateway.services.program_host import ProgramHost
+
+            self.programs = ProgramHost(language.host(run.cell, image.control, context.office), fds)
         if "plc" in fds:
             from gateway.pure.controllers.reis.control import ReisControl
             from gateway.services.plc_host import PlcHost
@@ -140,15 +154,16 @@ class ControllerHost(Part):
         self._seen, self.wired = bytes(image.inputs.values), False
         if self.panel is not None:
             self.panel.look(now)
+        if self.programs is not None:
+            self.programs.before(now)
         if self.plc is not None:
             self.plc.before()
         for line in control.step(image.for_cycle(), cycle, image.state, now, heard=heard > self._heard):
             self._run.journal.write("plc", line)
-        if self.panel is not None:
-            lines, ended = self.panel.after()
-            for line in lines:
+        if self.programs is not None:
+            for line in self.programs.after():
                 self._run.journal.write("plc", line)
-            self._end_programs(ended)
+            self._end_programs(self.programs.ending())
         if self.plc is not None:
             for line in self.plc.after(drives=any(axis.flags & AxisFlag.ENABLED for axis in image.state.axes)):
                 self._run.journal.write("plc", line)

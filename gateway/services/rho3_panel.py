@@ -6,7 +6,6 @@ from gateway.pure.controllers.rho3.pendant.modes import RESET
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.coupling import Coupled
 from gateway.pure.image.reasons import CommandState, text
-from gateway.services.program_host import ProgramHost
 from protocols.base.machine import Ns
 from protocols.telegrams.fields import Value
 
@@ -16,9 +15,8 @@ USED_NS = 2_000_000_000  # the panel counts as used for so long after a key
 class Rho3Panel:
     """Keys in, screen out; a reset chosen at the panel is a fault reset of the command source that pressed."""
 
-    def __init__(self, rho: RhoControl, office: CommandDispatcher, programs: ProgramHost | None) -> None:
-        """`programs`: the interpreter, where the cell has one."""
-        self.rho, self._programs = rho, programs
+    def __init__(self, rho: RhoControl, office: CommandDispatcher) -> None:
+        self.rho = rho
         self._office = office
         self._pressed: Ns = 0
         self._source = 0  # who pressed last
@@ -36,16 +34,6 @@ class Rho3Panel:
     def look(self, now: Ns) -> None:
         """Before a step of the control."""
         self.rho.panel_used = bool(self._pressed) and now - self._pressed < USED_NS
-        if self._programs is not None:
-            self._programs.before(now)
-
-    def after(self) -> tuple[list[str], list[int]]:
-        """Behind a step of the control: what a person should read, jobs of an interpreter that is gone."""
-        return ([], []) if self._programs is None else (self._programs.after(), self._programs.ending())
-
-    def process(self, request: dict[str, object], source: int) -> dict[str, object] | None:
-        """Programs of the interpreter: list, start, stop, state; None: the cell has none."""
-        return None if self._programs is None else self._programs.answer(request, source)
 
     def judge_reset(self, now: Ns) -> str:
         """Mode 11.1 was chosen at the panel: a fault reset as any command source gives it; why it is refused."""

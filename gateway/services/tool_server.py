@@ -34,6 +34,7 @@ from gateway.pure.image.addresses import Part as WordPart
 from gateway.pure.image.names import Kind as NameKind
 from gateway.pure.image.names import lookup
 from gateway.pure.recording.messages import Source
+from gateway.registry import NO_PROGRAMS
 from gateway.services.contacts import DigitalContacts
 from gateway.services.controller_host import ControllerHost, Panel
 from gateway.services.page_interface import PageInterfaces
@@ -176,10 +177,11 @@ class Variables(Part):
         """A program that a connection in control starts moves as the tool, any other one as the PLC's command source."""
         if request.get("do") in ("start", "stop") and self._tools.held_by_another(connection):
             return {"error": "not owner: another commissioning tool has control"}
-        panel, source = self._host.panel, TOOL_DOOR if self._tools.holds(connection) else 0
-        answer = panel.process(request, source) if panel is not None else None
+        if self._host.programs is None:
+            return {"error": f"no programs: {NO_PROGRAMS}"}
+        answer = self._host.programs.answer(request, TOOL_DOOR if self._tools.holds(connection) else 0)
         self._image.pass_on()
-        return answer or {"error": 'no programs: this cell has no [controller] with memory = "FOLDER"'}
+        return answer
 
     # ---- reading -----------------------------------------------------------------------------------------------------
     def _get(self, text: str) -> dict[str, object]:

@@ -110,6 +110,9 @@ class VirtualPort:
     def panel(self, text: str) -> None:
         self.say("panel", text=text)
 
+    def tell(self, what: str, **facts: Fact) -> None:
+        self.say(what, **facts)
+
 
 class ServodynBench(CellBench):
     """With as many axes as the cell has."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI, MULTI
+from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI, MULTI, Fact
 from gateway.pure.languages.baps2 import demands, lines
 from gateway.pure.languages.baps2.control import Control
 from gateway.pure.languages.baps2.errors import TEXTS, fault
@@ -152,6 +152,9 @@ class CellRun(Control):
             self._kept.pop(program, None)
         else:
             self.library.forget(program)
+
+    def hear(self, order: Mapping[str, Fact], now: Ns) -> None:
+        """The control has no messages of its own for BAPS2."""
 
     # ---- turns
 

@@ -1,10 +1,10 @@
 """What a process that hosts programs in a cell gives a language, and what it asks of it.  No word of one language."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from gateway.pure.image.records.interpreter import Channels
+from gateway.pure.image.records.interpreter import Channels, Fact
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
 
 
@@ -93,6 +93,9 @@ class Port(Protocol):
     def panel(self, text: str) -> None:
         """Characters for the hand-held panel."""
 
+    def tell(self, what: str, **facts: Fact) -> None:
+        """A message of the language's own to its part in the services."""
+
 
 class Language(Protocol):
     """Programs of one language in a cell; never an exception for what a program does."""
@@ -123,3 +126,23 @@ class Language(Protocol):
 
     def rows(self) -> Sequence[ProcessRow]:
         """The processes."""
+
+    def hear(self, order: Mapping[str, Fact], now: Ns) -> None:
+        """A message of the language's own from its part in the services."""
+
+
+class Programs(Protocol):
+    """Programs of a cell and their files; the process that hosts them reads and writes no file.  Faults are lines for the journal."""
+
+    @property
+    def language(self) -> Language:
+        """What runs them."""
+
+    def read(self, alive: Callable[[], None]) -> list[str]:
+        """All programs are read and checked before any is started; `alive` is called in between, it may take seconds."""
+
+    def refresh(self, alive: Callable[[], None]) -> list[str] | None:
+        """Before a program starts: files that were put there since; None: none was."""
+
+    def write_back(self) -> list[str]:
+        """What programs have written is on the disk."""
