@@ -9,7 +9,7 @@ import pathlib
 from collections.abc import Iterator
 from functools import cache
 
-JUDGES = ("pinocchio", "toppra", "eaik", "py_opw_kinematics", "asammdf", "matplotlib", "playwright", "schemathesis", "scipy")
+JUDGES = ("pinocchio", "toppra", "eaik", "py_opw_kinematics", "asammdf", "matplotlib", "playwright", "schemathesis", "scipy", "pytest_lsp")
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 OURS = ("hil_tests.", "motion.kinematics.urdf")  # what a test may get a judge through
 

@@ -18,7 +18,7 @@ OWN_TIME = (  # in guests with a clock of their own: whole cells that a late cyc
     *("rho3/test_rho3_lines.py", "serial/test_line_3964r.py"),
 )
 COMMANDS = (  # they start commands or call them and read files; no clock runs in what they prove
-    *("completion", "datfiles", "demo/test_demo_on_a_slow_machine.py", "motion"),
+    *("completion", "datfiles", "demo/test_demo_on_a_slow_machine.py", "editor", "motion"),
     *("bridge/test_mapping_command.py", "broker/test_socketcan_refusals.py", "cell/test_commands.py", "doors/test_modbus_door.py"),
     *(
         "house/test_awake.py",

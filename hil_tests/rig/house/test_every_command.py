@@ -26,6 +26,7 @@ NO_DATA = {  # commands that print no data, and what they do instead
     "line learn": "prints a cell to edit",
     "line export": "writes a file for another program",
     "scope export": "writes a file for another program",
+    "lsp": "speaks with an editor",
     "stop": "gives one order to a run",
     "release": "gives one order to a run",
 }

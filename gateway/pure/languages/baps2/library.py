@@ -44,12 +44,17 @@ class Library:
 
     def check(self, file: str, text: str) -> tuple[Unit | None, Faults]:
         """Reads and checks one source."""
+        _, unit, faults = self.examined(file, text)
+        return unit, faults
+
+    def examined(self, file: str, text: str) -> tuple[Program | None, Unit | None, Faults]:
+        """Reads and checks one source; its tree too, also where it has errors."""
         faults = Faults()
         program = self._read(SourceFile(file, text), faults)
         if program is None:
-            return None, faults
+            return None, None, faults
         unit = check(program, faults, self.tree)
-        return (unit if not faults.errors else None), faults
+        return program, (unit if not faults.errors else None), faults
 
     def unit(self, name: str) -> tuple[Unit | None, Faults]:
         """A program that can run, or None with its faults; without faults there is no source."""
