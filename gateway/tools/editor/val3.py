@@ -15,6 +15,7 @@ from gateway.tools.editor.symbols import Look, PlacedFault, Symbol, Texts, colum
 
 AXES = 6
 KINDS = {**dict.fromkeys(("point", "joint"), "point"), **dict.fromkeys(("dio", "aio", "sio"), "channel")}  # of data, by type
+OF_CODE = frozenset(("val3", "val3-add-on"))  # faults whose lines count from `begin`
 CODE = re.compile(r"<Code[^>]*>\s*(?:<!\[CDATA\[)?\s*")
 
 
@@ -72,7 +73,7 @@ def begin_of(text: str, line: int) -> int:
 def _faults(app: Application, loaded: Faults, own: str, begins: dict[str, int]) -> Iterator[tuple[int, SourceFault]]:
     """Line in the file and fault: what programs report counts from their `begin`, the rest from the top of the file."""
     for fault in loaded:
-        if fault.position.file == own and fault.id not in ("val3", "val3-add-on"):
+        if fault.position.file == own and fault.id not in OF_CODE:
             yield fault.position.line, fault
     for name, begin in begins.items():
         found = Faults()
