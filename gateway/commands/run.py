@@ -102,7 +102,7 @@ def _start(arguments: argparse.Namespace, cell: Cell) -> int:
         say_at_start(BANNER)
         if words := warning(cell.file, simulated=plan.simulated):
             say_at_start(words)
-        if stretched:
+        if stretched and clock_ms is not None:
             say_at_start(STRETCHED.format(p5=plan.p5_ms))
         for name in plan.listening:
             say_at_start(f"bus {name} {LISTENS}; next: axisgate bus log {plan.buses[name]} -o living.log, then axisgate bus infer")
@@ -151,10 +151,10 @@ def _look_first(cell: Cell, bus: str | None, *, simulated: bool) -> None:
 
 
 def clock_of(cell: Cell, arguments: argparse.Namespace, *, simulated: bool) -> tuple[int | None, bool]:
-    """The clock, None: the cell's own; and whether simulated time waits for this machine (AX-681).  --p5 and --bus are obeyed."""
-    if not simulated or arguments.p5 is not None or arguments.bus is not None or realtime_allowed():
+    """The clock, None: the cell's own; and whether simulated time waits for this machine (AX-681, AX-915).  --p5 and --bus are obeyed."""
+    if not simulated or arguments.p5 is not None or arguments.bus is not None:
         return arguments.p5, False
-    return max(cell.cycle_ms, SLOW_P5), True
+    return None if realtime_allowed() else max(cell.cycle_ms, SLOW_P5), True
 
 
 def why_not(cell: Cell, *, p5: int | None) -> str:

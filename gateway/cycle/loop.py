@@ -49,6 +49,7 @@ from gateway.pure.image.records.cell import (
 )
 from gateway.pure.image.records.planner import PIECE_LAYOUT, unpack_piece
 from gateway.pure.recording.messages import What
+from gateway.pure.reports.waited import WaitedTime
 from gateway.pure.scope.records import SCOPE_LAYOUT, pack_scope
 from gateway.runtime.realtime import die_with_parent, go_realtime
 from gateway.runtime.regions import RegionReader, RingReader, RingWriter, fds_from_text
@@ -61,12 +62,19 @@ WAITS_NS = (
     150_000_000  # in a stretched simulation: for actual values the machine keeps back; shorter than what command sources forgive the cycle
 )
 JITTER = 8  # part of a period a stretched grid may be late before it is moved
+LAST_LOOKS = 4  # messages taken behind the time: what is there came in time, and a flood does not hold the cycle
 ACYCLIC_AT_ONCE = 32  # records taken from the ring in one cycle: one for each axis of a cell
 
 
 def patience_ns(period_ns: int) -> int:
     """How long after the grid instant an actual value is waited for; what is not here by then is missing (AX-149)."""
     return period_ns - min(THINKING_NS, int(THINKING_SHARE * period_ns))
+
+
+def waited_until(period_ns: int, due: int, sent: int) -> int:
+    """Instant at which an actual value is missing; drives that were asked late have half the patience at least (AX-915)."""
+    patience = patience_ns(period_ns)
+    return max(due + patience, sent + patience // 2)
 
 
 class Cycle:
@@ -136,8 +144,10 @@ class Cycle:
         self._image_index = -1
         self._services_pid = self.links.writer_pid
         self._alarm = quick.alarm()
-        self._stretched, self._waits = plan.stretched, True  # `_waits`: the drives that are missing have not been waited for in vain
+        self._stretched, self._waited = plan.stretched, WaitedTime(self.period_ns)
         self._stop = False
+
+    _waits = True  # in a stretched simulation: the drives that are missing have not been waited for in vain
 
     def run(self) -> None:
         """Until SIGTERM."""
@@ -150,6 +160,7 @@ class Cycle:
         while not self._stop:
             now = self._alarm.until(due)
             if self._stretched and now - due > self.period_ns // JITTER:
+                self._waited.late(now - due)
                 due = now  # simulated time waits: no SYNC is skipped (AX-681)
             missed = max(0, (now - due) // self.period_ns)
             if self.tap.on:
@@ -158,6 +169,8 @@ class Cycle:
                 self.core.skipped(missed)
                 due += missed * self.period_ns
             self._cycle(due, now)
+            if self._stretched and (words := self._waited.take_words(now)):
+                print(words, flush=True)
             due += self.period_ns
         for bus in self.buses:
             bus.close()
@@ -170,18 +183,13 @@ class Cycle:
         actuals: list[Actual | None] = [None] * len(core.plans)
         if self.acyclic.published != self.acyclic.position:
             self._take_acyclic()
-        for bus, family in self.with_io:
-            bus.receive_rest(len(actuals))
-            image = self._inputs()
-            self.tap.exchange(bus.number, there=bus.port is not None)
-            for said in (*family.exchange(image, core.outputs, now, up=bus.port is not None), *family.take_news()):
-                print(f"{bus.url}: {said}", flush=True)
+        self._exchange(len(actuals), now)
         up = [bus for bus in self.buses if bus.send(now)]
         sent = time.monotonic_ns()
         if len(up) < len(self.buses) and any(bus not in up for bus in self._driving):
             core.drives_lost()
             self.tap.note(What.DRIVES_LOST)
-        missing = self._gather(up, actuals, due)
+        missing = self._gather(up, actuals, waited_until(self.period_ns, due, sent))
         got = time.monotonic_ns()
         core.state.incomplete += missing > 0
         core.state.late = sum([bus.late for bus in self.buses])
@@ -222,6 +230,24 @@ class Cycle:
         for bus in self.buses:
             bus.prepare(values)
 
+    def _exchange(self, axes: int, now: int) -> None:
+        """Digital inputs and outputs on the buses of a rho 3."""
+        for bus, family in self.with_io:
+            bus.receive_rest(axes)
+            if self._stretched:
+                self._await_modules(bus, family, axes)
+            image = self._inputs()
+            self.tap.exchange(bus.number, there=bus.port is not None)
+            for said in (*family.exchange(image, self.core.outputs, now, up=bus.port is not None), *family.take_news()):
+                print(f"{bus.url}: {said}", flush=True)
+
+    def _await_modules(self, bus: BusLink, family: RhoFamily, axes: int) -> None:
+        """In a stretched simulation: inputs that this machine keeps back.  A module waited for in vain is silent, until it answers."""
+        until = time.monotonic_ns() + WAITS_NS
+        while bus.port is not None and family.awaited and (left := until - time.monotonic_ns()) > 0:
+            select.select((bus.fd,), (), (), left * 1e-9)
+            bus.receive_rest(axes)
+
     def _take_acyclic(self) -> None:
         """What the master hands over; a bus that is not there forgets it, the master asks again."""
         for _, record in self.acyclic.take(ACYCLIC_AT_ONCE):
@@ -248,12 +274,12 @@ class Cycle:
             self.heard.put(pack_aside(AsideRecord(Aside.FRAME, number, frame.identifier, frame.data, frame.stamp_ns)))
         frames.clear()
 
-    def _gather(self, up: Sequence[BusLink], actuals: list[Actual | None], due: int) -> int:
+    def _gather(self, up: Sequence[BusLink], actuals: list[Actual | None], until: int) -> int:
         """Actual values in time; in a stretched simulation also those this machine keeps back.  How many are missing.
 
         A drive that was waited for in vain is silent, and is not waited for again until all answer.
         """
-        missing = self._collect(up, actuals, due + patience_ns(self.period_ns))
+        missing = self._collect(up, actuals, until)
         if not self._stretched:
             return missing
         if missing and self._waits:
@@ -262,7 +288,10 @@ class Cycle:
         return missing
 
     def _collect(self, up: Sequence[BusLink], actuals: list[Actual | None], until: int, missing: int | None = None) -> int:
-        """Wait for all actual values, or for those `missing`, at most to `until`; how many are missing."""
+        """Wait for all actual values, or for those `missing`, at most to `until`; how many are missing.
+
+        What is there when the time is up came in time: the cycle was late, not the drive (AX-915).
+        """
         if missing is None:
             missing = sum([bus.family.expected + len(bus.encoders) for bus in self.buses])
         if not missing:  # nobody is waited for, but frames aside come all the same
@@ -270,10 +299,15 @@ class Cycle:
                 bus.receive(actuals)
         if self._collect_quickly is not None and missing and all(bus.plain for bus in up):
             return self._collected(self._collect_quickly, up, actuals, missing, until)
-        first = True  # all actual values of a bus mostly come at one go: then nothing more is asked for, which would cost as much again
-        while missing and (fds := [bus.fd for bus in up if bus.port is not None]):
+        first, looks = (
+            True,
+            0,
+        )  # all actual values of a bus mostly come at one go: then nothing more is asked for, which would cost as much again
+        while missing and looks < LAST_LOOKS and (fds := [bus.fd for bus in up if bus.port is not None]):
             left = until - time.monotonic_ns()
-            if left <= 0 or not (ready := select.select(fds, (), (), left * 1e-9)[0]):
+            looks += left <= 0
+            ready = select.select(fds, (), (), max(0, left) * 1e-9)[0]
+            if not ready and left <= 0:
                 break
             for bus in up:
                 if bus.fd in ready:

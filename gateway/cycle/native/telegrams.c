@@ -21,6 +21,7 @@
 #define MOST_RECORDS 64
 #define MOST_BUSES 8
 #define SECOND_NS 1000000000LL
+#define LAST_LOOKS 4 /* messages taken behind the time: what is there came in time, a flood does not hold the cycle */
 #define NUMBERS 3
 #define FLAGS 8
 #define SET_FLAGS 5
@@ -167,7 +168,7 @@ static int buses_of(PyObject *list, struct bus *buses, struct pollfd *fds)
     return -1;
 }
 
-/* Waits until no axis is missing, the time is up, or something came that is for the twin. */
+/* Waits until no axis is missing, the time is up, or something came that is for the twin.  What is there when the time is up is taken. */
 static PyObject *collect(PyObject *self, PyObject *const *args, Py_ssize_t count)
 {
     struct bus buses[MOST_BUSES];
@@ -178,8 +179,12 @@ static PyObject *collect(PyObject *self, PyObject *const *args, Py_ssize_t count
     long missing = PyLong_AsLong(args[2]), late = 0;
     int64_t until = PyLong_AsLongLong(args[3]), left;
     PyObject *odd = NULL;
-    int where = -1;
-    while (!PyErr_Occurred() && missing > 0 && where < 0 && (left = until - now_ns()) > 0) {
+    int where = -1, looks = 0;
+    while (!PyErr_Occurred() && missing > 0 && where < 0 && looks < LAST_LOOKS) {
+        if ((left = until - now_ns()) <= 0) {
+            left = 0;
+            looks++;
+        }
         struct timespec wait = {left / SECOND_NS, left % SECOND_NS};
         int ready;
         Py_BEGIN_ALLOW_THREADS
@@ -187,6 +192,8 @@ static PyObject *collect(PyObject *self, PyObject *const *args, Py_ssize_t count
         Py_END_ALLOW_THREADS
         if (ready < 0 && PyErr_CheckSignals() < 0)
             return NULL;
+        if (ready <= 0 && looks)
+            break;
         for (int n = 0; n < known && ready > 0 && where < 0; n++) {
             long fresh = 0;
             int done = fds[n].revents ? take_one(&buses[n], fds[n].fd, args[1], &fresh, &late, &odd) : 0;

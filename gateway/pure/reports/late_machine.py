@@ -4,6 +4,7 @@ from gateway.pure.image.records.cell import AxisFlag, AxisState, CellState
 from protocols.base.machine import Ns, ms
 
 RECENT_NS = ms(3_000)  # so long before a drive stopped counts a SYNC that was skipped or an answer that came late
+AFTER_NS = ms(250)  # so long after it an answer that came late still explains the stop: what the machine keeps back comes after the stop
 STOPPED = AxisFlag.FAULT | AxisFlag.LOST
 SUPERVISED = frozenset((1, 2, 0x8130, 0x8700))  # SYNC and life: SERVODYN 1 and 2 (AX-082), CiA 301 heartbeat 8130h, CiA 402 SYNC 8700h
 
@@ -14,8 +15,10 @@ class LateMachine:
     def __init__(self, *, simulated: bool) -> None:
         self._simulated = simulated
         self._counted = 0
+        self._answers = 0  # that came late
         self._seen: Ns | None = None  # when the machine was late last
         self._stopped: frozenset[int] = frozenset()
+        self._lost_at: dict[int, Ns] = {}  # axes whose answers stayed away first
         self._after_late: frozenset[int] = frozenset()  # axes that stopped within RECENT_NS of it
         self.axes: frozenset[int] = frozenset()  # those whose stop lateness explains; until each is well again
 
@@ -30,9 +33,15 @@ class LateMachine:
         if counted > self._counted:
             self._seen = now
         self._counted = counted
+        answered, self._answers = state.late > self._answers, state.late
         stopped = frozenset(n for n, axis in enumerate(state.axes) if axis.flags & STOPPED)
         recent = self._simulated and self._seen is not None and now - self._seen <= RECENT_NS
-        self._after_late = (self._after_late & stopped) | (stopped - self._stopped if recent else frozenset())
+        lost = {n: now for n in stopped - self._stopped if state.axes[n].flags & AxisFlag.LOST}
+        self._lost_at = lost | {n: at for n, at in self._lost_at.items() if n in stopped}
+        explained = stopped - self._stopped if recent else frozenset[int]()
+        if self._simulated and answered:
+            explained |= {n for n, at in self._lost_at.items() if now - at <= AFTER_NS}
+        self._after_late = (self._after_late & stopped) | explained
         self._stopped = stopped
         self.axes = frozenset(n for n in self._after_late if _by_lateness(state.axes[n]))
 

@@ -1,5 +1,6 @@
 """The demo's verdicts: what both PLCs did and when (the story) against what emulator, bus and line recorded."""
 
+import json
 import pathlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
@@ -7,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from drivers.emulator.servo.record import read as read_record
 from drivers.ports.serial.line_format import Run, parse_record
 from gateway.pure.cell.cell import Cell
+from gateway.pure.image.reasons import Reason
 from hil_tests.lab.judges import bus_log as buslog
 from hil_tests.lab.judges.judge import Judge, Move, SetPath, Verdict, recovery_s, repeats_while_unplugged
 from protocols.servodyn.plan import SYNC_ID
@@ -46,6 +48,16 @@ def machine_late(log: pathlib.Path, p5_ms: int) -> str:
             return "answers of the drives late two cycles in a row"
         last_sync, late_before, answered = frame.stamp_ns, late, []
     return ""
+
+
+def run_says_late(alarms: pathlib.Path, since_ns: int) -> str:
+    """By the alarms of the run itself: drives stopped because this machine was late, in words; "" when none did."""
+    try:
+        records = [json.loads(line) for line in alarms.read_text().splitlines()]
+    except (OSError, ValueError):
+        return ""
+    late = [record for record in records if record.get("what") == "came" and record["code"] == Reason.MACHINE_LATE]
+    return next((str(record["text"]) for record in late if record["ns"] >= since_ns), "")
 
 
 def at_most(name: str, value: float, limit: float) -> Verdict:

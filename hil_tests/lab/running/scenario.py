@@ -22,7 +22,7 @@ from gateway.runtime.supervisor_client import ask, wait_up
 from gateway.simulation.line.control import LineControl
 from gateway.tools.command_support import BANNER
 from hil_tests.lab.judges.judge import Move, Verdict
-from hil_tests.lab.judges.verdicts import Story, machine_late, verdicts_of
+from hil_tests.lab.judges.verdicts import Story, machine_late, run_says_late, verdicts_of
 from hil_tests.lab.partners import plc2 as modbus
 from hil_tests.lab.partners.plc1 import S5Plc
 from hil_tests.lab.partners.plc2 import ModbusPlc
@@ -63,6 +63,7 @@ class Scenario:
         self.story = Story()
         self._at = [axis.home.position + axis.home.offset for axis in self.cell.axis]
         self.show = Show(quiet=quiet)
+        self._alarms, self._began_ns = pathlib.Path(), time.monotonic_ns()
         self._bus_clock_ns = 0  # add it to the bus log's stamps to get the monotonic clock
         self._candump: subprocess.Popen[bytes] | None = None
         self.plc1: S5Plc | None = None
@@ -94,8 +95,8 @@ class Scenario:
         return verdicts
 
     def machine_late(self) -> str:
-        """By the bus log: what the machine let be late, in words; empty: nothing."""
-        return machine_late(self.folder / "bus-drives.log", self.p5_ms)
+        """By the bus log, and by the run's own alarms: what the machine let be late, in words; empty: nothing."""
+        return machine_late(self.folder / "bus-drives.log", self.p5_ms) or run_says_late(self._alarms, self._began_ns)
 
     def close(self) -> None:
         """End whatever is still running; twice does no harm."""
@@ -134,6 +135,7 @@ class Scenario:
         if not wait_up(self.name, 60.0):
             code = 3 if self._run.poll() is not None else 1
             raise ScenarioFailed("the run did not come up:\n" + self._last_words(), code)
+        self._alarms = pathlib.Path(self._status()["journal"]).with_name("alarms.jsonl")
         self.plc1 = S5Plc(LineControl.path(f"{self.name}-plc1", "a"), [axis.name for axis in self.cell.axis])
         self.plc2 = ModbusPlc("127.0.0.1", self.port)
         self.show.watch(self.cell, self.plc1, self.plc2)

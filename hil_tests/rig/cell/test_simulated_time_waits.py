@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import pathlib
 import shutil
 import signal
 import socket
@@ -10,7 +11,8 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import pytest
 
@@ -26,15 +28,15 @@ pytestmark = pytest.mark.skipif(bool(WITHOUT) and shutil.which("setpriv") is Non
 
 
 @contextlib.contextmanager
-def plain_run(name: str, port: int) -> Iterator["subprocess.Popen[str]"]:
-    """`axisgate run demo --sim` of a user without real-time priority."""
+def plain_run(name: str, port: int, cell: str = "demo", without: Sequence[str] = WITHOUT) -> Iterator["subprocess.Popen[str]"]:
+    """`axisgate run CELL --sim` of a user without real-time priority."""
     command = [
-        *WITHOUT,
+        *without,
         sys.executable,
         "-m",
         "gateway",
         "run",
-        "demo",
+        cell,
         "--sim",
         "--name",
         name,
@@ -51,9 +53,19 @@ def plain_run(name: str, port: int) -> Iterator["subprocess.Popen[str]"]:
         run.communicate(timeout=20)
 
 
-def pids(run: str) -> dict[str, int]:
+def status_of(run: str) -> dict[str, Any]:
     with ask(run, "status") as connection:
-        status = json.loads(connection.makefile().readline())
+        found: dict[str, Any] = json.loads(connection.makefile().readline())
+    return found
+
+
+def journal(run: str) -> list[str]:
+    lines = pathlib.Path(status_of(run)["journal"]).read_text().splitlines()
+    return [json.loads(line)["text"] for line in lines]
+
+
+def pids(run: str) -> dict[str, int]:
+    status = status_of(run)
     return {each["name"]: each["pid"] for each in status["processes"]}
 
 
@@ -95,6 +107,34 @@ def test_moves_end_where_they_should_while_the_machine_is_taken_away() -> None:
             hand.end()
 
 
+@pytest.mark.parametrize("without", [WITHOUT, ()], ids=["ordinary", "as it is here"])
+def test_modules_the_machine_keeps_back_are_not_silent_and_the_journal_says_who_was_late(without: Sequence[str]) -> None:
+    """Inputs of a rho 3 are waited for as drives are, with and without real-time priority; one that is really away is error 381."""
+    with runtime_folder(), plain_run("modules", free_port(), "rho3-servodyn", without):
+        assert wait_up("modules", 60.0)
+        found = pids("modules")
+        (module,) = [pid for name, pid in found.items() if name.startswith("modules-")]
+        thief = Thief([module, found["cycle"]])
+        try:
+            thief.start()
+            until = time.monotonic() + 60
+            while thief.taken < 6 or not any("simulated time waited" in text for text in journal("modules")):
+                assert time.monotonic() < until, journal("modules")
+                time.sleep(0.1)
+        finally:
+            thief.done.set()
+            thief.join()
+        assert [text for text in journal("modules") if "no transm." in text] == []
+        os.kill(module, signal.SIGSTOP)
+        try:
+            until = time.monotonic() + 30
+            while not any("no transm." in text for text in journal("modules")):
+                assert time.monotonic() < until, "a module that is really away is reported"
+                time.sleep(0.1)
+        finally:
+            os.kill(module, signal.SIGCONT)
+
+
 def test_a_drive_that_is_really_gone_is_noticed_all_the_same() -> None:
     from gateway.simulation.drives.control import EmulatorControl
 
@@ -117,6 +157,8 @@ def test_the_clock_and_the_reason_are_said() -> None:
         assert (plan["p5_ms"], plan["stretched"]) == (10, True)
         asked = json.loads(subprocess.run([*WITHOUT, *command, "--p5", "4"], capture_output=True, text=True, check=True, timeout=60).stdout)
         assert (asked["p5_ms"], asked["stretched"]) == (4, False), "what is asked for is played"
+        with_it = json.loads(subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout)
+        assert (with_it["p5_ms"], with_it["stretched"]) == ((4 if WITHOUT else 10), True)
 
 
 def test_a_page_whose_port_is_taken_is_told_before_anything_runs() -> None:

@@ -1,12 +1,15 @@
 """AX-591: what the demo does on a machine that is late: slower clocks, then a guest with a clock of its own; told each time."""
 
 import argparse
+import json
 import pathlib
 from collections.abc import Sequence
 
 import pytest
 
+from gateway.pure.image.reasons import Reason, text
 from hil_tests import demo
+from hil_tests.lab.judges.verdicts import run_says_late
 from hil_tests.lab.running.scenario import Scenario
 from hil_tests.rig.uml import guest
 
@@ -71,3 +74,15 @@ def test_its_records_come_out_of_the_guest(tmp_path: pathlib.Path, monkeypatch: 
     (command,) = ran
     assert command[-2:] == ["--records", str(tmp_path / "records")] and (tmp_path / "records").is_dir()
     assert "--own-time" not in command and command.count("--seed") == 1
+
+
+def test_drives_that_the_run_itself_says_stopped_for_a_late_machine_are_no_fault_of_the_demo(tmp_path: pathlib.Path) -> None:
+    """The bus log has no gap where only the cycle came late to its telegrams."""
+    path = tmp_path / "alarms.jsonl"
+    words = text(Reason.MACHINE_LATE, detail="A1, A2")
+    assert run_says_late(path, 0) == ""
+    alarms = [{"what": "came", "code": int(Reason.LINK_LOST), "text": "silent", "ns": 50}]
+    alarms += [{"what": "came", "code": int(Reason.MACHINE_LATE), "text": words, "ns": 100}, {"what": "gone", "text": "gone", "ns": 105}]
+    path.write_text("".join(json.dumps(each) + "\n" for each in alarms))
+    assert run_says_late(path, 60) == words
+    assert run_says_late(path, 101) == "", "of an earlier run"

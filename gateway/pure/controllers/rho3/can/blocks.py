@@ -70,6 +70,13 @@ class IoBus:
         standing = [IoError(entry.error, bus, entry.number) for entry in self._inputs if entry.error is not None]
         return standing + [IoError(trouble, bus, number) for trouble, number in sorted(self._faulty, key=lambda pair: pair[1])]
 
+    @property
+    def awaited(self) -> bool:
+        """A module that answered so far has not answered the last SYNC yet."""
+        return self._cycles > 0 and any(
+            not entry.coupled and not entry.came and entry.error is not Trouble.SILENT for entry in self._inputs
+        )
+
     def untrusted(self) -> list[int]:
         """Bytes of inputs that are invalid now: never received, or in error."""
         return [byte for entry in self._inputs if entry.error is not None or not entry.heard for byte in entry.block.span]

@@ -56,6 +56,11 @@ class RhoFamily:
         return self.drives.expected if self.drives else 0
 
     @property
+    def awaited(self) -> bool:
+        """A module that answered so far has not answered the last SYNC yet."""
+        return self.io is not None and self.io.awaited
+
+    @property
     def unconfigured(self) -> int:
         """Boosters and modules need no start-up."""
         return 0

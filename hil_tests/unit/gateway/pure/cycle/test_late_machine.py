@@ -30,6 +30,16 @@ def test_drives_that_stop_right_after_the_machine_was_late_are_its_doing() -> No
     assert blamed((0, state(WELL, late=1)), (2_999, state(LOST, late=1)), (60_000, state(LOST, late=1))), "as long as they are stopped"
 
 
+def test_answers_that_come_right_behind_the_stop_explain_it_as_well() -> None:
+    """Drives that are kept back are lost first; what they had said comes when they run again."""
+    steps = (0, state(WELL)), (8, state(LOST)), (12, state(LOST))
+    assert blamed(*steps, (40, state(LOST, late=12)), (5_000, state(LOST, late=12)))
+    assert not blamed(*steps), "a drive that never answers is lost"
+    assert not blamed(*steps, (300, state(LOST, late=12))), "long after it is another story"
+    assert not blamed(*steps, (40, state(LOST, late=12)), simulated=False)
+    assert not blamed(*steps, (40, state(FAULT, late=12, code=0x3210))), "it names its fault itself"
+
+
 def test_a_drive_that_stops_on_a_machine_in_time_is_looked_after_itself() -> None:
     assert not blamed((0, state(WELL)), (200, state(LOST)))
     assert not blamed((0, state(WELL, skipped=3)), (3_001, state(LOST, skipped=3)))

@@ -90,3 +90,24 @@ def test_a_bus_that_was_never_there_is_not_supervised_and_one_that_went_is() -> 
     assert [frame.identifier for frame in family.burst([])] == [100, 471] and family.expected == 0
     with pytest.raises(DecodeError):
         family.hear(Frame(610, bytes(8)))
+
+
+def test_a_simulation_waits_for_a_module_that_answered_so_far_and_not_for_one_that_is_silent_or_coupled() -> None:
+    """AX-915: what a machine keeps back is waited for; a module that is away is reported, and one wait is enough."""
+    family = RhoFamily(IoBus(IO, 0))
+    image, inputs = InputImage(), bytearray(128)
+    assert not family.awaited, "nothing was asked yet"
+    family.exchange(image, inputs, ms(4), up=True)
+    assert family.awaited
+    family.hear(Frame(541, b"\x01\x02"))
+    assert not family.awaited
+    family.exchange(image, inputs, ms(8), up=True)
+    assert family.awaited, "the next SYNC asks again"
+    assert family.exchange(image, inputs, ms(12), up=True) == ["380 no transm. CAN1 I1"]
+    assert not family.awaited, "silent"
+    family.hear(Frame(541, b"\x01\x02"))
+    family.exchange(image, inputs, ms(16), up=True)
+    assert family.awaited, "it is there again"
+    coupled = RhoFamily(IoBus(IoSettings(1, (Block(92, 2, 471),)), 0))
+    coupled.exchange(image, inputs, ms(4), up=True)
+    assert not coupled.awaited and not RhoFamily(None).awaited
