@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from drivers.drives.family import BusFamily, DriveMaker
     from gateway.assembly.controllers import ControllerPlan
+    from gateway.assembly.listings import Listing
     from gateway.assembly.modbus_views import OtherView
     from gateway.assembly.run import RunPlan
     from gateway.pure.arbitration.dispatcher import CommandDispatcher
@@ -286,6 +287,7 @@ class CellLanguage:
     programs: "Callable[[RunPlan, Port], Programs]"  # in the interpreter
     host: "Callable[[Cell, Control, CommandDispatcher], ProgramsOfControl]"  # in the services
     turn_ms: int = 0  # of the interpreter; 0: P5
+    listing: "Callable[[Cell, str], Listing | None] | None" = None  # of a program by its name, for the page
 
 
 def _has_memory(cell: "Cell") -> bool:
@@ -306,8 +308,14 @@ def _baps2_host(cell: "Cell", control: "Control", dispatcher: "CommandDispatcher
     return Rho3Programs(control, cell.cell.language)
 
 
+def _baps2_listing(cell: "Cell", program: str) -> "Listing | None":
+    from gateway.assembly.listings import baps2_listing
+
+    return baps2_listing(cell, program)
+
+
 CELL_LANGUAGES = _table(
-    CellLanguage("baps2", "BAPS2", _has_memory, _baps2_programs, _baps2_host),
+    CellLanguage("baps2", "BAPS2", _has_memory, _baps2_programs, _baps2_host, listing=_baps2_listing),
 )
 
 

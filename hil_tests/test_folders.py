@@ -76,7 +76,7 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("web/test_page_first_steps.py", "web/test_tls.py", "web/test_web_user.py"),
     *("programs", "death/test_simulation_dies.py", "death/test_slow_retry.py", "doors/test_own_block_over_rk512.py"),
     *("line_tools/test_conformance_on_a_pty.py", "line_tools/test_tutorial.py", "pythons", "starting/test_hand_plc.py"),
-    *("telegrams/test_telegram_guide.py", "web/test_page_faults.py", "web/test_page_values.py"),
+    *("telegrams/test_telegram_guide.py", "web/test_page_faults.py", "web/test_page_programs.py", "web/test_page_values.py"),
 )
 
 NO_OWN_TIME = (  # alone, and never in a guest: hogs, guests, a browser that draws in three dimensions

@@ -16,7 +16,7 @@ from gateway.services.context import RunContext
 from gateway.services.part import Part
 from gateway.services.shared_image import SharedImage
 from gateway.services.sources.base import BaseSource
-from gateway.services.tool_interface import ENABLING_BITS, ENABLING_BYTE, ToolInterface
+from gateway.services.tool_interface import ENABLING_BITS, ENABLING_BYTE, TOOL_DOOR, ToolInterface
 from gateway.services.value_directory import ValueDirectory
 from protocols.base.machine import Ns
 
@@ -59,6 +59,12 @@ class PageInterfaces(Part):
     def holds(self, connection: object) -> bool:
         """This tool is in control."""
         return self._tool.holds(connection)
+
+    def source_of(self, connection: object, *, page: bool) -> int:
+        """The command source of a connection that is in control; 0: it is not."""
+        if page:
+            return PAGE_DOOR if self._page.holds(connection) else 0
+        return TOOL_DOOR if self._tool.holds(connection) else 0
 
     def held_by_another(self, connection: object) -> bool:
         """A tool other than this one is in control."""

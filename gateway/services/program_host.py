@@ -23,8 +23,10 @@ TAKEN = 256
 
 
 class Hosted(Protocol):
-    """Programs of the interpreter as their control knows them.  orders: to the interpreter; told: what a person should read; ending: jobs
-    of an interpreter that is gone; all three are taken once a cycle."""
+    """Programs of the interpreter as their control knows them.
+
+    Orders to the interpreter, sentences for a person, and jobs of an interpreter that is gone; all three are taken once a cycle.
+    """
 
     orders: list[dict[str, Fact]]
     told: list[str]

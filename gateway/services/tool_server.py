@@ -14,6 +14,7 @@ from drivers.ports.base import runtime_dir
 from gateway.assembly.data_block_signals import place_of
 from gateway.pure.arbitration.block_keys import AREA_BYTES
 from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.web import PAGE_DOOR
 from gateway.pure.controllers.rho3.functions.system_variables import STOP_PROCESS, VariableError
 from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX, variable_of
 from gateway.pure.image.addresses import (
@@ -50,6 +51,7 @@ LONGEST = 4096
 CLIENTS = 64  # connected at once; one more is told so and sent away
 STOP = f"{PREFIX}{STOP_PROCESS}"  # is written and never read
 ASKING = ("get", "names", "status", "axes", "job", "ticket", "alive")  # requests that change nothing
+LOOKING = ("list", "state", "status")  # of op "process" and "plc"
 _KINDS = {
     Table.COIL: Kind.COILS,
     Table.DISCRETE: Kind.DISCRETE_INPUTS,
@@ -126,7 +128,7 @@ class Variables(Part):
         """One request; what is wrong with it comes back in words.  `connection`: what a tool's control belongs to."""
         try:
             request = json.loads(line)
-            if request.get("op") not in ASKING:
+            if request.get("op") not in ASKING and request.get("do") not in LOOKING:
                 self._run.recorder.put(self._run.clock(), Source.TOOL, TOOL_DOOR, line.strip())
             if request.get("op") in ("contacts", "force"):
                 return self._contacts.answer(request)
@@ -174,12 +176,13 @@ class Variables(Part):
         return self._host.plc.order(request)
 
     def _process(self, request: dict[str, object], connection: object) -> dict[str, object]:
-        """A program that a connection in control starts moves as the tool, any other one as the PLC's command source."""
-        if request.get("do") in ("start", "stop") and self._tools.held_by_another(connection):
+        """A program that a connection in control starts moves as the tool or the page, any other one as the PLC's command source."""
+        page = request.get("door") == PAGE_DOOR
+        if request.get("do") in ("start", "stop") and not page and self._tools.held_by_another(connection):
             return {"error": "not owner: another commissioning tool has control"}
         if self._host.programs is None:
             return {"error": f"no programs: {NO_PROGRAMS}"}
-        answer = self._host.programs.answer(request, TOOL_DOOR if self._tools.holds(connection) else 0)
+        answer = self._host.programs.answer(request, self._tools.source_of(connection, page=page))
         self._image.pass_on()
         return answer
 

@@ -23,6 +23,7 @@ from gateway.web.bodies import (
     Login,
     Named,
     Permit,
+    ProgramName,
     Put,
     Record,
     Token,
@@ -175,6 +176,21 @@ class Api:
     async def put(self, call: Call) -> Row:
         body: Put = call.body
         return await self.hands.desk.ask("set", address=body.address, value=body.value)
+
+    # ---- programs of the old control ------------------------------------------------------------------------------------
+    async def program_text(self, call: Call) -> Row:
+        try:
+            return await self.live.programs.text(call.query.get("name", "")[:128])
+        except OSError as error:
+            raise KeyError(f"{error.filename}: {error.strerror}") from None
+
+    async def program_start(self, call: Call) -> Row:
+        body: ProgramName = call.body
+        return await self.hands.start_program(call.person.key, body.name)
+
+    async def program_stop(self, call: Call) -> Row:
+        body: ProgramName = call.body
+        return await self.hands.desk.ask("process", do="stop", name=body.name)
 
     # ---- the scope --------------------------------------------------------------------------------------------------------
     async def scope_names(self, call: Call) -> Row:
@@ -347,6 +363,9 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("GET", "/api/jobs/{number:int}", v, "what became of a command", api.job),
         row("POST", "/api/stop", v, "stop on the path", api.stop, changes=True),
         row("POST", "/api/command", o, "one command of the command block", api.command, Command, True),
+        row("GET", "/api/program", v, "the listing of a program, with its faults", api.program_text, query=(("name", "string"),)),
+        row("POST", "/api/program/start", o, "start a program of the old control", api.program_start, ProgramName, True),
+        row("POST", "/api/program/stop", o, "stop it", api.program_stop, ProgramName, True),
         row("POST", "/api/permit", s, "set or clear the enabling inputs of a simulation", api.permit, Permit, True, plant=True),
         row("POST", "/api/force", s, "force an RC input", api.force, Force, True),
         row("POST", "/api/unforce", s, "end a force, or all of them", api.unforce, Unforce, True),

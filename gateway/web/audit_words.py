@@ -27,6 +27,8 @@ ORDERS: dict[str, Words] = {
     "POST /api/scope/stop": ("ended the recording", "Aufzeichnung beendet"),
     "POST /api/scope/open": ("reopened recording {name}", "Aufzeichnung {name} wieder geöffnet"),
     "POST /api/scope/save": ("kept the recording as {name}", "Aufzeichnung als {name} aufbewahrt"),
+    "POST /api/program/start": ("started program {name}", "Programm {name} gestartet"),
+    "POST /api/program/stop": ("stopped program {name}", "Programm {name} gestoppt"),
     "POST /api/set": ("wrote {value} to {address}", "{address} mit {value} beschrieben"),
     "POST /api/setup": ("set the first password, for {name}", "erstes Passwort gesetzt, für {name}"),
     "POST /api/login": ("logged in as {name}", "angemeldet als {name}"),

@@ -38,6 +38,12 @@ class Token(Body):
     role: RoleName
 
 
+class ProgramName(Body):
+    """A program of the old control."""
+
+    name: Annotated[str, Field(min_length=1, max_length=128, pattern=r"^[^\x00-\x1f]+$")]
+
+
 class Command(Body):
     """As the command block of AX-011; targets in the axes' own units."""
 

@@ -9,6 +9,7 @@ from gateway.files.find import PACKAGED, read_evidence
 from gateway.files.texts import spoken
 from gateway.pure.cell.cell import Axis, Bus, Cell, Line
 from gateway.pure.reports.sentences import Sentence, in_language
+from gateway.registry import language_in
 from gateway.web.german import german, says, umlauts
 from gateway.web.plant_view import Plant
 from gateway.web.skeleton import Skeleton
@@ -18,7 +19,7 @@ Row = dict[str, Any]
 
 def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
     """Everything about a run that does not change while it runs."""
-    cell = plan.cell
+    cell, language = plan.cell, language_in(plan.cell)
     return {
         "name": cell.cell.name,
         "file": shown_file(cell.file),
@@ -47,6 +48,7 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
         "notices": [{"level": notice.level, "where": _both(notice.where), "text": _both(notice.text)} for notice in cell.notices],
         "evidence": evidence(plan),
         "faults": plant.known(),
+        "programs": language.words if language is not None else "",
         "robot": {"kind": skeleton.kind, "reach": skeleton.reach, "why": skeleton.why, "model": cell.robot[0].model if cell.robot else ""},
     }
 

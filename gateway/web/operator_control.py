@@ -97,6 +97,14 @@ class OperatorControl:
             self.holder, self.name, self._heard = key, name, time.monotonic()
         return answer
 
+    async def start_program(self, key: str, name: str) -> Row:
+        """It moves as the page while this user has control, else as the PLC; NotYours, Gone, Refused."""
+        if self.holder and self.holder != key:
+            raise NotYours(f"{self.name} holds the page's command source")
+        if key and key == self.holder:
+            self._heard = time.monotonic()
+        return await self.desk.ask("process", do="start", name=name)
+
     def _mine(self, key: str) -> None:
         if not key or self.holder != key:
             raise NotYours(f"{self.name} holds the page's command source" if self.holder else "request control first")

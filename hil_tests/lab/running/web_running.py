@@ -116,9 +116,10 @@ class WebRun(WebAsk):
     def in_control(self, page: Page) -> None:
         """On the axes page with control and drives on; what a busy machine has taken away meanwhile is taken back."""
         self.go(page, "axes")
+        axes = len(self.run.demo.axis)
 
         def tried() -> bool:
-            if "drives on 6/6" in page.inner_text("#state") and page.inner_text("#control") == "Release control":
+            if f"drives on {axes}/{axes}" in page.inner_text("#state") and page.inner_text("#control") == "Release control":
                 return True
             page.click("#permit", timeout=2000)
             if page.inner_text("#control") == "Request control":

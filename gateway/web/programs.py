@@ -1,0 +1,34 @@
+"""Programs of the old control on the page: what there is, what runs and where, the text of one."""
+
+import asyncio
+from typing import Any
+
+from gateway.observer.tool_link import ServicesLink
+from gateway.pure.cell.cell import Cell
+from gateway.registry import language_in
+
+Row = dict[str, Any]
+
+
+class ProgramView:
+    """Programs and processes of a cell."""
+
+    def __init__(self, cell: Cell, desk: ServicesLink) -> None:
+        self._cell, self._desk = cell, desk
+        self._language = language_in(cell)
+
+    async def look(self) -> Row:
+        """What there is and what runs.  Gone, Refused."""
+        if self._language is None:
+            return {"programs": [], "processes": [], "id": 0}
+        found = await self._desk.ask("process", do="list")
+        return {key: found[key] for key in ("programs", "processes", "id")}
+
+    async def text(self, name: str) -> Row:
+        """The listing of a program.  KeyError: there is none; OSError: it cannot be read."""
+        if self._language is None or self._language.listing is None:
+            raise KeyError("this cell has no programs with a listing")
+        found = await asyncio.to_thread(self._language.listing, self._cell, name)
+        if found is None:
+            raise KeyError(f"there is no listing of {name}")
+        return {"name": name, "file": found.file, "lines": found.lines, "faults": found.faults}

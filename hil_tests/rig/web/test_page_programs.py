@@ -1,0 +1,106 @@
+"""The page Programs of a running cell: listing, current line, start and stop; a program with a fault is shown where the fault is."""
+
+import pathlib
+import shutil
+import time
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Page
+
+import configs
+from gateway.pure.image.records.cell import Motion
+from hil_tests.lab.running.web_running import CHROMIUM, WebRun, pictures, until, web_run
+
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no chromium here"), pytest.mark.timeout(300)]
+CELLS = pathlib.Path(configs.__file__).parent / "cells"
+LOOP = """;;KINEMATICS : (1 = PORTAL)
+PROGRAM LOOP
+BEGIN
+V = 60
+AGAIN:
+MOVE LINEAR TO @(300, 60, 100, 0)
+MOVE LINEAR TO @(100, 60, 100, 0)
+JUMP AGAIN
+PROGRAM_END
+"""
+WRONG = "PROGRAM WRONG\nBEGIN\n  JUMP NOWHERE\nPROGRAM_END\n"
+
+
+@pytest.fixture(scope="module")
+def web(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WebRun]:
+    folder = tmp_path_factory.mktemp("programs")
+    shutil.copytree(CELLS / "palletiser", folder / "palletiser")
+    shutil.copy(CELLS / "palletiser.toml", folder)
+    (folder / "palletiser/LOOP.QLL").write_text(LOOP)
+    (folder / "palletiser/WRONG.QLL").write_text(WRONG)
+    with web_run("programs", cell=str(folder / "palletiser.toml")) as run:
+        yield run
+
+
+@pytest.fixture(scope="module")
+def boss(web: WebRun) -> Iterator[Page]:
+    context = web.context()
+    page = web.page(context)
+    web.login(page)
+    yield page
+    context.close()
+
+
+def lines_now(page: Page) -> list[int]:
+    return [
+        int(each)
+        for each in page.eval_on_selector_all(
+            "#listing li", "rows => rows.flatMap((row, n) => row.classList.contains('now') ? [n + 1] : [])"
+        )
+    ]
+
+
+def chosen(page: Page, name: str) -> None:
+    page.locator(f"table button.value:text-is('{name}')").first.click()
+    until(lambda: page.inner_text("#listing-note").startswith(f"{name}.QLL"), f"the listing of {name}")
+
+
+def test_a_listing_has_its_faults_in_place_and_cannot_be_started(web: WebRun, boss: Page) -> None:
+    web.go(boss, "programs")
+    until(lambda: boss.locator("[data-do=start]").count() >= 3, "the programs are listed")
+    chosen(boss, "WRONG")
+    wrong = boss.locator("#listing li.wrong")
+    assert wrong.count() == 1 and "JUMP NOWHERE" in wrong.inner_text() and "NOWHERE" in wrong.locator(".fault").inner_text()
+    start = boss.locator("[data-do=start][data-program=WRONG]")
+    assert start.is_disabled() and start.get_attribute("title") == "The program has errors."
+    assert web.ask("GET", "/api/program?name=NOBODY")[0] == 404
+
+
+def test_a_viewer_starts_nothing(web: WebRun) -> None:
+    context = web.context()
+    page = web.page(context)
+    web.go(page, "programs")
+    until(lambda: page.locator("[data-do=start]").count() >= 3, "the programs are listed")
+    assert page.locator("[data-do=start]").first.is_disabled()
+    assert web.ask("POST", "/api/program/start", {"name": "LOOP"}, x_axisgate="1")[0] in (401, 403)
+    context.close()
+
+
+def test_a_program_is_started_followed_line_by_line_and_stopped(web: WebRun, boss: Page) -> None:
+    web.in_control(boss)
+    web.go(boss, "axes")
+    boss.locator("#override").fill("100")
+    until(lambda: "override 100 %" in boss.inner_text("#state"), "override 100 %")
+    web.go(boss, "programs")
+    chosen(boss, "LOOP")
+    until(lambda: "moves as the page" in boss.inner_text("#whose"), "the page knows that it has control")
+    boss.click("[data-do=start][data-program=LOOP]")
+    until(lambda: web.run.state().motion is Motion.RUNNING, "it moves", 60)
+    seen: set[int] = set()
+    end = time.monotonic() + 60
+    while not {6, 7} <= seen and time.monotonic() < end:
+        seen |= set(lines_now(boss))
+    assert {6, 7} <= seen, "both moves were shown as the current line"
+    boss.screenshot(path=pictures() / "programs.png")
+    boss.click("[data-do=stop][data-program=LOOP]")
+    until(lambda: lines_now(boss) == [] and boss.locator("[data-do=stop]").count() == 0, "no process is left")
+    until(lambda: web.run.state().motion is not Motion.RUNNING, "nothing moves")
+    said = [each["say"] for each in web.ask("GET", "/api/audit", **web.headers())[1]["entries"]]
+    assert ["started program LOOP", "Programm LOOP gestartet"] in said
+    assert web.complaints == []
