@@ -1,4 +1,4 @@
-"""Conformance testing of a device: 3964R, RK512, Modbus; verdicts with reasons, times, traces and a report."""
+"""Conformance testing of a device: 3964R, RK512, Modbus, CANopen; verdicts with reasons, times, traces and a report."""
 
 import argparse
 import pathlib
@@ -73,7 +73,9 @@ def _parser() -> argparse.ArgumentParser:
 def _device(tool: argparse.ArgumentParser) -> None:
     tool.add_argument("--bench", type=pathlib.Path, metavar="FILE", help="bench file (TOML): device, port, link, what may be touched")
     tool.add_argument(
-        "--port", metavar="URL", help="instead of a bench file: /dev/ttyUSB0, COM5, pty:/path, tcp://host:port, machine:FILE.py:FACTORY"
+        "--port",
+        metavar="URL",
+        help="instead of a bench file: /dev/ttyUSB0, COM5, pty:/path, tcp://host:port, socketcan:can0, sim, machine:FILE.py:FACTORY",
     )
 
 

@@ -169,7 +169,7 @@ class CanopenNode:
     def _send_tpdo(self, tpdo: Tpdo, now: Ns) -> None:
         tpdo.last, tpdo.happened = tpdo.read(), False
         tpdo.free_at = now + tpdo.inhibit_ns
-        tpdo.due = now + tpdo.event_ns if tpdo.event_ns else NEVER
+        tpdo.due = now + max(tpdo.event_ns, tpdo.inhibit_ns) if tpdo.event_ns else NEVER  # never closer than the inhibit time
         self.output.append(Frame(tpdo.identifier, tpdo.last))
 
     # -- NMT ------------------------------------------------------------------------------------

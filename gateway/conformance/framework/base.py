@@ -19,6 +19,13 @@ class Seen:
     side: str  # "tester" or "device"
     data: bytes
     note: str = ""  # a damaged character, a closed connection: what bytes cannot say
+    identifier: int | None = None  # of a CAN frame
+
+    def shown(self) -> str:
+        """For the trace of a report."""
+        if self.note:
+            return f"[{self.note}]"
+        return self.data.hex(" ").upper() if self.identifier is None else f"{self.identifier & 0x7FF:03X}#{self.data.hex().upper()}"
 
 
 @dataclass(slots=True)

@@ -16,6 +16,7 @@ Check = Callable[[object], str]  # "" or what is expected
 STIMULI = ("operator", "periodic", "fetch", "modbus", "output", "command", "none")
 RANGE = re.compile(r"^(\d+)(?:\.\.(\d+))?$")
 DATA_WORD = re.compile(r"^DB\d{1,3}\.DW\d{1,3}$", re.IGNORECASE)
+OBJECT = re.compile(r"^[0-9A-Fa-f]{4}:[0-9A-Fa-f]{1,2}$")
 CELL = re.compile(r"^(input|holding|coil|discrete):\d{1,5}$")
 
 
@@ -44,6 +45,8 @@ class Bench:
     power: Table = field(default_factory=dict)
     report: Table = field(default_factory=dict)
     pics: Table = field(default_factory=dict)
+    objects: frozenset[tuple[int, int]] = frozenset()  # of a CANopen device: may be written
+    allowed: frozenset[str] = frozenset()  # motion, store, node: what else of [touch] is true
 
     @property
     def folder(self) -> pathlib.Path:
@@ -107,6 +110,11 @@ def _span(value: object, most: int) -> tuple[int, ...]:
     return tuple(range(first, last + 1)) if first <= last <= most else ()
 
 
+def _objects(value: object) -> str:
+    good = isinstance(value, list) and all(isinstance(one, str) and OBJECT.match(one) for one in value)
+    return "" if good else 'a list of objects such as ["607A:0"], index and sub-index in hexadecimal'
+
+
 TIMES: dict[str, tuple[str, ...]] = {  # field of the profile: names in a bench file
     "ack_delay": ("ack_delay_ms", "qvz_ms", "qvz", "adt_ms", "ack_delay"),
     "char_delay": ("char_delay_ms", "zvz_ms", "zvz", "cdt_ms", "char_delay"),
@@ -150,8 +158,24 @@ KEYS: dict[str, dict[str, Check]] = {
         "answer_ms": _number(1, 60_000),
         "unit": _whole(0, 255),
         "missing_unit": _whole(0, 255),
+        "node": _whole(1, 127),
+        "module": _whole(1, 6),
+        "eds": _text,
+        "layout": _text,
+        "cycle_ms": _number(1, 1000),
+        "boot_ms": _number(1, 600_000),
+        "speed": _whole(1, 0x7FFFFFFF),
+        "way": _whole(1, 0x3FFFFFFF),
     },
-    "touch": {"db": _numbers(255), "holding": _numbers(65535), "coils": _numbers(65535)},
+    "touch": {
+        "db": _numbers(255),
+        "holding": _numbers(65535),
+        "coils": _numbers(65535),
+        "objects": _objects,
+        "motion": _flag,
+        "store": _flag,
+        "node": _flag,
+    },
     "stimulus": {
         "kind": _one_of(*STIMULI),
         "prompt": _any,
@@ -244,9 +268,13 @@ def _bench(path: pathlib.Path, found: Table) -> Bench:
 
     port, device = table("port"), table("device")
     start = device.pop("start", [])
-    touch = {
-        name: tuple(number for one in cast(list[object], values) for number in _span(one, 65535)) for name, values in table("touch").items()
+    touched = table("touch")
+    touch: dict[str, tuple[int, ...]] = {
+        name: tuple(number for one in cast(list[object], touched[name]) for number in _span(one, 65535))
+        for name in ("db", "holding", "coils")
+        if name in touched
     }
+    objects = [one.split(":") for one in cast(list[str], touched.get("objects", []))]
     known = {key: bytes.fromhex(value) if isinstance(value, str) else int(cast(int, value)) for key, value in table("known").items()}
     marks = port.get("marks")
     return Bench(
@@ -263,6 +291,8 @@ def _bench(path: pathlib.Path, found: Table) -> Bench:
         table("power"),
         table("report"),
         table("pics"),
+        frozenset((int(index, 16), int(sub, 16)) for index, sub in objects),
+        frozenset(name for name in ("motion", "store", "node") if touched.get(name) is True),
     )
 
 

@@ -5,13 +5,15 @@ import pathlib
 import sys
 import urllib.parse
 from collections.abc import Callable, Sequence
-from typing import cast
+from typing import Any, cast
 
 from drivers.ports.base import PortError
 from gateway.conformance.framework.bench_file import BadFile
-from protocols.base.machine import Damage, Machine, Ns
+from gateway.conformance.framework.frame_wire import Pair
+from protocols.base.machine import Damage, Frame, Machine, Ns
 
 METHODS = ("receive", "damaged", "sent", "wake", "deadline", "take_output", "lost")
+FRAME_METHODS = ("receive", "sent", "wake", "deadline", "take_output", "lost")  # a CAN machine may have error_frame as well
 
 
 class MachineDied(PortError):
@@ -72,7 +74,42 @@ class Guarded:
         return self._events(lambda: self.device.lost(now), "lost")
 
 
-def load_machine(url: str, folder: pathlib.Path) -> Callable[[], Guarded]:
+class GuardedFrames:
+    """The same for a CAN machine: pairs (identifier, data) in and out."""
+
+    def __init__(self, device: object, name: str) -> None:
+        self._bytes = Guarded(cast(Machine[object], device), name)
+        self.device = cast(Any, device)
+        self._name = name
+        self.stimulate, self.hold, self.power = self._bytes.stimulate, self._bytes.hold, self._bytes.power
+
+    def receive(self, frames: Sequence[Pair], now: Ns) -> None:
+        self._bytes._call(lambda: self.device.receive(list(frames), now), "receive")
+
+    def wake(self, now: Ns) -> None:
+        self._bytes.wake(now)
+
+    def deadline(self) -> Ns | None:
+        return self._bytes.deadline()
+
+    def lost(self, now: Ns) -> None:
+        self._bytes.lost(now)
+
+    def take_output(self) -> list[Frame]:
+        said = self._bytes._call(self.device.take_output, "take_output")
+        return [self._frame(one) for one in said] if isinstance(said, (list, tuple)) else []
+
+    def _frame(self, one: object) -> Frame:
+        good = isinstance(one, tuple) and len(one) >= 2 and isinstance(one[0], int) and isinstance(one[1], (bytes, bytearray))
+        if not good or not isinstance(one, tuple) or len(one[1]) > 8:
+            raise MachineDied(0, f"{self._name}: take_output gave {one!r}; a pair (identifier, data of at most 8 bytes) expected")
+        return Frame(one[0], bytes(one[1]))
+
+
+AnyGuarded = Guarded | GuardedFrames
+
+
+def load_machine(url: str, folder: pathlib.Path, frames: bool = False) -> Callable[[], AnyGuarded]:
     """A maker of the device; BadFile names the fault in the address, the file or the factory."""
     address, _, query = url.removeprefix("machine:").partition("?")
     name, colon, factory_name = address.rpartition(":")
@@ -82,17 +119,18 @@ def load_machine(url: str, folder: pathlib.Path) -> Callable[[], Guarded]:
     values = dict(urllib.parse.parse_qsl(query, keep_blank_values=True))
     factory = _factory(path, factory_name, url)
 
-    def make() -> Guarded:
+    methods = FRAME_METHODS if frames else METHODS
+
+    def make() -> AnyGuarded:
         try:
             device = factory(**values)
         except Exception as error:
             raise BadFile([f"port.url {url}: {factory_name} raised {type(error).__name__}: {error}; check its keys and values"]) from error
-        missing = [method for method in METHODS if not callable(getattr(device, method, None))]
+        missing = [method for method in methods if not callable(getattr(device, method, None))]
         if missing:
-            raise BadFile(
-                [f"port.url {url}: what {factory_name} returns lacks {', '.join(missing)}; a byte machine has {', '.join(METHODS)}"]
-            )
-        return Guarded(cast(Machine[object], device), f"{path.name}:{factory_name}")
+            raise BadFile([f"port.url {url}: what {factory_name} returns lacks {', '.join(missing)}; a machine has {', '.join(methods)}"])
+        label = f"{path.name}:{factory_name}"
+        return GuardedFrames(device, label) if frames else Guarded(cast(Machine[object], device), label)
 
     return make
 

@@ -2,10 +2,13 @@
 
 from collections.abc import Callable
 
+from gateway.conformance.peers.can_devices import Drive
+from gateway.conformance.peers.canopen301_parts import deaf
 from gateway.conformance.peers.modbus_devices import Answer, Device, padded, rewritten
 from gateway.conformance.peers.stations import ActiveStation, Built
 from gateway.conformance.serial.partners import DropsItsJob, Late, NoNak, Silent
 from protocols.base.machine import ms
+from protocols.canopen import cob_id as cobid
 from protocols.p3964r.profiles import PROFILES, Priority
 
 FAULTS: dict[str, Answer] = {"padding": rewritten(1, padded)}
@@ -33,3 +36,11 @@ def server(rtu: str = "no", kind: str = "good") -> Device:
     if wrong is None and kind != "good":
         raise ValueError(f"kind {kind}: there are good, {', '.join(FAULTS)}")
     return Device(rtu == "yes", wrong)
+
+
+def drive(kind: str = "good") -> Drive:
+    """A CiA 402 drive, node 1; kind no-sync: it does not hear SYNC."""
+    makers: dict[str, Callable[[], Drive]] = {"good": Drive, "no-sync": lambda: Drive(hears=deaf(cobid.SYNC))}
+    if kind not in makers:
+        raise ValueError(f"kind {kind}: there are {', '.join(makers)}")
+    return makers[kind]()

@@ -9,7 +9,7 @@ from typing import cast
 from drivers.ports.base import PortError
 from gateway.conformance.framework.base import Tester
 from gateway.conformance.framework.bench_file import Bench
-from gateway.conformance.framework.machine import Guarded
+from gateway.conformance.framework.machine import AnyGuarded, Guarded, GuardedFrames
 from gateway.conformance.framework.run import Result, Runner
 from gateway.conformance.peers.stations import Mutant, Variant
 from gateway.conformance.suites.opening import Opened
@@ -20,6 +20,7 @@ from gateway.pure.conformance.verdict import Verdict
 from protocols.base.machine import Machine
 
 Json = dict[str, object]
+OBJECTS = frozenset(((0x607A, 0), (0x60FF, 0), (0x6071, 0)))
 TOUCH = {"db": (10,), "holding": tuple(range(100)), "coils": tuple(range(100))}
 
 
@@ -44,12 +45,17 @@ def peers(suite: Suite) -> tuple[Sequence[Mutant], Sequence[Variant]]:
 def play(suite: Suite, device: Mutant | Variant, only: Sequence[str] = (), seed: int | None = None) -> list[Result]:
     """The suite, or a part of it with its preambles, against one device in virtual time."""
     touch = TOUCH if not isinstance(device, Variant) or device.touch else {}
-    bench = Bench(None, f"machine:{device.id}", link=device.link, touch=touch)
+    written = OBJECTS if not isinstance(device, Variant) or device.touch else frozenset()
+    bench = Bench(None, f"machine:{device.id}", link=device.link, touch=touch, objects=written)
 
     def no_port(url: str, line_format: str) -> ToolPort:
         raise PortError(0, url)
 
-    opened = Opened(bench, device.pics, no_port, make=lambda: Guarded(cast(Machine[object], device.make()), device.id))
+    def make() -> AnyGuarded:
+        made = device.make()
+        return GuardedFrames(made, device.id) if suite.frames else Guarded(cast(Machine[object], made), device.id)
+
+    opened = Opened(bench, device.pics, no_port, make=make)
     session = suite.session(opened)
     try:
         purposes = suite.purposes()

@@ -139,7 +139,7 @@ def trace(result: Result) -> str:
         if piece.side != last:
             parts.append(">" if piece.side == "tester" else "<")
             last = piece.side
-        parts.append(f"[{piece.note}]" if piece.note else piece.data.hex(" ").upper())
+        parts.append(piece.shown())
     return " ".join(parts)
 
 

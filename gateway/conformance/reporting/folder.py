@@ -9,8 +9,9 @@ from gateway.conformance.framework.run import Result
 from gateway.conformance.reporting.document import KIND, Json, cases_of, checksum, trace
 from gateway.conformance.reporting.junit import to_junit
 from gateway.conformance.reporting.page import to_html
-from gateway.pure.lines.pcapng import pcapng
+from gateway.pure.lines.pcapng import can_pcapng, pcapng
 from gateway.pure.lines.turns import Kind, Turn
+from protocols.base.machine import Frame
 
 SUMS = "SHA256SUMS"
 JSON, PAGE, JUNIT = "report.json", "report.html", "junit.xml"
@@ -43,6 +44,9 @@ def write_folder(folder: pathlib.Path, found: Json, results: Sequence[Result], l
 
 def _capture(result: Result) -> bytes:
     """Runs of one side as packets; the dissector of configs/wireshark shows them as characters."""
+    frames = [one for one in result.notes.trace if one.identifier is not None]
+    if frames:
+        return can_pcapng((Frame(one.identifier or 0, one.data, one.ns) for one in frames), "conformance")
     turns: list[Turn] = []
     for one in result.notes.trace:
         side = "A" if one.side == "tester" else "B"
@@ -57,7 +61,7 @@ def _capture(result: Result) -> bytes:
 
 def _text(result: Result) -> str:
     lines = [f"# {result.purpose.id} {result.verdict.value} {result.reason}", f"# {trace(result)}"]
-    lines += [f"{one.ns / 1e6:14.3f} ms {one.side:7} {one.note or one.data.hex(' ').upper()}" for one in result.notes.trace]
+    lines += [f"{one.ns / 1e6:14.3f} ms {one.side:7} {one.note or one.shown()}" for one in result.notes.trace]
     return "\n".join(lines) + "\n"
 
 

@@ -37,3 +37,23 @@ MODBUS = (
     Question("mapped", "bool", "its tables overlap on purpose", "seine Tabellen überlappen sich absichtlich"),
     Question("broadcast", "bool", "serves broadcasts (RTU)", "bedient Rundsprüche (RTU)"),
 )
+CANOPEN = (
+    Question("node", "whole", "node number, 1 to 127", "Knotennummer, 1 bis 127"),
+    Question("reset", "bool", "may be reset by NMT", "darf über NMT zurückgesetzt werden"),
+    Question("segmented", "bool", "serves segmented SDO transfers", "bedient segmentierte SDO-Transfers"),
+    Question("block", "bool", "serves SDO block transfers", "bedient SDO-Block-Transfers"),
+    Question("heartbeat", "bool", "produces a heartbeat (1017h)", "erzeugt einen Heartbeat (1017h)"),
+    Question("guarding", "bool", "answers node guarding (100Ch, 100Dh)", "beantwortet Node Guarding (100Ch, 100Dh)"),
+    Question("consumer", "bool", "watches the heartbeat of others (1016h)", "überwacht den Heartbeat anderer (1016h)"),
+    Question("emcy", "bool", "sends emergency messages (1014h)", "sendet Emergency-Nachrichten (1014h)"),
+    Question("history", "bool", "keeps its errors (1003h)", "hält seine Fehler (1003h)"),
+    Question("error_behaviour", "bool", "error behaviour can be chosen (1029h)", "Fehlerverhalten ist wählbar (1029h)"),
+    Question("sync", "bool", "acts on SYNC (1005h)", "reagiert auf SYNC (1005h)"),
+    Question("sync_counter", "bool", "SYNC with counter (1019h)", "SYNC mit Zähler (1019h)"),
+    Question("tpdo", "bool", "sends TPDO 1 (1800h)", "sendet TPDO 1 (1800h)"),
+    Question("rpdo", "bool", "takes RPDO 1 (1400h)", "nimmt RPDO 1 (1400h)"),
+    Question("mapping", "bool", "the mapping of its PDOs can be changed", "das Mapping seiner PDOs ist änderbar"),
+    Question("store", "bool", "stores its parameters (1010h)", "speichert seine Parameter (1010h)"),
+    Question("restore", "bool", "restores its defaults (1011h)", "stellt seine Vorgaben wieder her (1011h)"),
+    Question("lss", "bool", "layer setting services (CiA 305)", "Layer Setting Services (CiA 305)"),
+)

@@ -1,5 +1,6 @@
 """The suites: one row each."""
 
+import importlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, cast
@@ -7,7 +8,7 @@ from typing import Any, cast
 from gateway.conformance.framework.base import Tester
 from gateway.conformance.framework.run import Session
 from gateway.conformance.suites.opening import Opened
-from gateway.conformance.suites.questions import LINE, MODBUS, Question
+from gateway.conformance.suites.questions import CANOPEN, LINE, MODBUS, Question
 from gateway.pure.conformance.purpose import Purpose
 
 
@@ -23,10 +24,15 @@ class Suite:
     session: Callable[[Opened], Session]
     questions: Sequence[Question]
     peers: str
+    frames: bool = False  # a CAN bus; else characters
 
     @property
     def pics_keys(self) -> Mapping[str, str]:
         return {question.key: question.kind for question in self.questions}
+
+    def sim(self) -> object:
+        """The emulated device of `url = "sim"`: the first correct one of its peers."""
+        return importlib.import_module(self.peers).VARIANTS[0].make()
 
 
 def _generic(*parts: object) -> Sequence[Purpose[Tester]]:
@@ -62,6 +68,14 @@ def _modbus_rtu() -> Sequence[Purpose[Tester]]:
     return _generic(RTU_FUN, RTU_CON, RTU)
 
 
+def _canopen301() -> Sequence[Purpose[Tester]]:
+    from gateway.conformance.suites.canopen301 import dictionary, keep, life, network, pdo, pdo_wrong, sdo, sdo_wrong
+
+    return _generic(
+        sdo.SDO, sdo_wrong.REFUSED, dictionary.DIC, network.NMT, life.ERR, pdo.PDO, pdo_wrong.RULES, keep.STO, keep.LSS, network.TRC
+    )
+
+
 def _line(rk512: bool) -> Callable[[Opened], Session]:
     def make(opened: Opened) -> Session:
         from gateway.conformance.suites.line_session import LineSession
@@ -79,6 +93,12 @@ def _modbus(rtu: bool) -> Callable[[Opened], Session]:
         return cast(Session, ModbusSession(opened, rtu))
 
     return make
+
+
+def _node(opened: Opened) -> Session:
+    from gateway.conformance.suites.can.session import NodeSession
+
+    return cast(Session, NodeSession(opened))
 
 
 SUITES: dict[str, Suite] = {
@@ -114,6 +134,17 @@ SUITES: dict[str, Suite] = {
             _modbus(True),
             MODBUS,
             "gateway.conformance.peers.modbus_rtu",
+        ),
+        Suite(
+            "canopen-301",
+            "1.0",
+            "CANopen device, CiA 301 and LSS",
+            "CANopen-Gerät, CiA 301 und LSS",
+            _canopen301,
+            _node,
+            CANOPEN,
+            "gateway.conformance.peers.canopen301",
+            True,
         ),
     )
 }

@@ -96,7 +96,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
     purposes = chosen(suite, arguments)
     ids = frozenset(purpose.id for purpose in suite.purposes())
     waivers = load_waivers(arguments.waivers, ids, datetime.date.today()) if arguments.waivers is not None else {}
-    make = factory_of(bench)
+    make = factory_of(bench, suite.frames, suite.sim)
     if arguments.dry_run:
         return _dry(suite, bench, stated, purposes, arguments)
     if make is not None:

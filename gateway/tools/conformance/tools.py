@@ -75,7 +75,7 @@ def new_pics(arguments: argparse.Namespace) -> int:
 
 def _from_device(suite: Suite, arguments: argparse.Namespace) -> tuple[dict[str, object], list[str]]:
     bench = bench_of(arguments)
-    make = factory_of(bench)
+    make = factory_of(bench, suite.frames, suite.sim)
     with witnessed(make is not None) as witness:
         session = suite.session(Opened(bench, dict(bench.pics), open_port, make, witness))
         try:
@@ -126,7 +126,7 @@ def new_case(arguments: argparse.Namespace) -> int:
     if arguments.id in {purpose.id for purpose in suite.purposes()}:
         raise Stop(f"id {arguments.id}: is taken; axisgate conformance list {suite.name}")
     prefix, group, number = arguments.id.rsplit("_", 2)
-    tester = "ModbusTester" if suite.name.startswith("modbus") else "LineTester"
+    tester = "NodeTester" if suite.frames else "ModbusTester" if suite.name.startswith("modbus") else "LineTester"
     print(
         f"# into gateway/conformance/suites/, beside the other {prefix} cases; a mutant that it kills goes into gateway/conformance/peers/"
     )

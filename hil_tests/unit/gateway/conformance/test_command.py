@@ -68,6 +68,8 @@ def test_the_json_has_all_fields_of_format_1(tmp_path: pathlib.Path, capsys: pyt
         ("drops-its-job", "3964r", {"3964R_CON_BV_02"}, 1),
         ("modbus-tcp", "modbus-tcp", set(), 0),
         ("modbus-rtu", "modbus-rtu", set(), 0),
+        ("canopen", "canopen-301", set(), 0),
+        ("canopen-no-sync", "canopen-301", {"CO301_PDO_BV_01", "CO301_PDO_BV_09"}, 1),
     ],
 )
 def test_an_example_peer_gets_the_fails_of_the_guide(
@@ -77,6 +79,31 @@ def test_an_example_peer_gets_the_fails_of_the_guide(
     failed = [case for case in found["cases"] if case["verdict"] == "FAIL"]
     assert got == code and {case["id"] for case in failed} == expected
     assert all(case["expected"] and case["got"] and case["reason"] for case in failed)
+
+
+def test_sim_is_the_emulated_device_of_the_suite(capsys: pytest.CaptureFixture[str]) -> None:
+    for suite, only in (("canopen-301", "CO301_SDO_BV_*"), ("3964r", "3964R_RCV_BV_0*"), ("modbus-tcp", "MBTCP_FUN_BV_*")):
+        assert main(["run", suite, "--port", "sim", "--only", only]) == 0
+        assert " FAIL " not in capsys.readouterr().out
+
+
+def test_frames_of_a_case_are_a_capture_of_can(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, found, _ = run(capsys, "canopen-301", "--port", "sim", "--only", "CO301_SDO_BV_01", "--report", tmp_path / "out")
+    assert code == 0 and "< 581#4300100092010200" in found["cases"][0]["trace"]
+    capture = (tmp_path / "out" / "traces" / "CO301_SDO_BV_01.pcapng").read_bytes()
+    assert b"\xe3\x00\x00\x00" in capture[:120]  # link type 227, CAN_SOCKETCAN
+    assert bytes.fromhex("4300100092010200") in capture
+
+
+def test_a_machine_of_frames_that_gives_no_pair_has_died(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "device.py").write_text(
+        "class D:\n def receive(self, frames, now): self.said = [0x581]\n said = []\n def wake(self, now): pass\n"
+        " def deadline(self): return None\n def take_output(self): return self.said\n"
+        " def sent(self, now): pass\n def lost(self, now): pass\n"
+    )
+    code, found, _ = run(capsys, "canopen-301", "--port", f"machine:{tmp_path}/device.py:D")
+    failed = [case for case in found["cases"] if case["verdict"] == "FAIL"]
+    assert code == 1 and len(failed) == 1 and "a pair (identifier, data" in failed[0]["reason"]
 
 
 def test_no_nak_fails_where_a_refusal_is_due(capsys: pytest.CaptureFixture[str]) -> None:
