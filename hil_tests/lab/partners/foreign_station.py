@@ -44,10 +44,14 @@ class ForeignStation:
 
     # ---- the station
     def _character(self, seconds: float) -> int | None:
+        """What is there when the time is over came in time: this thread was late, not its partner."""
         end = time.monotonic() + seconds
-        while not self._over.is_set() and (left := end - time.monotonic()) > 0:
-            if select.select([self._fd], [], [], min(left, 0.05))[0]:
+        while not self._over.is_set():
+            left = end - time.monotonic()
+            if select.select([self._fd], [], [], max(0.0, min(left, 0.05)))[0]:
                 return os.read(self._fd, 1)[0]
+            if left <= 0:
+                return None
         return None
 
     def _live(self) -> None:

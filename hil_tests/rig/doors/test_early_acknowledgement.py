@@ -48,7 +48,7 @@ port = "{port}"
 format = "4800 8N1"
 role = "active"
 [line.times]
-ADT = 600
+ADT = 3000  # ms; the answer that is asked for comes early, and a machine that is late at times spoils nothing
 [line.supervision]
 max_silence_ms = 60000
 [[db]]

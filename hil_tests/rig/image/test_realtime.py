@@ -3,6 +3,7 @@
 import contextlib
 import os
 import select
+import shutil
 import signal
 import subprocess
 import sys
@@ -11,7 +12,7 @@ import time
 import pytest
 
 from gateway.runtime import realtime
-from gateway.runtime.realtime import Alarm, Timerfd, die_with_parent, go_ahead, go_realtime, sleep_until
+from gateway.runtime.realtime import TURN_NS, Alarm, Timerfd, die_with_parent, go_ahead, go_realtime, realtime_allowed, sleep_until
 
 MS = 1_000_000
 
@@ -144,6 +145,33 @@ def test_real_time_is_taken_or_its_refusal_said_and_children_start_without() -> 
         finally:
             os._exit(code)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+SCHED_GETATTR = {"x86_64": 315, "aarch64": 275}
+TURN = """
+import ctypes, struct, sys
+from gateway.runtime.realtime import go_realtime
+def turn():
+    attr = ctypes.create_string_buffer(48)
+    ctypes.CDLL(None).syscall(int(sys.argv[1]), 0, attr, 48, 0)
+    return struct.unpack("=IIQiIQQQ", attr.raw)[5]
+before = turn()
+warnings = go_realtime(7)
+print(before, turn(), any("rtprio 7" in text for text in warnings))
+"""
+
+
+def test_where_the_real_time_class_is_refused_short_turns_are_asked_for() -> None:
+    """A user without real-time priority beside busy programs; kernels before 6.12 have no turns to ask for."""
+    number = SCHED_GETATTR.get(os.uname().machine)
+    without = ["setpriv", "--bounding-set=-sys_nice", "--inh-caps=-sys_nice"] if realtime_allowed() else []
+    if number is None or (without and shutil.which("setpriv") is None):
+        pytest.skip("neither a system call number nor setpriv is known here")
+    command = [*without, sys.executable, "-c", TURN, str(number)]
+    before, after, told = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout.split()
+    if before == "0":
+        pytest.skip("this kernel gives no turns (before 6.12)")
+    assert told == "True" and int(after) == TURN_NS < int(before)
 
 
 def test_a_process_that_goes_ahead_stays_in_the_ordinary_class_and_takes_the_nice_value_it_may() -> None:
