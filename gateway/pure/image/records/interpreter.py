@@ -32,6 +32,7 @@ TEXT_SIZE, TEXT_LAYOUT = _TEXT.size, _TEXT.text
 FIRST_FAST, FAST = 610, 30  # high-speed inputs of three boards
 FIRST_MULTI, MULTI = 801, 4
 NO_MULTI = 0x80
+FLAG_BYTES = 2_048
 
 
 def pack_facts(facts: Facts) -> bytes:
@@ -63,7 +64,8 @@ def _multi_byte(value: int | None) -> int:
 @dataclass(frozen=True, slots=True)
 class Channels:
     """The control as programs see it: RC inputs and outputs, INTEGER inputs as taken with their strobes, high-speed inputs that P11 gives
-    and their values (bit 0 = channel 610), the multi-function inputs (None: the control has none), the global factors."""
+    and their values (bit 0 = channel 610), the multi-function inputs (None: the control has none), the global factors; of a ROBOTstar its
+    markers M0..M2047, with binary inputs and outputs."""
 
     inputs: Annotated[bytes, Code(f"{RC_BYTES}s")] = bytes(RC_BYTES)
     outputs: Annotated[bytes, Code(f"{RC_BYTES}s")] = bytes(RC_BYTES)
@@ -73,9 +75,10 @@ class Channels:
     multi: Annotated[int | None, Code("B", _multi, _multi_byte)] = None
     multi_out: U8 = 0
     factors: Annotated[tuple[float, float, float], Code("3d")] = (1.0, 1.0, 1.0)
+    flags: Annotated[bytes, Code(f"{FLAG_BYTES}s")] = bytes(FLAG_BYTES)
 
 
-_SEEN = Layout(Channels, "channels/2")
+_SEEN = Layout(Channels, "channels/3")
 SEEN_SIZE, SEEN_LAYOUT = _SEEN.size, _SEEN.text
 pack_channels, unpack_channels = _SEEN.pack, _SEEN.unpack
 

@@ -45,6 +45,13 @@ class Surroundings(Protocol):
     def actual(self) -> Target:
         """Where the robot is."""
 
+    def planned(self) -> Target:
+        """Where it is once all positions that were asked for are reached."""
+
+
+class NotYet(Exception):
+    """A step reads the cell, and positions before it are not reached: it is executed again when they are."""
+
 
 @dataclass(frozen=True, slots=True)
 class Wait(Request):
@@ -74,11 +81,16 @@ class KeyTest(Request):
 
 @dataclass(frozen=True, slots=True)
 class Go(Request):
-    """A position: `left` of `whole` ns."""
+    """A position: it takes `whole` ns in virtual time.  settings: parameters of the path as they are at this step; auxiliary: first point
+    of a circle; approximates: its end may be rounded."""
 
     target: Target
     mode: str
     whole: Ns
+    settings: Mapping[str, float] = field(default_factory=dict)
+    tool: Structure | None = None
+    auxiliary: bool = False
+    approximates: bool = False
 
 
 @dataclass(slots=True, eq=False)

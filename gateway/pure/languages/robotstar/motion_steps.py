@@ -91,16 +91,17 @@ def position(machine: Machine, step: Step, following: int) -> Op:
 
 def go(machine: Machine, programmed: Target, following: int) -> int:
     """Asks for the way to a position."""
-    target = machine.path.shifted(programmed)
-    mode = machine.path.mode
-    seconds = machine.path.accept(target, machine.world.actual(), not machine.simulated)
-    return machine.ask(Go(target, mode, round(seconds * NS)), following)
+    path = machine.path
+    target, mode, settings = path.shifted(programmed), path.mode, dict(path.values)
+    seconds = path.accept(target, machine.world.planned(), not machine.simulated)
+    approximates = not machine.simulated and settings["FLYBY"] == 1 and mode != "SPLINE"
+    return machine.ask(Go(target, mode, round(seconds * NS), settings, machine.tool, path.auxiliary, approximates), following)
 
 
 def _give_relation(machine: Machine, programmed: Target) -> None:
     """CALC_REL: vector = actual - programmed; the position is not approached (L400)."""
-    vector, machine.path.relation = machine.path.relation, None
     actual = machine.world.actual()
+    vector, machine.path.relation = machine.path.relation, None
     assert isinstance(vector, Structure)
     if actual.frame != programmed.frame:
         raise StepFault(f"CALC_REL: the robot is in frame {actual.frame}, the position in frame {programmed.frame}")

@@ -180,8 +180,7 @@ class Robot:
             left = machine.run(1 if single else budget)
             budget = budget - 1 + left if single else left
         except Halted:
-            self._macro_depth = 0
-            self.state = State.STOPPED
+            self._halted()
             return budget
         except StepFault as fault:
             self._failed(fault)
@@ -189,6 +188,11 @@ class Robot:
         if machine.request is None:
             self._step_done(now)
         return budget
+
+    def _halted(self) -> None:
+        """The program has stopped itself."""
+        self._macro_depth = 0
+        self.state = State.STOPPED
 
     def _at_macro(self, frame: Frame) -> bool:
         step = frame.program.steps[frame.at] if frame.at < len(frame.program.steps) else None

@@ -185,6 +185,10 @@ class VirtualCell:
         """Where the robot is."""
         return self._at
 
+    def planned(self) -> Target:
+        """The same: nothing runs ahead here."""
+        return self._at
+
     # ---- the robot (Drive) -----------------------------------------------------------------------------------------------
     def begin(self, target: Target, now: Ns) -> str:
         """A way begins where the robot is."""

@@ -1,0 +1,191 @@
+"""What a program has run ahead of the robot: positions handed on to the planner or waiting to be, and what acts behind each.  Pure.
+
+A position is over where its block is: at its end, or in the middle of its corner.  What is written behind a position waits for that.
+"""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.base.path import Path, Stretch
+from gateway.pure.languages.robotstar.arm import Arm, tool_values
+from gateway.pure.languages.robotstar.faults import StepFault
+from gateway.pure.languages.robotstar.lines import line, rest_of_circle, tool_line
+from gateway.pure.languages.robotstar.machine import Go
+from gateway.pure.languages.robotstar.path import CIRCLES, Target
+
+FEWEST, MOST, AHEAD_NS = 4, 200, 1_000_000_000  # positions that may be prepared, and how much motion
+BACK = "speed=10 accel=50 decel=50 lead=yes"  # of the way back to where a program was interrupted
+NEAR = 1e-3  # mm or degrees: the axes are still there
+ROBOT = 1
+
+
+@dataclass(slots=True, eq=False)
+class Block:
+    """A position.  place: program and step; start: where it leads from; index: of its block in the stretch, 0: not handed on; through: of
+    the auxiliary point before it."""
+
+    go: Go
+    place: tuple[str, int]
+    start: Target
+    through: "Block | None" = None
+    stretch: Stretch | None = None
+    index: int = 0
+
+    @property
+    def over(self) -> bool:
+        """Reached, or passed in its corner."""
+        return self.stretch is not None and self.stretch.passed >= self.index > 0
+
+
+@dataclass(slots=True)
+class Ahead:
+    """Call `look` once a turn.  set: set values of the cell's axes."""
+
+    path: Path
+    arm: Arm
+    place: Callable[[], tuple[str, int]]
+    items: deque[Block | Callable[[], None]] = field(default_factory=deque)
+    interrupted: tuple[float, ...] = ()  # axes where the path was left; (): it was not
+    _auxiliary: Block | None = None  # of a circle whose end is not known yet
+    _tools: dict[tuple[float, ...], str] = field(default_factory=dict)  # as the stretch knows them
+    _told: Stretch | None = None
+    _last: tuple[float, ...] = ()  # axes in the last turn in which a block was under way
+    _return: tuple[int, tuple[float, ...]] = (0, ())  # block of the stretch that leads back to a place where the path was left
+
+    # ---- what the program puts in
+    @property
+    def busy(self) -> bool:
+        """Something is not over."""
+        return bool(self.items)
+
+    def room(self) -> bool:
+        """One more may be prepared."""
+        blocks = [item for item in self.items if isinstance(item, Block)]
+        return len(blocks) < FEWEST or (len(blocks) < MOST and sum(block.go.whole for block in blocks) < AHEAD_NS)
+
+    def put(self, go: Go, start: Target) -> None:
+        """A position; StepFault where this robot has none such."""
+        self.arm.text(go.target, start)
+        block = Block(go, self.place(), start)
+        if go.auxiliary:
+            if not go.target.pose:
+                raise StepFault("an auxiliary point of a circle is a position of the tool, not of the axes", 0, "path")
+            self._auxiliary = block
+            return
+        if go.mode in CIRCLES:
+            block.through, self._auxiliary = self._auxiliary, None
+            if block.through is None or not go.target.pose or not block.through.start.pose:
+                raise StepFault("a circle needs start, auxiliary point and end as positions of the tool", 0, "path")
+            block.start = block.through.start
+        self.items.append(block)
+
+    def act(self, action: Callable[[], None]) -> None:
+        """At once, or where the last position is over."""
+        if self.items:
+            self.items.append(action)
+        else:
+            action()
+
+    def last(self) -> Target | None:
+        """Where the last position leads; None: nothing is under way."""
+        if self._auxiliary is not None:
+            return self._auxiliary.go.target
+        return next((item.go.target for item in reversed(self.items) if isinstance(item, Block)), None)
+
+    def under_way(self) -> Block | None:
+        """The first position that is not over."""
+        return next((item for item in self.items if isinstance(item, Block)), None)
+
+    # ---- turns
+    def look(self, places: tuple[float, ...]) -> None:
+        """Takes off what is over, and acts behind it."""
+        first = self.under_way()
+        if first is not None and first.stretch is not None and not first.stretch.over:
+            self._last = self.arm.own(places)
+        while self.items:
+            item = self.items[0]
+            if isinstance(item, Block):
+                if not item.over:
+                    return
+                self.items.popleft()
+            else:
+                self.items.popleft()
+                item()
+
+    def hand_on(self, owner: object, program: str, places: tuple[float, ...], *, one: bool) -> None:
+        """To the planner, as much as is there; one: the first position alone."""
+        blocks = [item for item in self.items if isinstance(item, Block)]
+        for block in blocks[:1] if one else blocks:
+            if block.stretch is not None:
+                continue
+            stretch = self.path.wanted(owner, program, ROBOT)
+            if stretch is None:
+                return
+            self._begin(stretch)
+            self._way_back(stretch, block, places)
+            block.stretch, block.index = stretch, self.path.hand_on(stretch, self._line(stretch, block, places), block.place[1])
+
+    def settle(self) -> None:
+        """Nothing follows for the time being: what was handed on is run to its end."""
+        if self.path.now is not None:
+            self.path.finish(self.path.now)
+
+    def _begin(self, stretch: Stretch) -> None:
+        if self._told is not stretch:
+            self._told = stretch
+            self._tools.clear()
+            self._return = 0, ()
+
+    def _way_back(self, stretch: Stretch, block: Block, places: tuple[float, ...]) -> None:
+        """To where the path was left, at a moderate speed (L1262)."""
+        here, there, self.interrupted = self.arm.own(places), self.interrupted, ()
+        if there and any(abs(a - b) > NEAR for a, b in zip(here, there, strict=True)):
+            text = f"ptp joints {' '.join(f'{value:.10g}' for value in there)} {BACK}"
+            self._return = self.path.hand_on(stretch, text, block.place[1]), there
+
+    def _line(self, stretch: Stretch, block: Block, places: tuple[float, ...]) -> str:
+        values = tool_values(block.go.tool)
+        name = self._tools.get(values)
+        if name is None:
+            name = self._tools[values] = f"T{len(self._tools) + 1}"
+            self.path.hand_on(stretch, tool_line(name, values), block.place[1], block=False)
+        if block.through is None:
+            return line(block.go, self.arm.text(block.go.target, block.start), name)
+        through = block.through.go
+        return line(
+            block.go,
+            self.arm.text(block.go.target, block.start),
+            name,
+            self.arm.text(through.target, block.start),
+            through.settings["_IORI_CIRCHP"],
+        )
+
+    # ---- interruptions
+    def left(self, stretch: Stretch) -> None:
+        """The path was left: what is not over is handed on anew from where the axes were, once the program goes on."""
+        handed = [item for item in self.items if isinstance(item, Block) and item.stretch is stretch]
+        back, place = self._return
+        returning = bool(place) and stretch is self._told and stretch.passed < back
+        if handed and (place if returning else self._last):
+            self.interrupted = place if returning else self._last
+            if not returning and handed[0].go.target.pose:
+                self._shorten(handed[0])
+        for item in handed:
+            item.stretch, item.index = None, 0
+
+    def _shorten(self, block: Block) -> None:
+        """What is left of the one under way."""
+        here = self.arm.actual(self.interrupted, block.go.tool)
+        if block.through is not None:
+            through = block.through
+            xyz = rest_of_circle(block.start.pose, through.go.target.pose, block.go.target.pose, here.pose)
+            target = Target((*xyz, *through.go.target.pose[3:]), 0, through.go.target.axes)
+            go = Go(target, through.go.mode, 0, through.go.settings, through.go.tool, auxiliary=True)
+            block.through = Block(go, through.place, here)
+        block.start = here
+
+    def forget(self) -> None:
+        """Nothing of it is run any more: another program, or another step, was chosen."""
+        self.items.clear()
+        self._auxiliary, self.interrupted, self._last = None, (), ()

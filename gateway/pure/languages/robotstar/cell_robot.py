@@ -1,0 +1,174 @@
+"""The interpreter of a running cell: modes, START and STOP as in virtual time, the way is the planner's.  Source: robotstar 1.4, 1.5.
+
+Steps without outside effect run ahead of the robot.  A step that reads the cell, waits, stops the program or is wrong does so where the
+position before it is over.
+"""
+
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.robotstar.ahead import Ahead
+from gateway.pure.languages.robotstar.faults import StepFault
+from gateway.pure.languages.robotstar.machine import Go, NotYet
+from gateway.pure.languages.robotstar.path import Target
+from gateway.pure.languages.robotstar.program import Program
+from gateway.pure.languages.robotstar.robot import CYCLE, Message, Mode, Robot, State
+
+
+class NoDrive:
+    """Of a robot whose positions go to the planner; only virtual time asks it."""
+
+    def begin(self, target: Target, now: Ns) -> str:
+        """A way begins."""
+        del target, now
+        return ""
+
+    def way(self, part: float) -> None:
+        """How much of the way is done."""
+
+    def arrived(self, target: Target, mode: str, now: Ns) -> None:
+        """The position is reached."""
+
+    def factor(self) -> float:
+        """Override."""
+        return 1.0
+
+
+@dataclass(slots=True)
+class CellRobot(Robot):
+    """Call `advance` once a turn; how: what it stopped for, "ended" (STOP, END), "stopped" or "aborted"."""
+
+    ahead: Ahead = field(kw_only=True)
+    how: str = ""
+    fault: Message | None = None
+    _blocked: bool = False  # the step in force waits for the positions before
+    _halting: bool = False  # the program ends where the last position is over
+    _put: Go | None = None  # prepared
+
+    # ---- orders ----------------------------------------------------------------------------------------------------------
+    def select(self, program: Program) -> None:
+        """Chooses a program; what was interrupted is not resumed (L1262)."""
+        self.ahead.forget()
+        self._blocked = self._halting = False
+        self._put, self.how, self.fault = None, "", None
+        Robot.select(self, program)
+
+    def set_mode(self, mode: Mode) -> None:
+        """Another mode, while the program is stopped (L1264)."""
+        self.mode = mode
+        self.machine.repeats, self.machine.returns = mode.repeats, not mode.executer
+        self.machine.simulated, self.machine.executer = mode.simulated, mode.executer
+
+    def start(self, now: Ns) -> str:
+        """START; "" or why it is refused."""
+        wrong = Robot.start(self, now)
+        if not wrong:
+            self.how, self.fault = "", None
+        return wrong
+
+    def stop(self, now: Ns) -> None:
+        """STOP: on the path; START goes on from there."""
+        if self.state in (State.RUNNING, State.WAITING):
+            self.how = "stopped"
+        Robot.stop(self, now)
+
+    def fails(self, fault: StepFault, place: tuple[str, int]) -> None:
+        """What was handed on cannot be run: an error of its step."""
+        self.how, self.state, self.acknowledged = "aborted", State.ERROR, False
+        self.fault = Message(fault.text, fault.code or None, *place, fault.kind)
+        self.say(self.fault)
+
+    # ---- time ------------------------------------------------------------------------------------------------------------
+    def advance(self, now: Ns) -> Ns | None:
+        """Runs up to now; when it is to be called again, None: only when something changes."""
+        if self._blocked or self._halting:
+            if self.ahead.busy or self.state is not State.RUNNING:
+                return now + CYCLE
+            self._blocked = False
+            if self._halting:
+                self._halting = False
+                self._stops_itself()
+                return None
+        return Robot.advance(self, now)
+
+    def _steps(self, budget: int, now: Ns) -> int:
+        try:
+            left = Robot._steps(self, budget, now)
+        except NotYet:
+            self._blocked = True
+        return 0 if self._blocked or self._halting else left
+
+    def _halted(self) -> None:
+        if self.ahead.busy:
+            self._halting = True
+        else:
+            self._stops_itself()
+
+    def _stops_itself(self) -> None:
+        self.how = "ended"
+        Robot._halted(self)
+
+    def _failed(self, fault: StepFault) -> None:
+        if self.ahead.busy:
+            self._blocked = True  # the step is executed again where the position before is over
+            return
+        frame = self.machine.frame
+        assert frame is not None
+        Robot._failed(self, fault)
+        self.how = "aborted"
+        self.fault = Message(fault.text, fault.code or None, frame.program.name, frame.at + 1, fault.kind)
+
+    def _step_done(self, now: Ns) -> None:
+        Robot._step_done(self, now)
+        if self.state is State.STOPPED and not self.how:
+            self.how = "ended"
+
+    def _serve(self, now: Ns) -> Ns | None:
+        request = self.machine.request
+        if isinstance(request, Go):
+            self.state = State.RUNNING
+            return self._way(request, now)
+        if self.ahead.busy:
+            self.state = State.RUNNING
+            return now + CYCLE
+        return Robot._serve(self, now)
+
+    def _way(self, request: Go, now: Ns) -> Ns | None:
+        if request is not self._put:
+            if not self.ahead.room() or (self.mode.single and self.ahead.busy):
+                return now + CYCLE
+            try:
+                self.ahead.put(request, self.machine.world.planned())
+            except StepFault as fault:
+                self._failed(fault)
+                if self._blocked:
+                    return now + CYCLE
+                return None
+            self._put = request
+        if self.mode.single and self.ahead.busy:
+            return now + CYCLE
+        self._put = None
+        self.machine.answered()
+        return None
+
+    @property
+    def waits(self) -> bool:
+        """Nothing is prepared before something has happened in the cell."""
+        request = self.machine.request
+        asks = request is not None and not isinstance(request, Go)
+        return self._blocked or self._halting or self.mode.single or asks or self.state is not State.RUNNING
+
+    # ---- what shows ------------------------------------------------------------------------------------------------------
+    @property
+    def moving(self) -> bool:
+        """Whether a way is under way."""
+        return self.state is State.RUNNING and self.ahead.under_way() is not None
+
+    def place(self) -> tuple[str, int]:
+        """Program and step in work: of the position under way, else under the cursor."""
+        block = self.ahead.under_way()
+        return Robot.place(self) if block is None else block.place
+
+    def cursor(self) -> tuple[str, int]:
+        """Program and step that is executed next."""
+        return Robot.place(self)

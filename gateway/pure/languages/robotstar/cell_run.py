@@ -1,0 +1,256 @@
+"""ROBOTstar programs in a cell: one program is selected, modes and keys are the control's, the way is the planner's (AX-940).  Pure."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from gateway.pure.image.records.interpreter import Fact
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
+from gateway.pure.languages.base.path import Path, Stretch
+from gateway.pure.languages.base.requests import Ns, RuntimeFault
+from gateway.pure.languages.robotstar import kept
+from gateway.pure.languages.robotstar.ahead import Ahead, Block
+from gateway.pure.languages.robotstar.arm import Arm
+from gateway.pure.languages.robotstar.cell_robot import CellRobot, NoDrive
+from gateway.pure.languages.robotstar.cell_world import CellWorld
+from gateway.pure.languages.robotstar.checker import check
+from gateway.pure.languages.robotstar.faults import StepFault
+from gateway.pure.languages.robotstar.lines import head
+from gateway.pure.languages.robotstar.machine import BitWait, Go, KeyTest, Machine, Wait
+from gateway.pure.languages.robotstar.memory import Memory
+from gateway.pure.languages.robotstar.program import Program
+from gateway.pure.languages.robotstar.robot import MODES, Message, State
+from gateway.pure.languages.robotstar.steps import build
+from gateway.pure.languages.robotstar.system import DEFAULTS, KEPT, System
+from gateway.pure.languages.robotstar.values import Names
+
+WAITS = {Wait: "a time", BitWait: "a bit", KeyTest: "F1 or F2"}
+RUNS = (State.RUNNING, State.WAITING)
+SYSTEM = "$SYSTEM"  # name of what the control itself keeps
+STARTABLE = ("MPR", "SPR", "MAC")
+
+
+class CellRun:
+    """One control's interpreter."""
+
+    def __init__(self, memory: Memory, port: Port, arm: Arm) -> None:
+        self.port, self.arm = port, arm
+        self.path = Path(port)
+        self.mode = MODES["auto"]
+        self.run = 0  # of the control, while the program runs
+        self.selected: Program | None = None
+        self._take(memory)
+
+    def _take(self, memory: Memory) -> None:
+        self.memory = memory
+        self.ahead = Ahead(self.path, self.arm, self._cursor)
+        self.world = CellWorld(self.port, self.ahead)
+        system = System(self.world)
+        names = system.names()
+        self.machine = Machine(memory, self.world, names, build)
+        system.machine = self.world.machine = self.machine
+        self.robot = CellRobot(self.machine, self.mode, NoDrive(), self._say, ahead=self.ahead)
+        self.faults = Faults()
+        check(memory, self.faults, names)
+        self.selected = None
+
+    def _cursor(self) -> tuple[str, int]:
+        return self.robot.cursor()
+
+    def replaced(self, memory: Memory) -> None:
+        """The memory was read anew; the place where a program was interrupted is lost (L209)."""
+        before = self.values()
+        self.path.release(self)
+        self._take(memory)
+        for name, text in before.items():
+            self.restore(name, text)
+
+    @property
+    def runs(self) -> bool:
+        """START is in force."""
+        return self.robot.state in RUNS
+
+    # ---- values ----------------------------------------------------------------------------------------------------------
+    def _tables(self) -> dict[str, Names]:
+        tables: dict[str, Names] = {}
+        for program in self.memory.all():
+            own = {name: self.memory.globals[name] for name, owner in self.memory.owners.items() if owner is program}
+            tables[program.file] = {**own, **self.memory.locals.get(program.key, {})}
+        return tables
+
+    def values(self) -> dict[str, str]:
+        """What outlives power-off: file of a program -> values of the variables it defines."""
+        found = {file: text for file, table in self._tables().items() if (text := kept.written(table))}
+        return found | {SYSTEM: kept.written(kept.system_values(self.machine.system, (*KEPT, *DEFAULTS)))}
+
+    def restore(self, file: str, text: str) -> list[str]:
+        """Values as they were kept; lines that fit no variable come back."""
+        return kept.restore(text, self.machine.system if file == SYSTEM else self._tables().get(file, {}))
+
+    @property
+    def effects(self) -> int:
+        """Grows where values may have changed."""
+        return self.machine.effects
+
+    # ---- from outside ----------------------------------------------------------------------------------------------------
+    def catalogue(self) -> list[ProgramRow]:
+        """All programs of the memory."""
+        return [self._row(program) for program in self.memory.all()]
+
+    def _row(self, program: Program) -> ProgramRow:
+        kind = program.kind if program.kind in STARTABLE else "subroutine"
+        fault = f"{program.file} line {program.refused[0][0]}: {program.refused[0][1]}" if program.refused else ""
+        return ProgramRow(program.key, kind, (1,), len(program.refused), 0, fault)
+
+    def start_run(self, name: str, run: int, now: Ns) -> None:
+        """START: of the program that is selected where it was stopped, of another one at its first step."""
+        self._at(now)
+        wrong = "a program runs: STOP first" if self.runs else self._choose(name)
+        wrong = wrong or self.robot.start(now)
+        if wrong:
+            self.port.over(run, "aborted", RuntimeFault(0, f"START is refused: {wrong}"), name)
+            return
+        self.run = run
+
+    def _choose(self, name: str) -> str:
+        found = self.memory.find(name)
+        if found is None:
+            return f"program {name} not found"
+        if found is self.selected:
+            return ""
+        if found.refused:
+            return f"program {found.key} has faults: {found.refused[0][1]}"
+        if found.kind not in STARTABLE:
+            return f"program {found.key} is a pallet program; it is not executed"
+        self._select(found)
+        return ""
+
+    def _select(self, found: Program) -> None:
+        self.path.release(self)
+        self.robot.select(found)
+        self.selected = found
+
+    def stop_run(self, run: int, now: Ns, error: RuntimeFault | None = None) -> None:
+        """STOP: on the path; START goes on from there.  error: because of one."""
+        self._at(now)
+        if run != self.run or not run:
+            return
+        self.robot.stop(now)
+        self._over(error)
+
+    def stop_all(self, now: Ns) -> None:
+        """The services have begun anew: the program is stopped, no order is under way."""
+        self._at(now)
+        self.robot.stop(now)
+        if self.path.now is not None:
+            self.ahead.left(self.path.now)
+        self.path.drop()
+        self.run = 0
+
+    def file_changed(self, name: str) -> None:
+        """The memory is read as a whole, see `replaced`."""
+
+    def hear(self, order: Mapping[str, Fact], now: Ns) -> None:
+        """Mode, keys and acknowledgement as the control has them."""
+        self._at(now)
+        match order["do"]:
+            case "mode":
+                self.mode = MODES[str(order["mode"])]
+                self.robot.set_mode(self.mode)
+            case "key":
+                self.robot.key(order["key"] == "F2")
+            case "ack":
+                self.robot.acknowledge()
+            case "select" if not self.runs:
+                wrong = self._choose(str(order["program"]))
+                if wrong:
+                    self._say(Message(wrong, None, str(order["program"]), 1, "operating"))
+            case "forget" if not self.runs:
+                self.path.release(self)
+                self.ahead.forget()
+                self.selected = None
+
+    def path_given(self, ticket: int, job: int) -> None:
+        """The robot moves for the program from now on."""
+        self.path.given(ticket, job)
+        stretch = self.path.now
+        if stretch is not None and stretch.job == job and stretch.ticket == ticket:
+            for text in head(self.arm.units):
+                self.port.line(job, text)
+
+    def path_over(self, ticket: int, error: RuntimeFault | None, now: Ns) -> None:
+        """It does not any more; the program stops on its path, with an error where the planner has refused a position."""
+        self._at(now)
+        block = self._refused(ticket)
+        stretch = self.path.ended(ticket, error)
+        if stretch is None:
+            return
+        self.ahead.look(self.port.view.set)
+        self.ahead.left(stretch)
+        if error is None or not self.runs:
+            return
+        if block is not None:
+            self.robot.fails(StepFault(error.text, 0, "path"), block.place)
+            self._over(None)
+            return
+        self.robot.stop(now)
+        self.robot.how = "aborted"
+        self._say(Message(error.text, None, *self.robot.place(), "operating"))
+        self._over(error)
+
+    def _refused(self, ticket: int) -> Block | None:
+        """The position the planner could not plan."""
+        stretch: Stretch | None = self.path.now
+        if stretch is None or stretch.ticket != ticket:
+            return None
+        path = self.port.view.path
+        if path.failed_job != stretch.job or not stretch.job:
+            return None
+        blocks = [item for item in self.ahead.items if isinstance(item, Block)]
+        return next((block for block in blocks if block.stretch is stretch and block.index >= path.fault_block), None)
+
+    # ---- turns -----------------------------------------------------------------------------------------------------------
+    def _at(self, now: Ns) -> None:
+        self.world.now = now
+
+    def turn(self, now: Ns) -> bool:
+        """The program goes on; True: it would at once."""
+        self._at(now)
+        self.path.look()
+        self.ahead.look(self.port.view.set)
+        before = self.robot.cursor()
+        self.robot.advance(now)
+        if self.runs:
+            name = self.selected.key if self.selected is not None else ""
+            self.ahead.hand_on(self, name, self.port.view.set, one=self.mode.single)
+            if self.robot.waits:
+                self.ahead.settle()
+        else:
+            self._over(None)
+        return self.runs and not self.robot.waits and not self.machine.idle and self.robot.cursor() != before
+
+    def _over(self, error: RuntimeFault | None) -> None:
+        """The run that has ended is reported."""
+        if not self.run or self.runs:
+            return
+        run, self.run = self.run, 0
+        program, step = self.robot.place()
+        fault, message = error, self.robot.fault
+        if message is not None:
+            fault, (program, step) = RuntimeFault(message.number or 0, message.text), (message.program, message.step)
+        self.port.over(run, self.robot.how or "stopped", fault, f"{program} step {step}")
+
+    def _say(self, message: Message) -> None:
+        facts: dict[str, Fact] = {"text": message.text, "number": message.number or 0, "program": message.program}
+        self.port.tell("message", **facts, step=message.step, kind=message.kind)
+
+    def rows(self) -> Sequence[ProcessRow]:
+        """The program that is selected."""
+        if self.selected is None:
+            return []
+        program, step = self.robot.place()
+        asked = self.machine.request
+        state = self.robot.state.value
+        waits = "" if asked is None or isinstance(asked, Go) or self.ahead.busy else WAITS.get(type(asked), "")
+        row = ProcessRow(self.run, program or self.selected.key, self.selected.kind, state, step, waits)
+        return [row if self.runs else replace(row, waits="")]
