@@ -244,6 +244,7 @@ class ControllerKind:
     markers: bool = False  # bytes of the PLC and of the robot that may not overlap
     little: bool = False  # low byte first in operands
     plc: bool = False  # [controller.plc]: an integrated PLC
+    memory: str = ""  # language of the programs in its memory
 
 
 def _make_rho3(plan: "ControllerPlan") -> "tuple[Control, list[str]]":
@@ -265,8 +266,8 @@ def _make_val3(plan: "ControllerPlan") -> "tuple[Control, list[str]]":
 
 
 CONTROLLERS = _table(
-    ControllerKind("rho3", "rho 3", _make_rho3, flags="flags", counters=True, parameters=True),
-    ControllerKind("reis", "Reis", _make_reis, flags="markers", markers=True, little=True, plc=True),
+    ControllerKind("rho3", "rho 3", _make_rho3, flags="flags", counters=True, parameters=True, memory="baps2"),
+    ControllerKind("reis", "Reis", _make_reis, flags="markers", markers=True, little=True, plc=True, memory="robotstar"),
     ControllerKind("val3", "VAL 3", _make_val3, points=True),
 )
 
@@ -290,8 +291,11 @@ class CellLanguage:
     listing: "Callable[[Cell, str], Listing | None] | None" = None  # of a program by its name, for the page
 
 
-def _has_memory(cell: "Cell") -> bool:
-    return cell.controller is not None and bool(cell.controller.memory) and CONTROLLERS[cell.controller.kind].parameters
+def _memory_of(language: str) -> "Callable[[Cell], bool]":
+    def has(cell: "Cell") -> bool:
+        return cell.controller is not None and bool(cell.controller.memory) and CONTROLLERS[cell.controller.kind].memory == language
+
+    return has
 
 
 def _baps2_programs(plan: "RunPlan", port: "Port") -> "Programs":
@@ -314,8 +318,21 @@ def _baps2_listing(cell: "Cell", program: str) -> "Listing | None":
     return baps2_listing(cell, program)
 
 
+def _robotstar_programs(plan: "RunPlan", port: "Port") -> "Programs":
+    from gateway.assembly.robotstar import RobotstarPrograms
+
+    return RobotstarPrograms(plan, port)
+
+
+def _robotstar_host(cell: "Cell", control: "Control", dispatcher: "CommandDispatcher") -> "ProgramsOfControl":
+    from gateway.assembly.robotstar import programs_of_control
+
+    return programs_of_control(cell, control, dispatcher)
+
+
 CELL_LANGUAGES = _table(
-    CellLanguage("baps2", "BAPS2", _has_memory, _baps2_programs, _baps2_host, listing=_baps2_listing),
+    CellLanguage("baps2", "BAPS2", _memory_of("baps2"), _baps2_programs, _baps2_host, listing=_baps2_listing),
+    CellLanguage("robotstar", "ROBOTstar", _memory_of("robotstar"), _robotstar_programs, _robotstar_host),
 )
 
 

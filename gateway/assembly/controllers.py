@@ -96,7 +96,9 @@ def make_control(
 
 def make_reis(plan: ControllerPlan) -> tuple[Control, list[str]]:
     """Markers and binary channels of a ROBOTstar."""
-    return ReisControl(reis_setup(plan.cell, plan.controller, plan.sources), plan.dispatcher), []
+    control = ReisControl(reis_setup(plan.cell, plan.controller, plan.sources), plan.dispatcher)
+    control.errors = plan.errors
+    return control, []
 
 
 def make_val3(plan: ControllerPlan) -> tuple[Control, list[str]]:
@@ -275,7 +277,8 @@ def reis_setup(cell: Cell, controller: Controller, doors: Mapping[str, int]) -> 
     door = doors.get(controller.door, next(iter(doors.values()), 0))
     factors = tuple(1000.0 if axis.unit == "mm" else 57.29577951308232 for axis in cell.axis)
     names = tuple(axis.name for axis in cell.axis)
-    return ReisSetup(names, door, controller.first_byte, controller.plc_only, controller.robot_only, references, factors)
+    given = controller.first_byte, controller.plc_only, controller.robot_only
+    return ReisSetup(names, door, *given, references, factors, bool(controller.memory))
 
 
 def points_of(controller: Controller) -> list[Point]:

@@ -101,8 +101,9 @@ def _memory(check: Context, table: Controller) -> None:
     folder = memory_folder(check.cell)
     if folder is None:
         return
-    if not CONTROLLERS[table.kind].parameters:
-        check.fault("controller.memory", table.memory, 'programs belong to kind = "rho3"')
+    if not CONTROLLERS[table.kind].memory:
+        kinds = " and ".join(f'kind = "{row.name}"' for row in CONTROLLERS.values() if row.memory)
+        check.fault("controller.memory", table.memory, f"programs belong to {kinds}")
     elif not folder.is_dir():
         check.fault("controller.memory", table.memory, "no such folder (looked for beside the cell file)")
     elif not check.cell.robot or not all(robot.model for robot in check.cell.robot):

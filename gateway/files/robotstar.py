@@ -9,6 +9,7 @@ from gateway.pure.languages.robotstar.memory import Source
 from gateway.pure.languages.robotstar.words import Words
 
 MOST_BYTES = 4_000_000  # of a program
+KEPT = ".VAL"  # suffix of a file with values that outlive power-off
 
 
 class FolderFault(ValueError):
@@ -32,7 +33,7 @@ def sources(folder: str) -> list[Source]:
 def _files(root: Path) -> Iterator[Path]:
     for path in sorted(root.rglob("*"), key=lambda each: each.relative_to(root).as_posix()):
         hidden = any(part.startswith(".") for part in path.relative_to(root).parts)
-        if path.is_file() and not hidden:
+        if path.is_file() and not hidden and path.suffix.upper() != KEPT:
             yield path
 
 

@@ -159,6 +159,7 @@ class InterpreterProcess:
             if timer.expired():
                 self.turn()
         timer.close()
+        self.language.stop_all(time.monotonic_ns())  # what is written rarely while programs run is written now
         self._write_back()
         self.journal.close()
 

@@ -222,6 +222,9 @@ class PlcProcess:
             case "write":
                 for at, value in enumerate(bytes.fromhex(str(order["data"])), int(order["first"])):
                     self.plc.set_marker(at, value)
+            case "bits":
+                at, mask = int(order["byte"]), int(order["mask"])
+                self.plc.set_marker(at, self.plc.data.memory[at] & ~mask | int(order["bits"]) & mask)
             case "start":
                 self._read_sources()
                 self._start(str(order["name"]) or self.table.start)

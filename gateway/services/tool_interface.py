@@ -222,7 +222,7 @@ class ToolInterface:
         self.permits, self._permitting = True, (connection, self._run.clock())
         controller = self._run.cell.controller
         automatic = (
-            (AUTO_MN,) if controller is not None and CONTROLLERS[controller.kind].parameters else ()
+            (AUTO_MN,) if controller is not None and (CONTROLLERS[controller.kind].parameters or controller.memory) else ()
             # programs run in automatic alone
         )
         for bit in (*ENABLING_BITS, *automatic):

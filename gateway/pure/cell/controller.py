@@ -77,7 +77,9 @@ class Controller:
 
     kind: Annotated[str, Registered("controllers")] = "rho3"
     files: str = ""  # folder of MSD.DAT, TEXT.DAT, EXPROG.DAT, PHGCODE.DAT; relative to the cell file
-    memory: str = ""  # folder of the programs: QLL, PKT, DAT, BNR; relative to the cell file (AX-860)
+    memory: str = (
+        ""  # folder of the programs: QLL, PKT, DAT, BNR (AX-860), of a reis MPR, SPR, MAC, PAL (AX-940); relative to the cell file
+    )
     code_page: Literal["cp437", "cp850", "latin-1", "utf-8"] = "cp437"
     hardware: Literal["rho3.0", "rho3.1", "rho3.2"] = "rho3.1"  # rho3.0 | rho3.1 | rho3.2: unit of timers, multi-function I/O
     kinematics: Annotated[int, Ge(1), Le(10)] = 1

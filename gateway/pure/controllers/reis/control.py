@@ -13,7 +13,7 @@ from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.controllers.pic_image import PicImage
 from gateway.pure.controllers.reis.analog import ana_inp, output_volts
-from gateway.pure.controllers.reis.binary import FIRST_BYTE, Area, BinaryIo, SharedOutputs
+from gateway.pure.controllers.reis.binary import FIRST_BYTE, Area, BinaryIo, IoFault, SharedOutputs
 from gateway.pure.controllers.reis.integrated import DRIVES_OFF, STOPS, IntegratedPlc
 from gateway.pure.controllers.reis.markers import (
     ACKNOWLEDGED,
@@ -28,7 +28,9 @@ from gateway.pure.controllers.reis.markers import (
     SYSTEM,
     Markers,
 )
+from gateway.pure.controllers.reis.programs import Keys, ReisPrograms
 from gateway.pure.controllers.reis.regulator import Message, Reference, regulator_error, start
+from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records.cell import AxisFlag, CellState, InputImage, Motion
 from protocols.base.machine import Ns
 
@@ -69,6 +71,7 @@ class ReisSetup:
     robot_only: Collection[int] = ()
     references: Mapping[int, Reference] = field(default_factory=dict)  # of the axes, 1..
     unit_per_si: tuple[float, ...] = ()  # mm or deg for each m or rad
+    programs: bool = False  # the interpreter runs the robot's programs
 
 
 class ReisControl:
@@ -82,6 +85,10 @@ class ReisControl:
         self.shared = SharedOutputs(self.io, setup.plc_only, setup.robot_only)
         self.markers = Markers(self.io)
         self.plc: IntegratedPlc | None = None  # a process of its own, where the cell has [controller.plc]
+        self.programs: ReisPrograms | None = None  # of the interpreter, where the cell has a memory
+        self.keys = Keys()
+        self.cell = CellState()
+        self.errors: ErrorList | None = None
         self._drives_off = False  # wanted by a message of the PLC
         self._acknowledged = True  # a level at start is no edge
         self.messages: list[Message] = []
@@ -89,6 +96,7 @@ class ReisControl:
         self._asynchronous: set[int] = set()  # axes whose machine data have changed since
         self._referenced, self._seen = 0, False  # axes that were referenced at the last step; there was one
         self.was_synchronised(setup.references)
+        self._shown: list[tuple[int, str]] = []  # errors of the robot program that are not acknowledged
         self._standing: set[tuple[int, int]] = set()  # regulator error, axis
         self._percent = self.markers.number(OVERRIDE)  # what stands is no order
         self._hold = True  # a hold that stands at start has stopped nothing
@@ -109,6 +117,7 @@ class ReisControl:
     # ---- one cycle -----------------------------------------------------------------------------------------------------
     def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
         """`cycle`: RC outputs as the cycle published them.  What a person should read."""
+        self.cell = state
         self.image.take(inputs)
         own = bytes(self.image.outputs[self._keep])
         self.image.outputs[:] = cycle
@@ -124,6 +133,7 @@ class ReisControl:
             self._obey(state, now)
             if self.plc is not None:
                 self._react(self.plc, state, now)
+        self._acknowledge()
         return told
 
     # ---- the integrated PLC --------------------------------------------------------------------------------------------
@@ -142,18 +152,82 @@ class ReisControl:
         """Red messages stop the robot, those of class 7 switch the drives off; input 62 acknowledges."""
         reactions = [int(message["reaction"]) & 0xFF for message in plc.messages]
         plc.messages = []
-        if any(reaction >= STOPS for reaction in reactions) and state.motion is not Motion.IDLE:
-            self._say(Command(Code.STOP), now)
+        if any(reaction >= STOPS for reaction in reactions):
+            if self.programs is not None:
+                self.programs.stop(now)
+            if state.motion is not Motion.IDLE:
+                self._say(Command(Code.STOP), now)
         self._drives_off = self._drives_off or any(reaction >= DRIVES_OFF for reaction in reactions)
         enabled = any(axis.flags & AxisFlag.ENABLED for axis in state.axes[: len(self.setup.axes)])
         if self._drives_off and not enabled:
             self._drives_off = False
         elif self._drives_off and state.motion in (Motion.STOPPED, Motion.IDLE):
             self._office.command(self._office.owner or self.setup.door, Command(Code.DISABLE, (1 << len(self.setup.axes)) - 1), now)
+
+    def _acknowledge(self) -> None:
         level = self.image.input(ACKNOWLEDGE)
         if level and not self._acknowledged:
-            plc.acknowledge()
+            if self.plc is not None:
+                self.plc.acknowledge()
+            if self.programs is not None:
+                self.programs.acknowledge()
         self._acknowledged = level
+
+    # ---- programs of the interpreter -----------------------------------------------------------------------------------
+    @property
+    def automatic(self) -> bool:
+        """RC input 23."""
+        return self.image.input(AUTO_MN)
+
+    def marker(self, byte: int, bit: int) -> bool:
+        """M byte.bit, as the integrated PLC has it where there is one."""
+        if self.plc is not None and self.plc.report.id and byte < INPUTS:
+            return bool(self.plc.report.markers[byte] >> bit & 1)
+        return self.markers.bit(byte, bit)
+
+    def robot_writes(self, first: int, data: bytes) -> str:
+        """Markers and outputs as the robot program writes them; why it may not, or ""."""
+        if first < INPUTS and self.plc is not None:
+            self.plc.write(first, data)
+            return ""
+        return next((wrong for at, value in enumerate(data, first) if (wrong := self.robot_sets(at, 0xFF, value))), "")
+
+    def robot_sets(self, byte: int, mask: int, bits: int) -> str:
+        """The same for single bits of a byte; where robot and PLC write an output, it has the PLC's value (L2274)."""
+        try:
+            if byte >= OUTPUTS:
+                for bit in (bit for bit in range(8) if mask >> bit & 1):
+                    self.shared.by_robot(bool(bits >> bit & 1), byte - OUTPUTS, bit)
+            elif self.plc is not None:
+                self.plc.write_bits(byte, mask, bits)
+            else:
+                mask &= ~_ROBOTS_BITS.get(byte, 0) if not _of_robot(byte) else 0
+                self.markers.set_byte(byte, self.markers.byte(byte) & ~mask | bits & mask)
+        except IoFault as fault:
+            return str(fault)
+        return ""
+
+    def message(self, number: int, words: str, now: Ns) -> None:
+        """An error of the robot program: in the list, in M944 and M1021.0."""
+        self.markers.set_number(ERROR_NUMBER, number)
+        self.markers.set_bit(*IN_ERROR, True)
+        self.markers.set_bit(*ACKNOWLEDGED, False)
+        self._shown.append((number, words))
+        if self.errors is not None:
+            self.errors.report(number, words, now, source="reis")
+
+    def acknowledged(self) -> None:
+        """It is acknowledged."""
+        if not self._shown:
+            return
+        for number, words in self._shown:
+            if self.errors is not None:
+                self.errors.drop(number, words, "reis")
+        self._shown.clear()
+        self.markers.set_bit(*ACKNOWLEDGED, True)
+        if not self._standing and not self._asynchronous:
+            self.markers.set_bit(*IN_ERROR, False)
+            self.markers.set_number(ERROR_NUMBER, 0)
 
     def _errors(self, state: CellState) -> list[str]:
         seen: dict[tuple[int, int], None] = {}
@@ -185,7 +259,9 @@ class ReisControl:
         markers.set_bit(*MOVES, state.motion in (Motion.RUNNING, Motion.STOPPING, Motion.REFERENCING))
         self._note_references(state)
         markers.set_bit(*SYNCHRONOUS, not self._asynchronous and all(axis.flags & AxisFlag.REFERENCED for axis in axes))
-        mode = AUTO if self.image.input(AUTO_MN) else HAND
+        mode = AUTO if self.automatic else HAND
+        if self.programs is not None and self.programs.code is not None:
+            mode = self.programs.code
         markers.set_number(MODE, int.from_bytes(mode.to_bytes(2, "big"), "little"), 2)
         for number, (axis, factor) in enumerate(zip(axes, self.setup.unit_per_si, strict=False)):
             markers.set_number(ACTUAL + 4 * number, round(axis.actual * factor * 100.0))
@@ -217,7 +293,7 @@ class ReisControl:
             self._stopped = True
         elif not hold and self._stopped and state.motion in (Motion.STOPPED, Motion.IDLE):
             self._stopped = False
-            if state.motion is Motion.STOPPED:
+            if state.motion is Motion.STOPPED and (self.programs is None or self.programs.run):
                 self._say(Command(Code.RESUME), now)
         self._hold = hold
 
@@ -278,7 +354,8 @@ class ReisControl:
         """Values beside the markers."""
         elements = [f"reis.ibin_{way}.{n}" for way in ("in", "out") for n in range(1, 11)]
         analog = [f"reis.analog.{way}.{n}" for way in ("input", "output") for n in range(1, 25)]
-        return elements + analog + [f"reis.output.{byte}.{bit}" for byte in range(40) for bit in range(8)]
+        keys = [f"reis.{name}" for name in Keys.names()] if self.setup.programs else []
+        return elements + analog + [f"reis.output.{byte}.{bit}" for byte in range(40) for bit in range(8)] + keys
 
     def value(self, name: str) -> float:
         """One of them; KeyError."""
@@ -291,13 +368,17 @@ class ReisControl:
                 return output_volts(self.markers, _number(name, number))
             case ["reis", "output", byte, bit]:
                 return float(self.io.read_bit(Area.OUTPUT, _number(name, byte), _number(name, bit)))
+            case ["reis", *rest] if self.setup.programs:
+                return self.keys.value(".".join(rest))
         raise KeyError(name)
 
     def put(self, name: str, value: float) -> None:
-        """WRITE_BIT of the robot's program; KeyError for anything else, IoFault where the byte is the PLC's."""
+        """WRITE_BIT of the robot's program, a key or the mode; KeyError for anything else, ValueError where the value does not fit."""
         match name.split("."):
             case ["reis", "output", byte, bit]:
                 self.shared.by_robot(bool(value), _number(name, byte), _number(name, bit))
+            case ["reis", *rest] if self.setup.programs:
+                self.keys.put(".".join(rest), value)
             case _:
                 raise KeyError(name)
 
@@ -308,6 +389,7 @@ class ReisControl:
             "kind": "reis", "error": markers.number(ERROR_NUMBER), "in_error": markers.bit(*IN_ERROR),
             "synchronous": markers.bit(*SYNCHRONOUS), "mode": f"{markers.byte(MODE):02X}{markers.byte(MODE + 1):02X}",
             **({"plc": self.plc.status()} if self.plc is not None else {}),
+            **({"message": self._shown[-1][1] if self._shown else ""} if self.setup.programs else {}),
         }  # fmt: skip
 
 

@@ -69,6 +69,13 @@ class IntegratedPlc:
         self.report = replace(self.report, markers=bytes(shown))
         return True
 
+    def write_bits(self, byte: int, mask: int, bits: int) -> None:
+        """Bits of a marker byte, between two scans."""
+        self.orders.append({"do": "bits", "byte": byte, "mask": mask, "bits": bits})
+        shown = bytearray(self.report.markers)
+        shown[byte] = shown[byte] & ~mask | bits & mask
+        self.report = replace(self.report, markers=bytes(shown))
+
     def acknowledge(self) -> None:
         """The message shown is acknowledged."""
         if self.shown is not None:

@@ -64,9 +64,12 @@ class Ahead:
         blocks = [item for item in self.items if isinstance(item, Block)]
         return len(blocks) < FEWEST or (len(blocks) < MOST and sum(block.go.whole for block in blocks) < AHEAD_NS)
 
-    def put(self, go: Go, start: Target) -> None:
-        """A position; StepFault where this robot has none such."""
+    def put(self, go: Go, start: Target, places: tuple[float, ...]) -> None:
+        """A position; StepFault where this robot has none such, or does not reach it."""
         self.arm.text(go.target, start)
+        wrong = self.arm.unreachable(go.target, start, go.tool, self.arm.own(places))
+        if wrong:
+            raise StepFault(wrong, 0, "path")
         block = Block(go, self.place(), start)
         if go.auxiliary:
             if not go.target.pose:

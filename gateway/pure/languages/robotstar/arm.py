@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.path import Target
 from gateway.pure.languages.robotstar.values import Structure
+from motion.errors import MotionError
 from motion.geometry.conventions import convention
 from motion.geometry.frames import IDENTITY, Pose
-from motion.geometry.units import to_si
+from motion.geometry.units import from_si, to_si
 from motion.kinematics.identity import Identity
 from motion.planner.robot import Machine
 
@@ -69,15 +70,33 @@ class Arm:
             return self._joints(target, near)
         if self.plain:
             raise StepFault("a position of the tool needs the geometry of the robot; give the position by its axes, A1:..")
-        pose = list(target.pose)
-        free = FREE.get(self.machine.arm, (3, 4, 5))
-        for place in (3, 4, 5) if near.pose else ():
-            if place not in free:
-                pose[place] = near.pose[place]
+        pose = self._filled(target, near)
         self._known(target)
         extra = [self._axis(number, target, near) for number in range(self.machine.arm + 1, self.machine.axes + 1)]
         named = zip(extra, self.units[self.machine.arm :], strict=True)
         return _numbers("pose", pose) + (" extra=" + ",".join(f"{value:.10g}{unit}" for value, unit in named) if extra else "")
+
+    def _filled(self, target: Target, near: Target) -> list[float]:
+        pose, free = list(target.pose), FREE.get(self.machine.arm, (3, 4, 5))
+        for place in (3, 4, 5) if near.pose else ():
+            if place not in free:
+                pose[place] = near.pose[place]
+        return pose
+
+    def unreachable(self, target: Target, near: Target, tool: Structure | None, axes: Sequence[float]) -> str:
+        """Why the robot does not get there from where its axes are; "" where it does, as far as the position alone tells."""
+        for name, value in target.axes.items():
+            limits = self.machine.limits[int(name[1:]) - 1]
+            if not limits.lower - 1e-9 <= to_si(value, limits.unit) <= limits.upper + 1e-9:
+                low, high = (from_si(each, limits.unit) for each in (limits.lower, limits.upper))
+                return f"{name} {value:g} is outside {low:g} .. {high:g} {limits.unit}"
+        if target.pose:
+            try:
+                flange = REIS.pose(self._filled(target, near)) @ self._tool(tool).inverse()
+                self.machine.inverse(flange, tuple(to_si(value, unit) for value, unit in zip(axes, self.units, strict=True)))
+            except MotionError as error:
+                return str(error)
+        return ""
 
     def _joints(self, target: Target, near: Target) -> str:
         self._known(target)

@@ -4,6 +4,7 @@ Steps without outside effect run ahead of the robot.  A step that reads the cell
 position before it is over.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.base.requests import Ns
@@ -39,6 +40,7 @@ class CellRobot(Robot):
     """Call `advance` once a turn; how: what it stopped for, "ended" (STOP, END), "stopped" or "aborted"."""
 
     ahead: Ahead = field(kw_only=True)
+    places: Callable[[], tuple[float, ...]] = field(kw_only=True)  # set values of the cell's axes
     how: str = ""
     fault: Message | None = None
     _blocked: bool = False  # the step in force waits for the positions before
@@ -138,7 +140,7 @@ class CellRobot(Robot):
             if not self.ahead.room() or (self.mode.single and self.ahead.busy):
                 return now + CYCLE
             try:
-                self.ahead.put(request, self.machine.world.planned())
+                self.ahead.put(request, self.machine.world.planned(), self.places())
             except StepFault as fault:
                 self._failed(fault)
                 if self._blocked:

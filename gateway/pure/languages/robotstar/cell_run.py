@@ -16,16 +16,17 @@ from gateway.pure.languages.robotstar.cell_world import CellWorld
 from gateway.pure.languages.robotstar.checker import check
 from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.lines import head
-from gateway.pure.languages.robotstar.machine import BitWait, Go, KeyTest, Machine, Wait
+from gateway.pure.languages.robotstar.machine import BitWait, KeyTest, Machine, Wait
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.pure.languages.robotstar.program import Program
 from gateway.pure.languages.robotstar.robot import MODES, Message, State
 from gateway.pure.languages.robotstar.steps import build
 from gateway.pure.languages.robotstar.system import DEFAULTS, KEPT, System
-from gateway.pure.languages.robotstar.values import Names
+from gateway.pure.languages.robotstar.values import Cell, Names
 
-WAITS = {Wait: "a time", BitWait: "a bit", KeyTest: "F1 or F2"}
+WAITS = {Wait: "a time", BitWait: "a bit"}
 RUNS = (State.RUNNING, State.WAITING)
+LEFT = -1  # code of an order that ended because the rest of the path was given up
 SYSTEM = "$SYSTEM"  # name of what the control itself keeps
 STARTABLE = ("MPR", "SPR", "MAC")
 
@@ -49,7 +50,7 @@ class CellRun:
         names = system.names()
         self.machine = Machine(memory, self.world, names, build)
         system.machine = self.world.machine = self.machine
-        self.robot = CellRobot(self.machine, self.mode, NoDrive(), self._say, ahead=self.ahead)
+        self.robot = CellRobot(self.machine, self.mode, NoDrive(), self._say, ahead=self.ahead, places=lambda: self.port.view.set)
         self.faults = Faults()
         check(memory, self.faults, names)
         self.selected = None
@@ -129,6 +130,7 @@ class CellRun:
         self.path.release(self)
         self.robot.select(found)
         self.selected = found
+        self.port.tell("selected", program=found.key)
 
     def stop_run(self, run: int, now: Ns, error: RuntimeFault | None = None) -> None:
         """STOP: on the path; START goes on from there.  error: because of one."""
@@ -161,14 +163,20 @@ class CellRun:
                 self.robot.key(order["key"] == "F2")
             case "ack":
                 self.robot.acknowledge()
-            case "select" if not self.runs:
-                wrong = self._choose(str(order["program"]))
-                if wrong:
-                    self._say(Message(wrong, None, str(order["program"]), 1, "operating"))
+            case "change" if not self.runs:
+                self._change()
             case "forget" if not self.runs:
                 self.path.release(self)
                 self.ahead.forget()
                 self.selected = None
+
+    def _change(self) -> None:
+        """To the program named in _SNMIPRG (L2921)."""
+        cell = self.machine.system["_SNMIPRG"]
+        name = str(cell.value or "").strip() if isinstance(cell, Cell) else ""
+        wrong = self._choose(name) if name else "_SNMIPRG names no program"
+        if wrong:
+            self._say(Message(wrong, None, name, 1, "operating"))
 
     def path_given(self, ticket: int, job: int) -> None:
         """The robot moves for the program from now on."""
@@ -187,7 +195,7 @@ class CellRun:
             return
         self.ahead.look(self.port.view.set)
         self.ahead.left(stretch)
-        if error is None or not self.runs:
+        if error is None or error.code == LEFT or not self.runs:
             return
         if block is not None:
             self.robot.fails(StepFault(error.text, 0, "path"), block.place)
@@ -227,6 +235,8 @@ class CellRun:
                 self.ahead.settle()
         else:
             self._over(None)
+            if not self.ahead.busy:
+                self.path.release(self)  # others may move the axes
         return self.runs and not self.robot.waits and not self.machine.idle and self.robot.cursor() != before
 
     def _over(self, error: RuntimeFault | None) -> None:
@@ -251,6 +261,7 @@ class CellRun:
         program, step = self.robot.place()
         asked = self.machine.request
         state = self.robot.state.value
-        waits = "" if asked is None or isinstance(asked, Go) or self.ahead.busy else WAITS.get(type(asked), "")
+        keys = isinstance(asked, KeyTest) or (isinstance(asked, BitWait) and asked.keys)
+        waits = "" if asked is None or self.ahead.busy else "F1 or F2" if keys else WAITS.get(type(asked), "")
         row = ProcessRow(self.run, program or self.selected.key, self.selected.kind, state, step, waits)
         return [row if self.runs else replace(row, waits="")]

@@ -67,6 +67,7 @@ def _passed(go: Go) -> list[str]:
 def rest_of_circle(start: Point, via: Point, end: Point, here: Point) -> tuple[float, ...]:
     """Where an arc that was left at `here` goes through on its way to its end: the auxiliary point where that is still to come, else the
     middle of what is left.  X Y Z in mm; StepFault where the points make no circle."""
+    start, via, end, here = (tuple(point[:3]) for point in (start, via, end, here))
     centre, normal = _centre(start, via, end)
 
     def angle(point: Point) -> float:

@@ -1,0 +1,114 @@
+"""ROBOTstar programs as a cell sets them up: those of its memory, its robot, the values they keep."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from gateway.assembly.program_memory import memory_folder
+from gateway.assembly.programs import machines_of_cell
+from gateway.assembly.run import RunPlan
+from gateway.files.robotstar import KEPT, FolderFault, sources, text_of, words
+from gateway.pure.arbitration.dispatcher import CommandDispatcher
+from gateway.pure.cell.cell import Cell
+from gateway.pure.controllers.control import Control
+from gateway.pure.controllers.reis.control import ReisControl
+from gateway.pure.controllers.reis.programs import ReisPrograms
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.hosting import Port
+from gateway.pure.languages.robotstar.arm import Arm
+from gateway.pure.languages.robotstar.cell_run import CellRun
+from gateway.pure.languages.robotstar.memory import Memory
+from gateway.runtime.safe_file import write_whole
+
+KEEP_S, SHARE = 0.5, 20  # values are written so often while they change; at least so many times as long as writing takes
+
+
+def arm_of(cell: Cell) -> Arm:
+    """The first robot of a checked cell; MotionError: a model that does not fit."""
+    return Arm(0, machines_of_cell(cell)[0])
+
+
+def programs_of_control(cell: Cell, control: Control, dispatcher: CommandDispatcher) -> ReisPrograms:
+    """The robot programs of a Reis control; MotionError: as arm_of."""
+    assert isinstance(control, ReisControl)  # as `check` has it
+    mask = (1 << arm_of(cell).machine.axes) - 1
+    control.programs = ReisPrograms(control, dispatcher, mask, control.setup.door, control.keys, cell.cell.language)
+    return control.programs
+
+
+class RobotstarPrograms:
+    """The memory of a cell and its folder, root S:/."""
+
+    def __init__(self, plan: RunPlan, port: Port) -> None:
+        folder = memory_folder(plan.cell)
+        assert folder is not None  # its language has no row otherwise
+        self.folder = folder
+        self._stamps = self._stamped()
+        self._faults = Faults()
+        self.language = CellRun(Memory.read(sources(str(folder)), words(), self._faults), port, arm_of(plan.cell))
+        self._kept: dict[str, str] = {}
+        self._due = self._effects = 0.0
+        self._told = self._restored()
+
+    def _stamped(self) -> dict[str, tuple[int, int]]:
+        found = {str(path): path.stat() for path in self.folder.rglob("*") if path.is_file() and path.suffix.upper() != KEPT}
+        return {name: (stat.st_mtime_ns, stat.st_size) for name, stat in found.items()}
+
+    def _file(self, program: str) -> Path:
+        """Beside the program: NAME.MPR has NAME.MPR.VAL."""
+        return self.folder / f"{program}{KEPT}"
+
+    def _restored(self) -> list[str]:
+        lost = []
+        for name in self.language.values().keys() | {path.relative_to(self.folder).as_posix()[: -len(KEPT)] for path in self._there()}:
+            try:
+                text = text_of(self._file(name)) if self._file(name).exists() else ""
+            except FolderFault as fault:
+                lost.append(str(fault))
+                continue
+            lost += [
+                f"{self._file(name)}: {line}: no variable takes this value; it is left out" for line in self.language.restore(name, text)
+            ]
+        self._kept = self.language.values()
+        return lost
+
+    def _there(self) -> list[Path]:
+        return [path for path in self.folder.rglob(f"*{KEPT}") if path.is_file()]
+
+    def read(self, alive: Callable[[], None]) -> list[str]:
+        """What is wrong with the programs, and with the values that were kept."""
+        alive()
+        told, self._told = self._told, []
+        return [f"{fault}" for fault in (*self._faults, *self.language.faults) if fault.severity.value == "error"] + told
+
+    def refresh(self, alive: Callable[[], None]) -> list[str] | None:
+        """Programs that were put into the memory since the last start; a program that was stopped begins anew then."""
+        stamps = self._stamped()
+        if stamps == self._stamps or self.language.runs:
+            return None
+        self._stamps = stamps
+        self._faults = Faults()
+        try:
+            found = sources(str(self.folder))
+        except FolderFault as fault:
+            return [str(fault)]
+        self.language.replaced(Memory.read(found, words(), self._faults))
+        return self.read(alive)
+
+    def write_back(self) -> list[str]:
+        """Values that have changed; each file has old or new values whatever happens."""
+        now = time.monotonic()
+        if self._effects == self.language.effects or (now < self._due and self.language.runs):
+            return []
+        began, self._effects = now, self.language.effects
+        values, faults = self.language.values(), []
+        for name, text in values.items():
+            if self._kept.get(name, "") == text:
+                continue
+            try:
+                write_whole(self._file(name), text.encode())
+            except OSError as error:
+                faults.append(f"{self._file(name)}: {error.strerror}; values of variables do not outlive power-off")
+        self._kept = values
+        self._due = time.monotonic() + max(KEEP_S, SHARE * (time.monotonic() - began))
+        return faults

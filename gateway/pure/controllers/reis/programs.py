@@ -1,0 +1,389 @@
+"""Robot programs of the interpreter as a Reis control has them: modes, keys, START and STOP, the order to move, messages (AX-940).  Pure.
+
+One program is selected at a time.  STOP, drives off and emergency stop leave the axes at rest on the path; START goes on.  Nothing moves
+again without a fresh START.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from gateway.pure.arbitration.command_block import Code, Command
+from gateway.pure.arbitration.dispatcher import CommandDispatcher
+from gateway.pure.arbitration.jobs import Job
+from gateway.pure.image.reasons import CommandState, Reason, text
+from gateway.pure.image.records.cell import AxisFlag, CellState, Motion
+from gateway.pure.image.records.interpreter import Channels, Fact
+from gateway.pure.languages.robotstar.cell_run import LEFT
+from gateway.pure.languages.robotstar.robot import MODES
+from protocols.base.machine import Ns
+
+GONE = "the interpreter ended, and the program with it"
+RESULTS = 64
+HAND = ""
+KEYS = ("start", "stop", "f1", "f2", "exec", "quit")
+AT_REST = (Motion.IDLE, Motion.STOPPED)
+CHANGE, BEGIN, END = (968, 0), (968, 1), (968, 2)  # markers: program change, Auto Start, Auto Stop (L2921-2923)
+HOLD = (1020, 7)
+Outcome = tuple[str, int, str, str]  # how, code, text, place
+
+
+class ReisSide(Protocol):
+    """What the control gives its programs."""
+
+    @property
+    def cell(self) -> CellState:
+        """As the cycle published it last."""
+
+    @property
+    def automatic(self) -> bool:
+        """RC input 23."""
+
+    def marker(self, byte: int, bit: int) -> bool:
+        """M byte.bit."""
+
+    def flag_bytes(self) -> bytes:
+        """M0..M2047."""
+
+    def robot_writes(self, first: int, data: bytes) -> str:
+        """Markers and outputs as the robot program writes them; why it may not, or ""."""
+
+    def robot_sets(self, byte: int, mask: int, bits: int) -> str:
+        """The same for single bits of a byte."""
+
+    def message(self, number: int, words: str, now: Ns) -> None:
+        """An error of the robot program."""
+
+    def acknowledged(self) -> None:
+        """It is acknowledged."""
+
+
+@dataclass(slots=True)
+class Keys:
+    """Of the pendant, as levels; a command source, a wire or a tool presses them."""
+
+    test: int = 0  # operating mode while it is not AUTO: 0 HAND, 1..6 Test
+    middle: bool = False  # the key selector is at Cal/Sync: START is held while the robot moves (L1214)
+    levels: dict[str, bool] = field(default_factory=lambda: dict.fromkeys(KEYS, False))
+    before: dict[str, bool] = field(default_factory=lambda: dict.fromkeys(KEYS, False))
+
+    def edges(self) -> dict[str, bool]:
+        """Keys that were pressed (True) or released since the last call."""
+        found = {key: level for key, level in self.levels.items() if level is not self.before[key]}
+        self.before = dict(self.levels)
+        return found
+
+    def put(self, name: str, value: float) -> None:
+        """mode, selector or key.NAME; KeyError, ValueError."""
+        if name == "mode":
+            if value not in range(7):
+                raise ValueError(f"reis.mode {value:g}: 0 HAND, 1..6 Test")
+            self.test = int(value)
+        elif name == "selector":
+            self.middle = bool(value)
+        else:
+            key = name.removeprefix("key.")
+            if key not in self.levels:
+                raise KeyError(name)
+            self.levels[key] = bool(value)
+
+    def value(self, name: str) -> float:
+        """The same, read; KeyError."""
+        if name in ("mode", "selector"):
+            return float(self.test if name == "mode" else self.middle)
+        return float(self.levels[name.removeprefix("key.")])
+
+    @staticmethod
+    def names() -> list[str]:
+        """Behind `reis.`."""
+        return ["mode", "selector", *(f"key.{key}" for key in KEYS)]
+
+
+@dataclass(slots=True)
+class ReisPrograms:
+    """Call `report` with what the interpreter publishes, `hear` with each of its records, `step` before and after a cycle of the
+    control."""
+
+    side: ReisSide
+    dispatcher: CommandDispatcher
+    axes: int  # mask of the robot
+    door: int  # command source that moves where no tool has started the program
+    keys: Keys
+    language: str = "en"
+    language_id: int = 0  # of the interpreter that runs
+    orders: list[dict[str, Fact]] = field(default_factory=list)
+    told: list[str] = field(default_factory=list)
+    ending: list[int] = field(default_factory=list)
+    programs: list[dict[str, object]] = field(default_factory=list)
+    rows: list[dict[str, object]] = field(default_factory=list)
+    results: dict[int, Outcome] = field(default_factory=dict)
+    run: int = 0  # under way
+    _runs: int = 0
+    _name: str = ""  # of the program that was started last
+    _mode: str | None = None
+    _mover: int = 0
+    _job: Job | None = None
+    _ticket: int = 0
+    _leaving: bool = False  # the rest of the path is given up as soon as the axes rest; the interpreter hands it on anew
+    _resume: bool = False  # goes on as soon as the axes rest
+    _seen: dict[tuple[int, int], bool] = field(default_factory=lambda: {CHANGE: True, BEGIN: True})  # a level at start is no edge
+
+    # ---- modes -----------------------------------------------------------------------------------------------------------
+    @property
+    def mode(self) -> str:
+        """Name of the mode; "" is HAND."""
+        if self.side.automatic:
+            return "auto"
+        return f"test{self.keys.test}" if self.keys.test else HAND
+
+    @property
+    def code(self) -> int | None:
+        """M1022; None: HAND."""
+        return MODES[self.mode].code if self.mode else None
+
+    def _look_at_mode(self, now: Ns) -> None:
+        mode = self.mode
+        if mode == self._mode:
+            return
+        before, self._mode = self._mode, mode
+        if before is not None:
+            self.stop(now)
+            self._leaving = self._job is not None
+        if mode:
+            self.orders.append({"do": "mode", "mode": mode})
+
+    # ---- the interpreter -------------------------------------------------------------------------------------------------
+    def report(self, report: Mapping[str, object], *, alive: bool) -> None:
+        """What the interpreter publishes: identity, programs, the program selected."""
+        found = report.get("id", 0)
+        identity = found if isinstance(found, int) and alive else 0
+        if identity != self.language_id:
+            self._lost()
+            self.language_id, self._mode = identity, None
+        self.programs = _rows(report.get("programs")) if identity else []
+        self.rows = _rows(report.get("processes")) if identity else []
+
+    def _lost(self) -> None:
+        """The axes stop on the path, and its rest is given up."""
+        if self.run:
+            self.told.append(f"{self._name}: {GONE}")
+            self._end("lost", 0, GONE, self._name)
+        if self._job is not None:
+            self._leaving = True
+            self._say(Code.STOP, 0)
+        self._ticket, self._name = 0, ""
+
+    def hear(self, said: Mapping[str, Fact], now: Ns) -> None:
+        """One record of its ring."""
+        if said["id"] != self.language_id:
+            return
+        match said["say"]:
+            case "write":
+                self._wrong(self.side.robot_writes(int(said["first"]), bytes.fromhex(str(said["data"]))))
+            case "bits":
+                self._wrong(self.side.robot_sets(int(said["byte"]), int(said["mask"]), int(said["bits"])))
+            case "path":
+                self._wants(int(said["ticket"]))
+            case "selected":
+                self._name = str(said["program"])
+            case "over" if int(said["run"]) == self.run:
+                self._end(str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
+            case "message":
+                place = f" ({said['program']} step {said['step']})" if said["program"] else ""
+                self.told.append(f"{said['text']}{place}")
+                self.side.message(int(said["number"]), f"{said['text']}{place}", now)
+
+    def _wrong(self, words: str) -> None:
+        if words:
+            self.told.append(f"{self._name}: {words}")
+
+    def _end(self, how: str, code: int, words: str, place: str) -> None:
+        self.results[self.run] = how, code, words, place
+        for old in list(self.results)[:-RESULTS]:
+            del self.results[old]
+        self.run = 0
+
+    def _wants(self, ticket: int) -> None:
+        job = self.dispatcher.order_stream(self._mover, 1, self.axes)
+        self._job, self._ticket, self._leaving = job, ticket, False
+        if job.open:
+            self._answer("given", job=job.id)
+
+    def _answer(self, what: str, **facts: Fact) -> None:
+        if self._ticket:
+            self.orders.append({"do": what, "id": self.language_id, "ticket": self._ticket, **facts})
+
+    # ---- START and STOP --------------------------------------------------------------------------------------------------
+    def start(self, name: str, source: int, now: Ns) -> str:
+        """START, of the program selected (name "") or of another one; "" or why it is refused."""
+        wrong = self._refusal(name)
+        if wrong:
+            return wrong
+        self._runs += 1
+        self.run, self._name = self._runs, name or self._name
+        if source or not self._mover:
+            self._mover = source or self.door
+        self.orders.append({"do": "start", "run": self.run, "program": self._name})
+        self._resume = True
+        self._go_on(now)
+        return ""
+
+    def _refusal(self, name: str) -> str:
+        if not self.language_id:
+            return "the interpreter does not run"
+        if not self.mode:
+            return "operating mode HAND: AUTO is RC input 23, reis.mode = 1 .. 6 are Test 1 .. 6"
+        if self.run:
+            return f"{self._name} runs: stop it first"
+        if not name and not self._name:
+            return "no program is selected"
+        row = next((row for row in self.programs if row["name"] == (name or self._name)), None)
+        if row is None:
+            return f"no such program; the memory has {', '.join(str(each['name']) for each in self.programs) or 'none'}"
+        if row["fault"]:
+            return f"it has faults; the first: {row['fault']}"
+        enabled = self.dispatcher.enabled_mask(AxisFlag.ENABLED)
+        return "the drives are off" if self.axes & ~enabled else ""
+
+    def stop(self, now: Ns) -> None:
+        """STOP: on the path; START goes on from there."""
+        self._resume = False
+        if self.run:
+            self.orders.append({"do": "stop", "run": self.run})
+        if self._moving():
+            self._say(Code.STOP, now)
+
+    def _moving(self) -> bool:
+        return self._job is not None and self._job.open and self.side.cell.motion is Motion.RUNNING
+
+    def _say(self, code: Code, now: Ns) -> None:
+        self.dispatcher.command(self._mover or self.door, Command(code), now)
+
+    def _key(self, key: str, now: Ns, *, pressed: bool) -> None:
+        executer = self.mode == "test5"
+        if key == ("exec" if executer else "start"):
+            if pressed:
+                self._wrong_start(self.start("", 0, now))
+            elif self.run and self.mode and (MODES[self.mode].single or self.keys.middle):
+                self.stop(now)  # dead man
+        elif pressed and key == "stop":
+            self.stop(now)
+        elif pressed and key in ("f1", "f2"):
+            self.orders.append({"do": "key", "key": key.upper()})
+        elif pressed and key == "quit":
+            self.acknowledge()
+
+    def _wrong_start(self, words: str) -> None:
+        if words:
+            self.told.append(f"START is refused: {words}")
+
+    def acknowledge(self) -> None:
+        """The message is acknowledged."""
+        self.orders.append({"do": "ack"})
+        self.side.acknowledged()
+
+    # ---- one cycle -------------------------------------------------------------------------------------------------------
+    def step(self, now: Ns) -> None:
+        """Before and after a cycle of the control."""
+        if not self.language_id:
+            self._follow(now)
+            return
+        self._look_at_mode(now)
+        for key, pressed in self.keys.edges().items():
+            self._key(key, now, pressed=pressed)
+        self._markers(now)
+        self._follow(now)
+
+    def _markers(self, now: Ns) -> None:
+        """Requests of the PLC, in AUTO alone (L2921-2923)."""
+        levels = {place: self.side.marker(*place) for place in (CHANGE, BEGIN)}
+        if self.mode == "auto":
+            if levels[CHANGE] and not self._seen[CHANGE] and not self.run:
+                self.orders.append({"do": "change"})
+            if levels[BEGIN] and not self._seen[BEGIN]:
+                self._wrong_start(self.start("", 0, now))
+            if self.side.marker(*END) and self.run:
+                self.stop(now)
+        self._seen = levels
+
+    def _follow(self, now: Ns) -> None:
+        job = self._job
+        if job is None:
+            self._leaving = False
+            return
+        if not job.open:
+            self._job, self._leaving, self._resume = None, False, False
+            done = job.state is CommandState.DONE
+            words = "" if done else text(job.reason, self.language, job.detail) or "the order was ended"
+            code = LEFT if job.reason is Reason.ABANDONED else int(job.reason) or 1
+            self._answer("over", code=0 if done else code, text=words)
+            return
+        if self._leaving and self.side.cell.motion in AT_REST:
+            self._leave(job, now)
+        self._go_on(now)
+
+    def _leave(self, job: Job, now: Ns) -> None:
+        if self.side.cell.motion is Motion.STOPPED:
+            self._leaving = False
+            self._say(Code.ABANDON, now)
+        else:
+            self._leaving = False
+            self.ending.append(job.id)
+
+    def _go_on(self, now: Ns) -> None:
+        """START after a STOP: the rest of the path, once the axes rest."""
+        held = self._leaving or self.side.marker(*HOLD)
+        if not self._resume or held or self.side.cell.motion is Motion.STOPPING:
+            return
+        self._resume = False
+        if self._job is not None and self._job.open and self.side.cell.motion is Motion.STOPPED:
+            self._say(Code.RESUME, now)
+
+    # ---- tools -----------------------------------------------------------------------------------------------------------
+    @property
+    def hosted(self) -> "ReisPrograms":
+        """Its programs."""
+        return self
+
+    def seen(self) -> Channels:
+        """The control as programs see it."""
+        return Channels(flags=self.side.flag_bytes())
+
+    def answer(self, request: Mapping[str, object], source: int) -> dict[str, object]:
+        """`do`: list, start and stop (`name`), state (`run`).  `source`: command source a program moves as, 0: the PLC's."""
+        name = str(request.get("name", "")).upper()
+        now = 0
+        match request.get("do"):
+            case "list":
+                return {"programs": self.programs, "processes": self.rows, "id": self.language_id}
+            case "start":
+                wrong = self.start(name, source, now)
+                return {"error": f"{name}: {wrong}"} if wrong else {"run": self.run}
+            case "stop":
+                return self._stopped(name, now)
+            case "state":
+                return self._outcome(request.get("run"))
+        return {"error": f"do {request.get('do')!r}; list, start, stop, state are known"}
+
+    def _stopped(self, name: str, now: Ns) -> dict[str, object]:
+        """A program that is stopped already is given up: START begins it at its first step."""
+        if not self._name or name != self._name:
+            return {"error": f"{name}: no such process"}
+        if self.run:
+            self.stop(now)
+        else:
+            self._leaving = self._job is not None
+            self.orders.append({"do": "forget"})
+        return {"ok": True}
+
+    def _outcome(self, run: object) -> dict[str, object]:
+        if not isinstance(run, int):
+            return {"error": "state: run = a number that start has given"}
+        if (over := self.results.get(run)) is not None:
+            how, code, words, place = over
+            return {"over": True, "how": how, "code": code, "text": words, "place": place}
+        return {"over": False, "rows": [row for row in self.rows if row["run"] == run]}
+
+
+def _rows(found: object) -> list[dict[str, object]]:
+    return [row for row in found if isinstance(row, dict)] if isinstance(found, list) else []
