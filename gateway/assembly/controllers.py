@@ -97,7 +97,7 @@ def make_control(
 def make_reis(plan: ControllerPlan) -> tuple[Control, list[str]]:
     """Markers and binary channels of a ROBOTstar."""
     control = ReisControl(reis_setup(plan.cell, plan.controller, plan.sources), plan.dispatcher)
-    control.errors = plan.errors
+    control.robot.errors = plan.errors
     return control, []
 
 

@@ -32,8 +32,9 @@ def programs_of_control(cell: Cell, control: Control, dispatcher: CommandDispatc
     """The robot programs of a Reis control; MotionError: as arm_of."""
     assert isinstance(control, ReisControl)  # as `check` has it
     mask = (1 << arm_of(cell).machine.axes) - 1
-    control.programs = ReisPrograms(control, dispatcher, mask, control.setup.door, control.keys, cell.cell.language)
-    return control.programs
+    programs = ReisPrograms(control, dispatcher, mask, control.setup.door, control.robot.keys, cell.cell.language)
+    control.robot.programs = programs
+    return programs
 
 
 class RobotstarPrograms:

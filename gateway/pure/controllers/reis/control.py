@@ -28,9 +28,8 @@ from gateway.pure.controllers.reis.markers import (
     SYSTEM,
     Markers,
 )
-from gateway.pure.controllers.reis.programs import Keys, ReisPrograms
+from gateway.pure.controllers.reis.programs import Keys, RobotPart
 from gateway.pure.controllers.reis.regulator import Message, Reference, regulator_error, start
-from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records.cell import AxisFlag, CellState, InputImage, Motion
 from protocols.base.machine import Ns
 
@@ -85,18 +84,13 @@ class ReisControl:
         self.shared = SharedOutputs(self.io, setup.plc_only, setup.robot_only)
         self.markers = Markers(self.io)
         self.plc: IntegratedPlc | None = None  # a process of its own, where the cell has [controller.plc]
-        self.programs: ReisPrograms | None = None  # of the interpreter, where the cell has a memory
-        self.keys = Keys()
-        self.cell = CellState()
-        self.errors: ErrorList | None = None
+        self.robot = RobotPart()
         self._drives_off = False  # wanted by a message of the PLC
-        self._acknowledged = True  # a level at start is no edge
         self.messages: list[Message] = []
         self.synchronised: dict[int, Reference] = {}  # axis -> machine data it was synchronised with last; kept over power-off
         self._asynchronous: set[int] = set()  # axes whose machine data have changed since
         self._referenced, self._seen = 0, False  # axes that were referenced at the last step; there was one
         self.was_synchronised(setup.references)
-        self._shown: list[tuple[int, str]] = []  # errors of the robot program that are not acknowledged
         self._standing: set[tuple[int, int]] = set()  # regulator error, axis
         self._percent = self.markers.number(OVERRIDE)  # what stands is no order
         self._hold = True  # a hold that stands at start has stopped nothing
@@ -117,7 +111,6 @@ class ReisControl:
     # ---- one cycle -----------------------------------------------------------------------------------------------------
     def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
         """`cycle`: RC outputs as the cycle published them.  What a person should read."""
-        self.cell = state
         self.image.take(inputs)
         own = bytes(self.image.outputs[self._keep])
         self.image.outputs[:] = cycle
@@ -153,8 +146,8 @@ class ReisControl:
         reactions = [int(message["reaction"]) & 0xFF for message in plc.messages]
         plc.messages = []
         if any(reaction >= STOPS for reaction in reactions):
-            if self.programs is not None:
-                self.programs.stop(now)
+            if self.robot.programs is not None:
+                self.robot.programs.stop(now)
             if state.motion is not Motion.IDLE:
                 self._say(Command(Code.STOP), now)
         self._drives_off = self._drives_off or any(reaction >= DRIVES_OFF for reaction in reactions)
@@ -166,14 +159,19 @@ class ReisControl:
 
     def _acknowledge(self) -> None:
         level = self.image.input(ACKNOWLEDGE)
-        if level and not self._acknowledged:
+        if level and not self.robot.acknowledged:
             if self.plc is not None:
                 self.plc.acknowledge()
-            if self.programs is not None:
-                self.programs.acknowledge()
-        self._acknowledged = level
+            if self.robot.programs is not None:
+                self.robot.programs.acknowledge()
+        self.robot.acknowledged = level
 
     # ---- programs of the interpreter -----------------------------------------------------------------------------------
+    @property
+    def cell(self) -> CellState:
+        """As the cycle published it last."""
+        return self._office.cell or CellState()
+
     @property
     def automatic(self) -> bool:
         """RC input 23."""
@@ -212,18 +210,13 @@ class ReisControl:
         self.markers.set_number(ERROR_NUMBER, number)
         self.markers.set_bit(*IN_ERROR, True)
         self.markers.set_bit(*ACKNOWLEDGED, False)
-        self._shown.append((number, words))
-        if self.errors is not None:
-            self.errors.report(number, words, now, source="reis")
+        self.robot.report(number, words, now)
 
     def acknowledged(self) -> None:
         """It is acknowledged."""
-        if not self._shown:
+        if not self.robot.shown:
             return
-        for number, words in self._shown:
-            if self.errors is not None:
-                self.errors.drop(number, words, "reis")
-        self._shown.clear()
+        self.robot.clear()
         self.markers.set_bit(*ACKNOWLEDGED, True)
         if not self._standing and not self._asynchronous:
             self.markers.set_bit(*IN_ERROR, False)
@@ -260,8 +253,8 @@ class ReisControl:
         self._note_references(state)
         markers.set_bit(*SYNCHRONOUS, not self._asynchronous and all(axis.flags & AxisFlag.REFERENCED for axis in axes))
         mode = AUTO if self.automatic else HAND
-        if self.programs is not None and self.programs.code is not None:
-            mode = self.programs.code
+        if self.robot.programs is not None and self.robot.programs.code is not None:
+            mode = self.robot.programs.code
         markers.set_number(MODE, int.from_bytes(mode.to_bytes(2, "big"), "little"), 2)
         for number, (axis, factor) in enumerate(zip(axes, self.setup.unit_per_si, strict=False)):
             markers.set_number(ACTUAL + 4 * number, round(axis.actual * factor * 100.0))
@@ -293,7 +286,7 @@ class ReisControl:
             self._stopped = True
         elif not hold and self._stopped and state.motion in (Motion.STOPPED, Motion.IDLE):
             self._stopped = False
-            if state.motion is Motion.STOPPED and (self.programs is None or self.programs.run):
+            if state.motion is Motion.STOPPED and (self.robot.programs is None or self.robot.programs.run):
                 self._say(Command(Code.RESUME), now)
         self._hold = hold
 
@@ -369,7 +362,7 @@ class ReisControl:
             case ["reis", "output", byte, bit]:
                 return float(self.io.read_bit(Area.OUTPUT, _number(name, byte), _number(name, bit)))
             case ["reis", *rest] if self.setup.programs:
-                return self.keys.value(".".join(rest))
+                return self.robot.keys.value(".".join(rest))
         raise KeyError(name)
 
     def put(self, name: str, value: float) -> None:
@@ -378,7 +371,7 @@ class ReisControl:
             case ["reis", "output", byte, bit]:
                 self.shared.by_robot(bool(value), _number(name, byte), _number(name, bit))
             case ["reis", *rest] if self.setup.programs:
-                self.keys.put(".".join(rest), value)
+                self.robot.keys.put(".".join(rest), value)
             case _:
                 raise KeyError(name)
 
@@ -389,7 +382,7 @@ class ReisControl:
             "kind": "reis", "error": markers.number(ERROR_NUMBER), "in_error": markers.bit(*IN_ERROR),
             "synchronous": markers.bit(*SYNCHRONOUS), "mode": f"{markers.byte(MODE):02X}{markers.byte(MODE + 1):02X}",
             **({"plc": self.plc.status()} if self.plc is not None else {}),
-            **({"message": self._shown[-1][1] if self._shown else ""} if self.setup.programs else {}),
+            **({"message": self.robot.shown[-1][1] if self.robot.shown else ""} if self.setup.programs else {}),
         }  # fmt: skip
 
 

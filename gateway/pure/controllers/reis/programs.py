@@ -11,6 +11,7 @@ from typing import Protocol
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
+from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.reasons import CommandState, Reason, text
 from gateway.pure.image.records.cell import AxisFlag, CellState, Motion
 from gateway.pure.image.records.interpreter import Channels, Fact
@@ -20,6 +21,7 @@ from protocols.base.machine import Ns
 
 GONE = "the interpreter ended, and the program with it"
 RESULTS = 64
+REIS = "reis"  # whose numbers they are, in the list of errors
 HAND = ""
 KEYS = ("start", "stop", "f1", "f2", "exec", "quit")
 AT_REST = (Motion.IDLE, Motion.STOPPED)
@@ -97,6 +99,31 @@ class Keys:
     def names() -> list[str]:
         """Behind `reis.`."""
         return ["mode", "selector", *(f"key.{key}" for key in KEYS)]
+
+
+@dataclass(slots=True)
+class RobotPart:
+    """What a control keeps for the robot's programs.  programs: of the interpreter, where the cell has a memory; shown: messages that are
+    not acknowledged, number and text."""
+
+    keys: Keys = field(default_factory=Keys)
+    programs: "ReisPrograms | None" = None
+    errors: ErrorList | None = None
+    shown: list[tuple[int, str]] = field(default_factory=list)
+    acknowledged: bool = True  # level of RC input 62; one at start is no edge
+
+    def report(self, number: int, words: str, now: Ns) -> None:
+        """An error of a program."""
+        self.shown.append((number, words))
+        if self.errors is not None:
+            self.errors.report(number, words, now, source=REIS)
+
+    def clear(self) -> None:
+        """They are acknowledged."""
+        for number, words in self.shown:
+            if self.errors is not None:
+                self.errors.drop(number, words, REIS)
+        self.shown.clear()
 
 
 @dataclass(slots=True)

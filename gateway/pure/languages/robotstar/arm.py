@@ -84,7 +84,7 @@ class Arm:
         return pose
 
     def unreachable(self, target: Target, near: Target, tool: Structure | None, axes: Sequence[float]) -> str:
-        """Why the robot does not get there from where its axes are; "" where it does, as far as the position alone tells."""
+        """Why the robot does not get there from where its axes are; "" where it does, as far as the position alone shows."""
         for name, value in target.axes.items():
             limits = self.machine.limits[int(name[1:]) - 1]
             if not limits.lower - 1e-9 <= to_si(value, limits.unit) <= limits.upper + 1e-9:
