@@ -166,7 +166,7 @@ def _listed(check: Context, key: str, text: str, place: Place, entry: Entry | No
     elif not entry.access.writable:
         check.fault(key, text, f"{entry.name}: read-only according to {file} ({entry.access.value})")
     elif entry.type.size != place.size or (entry.type.kind is DataKind.REAL) is not (place.form in FLOATS):
-        check.fault(key, text, f"{entry.name} is {entry.type.name} in {file}; {place.form} has {place.size} bytes: another to_type")
+        check.fault(key, text, f"{entry.name}: {entry.type.name} in {file}; {place.form} has {place.size} bytes: another to_type")
 
 
 def _block(cell: Cell, place: Place) -> Db | None:
