@@ -1,7 +1,6 @@
 """`axisgate assess`: ten questions, then whether axisgate can take the old control's place: yes, no, or with what."""
 
 import argparse
-import contextlib
 import dataclasses
 import html
 import json
@@ -12,7 +11,7 @@ import sys
 from gateway.pure.lines.texts import LANGUAGES, language_of
 from gateway.pure.reports.sentences import in_language
 from gateway.runtime.exit_codes import Exit
-from gateway.tools.new_cell.assessment import ASKED, TEXTS, Asked, BadAnswer, Reason, Verdict, assess, verdict
+from gateway.tools.new_cell.assessment import ASKED, TEXTS, Asked, BadAnswer, Reason, Verdict, assess, judge, verdict
 
 EXAMPLES = """examples:
   axisgate assess                                        asks ten questions
@@ -54,14 +53,22 @@ def main(argv: list[str]) -> int:
 
 
 def ask(asked: Asked, language: str = "en") -> str:
-    """One line of standard input; questions go to standard error, so that --json stays clean."""
+    """One line of standard input; an answer that does not fit is asked again.  Questions go to standard error, not into --json."""
     print(f"{in_language(asked.text, language)}  [{', '.join(asked.answers) or in_language(asked.free, language)}]", file=sys.stderr)
     for word, meaning in asked.answers.items():
         if meaning:
             print(f"    {word:10} {in_language(meaning, language)}", file=sys.stderr)
-    with contextlib.suppress(EOFError):
-        return input().strip()
-    return ""
+    while True:
+        try:
+            answer = input().strip()
+        except EOFError:
+            return ""
+        try:
+            judge(asked, answer)
+        except BadAnswer as error:
+            print(f"    {error}", file=sys.stderr)
+        else:
+            return answer
 
 
 def as_json(reasons: list[Reason]) -> str:

@@ -65,16 +65,25 @@ ASKED = (
     _asked("risk"),
 )
 CAN_BOARDS = (3, 5, 6)
+LOOKS = {"p15": (r"-|\d{1,2}( *, *\d{1,2})*", "numbers with commas, or -"), "axes": (r"[1-9]\d?", "a number from 1 to 99")}
+
+
+def judge(asked: Asked, answer: str) -> None:
+    """Raises BadAnswer naming what is allowed."""
+    if asked.answers and answer not in asked.answers:
+        raise BadAnswer(f"{asked.key} = {answer or '(nothing)'}: one of {', '.join(asked.answers)}")
+    if not asked.answers and not answer:
+        raise BadAnswer(f"{asked.key}: {asked.free} is needed")
+    if asked.key in LOOKS:
+        pattern, words = LOOKS[asked.key]
+        if not re.fullmatch(pattern, answer.strip()):
+            raise BadAnswer(f"{asked.key} = {answer}: {words}")
 
 
 def assess(answers: Mapping[str, str]) -> list[Reason]:
     """A reason for each of the ten answers, in their order; raises BadAnswer naming what is allowed."""
     for asked in ASKED:
-        answer = answers.get(asked.key, "")
-        if asked.answers and answer not in asked.answers:
-            raise BadAnswer(f"{asked.key} = {answer or '(nothing)'}: one of {', '.join(asked.answers)}")
-        if not asked.answers and not answer:
-            raise BadAnswer(f"{asked.key}: {asked.free} is needed")
+        judge(asked, answers.get(asked.key, ""))
     found = [_control(answers), _boards(answers), _axes(answers), *_by_table(answers), _risk(answers)]
     order = [asked.key for asked in ASKED]
     return sorted(found, key=lambda reason: order.index(reason.key))
@@ -94,8 +103,6 @@ def _boards(answers: Mapping[str, str]) -> Reason:
     answer = answers["p15"].strip()
     if answer == "-":
         return Reason("p15", answer, Verdict.YES, TEXTS.said("r.p15.none"))
-    if not re.fullmatch(r"\d{1,2}( *, *\d{1,2})*", answer):
-        raise BadAnswer(f"p15 = {answer}: numbers with commas, or -")
     boards = [int(part) for part in answer.split(",")]
     strange = [number for number in boards if number not in CAN_BOARDS]
     if strange:
@@ -105,8 +112,6 @@ def _boards(answers: Mapping[str, str]) -> Reason:
 
 def _axes(answers: Mapping[str, str]) -> Reason:
     answer = answers["axes"].strip()
-    if not re.fullmatch(r"[1-9]\d?", answer):
-        raise BadAnswer(f"axes = {answer}: a number from 1 to 99")
     count = int(answer)
     if count > 32:
         return Reason("axes", answer, Verdict.NO, TEXTS.said("r.axes.many"))

@@ -94,6 +94,18 @@ def test_assess_asks_ten_questions_and_leaves_a_page_to_print(tmp_path: pathlib.
     assert "J. &lt;Muster&gt;" in page.read_text(encoding="utf-8")
 
 
+def test_an_answer_that_is_none_is_asked_again_at_once() -> None:
+    done = axisgate("assess", typed="\nrho\nrho3\nall\n3\n0\n6\nnew\nrk512\nno\nno\nyes\nyes\nJ. Muster\n")
+    assert done.returncode == 0, done.stderr
+    for words in (
+        "control = (nothing): one of rho3",
+        "control = rho: one of rho3",
+        "p15 = all: numbers with commas",
+        "axes = 0: a number from",
+    ):
+        assert words in done.stderr
+
+
 def test_a_no_is_exit_1_and_a_missing_answer_is_named() -> None:
     refused = axisgate("assess", typed="rho3\n3\n6\nanalog\nrk512\nno\nno\nyes\nyes\nJ. Muster\n")
     assert refused.returncode == 1 and "new drives on CAN first" in refused.stdout

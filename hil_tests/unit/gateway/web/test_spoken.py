@@ -63,6 +63,41 @@ def test_everything_written_into_the_journal_has_german_words() -> None:
     assert not missing, "give them a line in configs/texts/journal.toml: " + "\n".join(sorted(missing))
 
 
+REASONS = (
+    "links/canopen/master.py",
+    "../drivers/drives/io_boot.py",
+    "../drivers/drives/cia402_manual.py",
+    "../drivers/drives/referencing.py",
+)
+
+
+def reasons() -> Iterator[str]:
+    """What drives and couplers on CANopen and referencing say of themselves: sentences of four words and more."""
+    for name in REASONS:
+        tree = ast.parse((GATEWAY / name).read_text())
+        parts = {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values}
+        comments = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+        for node in ast.walk(tree):
+            if id(node) in parts | comments or not isinstance(node, ast.JoinedStr | ast.Constant):
+                continue
+            words = shown(node)
+            if (
+                len(words.split()) > 3
+                and not words.startswith(" ")
+                and not set(words.split()) <= {VALUE, f"({VALUE})", f"{VALUE}:"}
+                and "(node 7)" not in words
+            ):
+                yield words
+
+
+def test_reasons_of_drives_and_couplers_have_german_words() -> None:
+    found = sorted(set(reasons()))
+    assert len(found) > 20
+    assert [words for words in found if german(words) == words] == []
+    said = german("drive is not started up: A1: the drive did not come to switched on; it is tried again")
+    assert said.startswith("Antrieb ist nicht hochgelaufen: A1: der Antrieb kam nicht nach ")
+
+
 @pytest.mark.parametrize(
     "english, expected",
     [
