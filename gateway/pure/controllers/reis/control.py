@@ -34,7 +34,7 @@ from gateway.pure.image.records.cell import AxisFlag, CellState, InputImage, Mot
 from protocols.base.machine import Ns
 
 HOLD, MOVES = (1020, 7), (1021, 5)
-OVERRIDE, ACTUAL = 1436, 1024
+OVERRIDE, ACTUAL, TCP, TCP_VALID = 1436, 1024, 1124, (1120, 0)
 AUTO, HAND = 0x0300, 0x0101  # operating mode codes (robotstar 5.9)
 AUTO_MN = 23  # RC input that says which
 OUTPUT_BYTES = 40
@@ -256,8 +256,13 @@ class ReisControl:
         if self.robot.programs is not None and self.robot.programs.code is not None:
             mode = self.robot.programs.code
         markers.set_number(MODE, int.from_bytes(mode.to_bytes(2, "big"), "little"), 2)
-        for number, (axis, factor) in enumerate(zip(axes, self.setup.unit_per_si, strict=False)):
-            markers.set_number(ACTUAL + 4 * number, round(axis.actual * factor * 100.0))
+        places = tuple(axis.actual * factor for axis, factor in zip(axes, self.setup.unit_per_si, strict=False))
+        for number, place in enumerate(places):
+            markers.set_number(ACTUAL + 4 * number, round(place * 100.0))
+        pose = self.robot.programs.tcp(places) if self.robot.programs is not None else ()
+        markers.set_bit(*TCP_VALID, bool(pose))
+        for number, value in enumerate(pose):
+            markers.set_number(TCP + 4 * number, round(value * 100.0))
 
     def _note_references(self, state: CellState) -> None:
         """An axis that has just been referenced is synchronised with the machine data of today; the last one of them ends the error."""

@@ -4,7 +4,7 @@ One program is selected at a time.  STOP, drives off and emergency stop leave th
 again without a fresh START.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -15,8 +15,10 @@ from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.reasons import CommandState, Reason, text
 from gateway.pure.image.records.cell import AxisFlag, CellState, Motion
 from gateway.pure.image.records.interpreter import Channels, Fact
+from gateway.pure.languages.robotstar.arm import TOOL, Arm
 from gateway.pure.languages.robotstar.cell_run import LEFT
 from gateway.pure.languages.robotstar.robot import MODES
+from gateway.pure.languages.robotstar.values import Structure
 from protocols.base.machine import Ns
 
 GONE = "the interpreter ended, and the program with it"
@@ -133,7 +135,7 @@ class ReisPrograms:
 
     side: ReisSide
     dispatcher: CommandDispatcher
-    axes: int  # mask of the robot
+    arm: Arm  # the robot, on the first axes of the cell
     door: int  # command source that moves where no tool has started the program
     keys: Keys
     language: str = "en"
@@ -145,6 +147,7 @@ class ReisPrograms:
     rows: list[dict[str, object]] = field(default_factory=list)
     results: dict[int, Outcome] = field(default_factory=dict)
     run: int = 0  # under way
+    tool: Structure | None = None  # in force, for the position in M1124
     _runs: int = 0
     _name: str = ""  # of the program that was started last
     _mode: str | None = None
@@ -154,6 +157,15 @@ class ReisPrograms:
     _leaving: bool = False  # the rest of the path is given up as soon as the axes rest; the interpreter hands it on anew
     _resume: bool = False  # goes on as soon as the axes rest
     _seen: dict[tuple[int, int], bool] = field(default_factory=lambda: {CHANGE: True, BEGIN: True})  # a level at start is no edge
+
+    @property
+    def axes(self) -> int:
+        """Mask of the robot."""
+        return (1 << self.arm.machine.axes) - 1
+
+    def tcp(self, places: Sequence[float]) -> tuple[float, ...]:
+        """X Y Z A B C of the tool where the axes are; () for a robot without geometry."""
+        return self.arm.actual(self.arm.own(places), self.tool).pose
 
     # ---- modes -----------------------------------------------------------------------------------------------------------
     @property
@@ -209,6 +221,9 @@ class ReisPrograms:
                 self._wrong(self.side.robot_writes(int(said["first"]), bytes.fromhex(str(said["data"]))))
             case "bits":
                 self._wrong(self.side.robot_sets(int(said["byte"]), int(said["mask"]), int(said["bits"])))
+            case "tool":
+                values = [float(word) for word in str(said["values"]).split()]
+                self.tool = Structure("T", dict(zip(TOOL, values, strict=True)))
             case "path":
                 self._wants(int(said["ticket"]))
             case "selected":

@@ -10,7 +10,7 @@ from gateway.pure.languages.base.path import Path, Stretch
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
 from gateway.pure.languages.robotstar import kept
 from gateway.pure.languages.robotstar.ahead import Ahead, Block
-from gateway.pure.languages.robotstar.arm import Arm
+from gateway.pure.languages.robotstar.arm import Arm, tool_values
 from gateway.pure.languages.robotstar.cell_robot import CellRobot, NoDrive
 from gateway.pure.languages.robotstar.cell_world import CellWorld
 from gateway.pure.languages.robotstar.checker import check
@@ -22,7 +22,7 @@ from gateway.pure.languages.robotstar.program import Program
 from gateway.pure.languages.robotstar.robot import MODES, Message, State
 from gateway.pure.languages.robotstar.steps import build
 from gateway.pure.languages.robotstar.system import DEFAULTS, KEPT, System
-from gateway.pure.languages.robotstar.values import Cell, Names
+from gateway.pure.languages.robotstar.values import Cell, Names, Structure
 
 WAITS = {Wait: "a time", BitWait: "a bit"}
 RUNS = (State.RUNNING, State.WAITING)
@@ -49,6 +49,7 @@ class CellRun:
         system = System(self.world)
         names = system.names()
         self.machine = Machine(memory, self.world, names, build)
+        self._tool: Structure | None = None  # as the control knows it
         system.machine = self.world.machine = self.machine
         self.robot = CellRobot(self.machine, self.mode, NoDrive(), self._say, ahead=self.ahead, places=lambda: self.port.view.set)
         self.faults = Faults()
@@ -228,6 +229,9 @@ class CellRun:
         self.ahead.look(self.port.view.set)
         before = self.robot.cursor()
         self.robot.advance(now)
+        if self.machine.tool is not self._tool:
+            self._tool = self.machine.tool
+            self.port.tell("tool", values=" ".join(f"{value:.10g}" for value in tool_values(self._tool)))
         if self.runs:
             name = self.selected.key if self.selected is not None else ""
             self.ahead.hand_on(self, name, self.port.view.set, one=self.mode.single)

@@ -42,11 +42,16 @@ def test_speeds_modes_and_displacement_are_those_at_each_step() -> None:
     assert [line.split()[0] for line in cell.lines if " pose " in line] == ["ptp", "linear", "linear"]
 
 
-def test_a_tool_moves_its_own_centre() -> None:
+@pytest.mark.requirement("RSV-PLC-37", by="gateway.pure.controllers.reis.programs:ReisPrograms.tcp")
+def test_a_tool_moves_its_own_centre_and_the_markers_have_it() -> None:
     files = main(f"TOOL T1\n{LINE}{at(884, 0, 500)}\nACT_POS P1\nSTOP") | main("VAR T1, X:0, Y:0, Z:100, RX:0, RY:0, RZ:0\nVAR P1", "V")
     cell = ReisCell(files)
     assert cell.run()[0] == "ended" and near(cell, 884, 0, 600)
     assert [float(str(cell.value(f"P1.{name}"))) for name in "XYZ"] == pytest.approx([884, 0, 500], abs=0.05)
+    cell.bench.run(0.5)
+    flags = cell.control.flag_bytes()
+    tcp = [int.from_bytes(flags[1124 + 4 * n : 1128 + 4 * n], "little", signed=True) / 100 for n in range(3)]
+    assert flags[1120] & 1 and tcp == pytest.approx([884, 0, 500], abs=0.2), "as the drives report it"
 
 
 def test_a_bit_acts_at_the_end_of_its_position_and_in_the_middle_of_its_corner() -> None:
@@ -294,6 +299,7 @@ def test_a_position_out_of_reach_is_an_error_of_its_step_at_rest_where_the_one_b
     assert near(cell, 900, 100, 590)
 
 
+@pytest.mark.requirement("RSV-PLC-35", by="gateway.pure.controllers.reis.programs:ReisPrograms._markers")
 def test_the_plc_starts_and_stops_the_robot_by_markers_in_auto() -> None:
     cell = ReisCell(main(f'LABEL "L"\n{LINE}{FAR}\n{BACK}\nBRANCH "L"'))
     run = cell.start()
@@ -309,6 +315,12 @@ def test_the_plc_starts_and_stops_the_robot_by_markers_in_auto() -> None:
     assert cell.control.write_flags(1020, b"\x00")
     held = cell.where()
     cell.until(lambda: math.dist(cell.where(), held) > 30)
+    cell.bench.permit(AUTO, value=False)
+    cell.until(lambda: cell.bench.core.state.motion is Motion.IDLE)
+    for level in (b"\0\0\0\0", b"\x02\0\0\0"):
+        assert cell.control.write_flags(968, level)
+        cell.bench.cycle(5)
+    assert not cell.hosted.run, "in HAND they do nothing"
 
 
 def test_values_live_with_their_program_and_constants_do_not() -> None:

@@ -1,0 +1,127 @@
+"""docs/guide/robotstar-cell.md: its ten minutes with real processes: palletise, stop, jog, resume, force a marker (AX-940)."""
+
+import json
+import pathlib
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+import configs
+from gateway.pure.image.records.cell import Motion
+from gateway.tools.client import Row, ToolClient
+from hil_tests.lab.running.cell_running import COMES_UP_S, CellRun, running_cell
+from hil_tests.purity import ROOT
+
+CELLS = pathlib.Path(configs.__file__).parent / "cells"
+GUIDE = (ROOT / "docs" / "guide" / "robotstar-cell.md").read_text(encoding="utf-8").partition("## In your cell")[0]
+COMMANDS = [line.strip() for block in re.findall(r"```sh\n(.*?)```", GUIDE, re.DOTALL) for line in block.split("\n") if line.strip()]
+PATIENCE_S = 120.0
+pytestmark = pytest.mark.timeout(COMES_UP_S + 6 * PATIENCE_S)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellRun]:
+    folder = tmp_path_factory.mktemp("reis")
+    shutil.copytree(CELLS / "reis-palletiser", folder / "reis-palletiser")
+    shutil.copy(CELLS / "reis-palletiser.toml", folder)
+    with running_cell(str(folder / "reis-palletiser.toml"), "palrobot", plc=False) as run:
+        yield run
+
+
+class Person:
+    """Types the commands of the guide."""
+
+    def __init__(self, run: CellRun) -> None:
+        self.run, self.file = run, run.cell
+
+    def _words(self, command: str, *more: str) -> list[str]:
+        words = [self.file if word == "reis-palletiser" else word for word in shlex.split(command)]
+        assert words[0] == "axisgate"
+        return [sys.executable, "-m", "gateway", *words[1:], "--name", self.run.name, *more]
+
+    def begins(self, command: str, *more: str) -> subprocess.Popen[str]:
+        """A command that stays."""
+        return subprocess.Popen(self._words(command, *more), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def types(self, command: str, *more: str) -> str:
+        """A command that ends; what it prints."""
+        done = subprocess.run(self._words(command, *more), capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+        assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
+        return done.stdout
+
+    def waits(self, test: Callable[[], bool], what: str) -> None:
+        end = time.monotonic() + PATIENCE_S
+        while not test():
+            journal = "\n".join(f"{entry['kind']} {entry['text']}" for entry in self.run.journal()[-15:])
+            assert time.monotonic() < end, f"not within {PATIENCE_S:.0f} s: {what}\n{journal}"
+            time.sleep(0.02)
+
+    def joints(self) -> list[float]:
+        """Set values in degrees."""
+        return [axis.set * 57.29577951308232 for axis in self.run.state().axes[:6]]
+
+    def rests(self) -> bool:
+        return self.run.state().motion in (Motion.IDLE, Motion.STOPPED)
+
+
+def jogged(run: CellRun) -> None:
+    """What the page does for a held key: control, a slow move of one axis, control back."""
+    tool = ToolClient(run.name)
+    try:
+        tool.take_over()
+        tool.command("enable", 0x3F)
+        tool.command("ptp_relative", 1, velocity=0.2, targets=[-5.0])
+        tool.command("release_control")
+    finally:
+        tool.close()
+
+
+def test_palletise_stop_jog_resume_and_force_a_marker(run: CellRun) -> None:
+    person = Person(run)
+    checked, started, palletise, status, resume, force = COMMANDS
+    assert palletise == resume and started == "axisgate run reis-palletiser --sim --web 8480"
+    assert " check " in checked
+    first = person.begins(palletise, "--json")
+    person.waits(lambda: abs(person.joints()[0]) > 10, "on the way to a part")
+    person.waits(lambda: run.state().motion is Motion.RUNNING, "under way")
+    first.send_signal(signal.SIGINT)
+    told: Row = json.loads(first.communicate(timeout=PATIENCE_S)[0])
+    assert told["how"] == "stopped" and str(told["place"]).startswith(("PALTEST step ", "GRIP step "))
+    here = person.joints()
+    shown = person.types(status)
+    assert "program PALTEST" in shown and re.search(r"process (PALTEST|GRIP) .* line \d+", shown)
+    jogged(run)
+    assert person.joints()[0] == pytest.approx(here[0] - 5.0, abs=0.1)
+    again = person.begins(resume, "--json")
+    person.waits(lambda: abs(person.joints()[0] - here[0]) < 0.5, "back where it was stopped")
+    person.types(force)
+    told = json.loads(again.communicate(timeout=PATIENCE_S)[0])
+    assert told["how"] == "ended", told
+    memory = pathlib.Path(person.file).parent / "reis-palletiser"
+    person.waits(lambda: "ITOTAL = 7" in (memory / "PATTERN1.PAL.VAL").read_text(), "its values are kept")
+    assert (memory / "GRIP.SPR.VAL").read_text() == "I_PICKED = 1\n"
+
+
+def test_modes_keys_and_a_dead_interpreter(run: CellRun) -> None:
+    person = Person(run)
+    person.types("axisgate var reis.mode --set 2")
+    assert json.loads(person.types("axisgate var reis.mode", "--json"))["value"] == 2
+    person.types('axisgate var "MB 10" --set 0')
+    held = person.begins("axisgate program run reis-palletiser PALTEST --ready", "--json")
+    person.waits(lambda: abs(person.joints()[0]) > 10, "on the way to a part")
+    dead, _ = run.kill("interpreter")
+    told = json.loads(held.communicate(timeout=PATIENCE_S)[0])
+    assert told["how"] == "lost", told
+    person.waits(lambda: run.processes()["interpreter"]["pid"] not in (None, dead), "a new one")
+    person.waits(person.rests, "at rest on the path")
+    here = person.joints()
+    time.sleep(1.0)
+    assert person.joints() == here, "nothing restarts"
+    run.forgive("interpreter")
