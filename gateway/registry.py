@@ -318,6 +318,12 @@ def _baps2_listing(cell: "Cell", program: str) -> "Listing | None":
     return baps2_listing(cell, program)
 
 
+def _robotstar_listing(cell: "Cell", program: str) -> "Listing | None":
+    from gateway.assembly.listings import robotstar_listing
+
+    return robotstar_listing(cell, program)
+
+
 def _robotstar_programs(plan: "RunPlan", port: "Port") -> "Programs":
     from gateway.assembly.robotstar import RobotstarPrograms
 
@@ -332,7 +338,7 @@ def _robotstar_host(cell: "Cell", control: "Control", dispatcher: "CommandDispat
 
 CELL_LANGUAGES = _table(
     CellLanguage("baps2", "BAPS2", _memory_of("baps2"), _baps2_programs, _baps2_host, listing=_baps2_listing),
-    CellLanguage("robotstar", "ROBOTstar", _memory_of("robotstar"), _robotstar_programs, _robotstar_host),
+    CellLanguage("robotstar", "ROBOTstar", _memory_of("robotstar"), _robotstar_programs, _robotstar_host, listing=_robotstar_listing),
 )
 
 

@@ -4,8 +4,12 @@ from dataclasses import dataclass
 
 from gateway.assembly.program_memory import memory_folder
 from gateway.files.program_memory import baps2_words, folder_memory
+from gateway.files.robotstar import FolderFault, sources, words
 from gateway.pure.cell.cell import Cell
 from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.robotstar.memory import Memory as RobotstarMemory
+from gateway.pure.languages.robotstar.memory import Source
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,3 +34,21 @@ def baps2_listing(cell: Cell, program: str) -> Listing | None:
     _, faults = Library(baps2_words(), memory).check(file, text)
     rows = tuple((each.position.line, each.severity.value, each.text) for each in faults if each.position.file == file)
     return Listing(file, tuple(text.splitlines()), rows)
+
+
+def robotstar_listing(cell: Cell, program: str) -> Listing | None:
+    """A program of the memory by its key, its steps as the file has them; None: there is none.  OSError."""
+    folder = memory_folder(cell)
+    if folder is None:
+        return None
+    faults = Faults()
+    try:
+        files = {source.path: source.text for source in sources(str(folder))}
+    except FolderFault as fault:
+        raise OSError(str(fault)) from fault
+    memory = RobotstarMemory.read((Source(path, text) for path, text in files.items()), words(), faults)
+    found = memory.find(program)
+    if found is None:
+        return None
+    rows = tuple((each.position.line, each.severity.value, each.text) for each in faults if each.position.file == found.file)
+    return Listing(found.file, tuple(files[found.file].splitlines()), rows)
