@@ -9,7 +9,19 @@ import pathlib
 from collections.abc import Iterator
 from functools import cache
 
-JUDGES = ("pinocchio", "toppra", "eaik", "py_opw_kinematics", "asammdf", "matplotlib", "playwright", "schemathesis", "scipy", "pytest_lsp")
+JUDGES = (
+    "pinocchio",
+    "toppra",
+    "eaik",
+    "py_opw_kinematics",
+    "asammdf",
+    "matplotlib",
+    "playwright",
+    "schemathesis",
+    "scipy",
+    "pytest_lsp",
+    "dap",
+)
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 OURS = ("hil_tests.", "motion.kinematics.urdf")  # what a test may get a judge through
 

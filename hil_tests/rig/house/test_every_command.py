@@ -27,6 +27,7 @@ NO_DATA = {  # commands that print no data, and what they do instead
     "line export": "writes a file for another program",
     "scope export": "writes a file for another program",
     "lsp": "speaks with an editor",
+    "dap": "speaks with an editor",
     "stop": "gives one order to a run",
     "release": "gives one order to a run",
 }

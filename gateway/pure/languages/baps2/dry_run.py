@@ -10,6 +10,7 @@ from gateway.pure.languages.baps2.frames import to_workpiece
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Task, between
+from gateway.pure.languages.base.process import ProcessState
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.base.trace import Trace
 
@@ -23,33 +24,48 @@ class DryRun(Control):
         super().__init__(library, memory, feed)
         self.trace = Trace()
         self._belts_at = 0
+        self._program, self._spare, self._over = "", SPARE, False
         self.belts = dict.fromkeys(feed.belts, 0.0)  # counters at the moment `_belts_at`
 
     def run(self, program: str) -> RuntimeFault | None:
         """Starts a program and runs up to the end of the feed or of all processes; the fault that kept it from starting."""
         try:
-            name = self.start(program, None).unit.name
+            self.begin(program)
         except RuntimeFault as error:
             return error
-        spare = SPARE
-        while self.scheduler.processes:
-            self._advance()
-            self._round += 1
-            busy = self.scheduler.run(self.now) == self.now
-            moved = self._advance()
-            if self._round > 1 and moved:
-                continue
-            if busy and spare:
-                spare -= 1
-                continue
-            moment = self._next(busy)
-            if moment is None or moment > self.feed.until:
-                break
-            self.now = moment
+        while self.go_on():
+            pass
+        return None
+
+    def begin(self, program: str) -> None:
+        """Starts the program; RuntimeFault: it cannot run."""
+        self._program = self.start(program, None).unit.name
+
+    def go_on(self) -> bool:
+        """One round of all processes; False: the run is over, the trace is whole.  While the debugger holds one, time stands still."""
+        if self._over:
+            return False
+        self._advance()
+        self._round += 1
+        busy = self.scheduler.run(self.now) == self.now
+        moved = self._advance()
+        if any(process.state is ProcessState.HELD for process in self.scheduler.processes):
+            return True
+        if not (self._round > 1 and moved):
+            if busy and self._spare:
+                self._spare -= 1
+            elif (moment := self._next(busy)) is None or moment > self.feed.until:
+                return self._end()
+            else:
+                self.now = moment
+        return bool(self.scheduler.processes) or self._end()
+
+    def _end(self) -> bool:
+        self._over = True
         self.filing_close()
         rows = {name: data.hex() for name, data in sorted(self.filing.files.items()) if name.endswith((".DAT", ".BNR"))}
-        self.trace.add(self.now, name, 0, "files", files=rows)
-        return None
+        self.trace.add(self.now, self._program, 0, "files", files=rows)
+        return False
 
     def filing_close(self) -> None:
         """What is still open at the end of the run is written."""

@@ -105,6 +105,11 @@ class Handle:
         """PUBLIC variables."""
         return self._machine.shared(program)
 
+    def stops(self, process: Process, program: str, line: int) -> bool:
+        """Whether the debugger holds the process in front of this line."""
+        debugger = self._machine.scheduler.debugger
+        return debugger is not None and debugger.stops(process, program, line, self._machine.tasks[process.number].depth)
+
     def deeper(self, process: Process) -> None:
         """A subroutine begins."""
         task = self._machine.tasks[process.number]

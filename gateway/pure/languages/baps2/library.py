@@ -14,8 +14,9 @@ from gateway.pure.languages.base.store import ProgramStore
 class Library:
     """Programs by name, without extension and in any case."""
 
-    def __init__(self, words: Words, store: ProgramStore) -> None:
-        self._words, self._store = words, store
+    def __init__(self, words: Words, store: ProgramStore, *, watched: bool = False) -> None:
+        """`watched`: programs ask the debugger before each line."""
+        self._words, self._store, self._watched = words, store, watched
         self._trees: dict[str, Program | None] = {}
         self._units: dict[str, tuple[Unit | None, Faults]] = {}
 
@@ -62,7 +63,7 @@ class Library:
         if name not in self._units:
             text = self._store.text(f"{name}.QLL")
             unit, faults = (None, Faults()) if text is None else self.check(f"{name}.QLL", text)
-            self._units[name] = (unit if unit is not None and unit.load(faults) else None), faults
+            self._units[name] = (unit if unit is not None and unit.load(faults, watched=self._watched) else None), faults
         return self._units[name]
 
     def forget(self, name: str) -> None:

@@ -10,6 +10,7 @@ from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.tasks import Lane, Task
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.baps2.values import Shared
+from gateway.pure.languages.base.scheduler import Scheduler
 
 
 class Units(Protocol):
@@ -37,6 +38,7 @@ class Machine(Protocol):
     outputs: dict[int, int | float]
     devices: dict[str, Device]
     now: int
+    scheduler: Scheduler
 
     @property
     def units(self) -> Units:

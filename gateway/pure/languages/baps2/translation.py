@@ -1,5 +1,6 @@
 """A whole program: checked, and translated to a Python module that makes one running copy of it at a time."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import cast
@@ -17,7 +18,7 @@ from gateway.pure.languages.baps2.types import NONE, POINTS, Type, default_of
 from gateway.pure.languages.baps2.typing import Typing, kept
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.process import Body, Process
-from gateway.pure.languages.base.requests import Turn
+from gateway.pure.languages.base.requests import Stopped, Turn
 
 Main = Callable[[Process], Body]  # an external subroutine takes its parameters behind the process
 GLOBALS: dict[str, object] = {
@@ -25,7 +26,9 @@ GLOBALS: dict[str, object] = {
     **{name: value for name, value in vars(demands).items() if isinstance(value, type)},
     "fault": errors.fault,
     "TURN": Turn(),
+    "Stopped": Stopped,
 }
+LINE = re.compile(r"^( *)p\.line = (\d+)$", re.MULTILINE)  # as bodies.py writes it
 LONG_ROW, MOST_BRACKETS = 1_000, 190  # Python takes 200 brackets
 
 
@@ -42,8 +45,10 @@ class Unit:
     make: Callable[[object], Main] | None = None
     share: Callable[[object, object], None] | None = None
 
-    def load(self, faults: Faults) -> bool:
-        """Makes the functions of the text; False: Python cannot take it (reported)."""
+    def load(self, faults: Faults, *, watched: bool = False) -> bool:
+        """Makes the functions of the text; False: Python cannot take it (reported).  `watched`: the debugger is asked before each line."""
+        if watched:
+            self.text = LINE.sub(rf"\g<0>\n\1if h.stops(p, {self.name!r}, \2): yield Stopped(\2)", self.text)
         try:
             space = dict(GLOBALS)
             exec(compile(self.text, f"<{self.name}>", "exec"), space)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from gateway.pure.languages.base.debug import Debugger
 from gateway.pure.languages.base.process import Process, ProcessState
 from gateway.pure.languages.base.requests import PENDING, Await, Ns, Pending, Request, RuntimeFault, Sleep, Stopped, Turn
 
@@ -29,6 +30,7 @@ class Scheduler:
     budget: int = 2_000  # statements of a process in a turn
     rounds: int = 64  # turns of a process in one call of `run`; what is left runs in the next call
     processes: list[Process] = field(default_factory=list)
+    debugger: Debugger | None = None  # programs that are watched ask it before each line
     _numbers: int = 0
 
     def start(self, program: str, begin: "Callable[[Process], None]", priority: int = 0, parent: Process | None = None) -> Process:
