@@ -134,9 +134,9 @@ _TABLE: Mapping[str, Mapping[str, Verdict]] = {
 def _by_table(answers: Mapping[str, str]) -> list[Reason]:
     found = []
     for key, rows in _TABLE.items():
-        own = key in ("pic", "baps") and answers[key] == "yes"  # timers, counters and sources are those of a rho 3
-        other = own and answers["control"] != "rho3"
-        found.append(Reason(key, answers[key], rows[answers[key]], TEXTS.said(f"r.{key}.{answers[key]}{'.other' if other else ''}")))
+        own = key in ("pic", "baps") and answers[key] == "yes"  # which programs run depends on the control they were written for
+        control = {"rho3": "", "reis": ".reis"}.get(answers["control"], ".other") if own else ""
+        found.append(Reason(key, answers[key], rows[answers[key]], TEXTS.said(f"r.{key}.{answers[key]}{control}")))
     return found
 
 
