@@ -6,10 +6,12 @@ from gateway.assembly.alter import altered
 from gateway.assembly.axis_scaling import window_of
 from gateway.assembly.axis_signals import rc_numbers
 from gateway.assembly.belts import belt_facts
+from gateway.assembly.lanes import lane_masks
 from gateway.assembly.path_outputs import output_places
-from gateway.assembly.programs import mask_of, measuring_facts, numbers_by_axis
+from gateway.assembly.programs import machines_of_cell, mask_of, measuring_facts, numbers_by_axis
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cycle.enabling_inputs import free_outputs
+from gateway.pure.planning.lanes import LanePrograms
 from gateway.pure.planning.planner import CellPrograms, Programs
 from motion.planner.robot import Machine
 from motion.planner.team import Team
@@ -22,20 +24,43 @@ def programs_of(
     text_of: Callable[[int], str],
     team_of: Callable[[Sequence[Kinematic], int], Team],
 ) -> Programs:
-    """Of a checked cell; the callables as Programs has them."""
+    """Of a checked cell, one job at a time; the callables as Programs has them."""
+    return Programs(_facts(cell, machine_of, text_of, team_of))
+
+
+def lane_programs_of(
+    cell: Cell,
+    machine_of: Callable[[str, int], Machine],
+    text_of: Callable[[int], str],
+    team_of: Callable[[Sequence[Kinematic], int], Team],
+    moved_by: Callable[[int], int],
+) -> LanePrograms:
+    """Of a checked cell, a job on each lane; moved_by: axes of a program by its number."""
+    masks = lane_masks(cell)
+    return LanePrograms(
+        _facts(cell, machine_of, text_of, team_of),
+        masks,
+        lambda number: moved_by(number) if number > 0 else mask_of(cell, machines_of_cell(cell)[-number - 1]),
+    )
+
+
+def _facts(
+    cell: Cell,
+    machine_of: Callable[[str, int], Machine],
+    text_of: Callable[[int], str],
+    team_of: Callable[[Sequence[Kinematic], int], Team],
+) -> CellPrograms:
     numbers = numbers_by_axis(cell)
-    return Programs(
-        CellPrograms(
-            machine_of,
-            lambda robots: mask_of(cell, robots),
-            text_of,
-            free_outputs(rc_numbers(cell), len(cell.axis)),
-            belts=belt_facts(cell),
-            functions=output_places(cell),
-            kinematic_of=lambda machine: numbers.get(machine.limits[0].name, 1),
-            altered=altered(cell),
-            channels=measuring_facts(cell),
-            windows=[window_of(axis) for axis in cell.axis],
-            team_of=team_of,
-        )
+    return CellPrograms(
+        machine_of,
+        lambda robots: mask_of(cell, robots),
+        text_of,
+        free_outputs(rc_numbers(cell), len(cell.axis)),
+        belts=belt_facts(cell),
+        functions=output_places(cell),
+        kinematic_of=lambda machine: numbers.get(machine.limits[0].name, 1),
+        altered=altered(cell),
+        channels=measuring_facts(cell),
+        windows=[window_of(axis) for axis in cell.axis],
+        team_of=team_of,
     )

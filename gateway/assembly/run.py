@@ -11,6 +11,7 @@ from drivers.ports.base import PortError, runtime_dir
 from drivers.ports.can.adapter_url import is_adapter
 from gateway.assembly.contact_regions import chips, joined_regions, make_joined, simulated_couplers
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, listening
+from gateway.assembly.lanes import lanes_of_cell
 from gateway.assembly.programs import ProgramPlan, plan_programs
 from gateway.pure.cell.cell import Bus, Cell
 from gateway.pure.cell.web import Web
@@ -343,17 +344,17 @@ def coupler_children(cell: Cell, slug: str, buses: Mapping[str, str]) -> list[Ch
 
 def make_regions(plan: RunPlan) -> dict[str, int]:
     """One memfd per region and ring; the supervisor keeps them for its whole life."""
-    axes = len(plan.cell.axis)
+    axes, lanes = len(plan.cell.axis), lanes_of_cell(plan.cell)
     fds = {
         "rc_in": create_region("rc_in", records.INPUT_SIZE, records.INPUT_LAYOUT),
         "rc_out": create_region("rc_out", records.RC_BYTES, f"rc-out/1 {records.RC_BYTES}"),
-        "axes": create_region("axes", records.cell_state_size(axes), records.CELL_STATE_LAYOUT),
+        "axes": create_region("axes", records.cell_state_size(axes, lanes), records.CELL_STATE_LAYOUT),
         "links": create_region("links", LINKS_BYTES, "links/1 json"),
         "orders": create_ring("orders", records.order_size(record_size(axes)), ORDERS, records.ORDER_LAYOUT),
     }
     fds["acyclic"] = create_ring("acyclic", ASIDE_BYTES, ACYCLIC_RECORDS, ASIDE_LAYOUT)
     fds["heard"] = create_ring("heard", ASIDE_BYTES, HEARD_RECORDS, ASIDE_LAYOUT)
-    fds["scope"] = create_ring("scope", scope_bytes(axes), SCOPE_RECORDS, SCOPE_LAYOUT)
+    fds["scope"] = create_ring("scope", scope_bytes(axes, lanes), SCOPE_RECORDS, SCOPE_LAYOUT)
     fds["record"] = create_ring("record", messages.CHUNK_BYTES, messages.CHUNK_RECORDS, messages.CHUNK_LAYOUT)
     fds["told"] = create_ring("told", messages.TOLD_BYTES, messages.TOLD_RECORDS, messages.TOLD_LAYOUT)
     fds["recorder"] = create_region("recorder", messages.ASKED.size, messages.ASKED_LAYOUT)
@@ -361,7 +362,7 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
     if plan.cell.robot:
         fds["blocks"] = create_ring("blocks", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)
         fds["pieces"] = create_ring("pieces", plannerrecords.piece_size(axes), plannerrecords.PIECES, plannerrecords.PIECE_LAYOUT)
-        fds["planner"] = create_region("planner", plannerrecords.PLANNER_BYTES, "planner/1 json")
+        fds["planner"] = create_region("planner", plannerrecords.planner_bytes(lanes), "planner/1 json")
     if any(child.name == "interpreter" for child in plan.children):
         texts = interpreterrecords.TEXT_SIZE, interpreterrecords.RECORDS, interpreterrecords.TEXT_LAYOUT
         fds["interpreter"] = create_region("interpreter", interpreterrecords.REPORT_BYTES, interpreterrecords.REPORT_LAYOUT)

@@ -114,7 +114,7 @@ class Cycle:
         self._driving = [bus for bus in self.buses if not (isinstance(bus.family, RhoFamily) and bus.family.drives is None)]
         self._driving = [bus for bus in self._driving if not isinstance(bus.family, ListeningFamily)]
         self._coupled = [bus.family for bus in self.buses if isinstance(bus.family, CouplerFamily)]
-        self._pack_state = quick.packer(len(axes))
+        self._pack_state = quick.packer(len(axes), len(self.core.state.lanes))
         for bus, link in zip(drive_buses, self.buses, strict=True):
             link.encoders = encoders_of(cell, bus.name, self.core.belts) if self.core.belts is not None else {}
         self.with_io = [(bus, bus.family) for bus in self.buses if isinstance(bus.family, RhoFamily)]

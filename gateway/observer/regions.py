@@ -144,7 +144,7 @@ class Regions:
         payload = self.planner.read() if self.planner is not None else None
         if payload is None:
             return {}
-        planner = unpack_planner(payload)
+        planner = unpack_planner(payload).under_way
         names = ("job", "block", "share", "waiting", "handed", "ended", "failed_job", "fault", "fault_block", "fault_code", "warning")
         return {name: getattr(planner, name) for name in (*names, "tool")}
 

@@ -10,7 +10,7 @@ import signal
 import time
 from collections.abc import Sequence
 
-from gateway.assembly.planner import programs_of
+from gateway.assembly.planner import lane_programs_of
 from gateway.assembly.programs import machines_of_cell, mask_of, read_bnr, robot_meant, team_meant
 from gateway.assembly.run import RunPlan, load_plan
 from gateway.files.find import read_text
@@ -25,7 +25,6 @@ from gateway.pure.image.records.planner import (
     unpack_planner,
 )
 from gateway.pure.planning.trial import Files
-from gateway.pure.planning.turn import follow, standing
 from gateway.runtime.journal import Journal
 from gateway.runtime.realtime import Timerfd, die_with_parent, go_ahead
 from gateway.runtime.regions import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
@@ -51,13 +50,13 @@ class PlannerProcess:
         self.pieces = RingWriter(fds["pieces"], "pieces", PIECE_LAYOUT)
         self.region = RegionWriter(fds["planner"], "planner")
         self.count = len(plan.cell.axis)
-        self.programs = programs_of(plan.cell, self.machine, self.text, self.team)
+        self.programs = lane_programs_of(plan.cell, self.machine, self.text, self.team, self._mask)
         self.programs.cell.files = Files(self.file, plan.p5_ms * 1000)
         self.programs.cell.systems = self.count + len(plan.cell.belt)
         said = self.region.latest()
         if said is not None:
             self.programs.follows(unpack_planner(said))
-        self._told: tuple[int, str] = (0, "")
+        self._told: dict[int, tuple[int, str]] = {}  # lane -> fault in the journal
         self._stop = False
 
     def machine(self, name: str, number: int) -> Machine:
@@ -91,6 +90,10 @@ class PlannerProcess:
         """A BNR file beside the program, as it is now; raises MotionError."""
         return read_bnr(self.plan.programs[number].path, name)
 
+    def _mask(self, number: int) -> int:
+        """Axes a program moves; 0: there is no such one, which its order finds out."""
+        return self.plan.programs[number].mask if number in self.plan.programs else 0
+
     def run(self) -> None:
         """Until SIGTERM."""
         signal.signal(signal.SIGTERM, self._on_signal)
@@ -114,24 +117,26 @@ class PlannerProcess:
         records = [unpack_block(data) for _, data in self.blocks.take(TAKEN)]
         if self.lines is not None:
             records += [unpack_block(data) for _, data in self.lines.take(TAKEN)]  # behind the order that begins their stream
-        while self.programs.preparing and time.monotonic_ns() - now < WORKING_NS:
-            self.programs.prepare(standing(state, self.count))
-        while self.programs.working and time.monotonic_ns() - now < WORKING_NS and not self.programs.work():
+        while time.monotonic_ns() - now < WORKING_NS and self.programs.prepare(state, self.count):
             pass
-        pieces = follow(self.programs, records, state, self.count)
-        self._tell(self.programs.state)
-        self.region.write(pack_planner(self.programs.state), now)  # a fault's words are there before the cycle hears of it
+        while time.monotonic_ns() - now < WORKING_NS and self.programs.work():
+            pass
+        pieces = self.programs.turn(records, state, self.count)
+        said = self.programs.state
+        self._tell(said)
+        self.region.write(pack_planner(said), now)  # a fault's words are there before the cycle hears of it
         for record in pieces:
             self.pieces.put(pack_piece(record, self.pieces.size))
         self.region.beat(time.monotonic_ns())
 
     def _tell(self, state: PlannerState) -> None:
-        fault = (state.failed_job, state.fault)
-        if fault != self._told and state.fault:
-            self.journal.write("program", state.fault, job=state.failed_job, block=state.fault_block, code=state.fault_code)
-        self._told = fault
-        for words in self.programs.slowing.take():
-            self.journal.write("program", words, job=state.job, warning=True)
+        for lane, own in enumerate((state, *state.others)):
+            fault = (own.failed_job, own.fault)
+            if fault != self._told.get(lane, (0, "")) and own.fault:
+                self.journal.write("program", own.fault, job=own.failed_job, block=own.fault_block, code=own.fault_code)
+            self._told[lane] = fault
+        for job, words in self.programs.warnings():
+            self.journal.write("program", words, job=job, warning=True)
 
 
 def main(argv: list[str] | None = None) -> int:

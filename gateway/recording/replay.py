@@ -29,6 +29,7 @@ from gateway.pure.recording.messages import Message, ServiceEvent, What, unpack_
 from gateway.pure.recording.player import Difference, Player
 from gateway.recording.backup import BackupError, read, restore, stand_ins
 from gateway.recording.file import Found, RecordError, Segment
+from gateway.recording.renamed import renamed
 from gateway.recording.states import Snapshots, Start, StateError, carry_over, frozen, places_of
 from protocols.base.errors import DecodeError
 
@@ -136,7 +137,7 @@ def started(segment: Segment, before: Bench, then: Bench, names: Callable[[int],
     was = pickle.loads(kept.take(Start(was_core, was_families, [], [])))  # settings stand in it as in the recording: by their numbers
     settings = places_of(kept.settings, Snapshots(core, families).settings)
     try:
-        core = carry_over(start["core"], frozen(was.core), core, settings)
+        core = carry_over(renamed(start["core"]), frozen(was.core), core, settings)
         families = carry_over(start["families"], frozen(was.families), families, settings)
     except (StateError, KeyError, ValueError, TypeError, AttributeError) as error:
         raise RecordError(f"the state after cycle {start['cycle']} does not fit this cell or version: {error}") from error

@@ -109,8 +109,9 @@ class CellErrors(Part):
             errors.append((state.stop_cause, text(Reason(state.stop_cause))))
         if state.path_stop and Reason.OUTPUT_IN_USE not in (e[0] for e in errors):
             errors.append((Reason.OUTPUT_STOPPED, text(Reason.OUTPUT_STOPPED, detail=function_words(state.path_stop))))
-        if self._office.planner is not None and self._office.planner.warning:
-            errors.append((Reason.INTERPOLATOR_STOP, text(Reason.INTERPOLATOR_STOP, detail=self._office.planner.warning)))
+        planner = self._office.planner
+        for warning in (each.warning for each in (planner, *planner.others) if each.warning) if planner is not None else ():
+            errors.append((Reason.INTERPOLATOR_STOP, text(Reason.INTERPOLATOR_STOP, detail=warning)))
         return errors + [(Reason.COUPLER_FAULT, text(Reason.COUPLER_FAULT, language, words)) for words in self._contacts.faults()]
 
     def _of_axes(self, state: CellState) -> list[Error]:

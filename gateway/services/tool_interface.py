@@ -62,7 +62,7 @@ class ToolInterface:
             self._permitting, self.permits = None, False
         if self._leaving and self._at_rest:
             self._leaving = False
-            if self._office.owner == self._door:
+            if self._office.owns(self._door):
                 self._office.control.release(self._door, at_rest=True)
 
     def heard(self) -> None:
@@ -74,7 +74,7 @@ class ToolInterface:
 
     def holds(self, connection: object) -> bool:
         """This connection is in control."""
-        return self._holder is connection and self._office.owner == self._door
+        return self._holder is connection and self._office.owns(self._door)
 
     def held_by_another(self, connection: object) -> bool:
         """A living connection other than this one is in control."""
@@ -174,7 +174,7 @@ class ToolInterface:
             raise Refusal(Reason.NOT_OWNER, f"another {self._name}")
         if code is not Code.REQUEST_CONTROL:
             raise Refusal(Reason.NOT_OWNER, "request control first")
-        if self._office.owner == self._door:  # left by a connection that is gone or silent
+        if self._office.owns(self._door):  # left by a connection that is gone or silent
             self._office.control.release(self._door, at_rest=self._at_rest)
 
     def _job(self, number: int) -> dict[str, object]:
@@ -208,7 +208,8 @@ class ToolInterface:
         """Programs of the cell by number, and how far the planner is; op "tool", code "program", mask = number orders one."""
         office = self._office
         planner, state = office.planner, self._image.state
-        way = {} if planner is None else {"block": planner.block, "share": planner.share, "waiting": planner.waiting}
+        shown = None if planner is None else planner.under_way
+        way = {} if shown is None else {"block": shown.block, "share": shown.share, "waiting": shown.waiting}
         return {
             "programs": {str(number): program.name for number, program in sorted(office.programs.items())},
             "planner": planner is not None,

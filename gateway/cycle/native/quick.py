@@ -22,6 +22,7 @@ from gateway.pure.image.records.cell import (
     CellState,
     cell_state_packer,
     cell_state_size,
+    lanes_packer,
 )
 from gateway.runtime.realtime import Alarm
 from gateway.runtime.regions import RegionReader, RegionWriter, RingReader, RingWriter
@@ -125,18 +126,21 @@ class NativeParts:
         )  # fmt: skip
         return cast(AxisLoops, axes)
 
-    def packer(self, axes: int) -> Callable[[CellState], bytes]:
+    def packer(self, axes: int, lanes: int = 0) -> Callable[[CellState], bytes]:
         """As cell_state_packer."""
         memory = self._memory
         if memory is None:
-            return cell_state_packer(axes)
+            return cell_state_packer(axes, lanes)
         packing = memory.packing(CellState, AxisState, STATE.names, STATE.codes, AXIS.names, AXIS.codes, axes, cell_state_size(axes))
-        pack = memory.pack
+        pack, behind = memory.pack, lanes_packer(lanes)
 
         def packer(state: CellState) -> bytes:
             return cast(bytes, pack(packing, state))
 
-        return packer
+        def packer_with_lanes(state: CellState) -> bytes:
+            return packer(state) + behind(state)
+
+        return packer_with_lanes if lanes else packer
 
     def looker(
         self, links: RegionReader, planner: RegionReader | None, pieces: RingReader | None, orders: RingReader, image: RegionReader

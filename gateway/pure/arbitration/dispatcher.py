@@ -5,7 +5,9 @@ Pure: what the cycle publishes (CellState) and time come in, orders and events g
 a new dispatcher has no jobs, so a command already present starts nothing (design: a command is taken once).
 """
 
+import functools
 import math
+import operator
 from collections.abc import Callable, Mapping, Sequence
 
 from drivers.drives.tracking import sentence
@@ -14,7 +16,7 @@ from gateway.pure.arbitration.jobs import AxisFacts, DispatcherEvent, Job, OnLos
 from gateway.pure.arbitration.ownership import NOBODY, Ownership
 from gateway.pure.image.belt_texts import belt_words
 from gateway.pure.image.reasons import CommandState, Reason, Refusal
-from gateway.pure.image.records.cell import AxisFlag, CellState, Motion, Order, OrderRecord, Permit
+from gateway.pure.image.records.cell import EVERY_AXIS, AxisFlag, CellState, Motion, Order, OrderRecord, Permit
 from gateway.pure.image.records.planner import PlannerState, ProgramFacts, ProgramOrder, function_words
 from protocols.base.machine import Ns, ms
 
@@ -24,6 +26,7 @@ TINY, TRAVELS = 1e-6, 10.0  # AX-010: what looks like a number in another format
 
 
 Planner = Callable[[Sequence[float], Sequence[float], int, float, float, int], bytes]  # start, target (SI), mask, v, a, job -> piece
+ABOUT_AXES = (Code.ENABLE, Code.DISABLE, Code.REFERENCE, Code.PTP_ABSOLUTE, Code.PTP_RELATIVE)
 NO_PROGRAMS: Mapping[int, ProgramFacts] = {}
 
 
@@ -51,7 +54,7 @@ class CommandDispatcher:
         self._programs: list[ProgramOrder] = []
         self._events: list[DispatcherEvent] = []
         self._first_try = False
-        self._move: Job | None = None  # the move or reference run the axes are on
+        self._moves: list[Job] = []  # moves and reference runs that axes are on: one at most of each lane
 
     def bar(self, mask: int) -> None:
         """These axes are disabled at the interface: off at once whichever source has control, and not moved until a new start (AX-333)."""
@@ -105,15 +108,14 @@ class CommandDispatcher:
         if before is not None and before.generation != cell.generation:
             for job in self._open:
                 self._end(job, CommandState.ABORTED, Reason.CYCLE_RESTARTED)
-            self._move = None
+            self._moves.clear()
         for job in list(self._open):
             self._settle(job, cell, now)
         self._open = [job for job in self._open if job.open]
-        if self._move is not None and not self._move.open:
-            self._move = None
+        self._moves = [job for job in self._moves if job.open]
 
     def _settle(self, job: Job, cell: CellState, now: Ns) -> None:
-        if job.state is CommandState.ACCEPTED and (cell.job == job.id if job.code == Code.PROGRAM else cell.taken >= job.id):
+        if job.state is CommandState.ACCEPTED and (cell.moves(job.id) if job.code == Code.PROGRAM else cell.taken >= job.id):
             job.state = CommandState.RUNNING
         outcome = self._outcome(job, cell)
         if outcome is not None:
@@ -137,14 +139,15 @@ class CommandDispatcher:
             return self.strayed()
         if outcome in (Reason.BELT_FAULT, Reason.ALTER_FAULT):
             axis = self.axes[cell.belt_axis - 1].name if 0 < cell.belt_axis <= len(self.axes) else ""
-            return belt_words(cell.belt_code, cell.belt_block or (self.planner.block if self.planner else 0), axis)
+            return belt_words(cell.belt_code, cell.belt_block or (self.planner.of(job.watch).block if self.planner else 0), axis)
         if outcome is Reason.SERVO_ERROR:
             return self.axes[cell.belt_axis - 1].name if 0 < cell.belt_axis <= len(self.axes) else ""
         if outcome in (Reason.DRIVE_ON_NOT_AVAILABLE, Reason.DRIVE_ON_NOT_ALLOWED):
-            return f"axis {self.axes[cell.drive_axis - 1].name}" if 0 < cell.drive_axis <= len(self.axes) else ""
+            drive_axis = cell.lane_of(job.span).drive_axis
+            return f"axis {self.axes[drive_axis - 1].name}" if 0 < drive_axis <= len(self.axes) else ""
         if outcome is Reason.OUTPUT_IN_USE:
-            return function_words(cell.path_stop)
-        planner = self.planner
+            return function_words(cell.lane_of(job.span).path_stop)
+        planner = self.planner.of(job.watch) if self.planner is not None else None
         if outcome is not Reason.PROGRAM_FAULT or planner is None or planner.failed_job != job.watch:
             return ""
         return planner.fault
@@ -159,9 +162,14 @@ class CommandDispatcher:
         """NONE: done; a reason: aborted; None: still open."""
         if cell.taken < job.id:
             return None
+        job.also = tuple(other for other in job.also if not cell.done(other))
         failed = cell.failure(job.watch or (job.id if job.code == Code.ENABLE else 0))
         if job.watch:
-            done = cell.done_job == job.watch
+            done = cell.done(job.watch)
+            if job.also and (done or not failed):
+                if done:
+                    job.watch, job.also = job.also[0], job.also[1:]
+                return None
             return Reason.NONE if done else Reason(failed) if failed else None
         if failed:
             return Reason(failed)
@@ -176,9 +184,9 @@ class CommandDispatcher:
             case Code.DISABLE:
                 return not enabled
             case Code.STOP:
-                return cell.motion in (Motion.IDLE, Motion.STOPPED)
+                return cell.rests(job.id)
             case Code.ABANDON | Code.REQUEST_CONTROL:
-                return cell.motion is Motion.IDLE
+                return cell.motion_of(job.span) is Motion.IDLE
             case Code.FAULT_RESET:
                 return not cell.emergency and not self.enabled_mask(AxisFlag.FAULT | AxisFlag.LOST)
             case _:
@@ -232,41 +240,54 @@ class CommandDispatcher:
         cell = self.cell
         if cell is None or not cell.generation:
             raise Refusal(Reason.NOT_READY, "the cycle does not run")
-        at_rest = cell.motion in (Motion.IDLE, Motion.STOPPED)
+        if code in (*ABOUT_AXES, Code.REQUEST_CONTROL, Code.RELEASE_CONTROL):
+            job.span = cell.span(job.mask & self._all)
+        at_rest = cell.motion_of(job.span) in (Motion.IDLE, Motion.STOPPED)
         match code:
             case Code.REQUEST_CONTROL:
                 self._request(job, cell, at_rest=at_rest)
             case Code.RELEASE_CONTROL:
-                self.control.release(job.door, at_rest=at_rest)
+                own = self.control.axes_of(job.door) & job.span
+                self.control.release(job.door, at_rest=cell.motion_of(own) in (Motion.IDLE, Motion.STOPPED), axes=job.span)
                 self._done(job)
             case Code.STOP:
                 self._stop(job, cell)
             case _:
                 self.control.demand(job.door)
+                if code not in ABOUT_AXES or not job.mask & self._all:
+                    job.span = self.control.axes_of(job.door)  # what names no axes is about those it has
+                self.control.demand(job.door, job.span)
                 self._owners_command(job, code, command, cell, now)
 
     def _request(self, job: Job, cell: CellState, *, at_rest: bool) -> None:
-        if self.control.request(job.door, at_rest=at_rest):
+        before = self.control.axes_of(job.door)
+        if self.control.request(job.door, at_rest=at_rest, axes=job.span):
             self._events.append(DispatcherEvent("control", job.door, job.code, Reason.NONE, ""))
-            if cell.motion is Motion.STOPPED:  # a rest another command source left must not be resumed by this one's first resume
-                self._drop_rest()
+            new = job.span & ~before
+            if cell.motion_of(new) is Motion.STOPPED:  # a rest another command source left must not be resumed by this one's first resume
+                self._drop_rest(new)
+                job.span = new
                 job.id = self._orders[-1].job  # done when the rest is gone: the next command must not find the axes busy
                 return
         self._done(job)
 
-    def _drop_rest(self) -> None:
-        self._order(Order.ABANDON)
-        if self._move is not None:
-            self._end(self._move, CommandState.ABORTED, Reason.ABANDONED)
-            self._move = None
+    def _drop_rest(self, axes: int) -> None:
+        self._order(Order.ABANDON, mask=_named(axes))
+        for move in self._moves_of(axes):
+            self._end(move, CommandState.ABORTED, Reason.ABANDONED)
+            self._moves.remove(move)
+
+    def _moves_of(self, axes: int) -> list[Job]:
+        """Moves of the lanes with some of these axes."""
+        return [move for move in self._moves if move.span & axes]
 
     def _stop(self, job: Job, cell: CellState) -> None:
-        """Everybody may stop."""
+        """Every command source may stop, and stops all that moves."""
         self._order(Order.STOP, job.id, reason=Reason.STOPPED_BY_DOOR)
-        move = self._move
-        if move is not None and move.open and cell.motion is Motion.RUNNING:
-            move.reason, move.detail = Reason.STOPPED_BY_DOOR, str(job.door)
-            self.stopped_moves += 1
+        for move in self._moves:
+            if move.open and cell.motion_of(move.span) is Motion.RUNNING:
+                move.reason, move.detail = Reason.STOPPED_BY_DOOR, str(job.door)
+                self.stopped_moves += 1
 
     def _owners_command(self, job: Job, code: Code, command: Command, cell: CellState, now: Ns) -> None:
         match code:
@@ -284,22 +305,19 @@ class CommandDispatcher:
                 self._mask(job)
                 self._may_move(cell, job.mask, referenced=False)
                 self._can_be_referenced(job.mask)
-                job.watch, self._move = job.id, job
+                self._moving(job)
                 self._order(Order.REFERENCE, job.id, mask=job.mask)
             case Code.PTP_ABSOLUTE | Code.PTP_RELATIVE:
                 self._ptp(job, command, cell, relative=code is Code.PTP_RELATIVE)
             case Code.PROGRAM:
                 self._program(job, command, cell)
             case Code.RESUME:
-                if cell.motion is not Motion.STOPPED or self._move is None:
-                    raise Refusal(Reason.NOTHING_TO_RESUME)
-                self._may_move(cell, self._in_loop(self._move), idle=False)
-                job.watch, self._move.reason, self._move.detail = self._move.id, Reason.NONE, ""
-                self._order(Order.RESUME, job.id)
+                self._resume(job, cell)
             case Code.ABANDON:
-                if cell.motion is not Motion.STOPPED:
+                job.span = cell.stopped(job.span)
+                if not job.span:
                     raise Refusal(Reason.NOTHING_TO_RESUME)
-                self._drop_rest()
+                self._drop_rest(job.span)
                 job.id = self._orders[-1].job
             case Code.FAULT_RESET:
                 job.until = now + RESET_PATIENCE
@@ -307,7 +325,24 @@ class CommandDispatcher:
             case Code.OVERRIDE:
                 if not 0.0 <= command.velocity <= 1.0:
                     raise Refusal(Reason.RATE, f"override {command.velocity:.2%}; 0..100 %")
-                self._order(Order.OVERRIDE, job.id, value=command.velocity)
+                self._order(Order.OVERRIDE, job.id, mask=_named(job.span), value=command.velocity)
+
+    def _resume(self, job: Job, cell: CellState) -> None:
+        """Every move of its lanes that was stopped goes on."""
+        moves = self._moves_of(cell.stopped(job.span))
+        if not moves:
+            raise Refusal(Reason.NOTHING_TO_RESUME)
+        for move in moves:
+            self._may_move(cell, self._in_loop(move), idle=False)
+        for move in moves:
+            move.reason, move.detail = Reason.NONE, ""
+        job.watch, job.also = moves[0].id, tuple(move.id for move in moves[1:])
+        self._order(Order.RESUME, job.id, mask=_named(functools.reduce(operator.or_, (move.span for move in moves))))
+
+    def _moving(self, job: Job) -> None:
+        """Its lanes are this job's."""
+        job.watch = job.id
+        self._moves.append(job)
 
     def _ptp(self, job: Job, command: Command, cell: CellState, *, relative: bool) -> None:
         self._mask(job)
@@ -316,7 +351,7 @@ class CommandDispatcher:
             raise Refusal(Reason.MASK, f"{job.mask:04X}h; {len(command.targets)} targets are given, none for {missing}")
         alone = self._first_try and relative and job.mask.bit_count() == 1
         self._may_move(cell, job.mask, referenced=not alone)
-        self._rates(command, cell)
+        self._rates(command, cell.override_of(job.span))
         start = [axis.set for axis in cell.axes[: len(self.axes)]]
         target = list(start)
         for n, axis in enumerate(self.axes):
@@ -327,7 +362,7 @@ class CommandDispatcher:
                     raise Refusal(Reason.TARGET_LIMIT, f"{axis.name} {wanted:.3f} {axis.unit}; {axis.low:g}..{axis.high:g} {axis.unit}")
                 target[n] = wanted * axis.si
         piece = self._plan(start, target, job.mask, command.velocity, command.acceleration, job.id)
-        job.watch, self._move = job.id, job
+        self._moving(job)
         self._order(Order.MOVE, job.id, mask=job.mask, piece=piece)
 
     def order_program(self, door: int, number: int, now: Ns, velocity: float = 1.0, acceleration: float = 1.0) -> Job:
@@ -345,9 +380,10 @@ class CommandDispatcher:
             cell = self.cell
             if cell is None or not cell.generation:
                 raise Refusal(Reason.NOT_READY, "the cycle does not run")
-            self.control.demand(door)
+            job.span = cell.span(mask)
+            self.control.demand(door, job.span)
             self._may_move(cell, self._in_loop(job))
-            if cell.override <= 0.0:
+            if cell.override_of(job.span) <= 0.0:
                 raise Refusal(Reason.OVERRIDE_ZERO)
             self._begin(job, ProgramOrder(job.id, 0, 1.0, 1.0, robot))
         except Refusal as refusal:
@@ -363,17 +399,19 @@ class CommandDispatcher:
             known = ", ".join(f"{n} {program.name}" for n, program in sorted(self.programs.items())) or "none"
             raise Refusal(Reason.PROGRAM_UNKNOWN, f"{number}; this cell has {known}")
         job.mask = self.programs[number].mask
+        job.span = cell.span(job.mask)
+        self.control.demand(job.door, job.span)
         self._may_move(cell, self._in_loop(job))
-        self._rates(command, cell)
+        self._rates(command, cell.override_of(job.span))
         self._begin(job, ProgramOrder(job.id, number, command.velocity, command.acceleration))
 
     def _begin(self, job: Job, order: ProgramOrder) -> None:
         """The order to the cycle, and to the planner."""
-        if self._move is not None:
+        if self._moves_of(job.span):
             raise Refusal(Reason.BUSY)
         if self.planner is None:
             raise Refusal(Reason.NOT_READY, "the planner process does not run")
-        job.watch, self._move = job.id, job
+        self._moving(job)
         self._order(Order.PROGRAM, job.id, mask=job.mask)
         self._programs.append(order)
 
@@ -390,11 +428,11 @@ class CommandDispatcher:
                 raise Refusal(Reason.NOT_READY, why)
 
     @staticmethod
-    def _rates(command: Command, cell: CellState) -> None:
+    def _rates(command: Command, override: float) -> None:
         for name, value in (("velocity", command.velocity), ("acceleration", command.acceleration)):
             if not 0.0 < value <= 1.0:
                 raise Refusal(Reason.RATE, f"{name} {value:.2%}; 0.01..100 %")
-        if cell.override <= 0.0:
+        if override <= 0.0:
             raise Refusal(Reason.OVERRIDE_ZERO)
 
     @staticmethod
@@ -433,8 +471,9 @@ class CommandDispatcher:
 
     def _may_move(self, cell: CellState, mask: int, *, referenced: bool = True, idle: bool = True) -> None:
         self._may_enable(cell)
-        if idle and cell.motion is not Motion.IDLE:
-            raise Refusal(Reason.BUSY, "resume or abandon the stopped move first" if cell.motion is Motion.STOPPED else "")
+        motion = cell.motion_of(cell.span(mask))
+        if idle and motion is not Motion.IDLE:
+            raise Refusal(Reason.BUSY, "resume or abandon the stopped move first" if motion is Motion.STOPPED else "")
         if not cell.permits & Permit.FEED:
             raise Refusal(Reason.FEED_NOT_ALLOWED)
         if not cell.permits & Permit.TRAVEL:
@@ -458,18 +497,29 @@ class CommandDispatcher:
     def link(self, door: int, on_loss: OnLoss, *, alive: bool) -> None:
         """The command source's link came or went; when the owner's went, the move ends as configured and nothing restarts by itself."""
         self.control.link(door, alive=alive)
-        if alive or self.control.owner != door or self.cell is None:
+        if alive or not self.owns(door) or self.cell is None:
             return
-        moving = self.cell.motion in (Motion.RUNNING, Motion.REFERENCING)
+        own = self.control.axes_of(door)
+        moving = self.cell.motion_of(own) in (Motion.RUNNING, Motion.REFERENCING)
         if on_loss is OnLoss.QUICK_STOP:
-            self._order(Order.DISABLE, mask=self._all, reason=Reason.LINK_LOST)
+            self._order(Order.DISABLE, mask=self._all & own, reason=Reason.LINK_LOST)
         elif on_loss in (OnLoss.STOP, OnLoss.HOLD) and moving:
-            self._order(Order.STOP, reason=Reason.LINK_LOST)
-        if moving and self._move is not None and on_loss is not OnLoss.FINISH:
-            self._move.reason, self._move.detail = Reason.LINK_LOST, f"command source {door}"
+            self._order(Order.STOP, mask=_named(own), reason=Reason.LINK_LOST)
+        if moving and on_loss is not OnLoss.FINISH:
+            for move in self._moves_of(own):
+                move.reason, move.detail = Reason.LINK_LOST, f"command source {door}"
         self._events.append(DispatcherEvent("stopped", door, Code.STOP, Reason.LINK_LOST, f"command source {door}; {on_loss.value}"))
 
     @property
     def owner(self) -> int:
-        """Number of the command source in control; 0: none."""
+        """Number of the command source in control, in a cell of several lanes of the first that has one; 0: none."""
         return self.control.owner or NOBODY
+
+    def owns(self, door: int) -> bool:
+        """It has control: of the cell, or of some of its kinematics."""
+        return self.control.axes_of(door) != 0
+
+
+def _named(axes: int) -> int:
+    """As an order names lanes: 0 is all of them."""
+    return 0 if axes == EVERY_AXIS else axes

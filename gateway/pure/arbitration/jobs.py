@@ -5,6 +5,7 @@ from enum import Enum
 
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.image.reasons import CommandState, Reason, text
+from gateway.pure.image.records.cell import EVERY_AXIS
 from protocols.base.machine import Ns
 
 
@@ -44,6 +45,8 @@ class Job:
     until: Ns | None = None  # aborted with TIME_OUT then
     quiet: bool = False  # its being done is no news
     watch: int = 0  # job whose end is this job's end (resume watches the move)
+    also: tuple[int, ...] = ()  # jobs that have to end well, too: resume of several lanes
+    span: int = EVERY_AXIS  # axes (bit n-1 = axis n) of the lanes that it is about
 
     @property
     def open(self) -> bool:

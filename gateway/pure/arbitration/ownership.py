@@ -1,40 +1,64 @@
-"""Who may command: one command source at a time owns the kinematic (design: section 5, Command sources and control)."""
+"""Who may command: one command source at a time owns a kinematic, and one may own all (design: section 5, Command sources and control)."""
 
 from gateway.pure.image.reasons import Reason, Refusal
+from gateway.pure.image.records.cell import EVERY_AXIS
 
 NOBODY = 0
 
 
 class Ownership:
-    """Command sources are numbered from 1; word 8 of every status block contains the owner's number."""
+    """Command sources are numbered from 1; word 8 of every status block contains the owner's number.  What is owned are axes (bit n-1 =
+    axis n): all of a lane, and in a cell of one lane all there are."""
 
     def __init__(self) -> None:
-        self.owner = NOBODY
+        self._axes: dict[int, int] = {}  # command source -> its axes
         self._dead: set[int] = set()
 
-    def request(self, door: int, *, at_rest: bool) -> bool:
-        """Give control to `door`; True when it did not have it before.  Refused while another living command source owns it or the axes
-        move."""
-        if self.owner == door:
+    @property
+    def owner(self) -> int:
+        """Of the first axes that have one."""
+        return min(self._axes, key=lambda door: self._axes[door] & -self._axes[door], default=NOBODY)
+
+    def axes_of(self, door: int) -> int:
+        """Those it has control of."""
+        return self._axes.get(door, 0)
+
+    def request(self, door: int, *, at_rest: bool, axes: int = EVERY_AXIS) -> bool:
+        """Give control of these axes to `door`; True when it did not have it before.  Refused while another living command source owns
+        some of them or they move."""
+        if self.axes_of(door) & axes == axes:
             return False
-        if self.owner != NOBODY and self.owner not in self._dead:
-            raise Refusal(Reason.NOT_OWNER, f"command source {self.owner}")
+        others = {other: own for other, own in self._axes.items() if other != door and own & axes}
+        for other in others:
+            if other not in self._dead:
+                raise Refusal(Reason.NOT_OWNER, f"command source {other}")
         if not at_rest:
             raise Refusal(Reason.NOT_AT_REST)
-        self.owner = door
+        for other, own in others.items():
+            self._set(other, own & ~axes)
+        self._set(door, self.axes_of(door) | axes)
         return True
 
-    def release(self, door: int, *, at_rest: bool) -> None:
-        """Give control back; only at rest, and only by its owner."""
+    def release(self, door: int, *, at_rest: bool, axes: int = EVERY_AXIS) -> None:
+        """Give control of these axes back; only at rest, and only by their owner."""
         self.demand(door)
         if not at_rest:
             raise Refusal(Reason.NOT_AT_REST)
-        self.owner = NOBODY
+        self._set(door, self.axes_of(door) & ~axes)
 
-    def demand(self, door: int) -> None:
-        """Raise unless `door` owns the kinematic."""
-        if self.owner != door:
-            raise Refusal(Reason.NOT_OWNER, f"command source {self.owner}" if self.owner else "no command source; request control first")
+    def demand(self, door: int, axes: int = 0) -> None:
+        """Raise unless `door` owns these axes; 0: any."""
+        own = self.axes_of(door)
+        if own and own & axes == axes:
+            return
+        other = next((each for each, theirs in self._axes.items() if each != door and (theirs & axes or not axes)), NOBODY)
+        raise Refusal(Reason.NOT_OWNER, f"command source {other}" if other else "no command source; request control first")
+
+    def _set(self, door: int, axes: int) -> None:
+        if axes:
+            self._axes[door] = axes
+        else:
+            self._axes.pop(door, None)
 
     def link(self, door: int, *, alive: bool) -> None:
         """The owner keeps control while its link is dead, but then another command source may take it."""

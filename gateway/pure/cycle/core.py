@@ -1,47 +1,51 @@
 """The brain of the cycle: once per SYNC, actual values and orders in, set values and the published state out.  Pure.
 
-It owns the drives' power machines, the mover (paths and programs), referencing, the enabling inputs and the emergency-stop latch; it
-decides nothing the command sources should decide.  A new core starts with drives off, override 0, nothing referenced and no rest of a move
-(design: section 4).
+It owns the drives' power machines, the enabling inputs, the emergency-stop latch, and a lane for each kinematic: paths, programs,
+referencing and override of its axes.  It decides nothing the command sources should decide.  A new core starts with drives off, override 0,
+nothing referenced and no rest of a move (design: section 4).
 """
 
-from collections.abc import Sequence
+import functools
+import operator
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from drivers.drives.family import Actual, Event, Power, SetRecord
 from drivers.drives.tracking import Tracking
 from gateway.pure.cycle.alter import CoreAlter
-from gateway.pure.cycle.alter_mover import make_mover
 from gateway.pure.cycle.axis import CoreAxis, HeldAxis
 from gateway.pure.cycle.axis_loops import PYTHON, AxisLoops
 from gateway.pure.cycle.belts import CoreBelts
 from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.cycle.endless import CoreEndless
-from gateway.pure.cycle.homing import Homings
+from gateway.pure.cycle.lane import Lane, whole_of
+from gateway.pure.cycle.lanes import LaneParts, make_lanes, merged
 from gateway.pure.cycle.publish import Publisher
 from gateway.pure.image.reasons import Reason
-from gateway.pure.image.records.cell import MOST_AXES, RC_BYTES, AxisState, CellState, InputImage, Motion, Order, OrderRecord, Permit
+from gateway.pure.image.records.cell import (
+    EVERY_AXIS,
+    RC_BYTES,
+    AxisState,
+    CellState,
+    InputImage,
+    Order,
+    OrderRecord,
+    Permit,
+    worst,
+)
 from gateway.pure.image.records.planner import PieceRecord
 from motion.execution.stepper import State
 from motion.timing.foresight import Foresight
-from motion.timing.override_ramp import OverrideRamp
 from protocols.base.machine import Ns, ms
 
 if TYPE_CHECKING:
     from gateway.pure.cycle.path_outputs import CoreOutputs
     from gateway.pure.cycle.shared_output import CoreShared
 
-EVERY_AXIS = (1 << MOST_AXES) - 1
 SETTLE_S = 0.5  # after its last set value an axis has so long to come to its place; then it stands (AX-268)
 LOST_STOP_S = 2.0  # an axis still moving so long after its chain or control input was lost is switched off
 CHAIN, CONTROL, FEED, RUN, TRAVEL = (int(permit) for permit in Permit)
 FLOW = FEED | RUN
-MOTIONS = {
-    State.IDLE: Motion.IDLE,
-    State.RUNNING: Motion.RUNNING,
-    State.STOPPING: Motion.STOPPING,
-    State.STOPPED: Motion.STOPPED,
-}
 BROKEN = ((Power.FAULT, Reason.DRIVE_FAULT), (Power.LOST, Reason.DRIVE_LOST))
 TOO_MANY_SKIPPED = 3  # SYNCs skipped in a row: stop on the path
 SERVICES_LIMIT = ms(250)  # life counter of services older than this: dead
@@ -75,19 +79,14 @@ class CycleLogic:
         for axis in self._axes:
             axis.referenced = axis.plan.absolute
         self._endless = CoreEndless(self._axes, self.state)
-        self._homings = Homings(self._axes, self.state, period_s)
         self.belts, self._shared = belts, shared
-        self._mover = make_mover(
-            self._axes, self.state, self.outputs, self._homings, period_s, foresight, belts=belts, alter=alter, off=self._off
-        )
-        self._mover.functions = functions
+        parts = LaneParts(self._axes, self.state, self.outputs, period_s, override_step, foresight, belts, alter, functions, self._off)
+        self.lanes = make_lanes(parts)
         self._drive_axes, self._watch_axes = loops.drive_axes, loops.watch_axes
         self._publisher = Publisher(self.state, self.outputs, numbers, period_s, loops)
         self._finish = finish_without_services
         self._enabling_inputs = EnablingInputs(numbers, assumed)
         self._permits = 0
-        self._override = 0.0  # as ordered
-        self._ramp = OverrideRamp(override_step)
         self._enabling: list[tuple[int, int]] = []  # job, mask, of each that waits for its axes
         self._reset = False
         self._services_alive = False
@@ -109,6 +108,8 @@ class CycleLogic:
     ) -> list[SetRecord]:
         """actuals: (axes,) of this SYNC, None where the telegram did not come; services_ns: stamp of the services' last beat."""
         self.state.cycle += 1
+        for lane in self.lanes:
+            lane.state.sync_ns = now
         self.state.sync_ns = now
         self._judge_inputs(inputs, services_ns, now)
         self._judge_services(services_ns, now)
@@ -117,9 +118,11 @@ class CycleLogic:
         self._apply_override()
         values = self._drive(actuals, inputs)
         self._watch(actuals)
-        if self._endless.axes and not (self._mover.busy or self._homings.under_way):
+        if self._endless.axes:
             self._go_round()
         self._publish()
+        if len(self.lanes) > 1:
+            self._give_back()
         if self._shared is not None:
             self._share(self._shared)
         return values
@@ -150,7 +153,7 @@ class CycleLogic:
             self._lost_cycles = 0
             return
         self._lost_cycles += 1
-        moving = self._homings.job or self._mover.moving
+        moving = any(lane.homings.job or lane.mover.moving for lane in self.lanes)
         if not moving or self._lost_cycles * self._period > LOST_STOP_S:
             self._off(Reason.INPUT_LOST)
 
@@ -171,24 +174,64 @@ class CycleLogic:
 
     def _apply_override(self) -> None:
         """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""
-        ordered = self._ramp.step(self._override)
-        value = ordered if self._permits & FLOW == FLOW else 0.0
-        if value != self._mover.override:
-            self._mover.set_override(value)
+        for lane in self.lanes:
+            ordered = lane.ramp.step(lane.override)
+            value = ordered if self._permits & FLOW == FLOW else 0.0
+            if value != lane.mover.override:
+                lane.mover.set_override(value)
 
     def _emergency(self) -> None:
         if not self.state.emergency:
-            self.state.emergency = True
-            self.state.stop_cause = Reason.EMERGENCY_STOP
+            self._latch(closed=True)
+            self._because(Reason.EMERGENCY_STOP)
         self._off(Reason.EMERGENCY_STOP)
 
     def _acknowledge(self) -> None:
         if self.state.permits & Permit.CHAIN:
-            self.state.emergency = False
-        self.state.stop_cause = 0
+            self._latch(closed=False)
+        self._because(Reason.NONE)
         self._reset = True
         for axis in self._axes:
             axis.finding = 0
+
+    def _latch(self, *, closed: bool) -> None:
+        self.state.emergency = closed
+        for lane in self.lanes:
+            lane.state.emergency = closed
+
+    # ---- lanes -------------------------------------------------------------------------------------------------------
+    def _of(self, mask: int) -> list[Lane]:
+        """Those that hold some of these axes; with one lane it holds all there are."""
+        return [lane for lane in self.lanes if lane.holds & mask]
+
+    def _because(self, reason: Reason, mask: int = EVERY_AXIS) -> None:
+        """Why these axes stopped last."""
+        for lane in self._of(mask):
+            lane.state.stop_cause = reason
+
+    def _together(self, axes: Iterable[int]) -> int:
+        """Every axis of the lanes that hold these (from 0): axes of one move together or not at all."""
+        mask = sum(1 << n for n in axes)
+        return functools.reduce(operator.or_, (lane.holds for lane in self._of(mask)), 0)
+
+    def _lead(self, mask: int) -> Lane | None:
+        """The lane that an order for these axes goes to; None: another one that has some of them has something to do."""
+        first, *others = self._of(mask) or self.lanes[:1]
+        if others and any(lane.busy for lane in (first, *others)):
+            return None
+        for lane in others:
+            first.take(lane)
+        return first
+
+    def _give_back(self) -> None:
+        """Axes of other lanes, when nothing is left to do with them."""
+        for lane in self.lanes:
+            if lane.holds & ~lane.own and not lane.busy:
+                for other in self.lanes:
+                    if other is not lane and other.own & lane.holds:
+                        other.hold(other.own)
+                        other.mover.accept()
+                lane.hold(lane.own)
 
     # ---- orders ------------------------------------------------------------------------------------------------------
     def _obey(self, record: OrderRecord) -> None:
@@ -201,17 +244,13 @@ class CycleLogic:
                 self._off(Reason(record.reason) if record.reason else Reason.DRIVES_OFF, record.mask)
             case Order.REFERENCE:
                 self._reference(record)
-            case Order.MOVE:
-                self._mover.move(record)
+            case Order.MOVE | Order.PROGRAM:
+                self._move(record)
             case Order.STOP:
-                self._stop(Reason(record.reason))
-            case Order.RESUME:
-                state.stop_cause = 0
-                self._mover.stepper.resume()
-            case Order.ABANDON:
-                self._mover.abandon()
-            case Order.PROGRAM:
-                self._mover.order_program(record)
+                self._stop(Reason(record.reason), record.mask or EVERY_AXIS)
+            case Order.RESUME | Order.ABANDON | Order.OVERRIDE:
+                for lane in self._of(record.mask or EVERY_AXIS):
+                    lane.obey(record)
             case Order.BELT:
                 if self.belts is not None:
                     self.belts.stood(record.mask, record.value)
@@ -219,8 +258,19 @@ class CycleLogic:
                 self._emergency()
             case Order.RESET:
                 self._acknowledge()
-            case Order.OVERRIDE:
-                self._override = min(max(record.value, 0.0), 1.0)
+
+    def _move(self, record: OrderRecord) -> None:
+        """A piece by itself, or a program."""
+        lane = self._lead(record.mask or EVERY_AXIS)
+        if lane is None:
+            self.state.fail(record.job, Reason.BUSY)
+        elif record.order is Order.MOVE:
+            lane.mover.move(record)
+        else:
+            for other in self.lanes:
+                if other is not lane and other.own & record.mask:
+                    other.state.measured_mask = 0  # a new program has measured nothing
+            lane.mover.order_program(record)
 
     def _enable(self, record: OrderRecord) -> None:
         state = self.state
@@ -228,8 +278,8 @@ class CycleLogic:
             self.state.fail(record.job, Reason.EMERGENCY_STOP)
         elif not state.permits & Permit.CONTROL:
             self.state.fail(record.job, Reason.CONTROL_NOT_ALLOWED)
-        elif self._mover.join(record.mask):  # else the program is over, too
-            state.stop_cause = 0
+        elif self._joined(record.mask):  # else the program is over, too
+            self._because(Reason.NONE, record.mask)
             for n, axis in enumerate(self._axes):
                 if record.mask >> n & 1:
                     axis.wanted, axis.finding = True, 0
@@ -237,77 +287,90 @@ class CycleLogic:
         else:
             state.fail(record.job, Reason.DRIVE_ON_NOT_ALLOWED)
 
+    def _joined(self, mask: int) -> bool:
+        """These axes may be switched on: asked of each lane that has some."""
+        joined = [lane.mover.join(mask & lane.holds) for lane in self._of(mask)]
+        return all(joined)
+
     def _reference(self, record: OrderRecord) -> None:
-        if self._mover.stepper.state is not State.IDLE or self._homings.job:
+        lane = self._lead(record.mask)
+        if lane is None or lane.mover.stepper.state is not State.IDLE or lane.homings.job:
             self.state.fail(record.job, Reason.BUSY)
-        elif not self._mover.all_enabled(record.mask):
+        elif not lane.mover.all_enabled(record.mask):
             self.state.fail(record.job, Reason.DRIVES_OFF)
         else:
-            self._homings.begin(record.job, record.mask)
+            lane.homings.begin(record.job, record.mask)
 
     def feed(self, record: PieceRecord) -> None:
         """From the planner."""
-        self._mover.feed(record)
+        lane = next((lane for lane in self.lanes if lane.mover.program.job == record.job), self.lanes[0])
+        lane.mover.feed(record)
 
     def planner_lost(self) -> None:
-        """It died: the program is over after what was committed."""
-        self._mover.planner_lost()
+        """It died: every program is over after what was committed."""
+        for lane in self.lanes:
+            lane.mover.planner_lost()
 
     @property
     def starved(self) -> bool:
         """A program is under way, the axes rest, and more has to come from the planner, or an input."""
-        return self._mover.starved
+        return any(lane.mover.starved for lane in self.lanes)
 
-    def _stop(self, reason: Reason) -> None:
-        self._mover.stop(reason)
-        if self._homings.job:
-            self._homings.end(reason)
-            self.state.stop_cause = reason
+    def _stop(self, reason: Reason, mask: int = EVERY_AXIS) -> None:
+        for lane in self._of(mask):
+            lane.stop(reason)
 
     def _off(self, reason: Reason, mask: int = EVERY_AXIS) -> None:
         """Drives off: the drive's own quick stop brings the axis to rest; the rest of a move is gone."""
-        moved = [axis for n, axis in enumerate(self._axes) if mask >> n & 1 and axis.wanted]
+        places = [n for n, axis in enumerate(self._axes) if mask >> n & 1 and axis.wanted]
+        moved = [self._axes[n] for n in places]
         for axis in moved:
             axis.wanted = False
         if not moved:
             return
         if reason is not Reason.DRIVES_OFF:
-            self.state.stop_cause = reason  # also at rest: whoever finds the drives off reads why
-        if self._homings.job:
-            self._homings.end(reason)
+            self._because(reason, mask)  # also at rest: whoever finds the drives off reads why
+        lanes = self._of(sum(1 << n for n in places))
+        for lane in lanes:
+            if lane.homings.job:
+                lane.homings.end(reason)
         for axis in moved:
             axis.run, axis.by_drive = None, False
         for job, wanted in self._enabling:
             if wanted & mask:
                 self.state.fail(job, reason)
         self._enabling = [one for one in self._enabling if not one[1] & mask]
-        if reason is Reason.DRIVES_OFF and self._mover.leave():
-            return
-        if self._mover.busy:
-            self._mover.drop(reason)
+        for lane in lanes:
+            if not (reason is Reason.DRIVES_OFF and lane.mover.leave()) and lane.mover.busy:
+                lane.mover.drop(reason)
 
     # ---- set values --------------------------------------------------------------------------------------------------
     def _drive(self, actuals: Sequence[Actual | None], inputs: InputImage) -> list[SetRecord]:
         """All of it happens once per SYNC."""
-        mover, homings = self._mover, self._homings
-        if mover.storing.by_drives:
-            mover.storing.hear(actuals)
-        sample = mover.step(inputs)
-        if homings.under_way:
-            homings.step(actuals)
+        samples = []
+        for lane in self.lanes:
+            if lane.mover.storing.by_drives:
+                lane.mover.storing.hear(actuals)
+            samples.append(lane.mover.step(inputs))
+            if lane.homings.under_way:
+                lane.homings.step(actuals)
+        sample = merged(self.lanes, samples)
         values, settled, self._eventful = self._drive_axes(self._axes, actuals, sample.q, sample.qd, self._reset)
         self._settled_axes = settled
-        if homings.under_way:
-            homings.judge()
-        if homings.under_way or not settled:
+        referencing = [lane for lane in self.lanes if lane.homings.under_way]
+        for lane in referencing:
+            lane.homings.judge()
+        if referencing or not settled:
             self._accept_positions()
-        if mover.functions is not None:
-            mover.functions.step(sample.q, self.state, self.outputs)
-        if mover.running:
-            mover.judge(sample)
-        if mover.storing.on:
-            mover.store([None if actual is None else axis.actual for axis, actual in zip(self._axes, actuals, strict=True)])
-        self.state.progress, self.state.piece = sample.s, sample.piece_id
+        path_outputs = self.lanes[0].mover.functions  # of all lanes
+        if path_outputs is not None:
+            path_outputs.step(sample.q, self.state, self.outputs)
+        for lane, own in zip(self.lanes, samples, strict=True):
+            if lane.mover.running:
+                lane.mover.judge(own)
+            if lane.mover.storing.on:
+                lane.mover.store([None if actual is None else axis.actual for axis, actual in zip(self._axes, actuals, strict=True)])
+            lane.state.progress, lane.state.piece = own.s, own.piece_id
         return values
 
     def _accept_positions(self) -> None:
@@ -318,43 +381,52 @@ class CycleLogic:
                 axis.referenced = axis.plan.absolute
             if axis.run is None and (axis.by_drive or not axis.drive.follows):
                 axis.set = axis.scaling.to_si(axis.drive.set_inc)
-        self._mover.accept()
+        for lane in self.lanes:
+            lane.mover.accept()
 
     def _go_round(self) -> None:
-        """At rest, and with nothing under way: nobody's path counts on the old numbers."""
-        if self._endless.look():
-            self._mover.accept()
+        """At rest, and with nothing under way: no path counts on the old numbers."""
+        for lane in self.lanes:
+            if not (lane.mover.busy or lane.homings.under_way) and self._endless.look(lane.holds):
+                lane.mover.accept()
 
     # ---- supervision -------------------------------------------------------------------------------------------------
     def _watch(self, actuals: Sequence[Actual | None]) -> None:
         self._reset = False
         found = self._watch_axes(self._axes, actuals, 0)
         while found >= 0:
-            self.state.stop_cause = Reason.FOLLOWING_ERROR
-            self._off(Reason.FOLLOWING_ERROR)
+            mask = self._together([found])
+            self._because(Reason.FOLLOWING_ERROR, mask)
+            self._off(Reason.FOLLOWING_ERROR, mask)
             found = self._watch_axes(self._axes, actuals, found + 1)
         if not self._settled_axes:
             self._judge_powers()
         if self._eventful:
             self._judge_events()
         if self._enabling:
-            self._enabling = [one for one in self._enabling if not self._mover.all_enabled(one[1])]
+            self._enabling = [one for one in self._enabling if not self.lanes[0].mover.all_enabled(one[1])]
 
     def _judge_powers(self) -> None:
-        powers = [axis.power for axis in self._axes if axis.wanted]
+        powers = [(n, axis.power) for n, axis in enumerate(self._axes) if axis.wanted]
         for power, reason in BROKEN:
-            if power in powers:
-                self.state.stop_cause = reason
-                self._off(reason)  # the axes move together or not at all
+            self._broke(reason, [n for n, found in powers if found is power])
 
     def _judge_events(self) -> None:
         """What drives did by themselves; of an axis nobody wants on it is no matter."""
-        if any(axis.wanted and (Event.DROPPED in axis.drive.events or Event.TIMEOUT in axis.drive.events) for axis in self._axes):
-            self.state.stop_cause = Reason.DRIVE_FAULT
-            self._off(Reason.DRIVE_FAULT)  # a drive that left control by itself: only a fresh command brings it back
-        if any(axis.wanted and (Event.JUMP in axis.drive.events or Event.RANGE in axis.drive.events) for axis in self._axes):
-            self.state.stop_cause = Reason.SET_VALUE
-            self._off(Reason.SET_VALUE)  # a set value the drive object would not send: the axis no longer follows its path
+        self._broke(Reason.DRIVE_FAULT, self._said(Event.DROPPED, Event.TIMEOUT))  # left control by itself: a fresh command brings it back
+        self._broke(Reason.SET_VALUE, self._said(Event.JUMP, Event.RANGE))  # not sent by the drive object: the axis is off its path
+
+    def _said(self, *events: Event) -> list[int]:
+        """Axes (from 0) that are wanted on and did one of these."""
+        found = [n for n, axis in enumerate(self._axes) if axis.wanted]
+        return [n for n in found if any(event in self._axes[n].drive.events for event in events)]
+
+    def _broke(self, reason: Reason, axes: list[int]) -> None:
+        """The drives of these axes (from 0) are no longer led: those of their lanes go off."""
+        if axes:
+            mask = self._together(axes)
+            self._because(reason, mask)
+            self._off(reason, mask)
 
     def skipped(self, in_a_row: int) -> None:
         """SYNCs were not sent: the path is late by as much, and too many in a row stop it."""
@@ -364,12 +436,12 @@ class CycleLogic:
 
     def drives_lost(self) -> None:
         """The bus is gone: everything off, and only a fresh command brings it back."""
-        self.state.stop_cause = Reason.DRIVE_LOST
+        self._because(Reason.DRIVE_LOST)
         self._off(Reason.DRIVE_LOST)
 
     def _share(self, shared: "CoreShared") -> None:
         """Set-point outputs of several axes; two axes of one that move at a time are a servo error (rho3 L6468)."""
-        wrong = shared.step(self._axes, self.outputs, jog=not self._mover.program.job)
+        wrong = shared.step(self._axes, self.outputs, jog=not any(lane.mover.program.job for lane in self.lanes))
         if wrong:
             self.state.belt_axis = wrong
             self._off(Reason.SERVO_ERROR)
@@ -385,13 +457,13 @@ class CycleLogic:
         self._publisher.contacts_lost = lost
 
     def _publish(self) -> None:
-        state, mover, homings = self.state, self._mover, self._homings
-        if homings.under_way:
-            homings.look()
-        motion = Motion.REFERENCING if homings.under_way else MOTIONS[mover.stepper.state]
-        if motion is Motion.IDLE and (mover.running or mover.program.job):
-            motion = Motion.RUNNING  # the axes are still on their last increments, or a program is being prepared
-        state.motion = motion
-        state.override = self._override
-        state.job = homings.job or mover.running
+        for lane in self.lanes:
+            if lane.homings.under_way:
+                lane.homings.look()
+            lane.state.motion = lane.motion
+            lane.state.override = lane.override
+            lane.state.job = lane.homings.job or lane.mover.running
+        if len(self.lanes) > 1:
+            self.state.motion = worst(lane.state.motion for lane in self.lanes)
+            whole_of(self.lanes, self.state)
         self._publisher.publish(self._axes)

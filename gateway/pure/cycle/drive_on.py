@@ -7,6 +7,7 @@ a program.  An axis that is out, or back and not accepted, is kept: its set valu
 from collections.abc import Iterable, Sequence
 
 from gateway.pure.cycle.axis import HeldAxis
+from gateway.pure.image.records.cell import EVERY_AXIS
 from motion.axes.errors import DRIVE_ON_NOT_AVAILABLE, AxisError
 from motion.axes.interruptible import MOVES, DriveOn
 from motion.execution.stepper import Sample
@@ -14,12 +15,13 @@ from motion.execution.timed import TimedPiece
 
 
 class DriveOnGate:
-    """Of one core; for the program under way."""
+    """Of one lane; for the program under way."""
 
     def __init__(self, axes: Sequence[HeldAxis]) -> None:
         self.kept: set[int] = set()  # axes whose set value stays where they stand
         self._axes = axes
         self._rule = DriveOn(len(axes))
+        self.mask = EVERY_AXIS  # axes (bit n-1 = axis n) that are moved together; others are no matter
 
     @property
     def watches(self) -> bool:
@@ -34,9 +36,9 @@ class DriveOnGate:
     def begin(self, mask: int) -> bool:
         """A program is ordered: True when its axes follow, except those not commanded on; one at least."""
         own = [axis for n, axis in enumerate(self._axes) if mask >> n & 1]
-        self.kept = {n for n, axis in enumerate(self._axes) if not axis.wanted}
+        self.kept = self._gone()
         self._rule = DriveOn(len(self._axes))
-        self._rule.on = [self._usable(axis) for axis in self._axes]
+        self._rule.on = [self._usable(n, axis) for n, axis in enumerate(self._axes)]
         return any(axis.drive.follows for axis in own) and all(axis.drive.follows or not axis.wanted for axis in own)
 
     def over(self) -> None:
@@ -57,7 +59,7 @@ class DriveOnGate:
     def leave(self, ahead: Iterable[TimedPiece]) -> int:
         """Axes are not wanted on any more; the first of them (from 1) that one of the committed pieces would move, 0: none."""
         self._update(moving=False)
-        gone = {n for n, axis in enumerate(self._axes) if not axis.wanted}
+        gone = self._gone()
         self.kept |= gone
         return next((n + 1 for piece in ahead for n in self._moved(piece) if n in gone), 0)
 
@@ -67,18 +69,21 @@ class DriveOnGate:
         if not coming:
             return
         self.kept |= coming
-        self._update(moving=any(axis.speed != 0.0 for axis in self._axes), coming=coming)
+        moving = any(axis.speed != 0.0 for n, axis in enumerate(self._axes) if self.mask >> n & 1)
+        self._update(moving=moving, coming=coming)
         self._rule.unaccepted |= coming  # also those that were out when the program began
 
     def _update(self, *, moving: bool, coming: Iterable[int] = ()) -> None:
         axes, new = self._axes, set(coming)
-        signals = [n in new or self._usable(axis) for n, axis in enumerate(axes)]
+        signals = [n in new or self._usable(n, axis) for n, axis in enumerate(axes)]
         sets = [axis.set for axis in axes]
         self._rule.update(False, signals, sets, sets, moving=moving, program=True)
 
-    @staticmethod
-    def _usable(axis: HeldAxis) -> bool:
-        return axis.wanted and axis.referenced
+    def _gone(self) -> set[int]:
+        return {n for n, axis in enumerate(self._axes) if not axis.wanted and self.mask >> n & 1}
+
+    def _usable(self, n: int, axis: HeldAxis) -> bool:
+        return (axis.wanted and axis.referenced) or not self.mask >> n & 1
 
     # ---- paths ---------------------------------------------------------------------------------------------------------
     def check(self, piece: TimedPiece, *, until: bool) -> None:

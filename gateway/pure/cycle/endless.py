@@ -20,10 +20,12 @@ class CoreEndless:
         self.axes = [(n, axis) for n, axis in enumerate(axes) if axis.plan.modulo]
         self._state = state
 
-    def look(self) -> bool:
-        """Once a cycle, at rest; True: a set position is another number now."""
+    def look(self, mask: int) -> bool:
+        """Once a cycle, of axes (bit n-1 = axis n) at rest; True: a set position is another number now."""
         found = False
         for n, axis in self.axes:
+            if not mask >> n & 1:
+                continue
             modulo = axis.plan.modulo
             rounds = math.floor(axis.set / modulo + NEAR)
             if rounds:

@@ -6,16 +6,21 @@ from drivers.drives.family import Actual, DriveHoming, Homing
 from drivers.drives.referencing import Referencing, RunState
 from gateway.pure.cycle.axis import HeldAxis
 from gateway.pure.image.reasons import Reason
-from gateway.pure.image.records.cell import CellState
+from gateway.pure.image.records.cell import EVERY_AXIS, CellState
 
 
 class Homings:
-    """Of one core."""
+    """Of one lane."""
 
     def __init__(self, axes: Sequence[HeldAxis], state: CellState, period_s: float) -> None:
         self.job = 0
         self.under_way = False  # a job is, or an axis still comes to rest from one
         self._axes, self._state, self._period = axes, state, period_s
+        self.mask = EVERY_AXIS  # axes (bit n-1 = axis n) it may reference
+
+    @property
+    def _own(self) -> list[HeldAxis]:
+        return [axis for n, axis in enumerate(self._axes) if self.mask >> n & 1]
 
     def begin(self, job: int, mask: int) -> None:
         """The axes of the mask rest and follow."""
@@ -34,27 +39,27 @@ class Homings:
         """The job failed; runs come to rest."""
         self._state.fail(self.job, reason)
         self.job = 0
-        for axis in self._axes:
+        for axis in self._own:
             axis.by_drive = False
             if axis.run is not None:
                 axis.run.abort()
 
     def step(self, actuals: Sequence[Actual | None]) -> None:
         """Before the set values of a cycle."""
-        for axis, actual in zip(self._axes, actuals, strict=True):
-            if axis.run is not None:
+        for n, (axis, actual) in enumerate(zip(self._axes, actuals, strict=True)):
+            if axis.run is not None and self.mask >> n & 1:
                 axis.led = True
                 self._step_run(axis, actual)
 
     def judge(self) -> None:
         """After the set values of a cycle."""
-        for axis in self._axes:
+        for axis in self._own:
             if axis.by_drive:
                 self._judge_drive(axis)
 
     def look(self) -> None:
         """Once a cycle: is it still under way?"""
-        self.under_way = self.job != 0 or any(axis.run is not None or axis.by_drive for axis in self._axes)
+        self.under_way = self.job != 0 or any(axis.run is not None or axis.by_drive for axis in self._own)
 
     def _step_run(self, axis: HeldAxis, actual: Actual | None) -> None:
         run = axis.run
@@ -88,5 +93,5 @@ class Homings:
         self._ended()
 
     def _ended(self) -> None:
-        if self.job and not any(axis.run is not None or axis.by_drive for axis in self._axes):
+        if self.job and not any(axis.run is not None or axis.by_drive for axis in self._own):
             self._state.done_job, self.job = self.job, 0

@@ -3,7 +3,7 @@
 A cell with belts or a correction has one more: gateway.pure.cycle.belt_mover, gateway.pure.cycle.alter_mover.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from gateway.pure.cycle.axis import HeldAxis
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 class Mover:
-    """Of one core; `state` and `outputs` are written in place."""
+    """Of one lane; `state`, which is the lane's, and `outputs` are written in place."""
 
     def __init__(
         self,
@@ -66,6 +66,11 @@ class Mover:
         self._arriving = 0  # cycles since the set values of the running job arrived
         self._axes, self._state, self._outputs, self._homings = axes, state, outputs, homings
         self._period, self._foresight = period_s, foresight
+
+    @property
+    def _own(self) -> Iterator[HeldAxis]:
+        """Those it moves, and no other does."""
+        return (axis for n, axis in enumerate(self._axes) if self.gate.mask >> n & 1)
 
     # ---- what stands -------------------------------------------------------------------------------------------------
     @property
@@ -154,7 +159,7 @@ class Mover:
 
     def leave(self) -> bool:
         """Some axes are not wanted on any more: True where the program under way goes on without them, or stops on its path."""
-        if not self.program.job or not any(axis.wanted for axis in self._axes):
+        if not self.program.job or not any(axis.wanted for axis in self._own):
             return False
         moves = self.gate.leave(self.stepper.ahead)
         if moves:
@@ -405,7 +410,7 @@ class Mover:
         measured = program.failed or not (self.measure.waits or self.start.on)
         if not (program.complete and self.free and measured if program.begun else sample.done_id == self.running):
             return
-        late = [axis for axis in self._axes if abs(axis.set - axis.scaling.to_si(axis.drive.position_inc)) > axis.plan.window]
+        late = [axis for axis in self._own if abs(axis.set - axis.scaling.to_si(axis.drive.position_inc)) > axis.plan.window]
         self._arriving += 1
         if not late:
             if not self.program.failed:

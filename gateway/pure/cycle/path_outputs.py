@@ -45,10 +45,15 @@ class CoreOutputs:
         self._functions = PathOutputs(analog)
         self._running = 0  # at most so many functions run
         self._failed = 0  # job that failed last
+        self.cell: CellState | None = None  # of all lanes, where there are several
+        self.masks: Mapping[int, int] = {}  # in a cell of several lanes: kinematic -> its axes (bit n-1 = axis n)
+        self._failed_of: dict[int, int] = {}  # kinematic -> job of its lane that failed last
 
     def call(self, asked: Function, state: CellState, image: bytearray) -> None:
-        """The path has reached the statement.  ProgramFault: the function has not ended."""
+        """The path has reached the statement; state: of the lane it is on.  ProgramFault: the function has not ended."""
+        state = self.cell or state
         self._failed = state.failed_job
+        self._failed_of = {kinematic: _failed_in(state, mask) for kinematic, mask in self.masks.items()}
         self._functions.call(*as_call(asked))
         self._running += 1
         self._show(image)
@@ -57,11 +62,11 @@ class CoreOutputs:
         """q: set values of this cycle, m and rad."""
         if not self._running:
             return
-        stops = self._stops(state)
+        fresh, self._failed = state.failed_job != self._failed, state.failed_job
         for kinematic in {place.kinematic for (kind, number), place in self._places.items() if self._in_use(kind, number, place)}:
             robot = self._robots[kinematic]
             point = RHO3.values(robot.forward(tuple(q[: robot.axes])))
-            self._functions.step(kinematic, point, self._period, stops)
+            self._functions.step(kinematic, point, self._period, self._stops(state, kinematic, fresh=fresh))
             said = self._functions.stopped
             if said is not None:
                 state.path_stop = function_number(said[0] is Kind.PPO, said[1])
@@ -71,15 +76,19 @@ class CoreOutputs:
     def _in_use(self, kind: Kind, number: int, place: OutputPlace) -> bool:
         return self._functions.in_use(kind, place.kinematic, number)
 
-    def _stops(self, state: CellState) -> Sequence[Stop]:
-        permits, failed = state.permits, state.failed_job
-        fresh, self._failed = failed != self._failed, failed
+    def _stops(self, state: CellState, kinematic: int, *, fresh: bool) -> Sequence[Stop]:
+        """fresh: an order of the cell failed in this cycle; with several lanes those of this kinematic count."""
+        permits, motion = state.permits, state.motion
+        if mask := self.masks.get(kinematic, 0):
+            failed = _failed_in(state, mask)
+            fresh, self._failed_of[kinematic] = failed != self._failed_of.get(kinematic, 0), failed
+            motion = state.motion_of(mask)
         found = (
             (state.emergency, Stop.EMERGENCY),
             (not permits & Permit.RUN, Stop.FEED_HOLD),
             (not permits & Permit.FEED, Stop.FEED_ALLOW),
             (not permits & Permit.TRAVEL, Stop.TRAVEL_ALLOW),
-            (state.motion in HELD, Stop.INTERPOLATOR_STOP),
+            (motion in HELD, Stop.INTERPOLATOR_STOP),
             (fresh, Stop.RUNTIME_ERROR),
         )
         return [stop for holds, stop in found if holds]
@@ -94,6 +103,11 @@ class CoreOutputs:
             else:
                 octet, size = place.output >> 3, place.bits >> 3
                 image[octet : octet + size] = _raw(value, place).to_bytes(size, "big")  # as words stand at every command source (AX-010)
+
+
+def _failed_in(state: CellState, mask: int) -> int:
+    """The newest order that failed in a lane with these axes."""
+    return max((lane.failed_job for lane in state.lanes if lane.holds & mask), default=0)
 
 
 def _raw(value: float, place: OutputPlace) -> int:

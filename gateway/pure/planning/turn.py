@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from gateway.pure.image.records.cell import AxisFlag, CellState, Motion
+from gateway.pure.image.records.cell import AxisFlag, CellState, LaneState, Motion
 from gateway.pure.image.records.planner import BlockRecord, PieceRecord
 from gateway.pure.planning.cycle_view import CycleView
 from gateway.pure.planning.planner import Programs
@@ -13,21 +13,25 @@ def standing(state: CellState, count: int) -> list[float]:
     return [axis.set for axis in state.axes[:count]]
 
 
-def follow(programs: Programs, records: Sequence[BlockRecord], state: CellState, count: int) -> list[PieceRecord]:
-    """records: new ones; state: the cycle's, of a cell with `count` axes.  What is due for the ring of pieces."""
+def follow(
+    programs: Programs, records: Sequence[BlockRecord], state: CellState, count: int, lane: LaneState | None = None
+) -> list[PieceRecord]:
+    """records: new ones; state: the cycle's, of a cell with `count` axes; lane: the one these programs are on, None: the cell is one.
+    What is due for the ring of pieces."""
     axes = state.axes[:count]
+    own = state if lane is None else lane
     view = CycleView(
         state.generation,
-        state.piece,
+        own.piece,
         standing(state, count),
-        moving=state.motion is not Motion.IDLE,
+        moving=own.motion is not Motion.IDLE,
         taken=state.taken,
         failed=programs.state.job if state.failure(programs.state.job) else 0,
-        parts=state.parts,
+        parts=own.parts,
         engaged=state.engaged,
-        met=state.met,
+        met=own.met,
         measured=[axis.measured if state.measured_mask >> n & 1 else None for n, axis in enumerate(axes)],
-        override=state.override,
+        override=own.override,
         off=sum(1 << n for n, axis in enumerate(axes) if not axis.flags & AxisFlag.ON),
     )
     return programs.turn(records, view)

@@ -7,9 +7,9 @@ SCOPE_LAYOUT = f"scope/2 {CELL_STATE_LAYOUT} {RC_BYTES} {RC_BYTES}"
 OUTPUTS_AT, INPUTS_AT = -2 * RC_BYTES, -RC_BYTES  # from the end: the state before them is as long as the cell has axes
 
 
-def scope_bytes(axes: int) -> int:
-    """Of one record of a cell of so many axes."""
-    return cell_state_size(axes) + 2 * RC_BYTES
+def scope_bytes(axes: int, lanes: int = 0) -> int:
+    """Of one record of a cell of so many axes and lanes."""
+    return cell_state_size(axes, lanes) + 2 * RC_BYTES
 
 
 def pack_scope(state: bytes, outputs: bytes | bytearray, inputs: bytes | bytearray) -> bytes:

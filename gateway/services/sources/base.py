@@ -68,7 +68,7 @@ class BaseSource(Part):
     @property
     def in_control(self) -> bool:
         """It may move the axes."""
-        return self.office.owner == self.number
+        return self.office.owns(self.number)
 
     def move_bit(self, key: str) -> bool:
         """busy, done, refused of its last move; KeyError: it has no handshake."""
@@ -132,7 +132,8 @@ class BaseSource(Part):
         status.in_position = mask_word(office.enabled_mask(AxisFlag.IN_POSITION), count)
         status.referenced = mask_word(office.enabled_mask(AxisFlag.REFERENCED), count)
         status.fault = mask_word(office.enabled_mask(AxisFlag.FAULT | AxisFlag.LOST), count, every=False)
-        status.override, status.life, status.owner = state.override, life, office.owner
+        own = office.control.axes_of(self.number)
+        status.override, status.life, status.owner = state.override_of(own), life, self.number if own else office.owner
         for n, (actual, lag) in enumerate(axes[:AXES]):
             status.actual[n], status.lag[n] = actual, lag
         self.publish(now)

@@ -41,7 +41,7 @@ def test_the_next_planner_knows_what_programs_have_set_until_the_cycle_starts_an
     first = PlannerProcess(plan, fds)
     first.turn()
     blocks.put(pack_block(run_record(ProgramOrder(JOB, 1, 1.0, 1.0))))
-    assert until(first, lambda: first.programs._job.handed), "the statement is a part of its own"
+    assert until(first, lambda: first.programs.lanes[0]._job.handed), "the statement is a part of its own"
     says(parts=1)
     assert until(first, lambda: first.programs.state.types[:1] == ((3, 7),))
     second = PlannerProcess(plan, fds)

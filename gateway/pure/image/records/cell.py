@@ -3,8 +3,10 @@
 All plain structs in native byte order: both sides run on one machine, and the layout string goes into the region's hash.
 """
 
+import functools
+import operator
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from enum import IntEnum, IntFlag
 from operator import attrgetter
@@ -14,8 +16,10 @@ from gateway.pure.image.records.layout import F64, I64, U8, U16, U32, U64, Code,
 from motion.execution.pieces import MAX_AXES
 
 MOST_AXES = MAX_AXES  # of one cell (AX-572)
+EVERY_AXIS = (1 << MOST_AXES) - 1
 RC_BYTES = 128  # PIC image: 1024 bits (rho3 0.2)
 NEVER = 0  # a stamp that says: not yet
+SPARE = 8  # bytes behind a lane: they make it as long as two axes and a byte
 
 
 class Motion(IntEnum):
@@ -118,6 +122,7 @@ class CellState:
     failed_4: U64 = 0
     reason_4: U16 = 0
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(MOST_AXES)])  # published: those of the cell
+    lanes: list["LaneState"] = field(default_factory=list)  # of a cell of several; the rest of the record is then of all together
 
     def fail(self, job: int, reason: int) -> None:
         """This order ended badly; 0: there was none."""
@@ -131,29 +136,128 @@ class CellState:
 
     def failure(self, job: int) -> int:
         """Why this order ended badly, 0: it did not, or four others have since."""
-        if not job:
-            return 0
-        told = (
-            (self.failed_job, self.failed_reason),
-            (self.failed_2, self.reason_2),
-            (self.failed_3, self.reason_3),
-            (self.failed_4, self.reason_4),
-        )
-        return next((reason for failed, reason in told if failed == job), 0)
+        found = _failure(self, job)
+        for lane in self.lanes:
+            found = found or _failure(lane, job)
+        return found
+
+    # ---- by lanes: what a cell of one answers for itself ---------------------------------------------------------------
+    def done(self, job: int) -> bool:
+        """The last order of a lane that ended well is this one."""
+        return any(lane.done_job == job for lane in self.lanes) if self.lanes else self.done_job == job
+
+    def moves(self, job: int) -> bool:
+        """This order moves axes now."""
+        return any(lane.job == job for lane in self.lanes) if self.lanes else self.job == job
+
+    def span(self, mask: int) -> int:
+        """Every axis of the lanes with some of these axes; 0: of all lanes."""
+        if not self.lanes:
+            return EVERY_AXIS
+        return functools.reduce(operator.or_, (lane.own for lane in self.lanes if lane.own & mask or not mask), 0)
+
+    def motion_of(self, mask: int) -> Motion:
+        """Of the lanes that hold some of these axes (bit n-1 = axis n)."""
+        if not self.lanes:
+            return self.motion
+        return worst(lane.motion for lane in self.lanes if lane.holds & mask)
+
+    def lane_of(self, mask: int) -> "CellState | LaneState":
+        """The lane that holds the first of these axes."""
+        return next((lane for lane in self.lanes if lane.holds & mask), self)
+
+    def rests(self, since: int) -> bool:
+        """Nothing moves but what was ordered after this order."""
+        if not self.lanes:
+            return self.motion in AT_REST
+        return all(lane.motion in AT_REST or lane.job > since for lane in self.lanes)
+
+    def stopped(self, mask: int) -> int:
+        """Every axis of the lanes with some of these that rest with a rest of their path; 0: there is none."""
+        if not self.lanes:
+            return EVERY_AXIS if self.motion is Motion.STOPPED else 0
+        return functools.reduce(operator.or_, (lane.holds for lane in self.lanes if lane.holds & mask and lane.motion is Motion.STOPPED), 0)
+
+    def override_of(self, mask: int) -> float:
+        """The lowest of these lanes, as ordered."""
+        return min((lane.override for lane in self.lanes if lane.holds & mask), default=self.override)
 
 
-STATE, AXIS = Layout(CellState, "cell-state/2"), Layout(AxisState)
-CELL_STATE_LAYOUT = f"{STATE.text} axes x {AXIS.struct.format}"
+@dataclass(slots=True)
+class LaneState:
+    """One lane of a cell of several: a kinematic that moves for itself, or the axes of none.  What its fields mean is what those of
+    CellState mean, for these axes alone."""
+
+    own: U32 = 0  # axes (bit n-1 = axis n) of its kinematic
+    holds: U32 = 0  # axes it leads now: its own, and those of others while it moves them, too; 0: another lane has them
+    motion: Annotated[Motion, Code("B", Motion)] = Motion.IDLE
+    override: F64 = 0.0
+    job: U64 = 0
+    progress: F64 = 0.0
+    piece: U64 = 0
+    parts: U64 = 0
+    met: OneByteBool = False
+    done_job: U64 = 0
+    failed_job: U64 = 0
+    failed_reason: U16 = 0
+    failed_2: U64 = 0
+    reason_2: U16 = 0
+    failed_3: U64 = 0
+    reason_3: U16 = 0
+    failed_4: U64 = 0
+    reason_4: U16 = 0
+    stop_cause: U16 = 0
+    path_stop: U16 = 0
+    drive_axis: Annotated[int, Code(f"B{SPARE}x")] = 0
 
 
-def cell_state_size(axes: int) -> int:
-    """Bytes of the packed state of a cell of so many axes: a cycle copies those it has, not those there may be."""
-    return STATE.size + axes * AXIS.size
+def _failure(state: CellState | LaneState, job: int) -> int:
+    if not job:
+        return 0
+    told = (
+        (state.failed_job, state.failed_reason),
+        (state.failed_2, state.reason_2),
+        (state.failed_3, state.reason_3),
+        (state.failed_4, state.reason_4),
+    )
+    return next((reason for failed, reason in told if failed == job), 0)
 
 
-def cell_state_packer(axes: int) -> Callable[[CellState], bytes]:
-    """Packs the first `axes` of a state, which has no fewer: cell_state_size(axes) bytes."""
-    pack = struct.Struct(f"={STATE.codes}{AXIS.codes * axes}").pack
+def worst(motions: Iterable[Motion]) -> Motion:
+    """Of several lanes: one that moves before one that rests with a rest of its path, and that before one at rest."""
+    return max(motions, key=MOTIONS_BY_WEIGHT.index, default=Motion.IDLE)
+
+
+AT_REST = (Motion.IDLE, Motion.STOPPED)
+MOTIONS_BY_WEIGHT = (Motion.IDLE, Motion.STOPPED, Motion.STOPPING, Motion.REFERENCING, Motion.RUNNING)
+STATE, AXIS, LANE = Layout(CellState, "cell-state/2"), Layout(AxisState), Layout(LaneState)
+CELL_STATE_LAYOUT = f"{STATE.text} axes x {AXIS.struct.format}"  # lanes follow where there are some: recordings without read as ever
+MOST_LANES = 32
+assert LANE.size % AXIS.size == 1 and AXIS.size > MOST_LANES  # so the length of a record says how many there are of each
+
+
+def cell_state_size(axes: int, lanes: int = 0) -> int:
+    """Bytes of the packed state of a cell of so many axes and lanes (0: one): a cycle copies those it has, not those there may be."""
+    return STATE.size + axes * AXIS.size + lanes * LANE.size
+
+
+def lanes_packer(lanes: int) -> Callable[[CellState], bytes]:
+    """Packs the lanes of a state, which follow its axes."""
+    pack = struct.Struct(f"={LANE.codes * lanes}").pack
+    values_of = attrgetter(*LANE.names)
+
+    def packer(state: CellState) -> bytes:
+        values: list[object] = []
+        for lane in state.lanes:
+            values += values_of(lane)
+        return pack(*values)
+
+    return packer
+
+
+def cell_state_packer(axes: int, lanes: int = 0) -> Callable[[CellState], bytes]:
+    """Packs the first `axes` of a state, which has no fewer, and its lanes: cell_state_size(axes, lanes) bytes."""
+    pack, behind = struct.Struct(f"={STATE.codes}{AXIS.codes * axes}").pack, lanes_packer(lanes) if lanes else None
     head = attrgetter(*STATE.names)
     axis = attrgetter(*AXIS.names)
 
@@ -161,20 +265,22 @@ def cell_state_packer(axes: int) -> Callable[[CellState], bytes]:
         values = [*head(state)]
         for one in state.axes[:axes]:
             values += axis(one)
-        return pack(*values)
+        return pack(*values) if behind is None else pack(*values) + behind(state)
 
     return packer
 
 
 def pack_cell_state(state: CellState) -> bytes:
-    """All axes of it."""
-    return cell_state_packer(len(state.axes))(state)
+    """All axes and lanes of it."""
+    return cell_state_packer(len(state.axes), len(state.lanes))(state)
 
 
 def unpack_cell_state(data: bytes) -> CellState:
-    """The reverse of pack_cell_state: as many axes as were packed."""
+    """The reverse of pack_cell_state: as many axes and lanes as were packed."""
     rest = memoryview(data)
-    return STATE.unpack(data, [AXIS.unpack(rest[at : at + AXIS.size]) for at in range(STATE.size, len(data), AXIS.size)])
+    lanes_at = len(data) - (len(data) - STATE.size) % AXIS.size * LANE.size
+    axes = [AXIS.unpack(rest[at : at + AXIS.size]) for at in range(STATE.size, lanes_at, AXIS.size)]
+    return STATE.unpack(data, axes, [LANE.unpack(rest[at : at + LANE.size]) for at in range(lanes_at, len(data), LANE.size)])
 
 
 class Order(IntEnum):

@@ -300,19 +300,41 @@ class PlannerState:
     systems: tuple[tuple[int, tuple[float, float, float, float, float, float]], ...] = ()  # WC_SYSTEM of kinematics where it is not WC_UR
     tool: tuple[float, ...] = ()  # of the block under way or the last one, of kinematic 1: m, and nine floats of its rotation; (): none yet
     passed: int = 0  # blocks whose end the axes have reached
+    others: tuple["PlannerState", ...] = ()  # of the lanes behind the first one, in a cell of several
+
+    @property
+    def under_way(self) -> "PlannerState":
+        """Of the first lane that has a job; the first one where none has."""
+        return next((each for each in (self, *self.others) if each.job), self)
+
+    def of(self, job: int) -> "PlannerState":
+        """Of the lane that this job is on, or failed on last; the first one where none knows of it."""
+        lanes = (self, *self.others)
+        return next((each for each in lanes if each.job == job), next((each for each in lanes if each.failed_job == job), self))
+
+
+def planner_bytes(lanes: int = 0) -> int:
+    """Bytes of the region of a cell of so many lanes, 0: one."""
+    return PLANNER_BYTES * max(lanes, 1)
 
 
 def pack_planner(state: PlannerState) -> bytes:
-    """JSON, padded to PLANNER_BYTES."""
+    """JSON, padded to PLANNER_BYTES for each lane."""
+    return json.dumps(_fields_of(state)).encode().ljust(planner_bytes(1 + len(state.others)))
+
+
+def _fields_of(state: PlannerState) -> dict[str, object]:
     fields = {name: getattr(state, name) for name in PlannerState.__slots__}
     fields |= {"fault": state.fault[:WORDS], "warning": state.warning[:WORDS]}
-    return json.dumps(fields).encode().ljust(PLANNER_BYTES)
+    return fields | {"others": [_fields_of(other) for other in state.others]}
 
 
 def unpack_planner(data: bytes) -> PlannerState:
     """The reverse of pack_planner."""
     fields = json.loads(data)
-    fields["types"] = tuple((kind, tolerance) for kind, tolerance in fields["types"])
-    fields["systems"] = tuple((kinematic, tuple(values)) for kinematic, values in fields["systems"])
-    fields["tool"] = tuple(fields["tool"])
+    for each in (*fields["others"], fields):
+        each["types"] = tuple((kind, tolerance) for kind, tolerance in each["types"])
+        each["systems"] = tuple((kinematic, tuple(values)) for kinematic, values in each["systems"])
+        each["tool"] = tuple(each["tool"])
+        each["others"] = tuple(PlannerState(**other) for other in each["others"])
     return PlannerState(**fields)

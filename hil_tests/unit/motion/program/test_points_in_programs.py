@@ -133,7 +133,7 @@ def test_each_13_mm_of_a_measuring_system_is_kept_and_the_program_goes_back_over
 
 def test_cycles_count_too_and_a_measuring_system_that_is_not_there_is_91_before_anything_moves(cell: Portal) -> None:
     assert cell.run("record_on 4 10cycles", "linear pose 165 120 50 0 0 0 path=40") is CommandState.DONE
-    first = cell.bench.core._mover.storing.tape
+    first = cell.bench.core.lanes[0].mover.storing.tape
     cell.bench.cycle(600)
     assert cell.run("record_off", "ptp rel joints 1 0 0 0", "ptp recorded 50") is CommandState.DONE, "fifty entries of rest, and no more"
     assert cell.bench.set()[0] == pytest.approx(165.0, abs=1e-6) and not first.on

@@ -67,11 +67,11 @@ def test_a_call_begins_with_the_next_block_of_the_kinematic_named_last_and_is_ca
     on = []
     while job.open:
         recorded.bench.cycle()
-        on.append((*gone(recorded), recorded.bench.core._mover.storing.tape.on))
+        on.append((*gone(recorded), recorded.bench.core.lanes[0].mover.storing.tape.on))
     assert job.state is CommandState.DONE
     moving = [(arm, scara) for arm, scara, running in on if running]
     assert all(scara > 0.999 for _, scara in moving) and np.ptp([arm for arm, _ in moving]) > 0.99
-    assert not recorded.bench.core._mover.storing.tape.on
+    assert not recorded.bench.core.lanes[0].mover.storing.tape.on
     lines = ["kinematic arm", "record_on 1 2deg", "move arm ptp recorded 1", "move arm ptp joints 30 30 90 0 60 0 until=465", "record_off"]
     assert run(recorded, *lines, "move arm ptp rel joints 0 0 0 0 0 0", "move arm ptp recorded 15") is CommandState.DONE, (
         "those of the way to the entry"

@@ -53,7 +53,7 @@ def files(name: str, number: int) -> bytes:
 @pytest.fixture(scope="module")
 def cell() -> Planned:
     planned = Planned(Cell402Bench(8, cell=load_cell(str(ARM), cell_text(IOL))))
-    planned.bench.core._mover.functions = functions_of(planned.cell, planned.bench.p5_ms)
+    planned.bench.core.lanes[0].mover.functions = functions_of(planned.cell, planned.bench.p5_ms)
     planned.programs.cell.files = Files(files, P5_US)
     return planned
 

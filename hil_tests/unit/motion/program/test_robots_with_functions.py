@@ -27,7 +27,7 @@ RESET = ["kinematic arm", "iol -3 1 1 0 0 0", "kinematic scara", "iol -2 2 3 0 0
 @pytest.fixture(scope="module")
 def cell() -> Planned:
     planned = Planned(Cell402Bench(8, cell=load_cell(str(ARM), cell_text(TABLES))))
-    planned.bench.core._mover.functions = functions_of(planned.cell, planned.bench.p5_ms)
+    planned.bench.core.lanes[0].mover.functions = functions_of(planned.cell, planned.bench.p5_ms)
     return planned
 
 

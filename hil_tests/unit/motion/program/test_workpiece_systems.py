@@ -112,7 +112,7 @@ def test_it_stays_over_programs_aborts_and_planners_until_another_one_or_a_start
 def test_switching_positions_are_those_of_the_system(cell: Portal) -> None:
     cell.programs.cell.functions = PLACES
     machine = machine_of_cell(CELL)
-    cell.bench.core._mover.functions = CoreOutputs(PLACES, {1: machine.kinematics}, cell.bench.period_ns / 1e9)
+    cell.bench.core.lanes[0].mover.functions = CoreOutputs(PLACES, {1: machine.kinematics}, cell.bench.period_ns / 1e9)
     for lines, place in (((FIX, "wc_system FIX"), 30 + 95), (("wc_system WC_UR",), 95 + 30)):
         assert cell.run("wc_system WC_UR", "iol -2 1 1 0 0 0", "linear pose 120 110 50 0 0 0") is CommandState.DONE
         inside = "iol 2 1 1 95 1 0" if len(lines) == 2 else "iol 2 1 2 125 1 0"

@@ -11,7 +11,7 @@ from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.controllers.rho3.signals.drives import Asked
 from gateway.pure.controllers.rho3.signals.steps import Step
-from gateway.pure.image.records.cell import Motion
+from gateway.pure.image.records.cell import CellState, Motion
 from motion.program.factors import FULL, Factors
 from protocols.base.machine import Ns
 
@@ -40,11 +40,16 @@ class AxisCommands:
                 self._switch_on(door, on, now)
 
     def _switch_on(self, door: int, mask: int, now: Ns) -> None:
-        if self._office.owner != door:
+        if not self._office.owns(door):
             self._say(door, Command(Code.REQUEST_CONTROL), now)
         self._say(door, Command(Code.ENABLE, mask), now)
         cell = self._office.cell
-        if self._sets_override and cell is not None and cell.override <= 0.0 and self._office.owner == door:
+        if (
+            self._sets_override
+            and cell is not None
+            and self._office.owns(door)
+            and cell.override_of(self._office.control.axes_of(door)) <= 0.0
+        ):
             self._say(door, Command(Code.OVERRIDE, velocity=1.0), now)
 
     def move(self, door: int, step: Step, now: Ns, factors: Factors = FULL) -> Job:
@@ -77,18 +82,21 @@ class AxisCommands:
     def settle(self, now: Ns) -> None:
         """Once per cycle: what had to wait for rest."""
         cell = self._office.cell
-        motion = cell.motion if cell is not None else Motion.IDLE
         for door, job in list(self._abandon.items()):
             if not job.open:
                 del self._abandon[door]  # it ended by itself, or its rest is gone
-            elif motion is Motion.STOPPED:
+            elif self._motion(door, cell) is Motion.STOPPED:
                 del self._abandon[door]
                 self._say(door, Command(Code.ABANDON), now)
         for door in list(self._leaving):
-            if motion in AT_REST:
+            if self._motion(door, cell) in AT_REST:
                 self._leaving.discard(door)
-                if self._office.owner == door:
+                if self._office.owns(door):
                     self._say(door, Command(Code.RELEASE_CONTROL), now)
+
+    def _motion(self, door: int, cell: CellState | None) -> Motion:
+        """Of what this command source has control of."""
+        return cell.motion_of(self._office.control.axes_of(door)) if cell is not None else Motion.IDLE
 
     def _say(self, door: int, command: Command, now: Ns) -> Job:
         return self._office.command(door, command, now)

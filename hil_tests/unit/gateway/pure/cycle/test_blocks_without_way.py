@@ -72,7 +72,7 @@ def test_a_reference_path_ends_there(cell: Portal) -> None:
 def probing() -> Probing:
     made = Probing()
     made.programs.cell.functions = PLACES
-    made.cell.core._mover.functions = CoreOutputs(PLACES, {1: Portals("xyz", LIMITS[:3])}, made.cell.period_ns / 1e9)
+    made.cell.core.lanes[0].mover.functions = CoreOutputs(PLACES, {1: Portals("xyz", LIMITS[:3])}, made.cell.period_ns / 1e9)
     return made
 
 

@@ -92,7 +92,7 @@ def test_pieces_for_axes_that_are_off_are_refused_and_nothing_moves(both: WithPl
 def test_an_order_for_axes_that_are_off_fails_in_the_cycle_too(both: WithPlanner) -> None:
     both.cell.core._off(Reason.DRIVES_OFF)
     both.cell.run(0.1)
-    both.cell.core._mover.order_program(OrderRecord(Order.PROGRAM, 900, 1, ALL))
+    both.cell.core.lanes[0].mover.order_program(OrderRecord(Order.PROGRAM, 900, 1, ALL))
     assert (both.cell.core.state.failed_job, both.cell.core.state.failed_reason) == (900, Reason.NOT_READY)
     assert not both.cell.core.starved
 

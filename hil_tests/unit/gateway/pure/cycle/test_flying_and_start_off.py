@@ -54,11 +54,11 @@ def way(cell: Probing, *lines: str, edge_beyond: float = 1e9) -> tuple[list[floa
         cell.cell.cycle()
         here = cell.places()[0]
         if here > edge_beyond and not stamp:
-            assert not cell.cell.core.state.measured_mask and not cell.cell.core._mover.storing.flying.read(610)
+            assert not cell.cell.core.state.measured_mask and not cell.cell.core.lanes[0].mover.storing.flying.read(610)
             stamp = cell.change(PROBE, ago=0.37)
             cell.cell.cycle()
             cell.cell.cycle()
-            assert cell.cell.core._mover.storing.flying.read(610) == 1, "the channel reads 1 from now on"
+            assert cell.cell.core.lanes[0].mover.storing.flying.read(610) == 1, "the channel reads 1 from now on"
             sets += [math.nan, math.nan]
             here = cell.places()[0]
         if sets or here != begin:
@@ -130,7 +130,7 @@ def test_the_next_program_knows_nothing_of_it_and_an_edge_between_programs_count
     cell.cell.run(0.1)
     assert not cell.cell.core.state.measured_mask
     job = cell.order(f"ptp joints {joints(12)}")
-    assert cell.finished(job).state is CommandState.DONE and not cell.cell.core._mover.storing.flying.read(610)
+    assert cell.finished(job).state is CommandState.DONE and not cell.cell.core.lanes[0].mover.storing.flying.read(610)
 
 
 # ---- fast start-off --------------------------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ def bench() -> WithPlanner:
     """The demo's first axes as the x, y, z of a portal."""
     made = WithPlanner()
     made.programs.cell.functions = PLACES
-    made.cell.core._mover.functions = CoreOutputs(PLACES, {1: Portal("xyz", LIMITS[:3])}, made.cell.period_ns / 1e9)
+    made.cell.core.lanes[0].mover.functions = CoreOutputs(PLACES, {1: Portal("xyz", LIMITS[:3])}, made.cell.period_ns / 1e9)
     return made
 
 

@@ -131,7 +131,7 @@ def test_a_program_that_fails_while_its_block_is_held_is_over_without_an_edge(bo
     both.cell.core.planner_lost()
     assert both.finished(order).state is CommandState.ABORTED
     both.cell.run(0.2)
-    assert both.at(5.0) and not both.cell.core._mover.busy
+    assert both.at(5.0) and not both.cell.core.lanes[0].mover.busy
     assert done(both, both.order(f"ptp joints {joints(4)}"))
 
 

@@ -56,9 +56,9 @@ def test_a_program_that_failed_is_not_done_at_its_end_whatever_fails_meanwhile(b
     core = both.cell.core
     core.planner_lost()
     for other in range(900, 906):
-        core._mover.order_program(OrderRecord(Order.PROGRAM, other, 1, ALL))
+        core.lanes[0].mover.order_program(OrderRecord(Order.PROGRAM, other, 1, ALL))
     both.cell.run(2.0)
-    assert core.state.done_job != job.id and not core._mover.busy
+    assert core.state.done_job != job.id and not core.lanes[0].mover.busy
 
 
 def test_four_failures_are_known_the_newest_reason_counts_and_the_region_carries_them() -> None:
@@ -86,9 +86,9 @@ def test_a_path_whose_end_never_came_is_gone_with_its_program(both: WithPlanner)
     assert isinstance(cut, TimedPiece)
     moving = replace(cut, times=cut.times[:4], nodes=cut.nodes[:4], ends_at_rest=False)
     core.feed(replace(piece, piece=encode_timed(moving)))
-    assert core._mover.stepper.ahead and both.still(0.1), "it waits for its end"
+    assert core.lanes[0].mover.stepper.ahead and both.still(0.1), "it waits for its end"
     core.feed(PieceRecord(Part.FAULT, job.id, core.state.generation))
-    assert not core._mover.stepper.ahead
+    assert not core.lanes[0].mover.stepper.ahead
     both.finished(job)
     assert job.reason is Reason.PROGRAM_FAULT
     planner.alive = True

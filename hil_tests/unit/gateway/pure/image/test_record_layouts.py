@@ -65,7 +65,7 @@ def test_packed_fields_come_first() -> None:
 
 
 def test_the_state_of_the_cell_has_every_field_in_its_layout() -> None:
-    assert [*STATE.names, "axes"] == [field.name for field in fields(CellState)]
+    assert [*STATE.names, "axes", "lanes"] == [field.name for field in fields(CellState)]
     assert [*AXIS.names] == [field.name for field in fields(AxisState)]
     assert cell_records.CELL_STATE_LAYOUT == "cell-state/2 =QqQBdQdQQHQBBBHQQQQQQQdddHIBBHBIQHQHQH axes x =dddddHHBHd"
     state = CellState(cycle=7, motion=Motion.STOPPING, ready=True, reason_4=65535, axes=[AxisState(actual=1.5, finding=647)])

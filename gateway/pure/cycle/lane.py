@@ -1,0 +1,104 @@
+"""A lane of the cycle: what moves the axes of one kinematic, or those of none, for itself.  Pure.
+
+A cell of one kinematic has one lane with all its axes.  An order for axes of several lanes goes to the first of them, which holds the axes
+of the others until it has nothing left to do with them.
+"""
+
+from gateway.pure.cycle.homing import Homings
+from gateway.pure.cycle.mover import Mover
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.cell import CellState, LaneState, Motion, Order, OrderRecord
+from motion.execution.stepper import State
+from motion.timing.override_ramp import OverrideRamp
+
+MOTIONS = {
+    State.IDLE: Motion.IDLE,
+    State.RUNNING: Motion.RUNNING,
+    State.STOPPING: Motion.STOPPING,
+    State.STOPPED: Motion.STOPPED,
+}
+
+
+class Lane:
+    """`state`: what a cell of these axes alone would publish; with one lane it is the cell's own."""
+
+    def __init__(self, own: int, state: CellState, homings: Homings, mover: Mover, ramp: OverrideRamp) -> None:
+        self.homings, self.mover, self.state = homings, mover, state
+        self.ramp = ramp
+        self.override = 0.0  # as ordered
+        self.own = self.holds = own  # axes (bit n-1 = axis n)
+        self.places: tuple[int, ...] = ()  # of those it holds, from 0
+        self.hold(own)
+
+    @property
+    def busy(self) -> bool:
+        """A path, a program or a reference run is under way, or not yet at its end."""
+        return self.mover.busy or self.homings.under_way or self.homings.job != 0
+
+    @property
+    def motion(self) -> Motion:
+        motion = Motion.REFERENCING if self.homings.under_way else MOTIONS[self.mover.stepper.state]
+        if motion is Motion.IDLE and (self.mover.running or self.mover.program.job):
+            return Motion.RUNNING  # the axes are still on their last increments, or a program is being prepared
+        return motion
+
+    def hold(self, mask: int) -> None:
+        """These axes are led by it; where no path leads, one begins where they stand."""
+        self.holds = self.homings.mask = mask
+        self.mover.gate.mask = mask
+        self.places = tuple(n for n in range(mask.bit_length()) if mask >> n & 1)
+
+    def take(self, other: "Lane") -> None:
+        """The axes of another one that has nothing to do."""
+        self.hold(self.holds | other.holds)
+        other.hold(0)
+        self.mover.accept()
+
+    def stop(self, reason: Reason) -> None:
+        """On the path; a reference run ends."""
+        self.mover.stop(reason)
+        if self.homings.job:
+            self.homings.end(reason)
+            self.state.stop_cause = reason
+
+    def obey(self, record: OrderRecord) -> None:
+        """An order that needs no axis by name."""
+        match record.order:
+            case Order.RESUME:
+                self.state.stop_cause = 0
+                self.mover.stepper.resume()
+            case Order.ABANDON:
+                self.mover.abandon()
+            case Order.OVERRIDE:
+                self.override = min(max(record.value, 0.0), 1.0)
+
+    def show(self, shown: LaneState, whole: CellState) -> None:
+        """Its published state; what has ended since the last cycle is passed on to that of the whole cell."""
+        state = self.state
+        if state.done_job != shown.done_job:
+            whole.done_job = state.done_job
+        if (state.failed_job, state.failed_reason) != (shown.failed_job, shown.failed_reason):
+            whole.fail(state.failed_job, state.failed_reason)
+        for name in SHOWN:
+            setattr(shown, name, getattr(state, name))
+        shown.holds, shown.own, shown.override = self.holds, self.own, self.override
+
+
+SHOWN = [name for name in LaneState.__slots__ if name not in ("holds", "own", "override")]
+
+
+def whole_of(lanes: list[Lane], state: CellState) -> None:
+    """What readers of the cell as one see: how much of it moves, why it stopped last, where axes were measured."""
+    for lane, shown in zip(lanes, state.lanes, strict=True):
+        lane.show(shown, state)
+    states = [lane.state for lane in lanes]
+    first = next((each for each in states if each.job), states[0])
+    state.job, state.piece, state.progress = first.job, first.piece, first.progress
+    state.override = max(lane.override for lane in lanes)
+    state.parts, state.met = sum(each.parts for each in states), first.met
+    state.stop_cause = next((each.stop_cause for each in states if each.stop_cause), 0)
+    state.path_stop = next((each.path_stop for each in states if each.path_stop), 0)
+    state.drive_axis = next((each.drive_axis for each in states if each.drive_axis), 0)
+    state.measured_mask = 0
+    for each in states:
+        state.measured_mask |= each.measured_mask

@@ -1,0 +1,71 @@
+"""The lanes of a cell: one for each of its kinematics and one for axes of none; their samples as set values of all axes.  Pure."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from gateway.pure.cycle.alter import CoreAlter
+from gateway.pure.cycle.alter_mover import make_mover
+from gateway.pure.cycle.axis import HeldAxis
+from gateway.pure.cycle.belts import CoreBelts
+from gateway.pure.cycle.homing import Homings
+from gateway.pure.cycle.lane import Lane
+from gateway.pure.cycle.lane_masks import masks_of
+from gateway.pure.image.reasons import Reason
+from gateway.pure.image.records.cell import CellState, LaneState
+from motion.execution.stepper import Sample
+from motion.timing.foresight import Foresight
+from motion.timing.override_ramp import OverrideRamp
+
+if TYPE_CHECKING:
+    from gateway.pure.cycle.path_outputs import CoreOutputs
+
+
+@dataclass(frozen=True, slots=True)
+class LaneParts:
+    """What a core has for its lanes; `off` switches drives off."""
+
+    axes: list[HeldAxis]
+    state: CellState
+    outputs: bytearray
+    period_s: float
+    override_step: float
+    foresight: type[Foresight]
+    belts: CoreBelts | None
+    alter: CoreAlter | None
+    functions: "CoreOutputs | None"
+    off: Callable[[Reason], None]
+
+
+def make_lanes(parts: LaneParts) -> list[Lane]:
+    """In the order of the kinematics; axes of none come last."""
+    masks = masks_of([axis.plan.kinematic for axis in parts.axes], one=parts.belts is not None or parts.alter is not None)
+    if len(masks) == 1:
+        return [_lane(masks[0], parts.state, parts)]
+    state = parts.state
+    state.lanes = [LaneState(own=mask, holds=mask) for mask in masks]
+    if parts.functions is not None:
+        numbers = [axis.plan.kinematic for axis in parts.axes]
+        parts.functions.cell = state
+        parts.functions.masks = {number: sum(1 << n for n, own in enumerate(numbers) if own == number) for number in set(numbers)}
+    return [_lane(mask, CellState(generation=state.generation, axes=state.axes), parts) for mask in masks]
+
+
+def _lane(mask: int, state: CellState, parts: LaneParts) -> Lane:
+    homings = Homings(parts.axes, state, parts.period_s)
+    mover = make_mover(
+        parts.axes, state, parts.outputs, homings, parts.period_s, parts.foresight, belts=parts.belts, alter=parts.alter, off=parts.off
+    )
+    mover.functions = parts.functions
+    return Lane(mask, state, homings, mover, OverrideRamp(parts.override_step))
+
+
+def merged(lanes: Sequence[Lane], samples: Sequence[Sample]) -> Sample:
+    """Each axis from the lane that holds it."""
+    if len(samples) == 1:
+        return samples[0]
+    q, qd = list(samples[0].q), list(samples[0].qd)
+    for lane, sample in zip(lanes[1:], samples[1:], strict=True):
+        for n in lane.places:
+            q[n], qd[n] = sample.q[n], sample.qd[n]
+    return samples[0]._replace(q=tuple(q), qd=tuple(qd))

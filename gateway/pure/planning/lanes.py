@@ -1,0 +1,86 @@
+"""The planner of a cell of several lanes: a job on each of them, planned beside the others.  Pure.
+
+A program is on the first of the lanes whose axes it moves, as its order is in the cycle.  In a cell of one lane this is Programs and
+nothing else.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+from gateway.pure.image.records.cell import CellState
+from gateway.pure.image.records.planner import BlockRecord, PieceRecord, PlannerState, Say, run_of
+from gateway.pure.planning.planner import CellPrograms, Programs
+from gateway.pure.planning.turn import follow, standing
+
+REMEMBERED = 64  # jobs whose lane is known: one that ends says so within a few turns
+
+
+class LanePrograms:
+    """`masks`: axes (bit n-1 = axis n) of each lane; `moved_by`: of a program by its number, of robot n by -n."""
+
+    def __init__(self, cell: CellPrograms, masks: Sequence[int], moved_by: Callable[[int], int]) -> None:
+        self.cell = cell
+        self.lanes = [Programs(cell) for _ in masks]
+        self._masks, self._moved_by = masks, moved_by
+        self._lane_of: dict[int, int] = {}  # job -> lane
+        self._share_systems()
+
+    def _share_systems(self) -> None:
+        """WC_SYSTEM belongs to a kinematic, whatever lane a program of several was on."""
+        for lane in self.lanes[1:]:
+            lane.workpiece.active = self.lanes[0].workpiece.active
+
+    @property
+    def state(self) -> PlannerState:
+        """Of the first lane; of the others in it."""
+        first, *others = (lane.state for lane in self.lanes)
+        if not others:
+            return first
+        placed = first.placed
+        for other in others:
+            placed |= other.placed
+        return replace(first, placed=placed, others=tuple(others))
+
+    def follows(self, before: PlannerState) -> None:
+        """The planner before this one said this last."""
+        for lane, said in zip(self.lanes, (before, *before.others), strict=False):
+            lane.follows(said)
+        self._share_systems()
+
+    def turn(self, records: Sequence[BlockRecord], state: CellState, count: int) -> list[PieceRecord]:
+        """records: new ones; state: the cycle's, of a cell with `count` axes.  What is due for the ring of pieces."""
+        if len(self.lanes) == 1:
+            return follow(self.lanes[0], records, state, count)
+        heard: list[list[BlockRecord]] = [[] for _ in self.lanes]
+        for record in records:
+            heard[self._lane(record)].append(record)
+        made: list[PieceRecord] = []
+        for number, lane in enumerate(self.lanes):
+            made += follow(lane, heard[number], state, count, state.lanes[number] if number < len(state.lanes) else None)
+        return made
+
+    def _lane(self, record: BlockRecord) -> int:
+        if record.say in (Say.RUN, Say.STREAM):
+            mask = self._moved_by(run_of(record).number if record.say is Say.RUN else -int(record.text))
+            self._lane_of[record.job] = next((n for n, own in enumerate(self._masks) if own & mask), 0)
+            while len(self._lane_of) > REMEMBERED:
+                del self._lane_of[next(iter(self._lane_of))]
+        return self._lane_of.get(record.job, 0)
+
+    # ---- what takes longer than a turn -----------------------------------------------------------------------------------
+    def prepare(self, state: CellState, count: int) -> bool:
+        """A slice of each program that is read whole; True: there is more."""
+        preparing = [lane for lane in self.lanes if lane.preparing]
+        for lane in preparing:
+            lane.prepare(standing(state, count))
+        return bool(preparing)
+
+    def work(self) -> bool:
+        """A slice of each law that is being made; True: there is more."""
+        return bool([lane for lane in self.lanes if lane.working and not lane.work()])
+
+    def warnings(self) -> Iterator[tuple[int, str]]:
+        """Job and words, each once."""
+        for lane in self.lanes:
+            for words in lane.slowing.take():
+                yield lane.state.job, words
