@@ -12,20 +12,10 @@ from gateway.assembly.programs import machines_of_cell, mask_of, measuring_facts
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cycle.enabling_inputs import free_outputs
 from gateway.pure.planning.lanes import LanePrograms
-from gateway.pure.planning.planner import CellPrograms, Programs
+from gateway.pure.planning.planner import CellPrograms
 from motion.planner.robot import Machine
 from motion.planner.team import Team
 from motion.program.team import Kinematic
-
-
-def programs_of(
-    cell: Cell,
-    machine_of: Callable[[str, int], Machine],
-    text_of: Callable[[int], str],
-    team_of: Callable[[Sequence[Kinematic], int], Team],
-) -> Programs:
-    """Of a checked cell, one job at a time; the callables as Programs has them."""
-    return Programs(_facts(cell, machine_of, text_of, team_of))
 
 
 def lane_programs_of(
@@ -38,18 +28,19 @@ def lane_programs_of(
     """Of a checked cell, a job on each lane; moved_by: axes of a program by its number."""
     masks = lane_masks(cell)
     return LanePrograms(
-        _facts(cell, machine_of, text_of, team_of),
+        cell_programs(cell, machine_of, text_of, team_of),
         masks,
         lambda number: moved_by(number) if number > 0 else mask_of(cell, machines_of_cell(cell)[-number - 1]),
     )
 
 
-def _facts(
+def cell_programs(
     cell: Cell,
     machine_of: Callable[[str, int], Machine],
     text_of: Callable[[int], str],
     team_of: Callable[[Sequence[Kinematic], int], Team],
 ) -> CellPrograms:
+    """What a checked cell gives its planner; the callables as CellPrograms has them."""
     numbers = numbers_by_axis(cell)
     return CellPrograms(
         machine_of,

@@ -101,7 +101,7 @@ class ToolInterface:
 
     @property
     def _at_rest(self) -> bool:
-        return self._image.state.motion in (Motion.IDLE, Motion.STOPPED)
+        return self._image.state.motion_of(self._office.control.axes_of(self._door)) in (Motion.IDLE, Motion.STOPPED)
 
     def answer(self, request: dict[str, object], connection: object = "") -> dict[str, object] | None:
         """None: not for this part.  KeyError, ValueError: reported to the tool as an error."""

@@ -9,7 +9,7 @@ from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.servodyn.slave import ServodynSlave
 from gateway.assembly.controllers import make_control
 from gateway.assembly.interpreter import passing_of, robots_of_cell
-from gateway.assembly.planner import programs_of
+from gateway.assembly.planner import cell_programs
 from gateway.assembly.plant import bus_settings
 from gateway.assembly.programs import machines_of_cell, team_meant
 from gateway.cell_file.load import load_cell
@@ -47,6 +47,7 @@ from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.base.hosting import PathState, View
 from gateway.pure.languages.base.requests import RuntimeFault
+from gateway.pure.planning.planner import Programs
 from gateway.pure.planning.turn import follow, standing
 from hil_tests.lab.virtual.cell_bench import CellBench
 from hil_tests.lab.virtual.servodyn_bus import CODEC
@@ -135,7 +136,7 @@ class ProgramCell:
         assert isinstance(control, RhoControl)
         self.control = control
         self.hosted = control.hosted = HostedPrograms(control)
-        self.planning = programs_of(cell, self._machine, self._text, lambda kinematics, number: team_meant(cell, kinematics))
+        self.planning = Programs(cell_programs(cell, self._machine, self._text, lambda kinematics, number: team_meant(cell, kinematics)))
         self.memory = Memory({name: text.encode() for name, text in files.items()})
         self.told: list[str] = []
         self.outputs: list[tuple[float, int, bool]] = []  # s, RC output, value: user outputs as they change

@@ -10,7 +10,7 @@ from drivers.emulator.servo.record import Record, read
 from drivers.emulator.servodyn.slave import ServodynSlave
 from gateway.assembly.axis_scaling import scaling_of
 from gateway.assembly.limits import limits_of
-from gateway.assembly.planner import programs_of
+from gateway.assembly.planner import cell_programs
 from gateway.assembly.plant import bus_settings, motor_rad
 from gateway.assembly.programs import machine_of_cell, robot_meant, team_meant
 from gateway.pure.arbitration.command_block import Code, Command
@@ -47,7 +47,9 @@ class Planned:
         every, self.text = (1 << len(self.cell.axis)) - 1, ""
         bench.office = CommandDispatcher(bench.office.axes, bench.office._plan, 1, {1: ProgramFacts("it", every)})
         if len(self.cell.robot) > 1:
-            self.programs = programs_of(self.cell, self._robot, lambda _: self.text, lambda named, _: team_meant(self.cell, named))
+            self.programs = Programs(
+                cell_programs(self.cell, self._robot, lambda _: self.text, lambda named, _: team_meant(self.cell, named))
+            )
         else:
             free = free_outputs(AS_SHIPPED, len(self.cell.axis))
             self.programs = Programs(CellPrograms(lambda *_: self.machine, lambda _: every, lambda _: self.text, free))

@@ -26,7 +26,7 @@ CLASSES: Mapping[str, int] = {
     "gateway/pure/controllers/rho3/signals/control.py:RhoControl": 31,
     "gateway/pure/cycle/alter.py:CoreAlter": 18,
     "gateway/pure/cycle/belts.py:CoreBelts": 29,
-    "gateway/pure/cycle/core.py:CycleLogic": 25,
+    "gateway/pure/cycle/core.py:CycleLogic": 22,
     "gateway/pure/cycle/mover.py:Mover": 17,
     "gateway/pure/languages/baps2/control.py:Control": 19,
     "motion/execution/follower.py:Follower": 21,

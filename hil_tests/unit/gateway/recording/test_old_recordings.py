@@ -7,8 +7,10 @@ import pytest
 
 from gateway.commands.replay import main as replay
 from gateway.pure.cycle.core import CycleLogic
+from gateway.pure.cycle.lane import Lane
 from gateway.recording import kinds
 from gateway.recording.kinds import id_of, location_of
+from gateway.recording.renamed import renamed
 
 OLD = pathlib.Path(__file__).resolve().parents[3] / "vectors" / "recordings" / "demo.axrec"  # 2026-11-23, the demo cell, PTP there and back
 
@@ -28,3 +30,12 @@ def test_a_type_keeps_its_id_where_its_module_moved(monkeypatch: pytest.MonkeyPa
 
 def test_id_and_location_of_a_recorded_type_are_inverse() -> None:
     assert location_of(id_of(CycleLogic)) == (CycleLogic.__module__, CycleLogic.__qualname__)
+
+
+def test_attributes_that_moved_into_a_part_of_their_class_are_carried_into_it() -> None:
+    core = {"state": {"list": [], "number": 1}, "_homings": {"same": 1}, "_override": 0.25, "_reset": False}
+    tree = renamed({"object": id_of(CycleLogic), "has": core, "number": 7})
+    lane = {"homings": {"same": 1}, "override": 0.25}
+    assert tree["has"]["_reset"] is False and "_override" not in tree["has"]
+    assert tree["has"]["lanes"]["list"] == [{"object": id_of(Lane), "has": lane, "number": 8}]
+    assert renamed(tree) == tree, "a recording of today is left as it is"

@@ -13,7 +13,7 @@ ARM, SCARA = 0b111111, 0b1111 << 6
 LONG = "robot tx60-like\naxes deg deg deg deg deg deg\nstart 0 30 90 0 60 0\n" + 3 * (
     "ptp joints 90 30 90 0 60 0\nptp joints -60 30 90 0 60 0\n"
 )
-SHORT = "robot sr60-like\naxes deg deg mm deg\nstart 0 90 -200 0\nptp joints 90 90 -200 0\nptp joints -90 60 -200 0\nptp joints 90 90 -200 0\nptp joints 0 60 -200 0\n"
+SHORT = "robot sr60-like\naxes deg deg mm deg\nstart 0 90 -200 0\n" + 2 * "ptp joints 90 90 -200 0\nptp joints 0 60 -200 0\n"
 FAULTY = "robot sr60-like\naxes deg deg mm deg\nstart 0 90 -200 0\nptp joints 400 90 -200 0\n"
 TEXTS = {1: LONG, 2: SHORT, 3: SHIPPED, 4: FAULTY}
 KINEMATICS = {1: "arm", 2: "scara", 4: "scara"}
