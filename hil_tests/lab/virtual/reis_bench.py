@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import asdict, replace
 
 from gateway.assembly.controllers import make_control
-from gateway.assembly.planner import programs_of
+from gateway.assembly.planner import cell_programs
 from gateway.assembly.programs import machines_of_cell, team_meant
 from gateway.assembly.robotstar import arm_of, programs_of_control
 from gateway.cell_file.load import load_cell
@@ -43,6 +43,7 @@ from gateway.pure.languages.base.hosting import PathState, View
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.robotstar.cell_run import CellRun
 from gateway.pure.languages.robotstar.memory import Memory, Source
+from gateway.pure.planning.planner import Programs
 from gateway.pure.planning.turn import follow, standing
 from hil_tests.lab.virtual.baps2_bench import ServodynBench, VirtualPort
 from motion.errors import MotionError
@@ -81,7 +82,7 @@ class ReisCell:
         assert isinstance(control, ReisControl)
         self.control = control
         self.hosted = programs_of_control(cell, control, self.bench.office)
-        self.planning = programs_of(cell, self._machine, self._text, lambda kinematics, number: team_meant(cell, kinematics))
+        self.planning = Programs(cell_programs(cell, self._machine, self._text, lambda kinematics, number: team_meant(cell, kinematics)))
         self.files, self.kept = files, values or {}
         self.told: list[str] = []
         self.bits: list[tuple[float, str, int]] = []  # s, byte as Ax or Mx, value: outputs and free markers as they change
