@@ -15,7 +15,7 @@ from motion.planner.trace import trace
 from motion.program.blocks import Block, Interpolation, Pace, PoseTarget
 from motion.program.errors import BlockError
 
-LINES = int(os.environ.get("AXISGATE_POLE_LINES", "100"))
+LINES = int(os.environ.get("AXISGATE_POLE_LINES", "30"))  # 10,000 in `make soak`
 TIMED = 5  # of so many lines one is run, too: its law takes longer than its path
 SPEED = 0.3  # m/s
 LOOKS = 200  # along a line

@@ -62,9 +62,9 @@ def jerk_limited_work(path: JointPath, limits: LawLimits, start: tuple[float, fl
     guess = _guess(path, limits, start)
     yield
     tight, slow = np.ones(len(guess.s)), np.ones(len(guess.s))  # shares of the limits of jerk and of speed, point by point
-    law, found, first, least = guess, None, 0.0, math.inf
+    law, found, first, least, beta = guess, None, 0.0, math.inf, np.ones(len(guess.s))
     for _ in range(REPAIRS):
-        beta = yield from _warp(path, limits, guess, tight, slow)
+        beta = yield from _warp(path, limits, guess, beta, tight, slow)
         yield
         made = guess.warped(beta, path.length).calmed()
         if made.duration > LONGER * (first or made.duration):
@@ -243,14 +243,14 @@ def _extended(path: JointPath, s: Array) -> Array:
     return path.at(s) + before * path.at(np.zeros(1), 1)
 
 
-def _warp(path: JointPath, limits: LawLimits, law: Law, tight: Array, slow: Array) -> Work[Array]:
-    """beta on the law's grid."""
+def _warp(path: JointPath, limits: LawLimits, law: Law, near: Array, tight: Array, slow: Array) -> Work[Array]:
+    """beta on the law's grid; near: one that is not far from it, where the first search begins."""
     n = len(law.s)
     share = np.full(n, 1.0 / (n - 1))
     share[0] = share[-1] = 0.5 / (n - 1)
-    beta, value = np.ones(n), np.inf
+    beta, begin, value = np.ones(n), np.minimum(near, WARP), np.inf
     for _ in range(ROUNDS):
-        beta = yield from fastest(_rows(path, limits, law, beta, tight, slow), share, beta, 0 if law.at_rest else 2)
+        beta = begin = yield from fastest(_rows(path, limits, law, beta, tight, slow), share, begin, 0 if law.at_rest else 2)
         before, value = value, float(np.sum(share / np.sqrt(beta)))
         if abs(before - value) < SETTLED * value:
             break

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +43,7 @@ class Law:
         """Seconds."""
         return self.step * (len(self.s) - 1)
 
-    @property
+    @cached_property
     def _times(self) -> Array:
         return np.asarray(self.step * np.arange(len(self.s)), dtype=np.float64)
 
@@ -114,7 +115,7 @@ class Law:
 def _hermite(knots: Array, value: Array, slope: Array, bend: Array, at: Array) -> Array:
     """Quintic Hermite at these places; ends have the slope and bend of rest."""
     index = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
-    h = (knots[1:] - knots[:-1])[index]
+    h = knots[index + 1] - knots[index]
     u = (at - knots[index]) / h
     a, b, c = value[index], slope[index] * h, 0.5 * bend[index] * h * h
     gap = value[index + 1] - a - b - c

@@ -479,7 +479,7 @@ class Programs:
         planner.begin(tau, hurry=self._quiet > QUIET_TURNS)
         planner.work()
         pieces = planner.take()
-        marks, begins = planner.take_marks(), planner.begins
+        marks, begins = planner.take_marks(), planner.begins if pieces else {}
         for made in pieces:
             if made.new_tail:
                 self._out.append(switch_record(job, self.generation, SwitchAt(made.id, 0.0, VOID)))

@@ -1,5 +1,6 @@
 """Blocks that take minutes: as many pieces as a ring and a follower hold, and the same way, speed and limits as ever.  AX-606."""
 
+import os
 import pathlib
 import random
 import time
@@ -11,7 +12,9 @@ import pytest
 from gateway.cell_file.load import load_cell
 from gateway.commands.motion import main, team_of_program
 from gateway.files.find import find_config, read_text
+from gateway.pure.cycle.core import CycleLogic
 from gateway.pure.image.reasons import CommandState
+from gateway.pure.image.records.planner import Part, PieceRecord
 from gateway.tools.motion.dry_run import sections_of
 from gateway.tools.motion.dry_run_team import team_findings
 from hil_tests.lab.cells.arms import Array, portal, robot, run, tool_path, tool_speed
@@ -21,6 +24,8 @@ from hil_tests.lab.virtual.planned_bench import Planned, ServodynRobot
 from motion.errors import MotionError
 from motion.execution import follower
 from motion.execution.follower import WAITING
+from motion.execution.stepper import State, Stepper
+from motion.execution.timed import decode_any
 from motion.planner import commit
 from motion.planner.arm import Arm
 from motion.planner.commit import LONGEST_S, MOST, PLENTY, timed_pieces
@@ -35,6 +40,7 @@ from motion.program.errors import BlockError
 from motion.program.text.reader import read
 from motion.program.text.team import read_team
 from motion.timing.limiter import TooFast
+from protocols.base.machine import ms
 
 TEAM = """kinematic left portal
 axes mm mm mm deg
@@ -47,6 +53,8 @@ mach_pos joints 0 0 0 0
 move left linear pose 100 0 0 0 0 0 and right ptp joints 100 0 0 0
 move left linear pose 400 0 0 0 0 0 path=10 blend=off and right linear pose 400 0 0 0 0 0 path=20
 """
+WHOLE = "AXISGATE_WHOLE_CURVE" in os.environ  # `make soak`
+STEP_S = 20e-3
 HEAD = "robot portal\naxes mm mm mm\nstart 0 0 0\n"
 ARC = """robot tx60-like
 angles val3
@@ -100,11 +108,11 @@ def test_a_slow_arc_takes_an_eighth_of_the_room_and_no_set_value_changes(monkeyp
     pieces = [piece for _ in range(2) for piece in planner.plan(planner.end, hurry=True)]
     durations = [piece.duration for piece in pieces]
     assert len(pieces) < WAITING / 8 and sum(durations) > 30.0 and 0.2 < max(durations) <= LONGEST_S
-    thinned = arc_rows({}, 6_000)
+    thinned = arc_rows({}, 3_000)
     monkeypatch.setattr(commit, "PLENTY", WAITING)
     monkeypatch.setattr(commit, "MOST", 3 * WAITING)
     monkeypatch.setattr(follower, "WAITING", 3 * WAITING)
-    assert np.abs(thinned - arc_rows({}, 6_000)).max() < 1e-9
+    assert np.abs(thinned - arc_rows({}, 3_000)).max() < 1e-9
 
 
 def test_a_slow_arc_is_slowed_down_stopped_and_gone_on_with_inside_the_limits_and_on_its_circle() -> None:
@@ -289,15 +297,36 @@ def test_three_minutes_of_curve_of_an_arm_are_planned_in_short_slices() -> None:
 
 
 @pytest.mark.timeout(1200)
-def test_what_check_says_of_three_minutes_of_curve_of_an_arm_is_what_a_cell_does(tmp_path: pathlib.Path) -> None:
+def test_what_check_says_of_three_minutes_of_curve_of_an_arm_is_what_a_cell_does(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Begun by a cell with its drives; what it was handed is run to the end by a stepper alone (with the drives, too: `make soak`)."""
     program = tmp_path / "it.txt"
     program.write_text(CURVE)
     assert main(["check", str(program)]) == 0
     path = find_config("arm6", "cells")
     cell = Planned(Cell402Bench(cell=load_cell(str(path), read_text(path))))
-    began = cell.bench.now
-    job = cell.bench.settle(cell.order(CURVE), 220.0)
-    assert job.state is CommandState.DONE, job.detail
-    assert 180.0 < (cell.bench.now - began) / 1e9 < 215.0
-    tip = cell.machine.forward(tuple(axis.set for axis in cell.state.axes[: cell.machine.arm])).position
+    stepper = Stepper(6, STEP_S, [axis.set for axis in cell.state.axes[:6]])
+    handed: list[PieceRecord] = []
+    feed = cell.planner.feed
+
+    def taken(core: CycleLogic, record: PieceRecord) -> None:
+        handed.append(record)
+        feed(core, record)
+
+    monkeypatch.setattr(cell.planner, "feed", taken)
+    job, began = cell.order(CURVE), cell.bench.now
+    while job.open and (WHOLE or cell.bench.now - began < ms(10_000)):
+        cell.bench.cycle()
+    assert job.state is (CommandState.DONE if WHOLE else CommandState.RUNNING), job.detail
+    assert cell.state.piece > 1 and cell.programs.state.ended, "on its way, and the planner has handed on all of it"
+    assert not WHOLE or 180.0 < (cell.bench.now - began) / 1e9 < 215.0
+    for record in handed:
+        if record.part is Part.PIECE:
+            stepper.load(decode_any(record.piece))
+    rows = [stepper.step().q]
+    while stepper.state is not State.IDLE:
+        rows.append(stepper.step().q)
+    assert 180.0 < len(rows) * STEP_S < 215.0
+    tip = cell.machine.forward(rows[-1]).position
     assert tip == pytest.approx((0.35, 0.15, 0.2), abs=1e-5)

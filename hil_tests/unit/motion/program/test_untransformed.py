@@ -16,7 +16,7 @@ from hil_tests.unit.motion.program.test_endless import rho3
 CELL = turning_cell()
 HEAD = "robot turntables\naxes deg deg deg deg deg\nstart 0 0 0 0 0\n"
 SLAVES = replace(CELL, axis=tuple(replace(axis, manual=axis.name != "M") for axis in CELL.axis))
-POINTS = ("100 0 0 60 0", "200 40 0 0 0", "300 -40 0 0 50", "400 0 30 100 0", "500 60 60 0 20", "600 0 0 0 0")
+POINTS = ("100 0 0 60 0", "200 40 0 0 0", "300 -40 0 0 50", "400 0 30 100 0")
 V, STEP_S = 60.0, 0.004  # deg/s
 TURNS = 3.0  # deg/s2: what rounding to increments makes of a steady speed in 0.1 s
 
@@ -52,7 +52,7 @@ def test_the_master_keeps_the_programmed_speed_over_all_points_and_the_slaves_ad
     keys = "zone=15,15,15,15,15 blend=joint"
     rates = run(SLAVES, *passing(keys))
     steady = rates[60:-60, 0]
-    assert len(steady) > 2000 and np.abs(steady - V).max() < 0.02 * V
+    assert len(steady) > 1400 and np.abs(steady - V).max() < 0.02 * V
     slaves = np.abs(rates[60:-60, 1:]).max(axis=0)
     assert slaves.max() > 0.9 * V and slaves.min() > 10.0
     all_mains = run(CELL, *passing(keys))
