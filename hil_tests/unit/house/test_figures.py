@@ -4,6 +4,7 @@ A class or function over the limit has a row with its figure of today; it may fa
 """
 
 import ast
+import functools
 import pathlib
 from collections.abc import Iterator, Mapping
 
@@ -87,6 +88,7 @@ def parameters(node: Function) -> int:
     return len(given.posonlyargs) + len(given.args) + len(given.kwonlyargs) - own
 
 
+@functools.cache
 def found() -> tuple[dict[str, int], dict[str, int], dict[str, int]]:
     """Classes, parameters, lines over their limits."""
     classes: dict[str, int] = {}

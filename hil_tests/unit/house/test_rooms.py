@@ -1,6 +1,7 @@
 """The rooms of the house: no loose files, no upward imports, no circles, names without metaphors and with separated words."""
 
 import ast
+import functools
 import pathlib
 from collections.abc import Iterator, Mapping
 
@@ -34,12 +35,19 @@ REGISTRY = "gateway.registry"  # its rows import inside their functions, whateve
 FUSED = ("datadoor", "linedoor", "cellfile", "linejournal", "modbusdoor", "dbsignals", "fastio", "setvalues", "movefile", "onpath")
 
 
-def modules() -> dict[str, pathlib.Path]:
+@functools.cache
+def modules() -> Mapping[str, pathlib.Path]:
     found = {}
     for package in PACKAGES:
         for path in (ROOT / package).rglob("*.py"):
             found[".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")] = path
     return found
+
+
+@functools.cache
+def imported() -> Mapping[str, list[str]]:
+    """Modules that each module of the project imports anywhere in it."""
+    return {module: list(imports(path, modules())) for module, path in modules().items()}
 
 
 def imports(path: pathlib.Path, known: Mapping[str, pathlib.Path]) -> Iterator[str]:
@@ -64,11 +72,10 @@ def test_every_file_of_the_gateway_is_in_a_room() -> None:
 
 
 def test_a_room_imports_only_rooms_below_it() -> None:
-    known = modules()
     upward = []
-    for module, path in known.items():
+    for module, others in imported().items():
         here = level(module) if module.startswith("gateway.") else None
-        for other in imports(path, known):
+        for other in others:
             there = level(other) if other.startswith("gateway.") else None
             if here and there and (there[0] > here[0] or (there[0] == here[0] and there[1] != here[1])):
                 upward.append(f"{module} -> {other}")
@@ -76,8 +83,7 @@ def test_a_room_imports_only_rooms_below_it() -> None:
 
 
 def test_no_file_is_in_a_circle_of_imports_lazy_and_type_only_ones_counted() -> None:
-    known = modules()
-    graph = {module: {other for other in imports(path, known) if other in known} for module, path in known.items()}
+    graph = {module: {other for other in others if other in modules()} for module, others in imported().items()}
     graph[REGISTRY] = set()
     assert [module for module in sorted(graph) if module in reached(graph, module)] == []
 

@@ -175,7 +175,7 @@ def test_a_process_that_is_stopped_stops_on_the_path_and_gives_its_rest_up() -> 
 
 
 def test_the_death_of_the_interpreter_ends_processes_and_lets_the_axes_rest() -> None:
-    cell = ProgramCell(one("V = 100\nAGAIN:\nMOVE LINEAR TO (300, 60, 40, 12)\nMOVE LINEAR TO (100, 60, 40, 12)\nJUMP AGAIN"))
+    cell = ProgramCell(one("V = 400\nAGAIN:\nMOVE LINEAR TO (300, 60, 40, 12)\nMOVE LINEAR TO (100, 60, 40, 12)\nJUMP AGAIN"))
     cell.start("P")
     cell.until(lambda: cell.at()[0] > 150)
     cell.dies()
