@@ -35,7 +35,9 @@ DISK_BYTES = 24 << 20
 FULL_S = 4.0  # the disk is full for so long
 KILLED = ("services", "line-plc1", "web", "services", "broker-drives", "web", "emulator-drives", "cycle")
 KILL_EVERY_S, FULL_EVERY_S, STOP_EVERY_S = 14.0, 30.0, 6.0
-STOPS_S = 4.0  # from the order to rest, on a machine that all this keeps busy
+STOPS_S = 4.0  # from the order to rest, without the time in which the machine gave no processor
+ON_THE_WAY = ("this program", "web", "services", "cycle")  # of a stop
+LATE_S = 0.5  # a stop that is reported as late
 BACK_S = 90.0
 LOADED_S, GROWTH_KB = 20.0, 40_000  # of one process, from then on
 TROUBLE = (AssertionError, Disturbed, PortError, ToolError, ModbusException, HTTPException, OSError, ValueError, KeyError)
@@ -45,7 +47,10 @@ TROUBLE = (AssertionError, Disturbed, PortError, ToolError, ModbusException, HTT
 class Outcome:
     """What was found."""
 
-    stops: dict[str, list[float]] = field(default_factory=dict)  # way -> s until rest
+    stops: dict[str, list[tuple[float, float]]] = field(default_factory=dict)  # way -> s until rest, s of it the machine's
+    back: dict[str, float] = field(default_factory=dict)  # what came back afterwards -> s
+    starved: Counter[str] = field(default_factory=Counter)  # process -> ms it wanted a processor and had none
+    stolen_s: float = 0.0  # the host gave the processors to others
     wrong: list[str] = field(default_factory=list)
     did: Counter[str] = field(default_factory=Counter)
     killed: Counter[str] = field(default_factory=Counter)
@@ -64,6 +69,9 @@ class Siege:
         self._ways = 0
         self._goal = TARGET
         self._memory: dict[int, tuple[float, int]] = {}  # pid -> when it was first seen, KB
+        self._pids: dict[str, int] = {"this program": os.getpid()}
+        self._starved: dict[int, float] = {}  # pid -> s, as counted last
+        self._stolen_s = stolen_s()
 
     # ---- what is done to it
     def kill(self) -> None:
@@ -128,12 +136,14 @@ class Siege:
         """By the page, a tool or the PLC in turn; the time until the cycle says that nothing moves."""
         way = ("page", "tool", "plc")[self._ways % 3]
         self._ways += 1
-        before = time.monotonic()
+        before, machine = time.monotonic(), self._kept_back()
         try:
             {"page": self._by_page, "tool": self._by_tool, "plc": self._by_plc}[way]()
             while self.run.state().motion not in (Motion.IDLE, Motion.STOPPED):
-                if time.monotonic() - before > STOPS_S:
-                    self.found.wrong.append(f"stopped by {way}: still {self.run.state().motion.name} after {STOPS_S:g} s")
+                took = time.monotonic() - before
+                if took > STOPS_S and took - (late := self._machine_s(machine)) > STOPS_S:
+                    words = f"{took:.1f} s, {late:.1f} s of it the machine's"
+                    self.found.wrong.append(f"stopped by {way}: still {self.run.state().motion.name} after {words}")
                     return
                 time.sleep(0.02)
         except TROUBLE as error:
@@ -141,7 +151,17 @@ class Siege:
             if self.up():
                 self.found.wrong.append(f"stop by {way} while all processes were up: {error}")
             return
-        self.found.stops.setdefault(way, []).append(time.monotonic() - before)
+        took = time.monotonic() - before
+        self.found.stops.setdefault(way, []).append((took, min(took, max(0.0, self._machine_s(machine)))))
+
+    def _kept_back(self) -> dict[str, float]:
+        """Seconds of this machine so far: processes on the way of a stop wanted a processor and had none, or the host took it away."""
+        found = {name: starved_s(self._pids[name]) for name in ON_THE_WAY if name in self._pids}
+        return {**found, "host": stolen_s()}
+
+    def _machine_s(self, before: dict[str, float]) -> float:
+        """Since then, of the one that waited longest: what several waited at the same time does not count twice."""
+        return max((now - before[name] for name, now in self._kept_back().items() if name in before), default=0.0)
 
     def _by_page(self) -> None:
         status, told = self.web.ask("POST", "/api/stop", x_axisgate="1")
@@ -169,8 +189,17 @@ class Siege:
         self.found.status_s.append(time.monotonic() - before)
         for row in rows:
             if row["pid"] is not None:
+                self._pids[row["name"]] = row["pid"]
                 self.weigh(row["name"], row["pid"])
+                self.starve(row["name"], row["pid"])
         return all(row["state"] == "up" and (row["life_age_ms"] or 0) < 500 for row in rows)
+
+    def starve(self, name: str, pid: int) -> None:
+        """Adds up, over all its lives, how long it waited for a processor."""
+        now = starved_s(pid)
+        self.found.starved[name] += round(1000 * max(0.0, now - self._starved.get(pid, 0.0)))
+        self._starved[pid] = now
+        self.found.stolen_s = stolen_s() - self._stolen_s
 
     def weigh(self, name: str, pid: int) -> None:
         """No process grows without an end."""
@@ -234,10 +263,11 @@ class Siege:
         return self.journal.stat().st_size if self.journal.is_file() else 0
 
     def _until(self, what: str, holds: Callable[[], bool]) -> None:
-        why, end = "", time.monotonic() + BACK_S
-        while time.monotonic() < end:
+        why, begun = "", time.monotonic()
+        while time.monotonic() < begun + BACK_S:
             try:
                 if holds():
+                    self.found.back[what] = time.monotonic() - begun
                     return
             except TROUBLE as error:
                 why = f": {str(error)[:300]}"
@@ -253,6 +283,22 @@ class Siege:
         for line in console.splitlines():
             if "showed no life" in line or "ended with exit code" in line or "deaths in a minute" in line:
                 self.found.wrong.append(f"a process ended by itself: {line}")
+
+
+def starved_s(pid: int) -> float:
+    """Seconds that threads of this process wanted a processor and had none.  Source: Documentation/scheduler/sched-stats.rst, schedstat."""
+    waited = 0
+    with contextlib.suppress(OSError):
+        for thread in os.listdir(f"/proc/{pid}/task"):
+            with contextlib.suppress(OSError):
+                waited += int(pathlib.Path(f"/proc/{pid}/task/{thread}/schedstat").read_text().split()[1])
+    return waited / 1e9
+
+
+def stolen_s() -> float:
+    """Seconds in which the host of a virtual machine gave its processors to others.  Source: proc(5), steal of stat."""
+    first = pathlib.Path("/proc/stat").read_text().splitlines()[0].split()
+    return int(first[8]) / os.sysconf("SC_CLK_TCK")
 
 
 @contextlib.contextmanager
@@ -304,14 +350,29 @@ def siege(seconds: float, seed: int = 1) -> Outcome:
 
 def report(found: Outcome, seconds: float) -> list[str]:
     """In words."""
-    lines = [f"{seconds:.0f} s of everything at once: {', '.join(f'{name} {count}' for name, count in sorted(found.did.items()))}"]
-    lines.append(f"killed: {', '.join(f'{name} {count}' for name, count in sorted(found.killed.items()))}")
-    lines.append(f"kept from moving: {'; '.join(f'{count} x {why}' for why, count in found.kept_from.most_common(8)) or 'never'}")
+    orders = sum(len(times) for times in found.stops.values())
+    lines = [
+        f"asked: {seconds:.0f} s of everything at once; each stop at rest within {STOPS_S:g} s; no process ends by itself, none grows by"
+        f" {GROWTH_KB // 1000} MB, no traceback; afterwards each part back within {BACK_S:g} s",
+        f"done to it: {', '.join(f'{name} {count}' for name, count in sorted(found.did.items()))}",
+        f"killed: {', '.join(f'{name} {count}' for name, count in sorted(found.killed.items()))}",
+        f"kept from moving: {'; '.join(f'{count} x {why}' for why, count in found.kept_from.most_common(8)) or 'never'}",
+    ]
     for way, times in sorted(found.stops.items()):
         ordered = sorted(times)
-        lines.append(f"stopped by {way}: {len(times)} times, median {ordered[len(times) // 2]:.2f} s, longest {ordered[-1]:.2f} s")
+        took, machine = ordered[-1]
+        own = max(each - late for each, late in times)
+        lines.append(
+            f"stopped by {way}: {len(times)} times, median {ordered[len(times) // 2][0]:.2f} s, longest {took:.2f} s"
+            f" ({machine:.2f} s of it the machine's), longest without the machine {own:.2f} s"
+        )
+    late = [took for times in found.stops.values() for took, _ in times if took > LATE_S]
+    lines.append(f"came late: {len(late)} of {orders} stops took longer than {LATE_S:g} s")
     if found.status_s:
         lines.append(f"the supervisor reported {len(found.status_s)} times, at the latest after {max(found.status_s):.2f} s")
+    lines += [f"back: {', '.join(f'{what} after {took:.1f} s' for what, took in found.back.items())}"] if found.back else []
+    waited = ", ".join(f"{name} {count / 1000:.1f} s" for name, count in found.starved.most_common(6))
+    lines.append(f"this machine: waited for a processor: {waited or 'nothing'}; taken away by its host: {found.stolen_s:.1f} s")
     return [*lines, *(f"WRONG: {words}" for words in found.wrong), f"{len(found.wrong)} things wrong"]
 
 

@@ -49,6 +49,7 @@ def test_slower_clocks_are_tried_as_long_as_the_machine_was_late(
     told = capfd.readouterr().err
     assert told.count(f"too slow for P5 = {played[0]} ms: {LATE}") == 1
     assert told.count("once more with P5 = ") == len(played) - 1
+    assert (demo.TAKEN_AWAY in told) is (code != 0), "what to do about it"
 
 
 def test_without_such_a_guest_it_says_what_is_missing(
