@@ -6,6 +6,7 @@ import pathlib
 import sys
 
 from gateway.commands.program_cell import IN_CELLS, add_to, run_in_cell
+from gateway.commands.program_files import OF_FILES, add_files_to, run_on_files
 from gateway.files.program_memory import baps2_words, folder_memory, read_feed
 from gateway.pure.languages.baps2.dry_run import DryRun
 from gateway.pure.languages.baps2.feed import Feed, FeedFault
@@ -23,6 +24,9 @@ EXAMPLES = """examples:
   axisgate program run cell.toml PALLET                          in the running cell, until it is over; Ctrl-C stops it
   axisgate program start cell.toml PALLET                        as the panel does: it moves if the PLC has control
   axisgate program stop cell.toml PALLET
+  axisgate program put cell.toml NEW.QLL --force                 into the memory of a cell, also of a running one
+  axisgate program get cell.toml PALLET --to saved               its source, points and data out of it
+  axisgate program compile memory PALLET                         writes PALLET.IRD, or PALLET.ERR with the faults
 exit code: 0 done; 1 a program has errors, was refused or ended with one; 2 a file, folder or program is not there, or the feed is invalid;
 3 no such run"""
 
@@ -49,9 +53,12 @@ def main(argv: list[str]) -> int:
     points.add_argument("program", metavar="PROGRAM")
     points.add_argument("--json", action="store_true", help="a JSON object: name and components")
     add_to(tools)
+    add_files_to(tools)
     options = parser.parse_args(argv)
     if options.tool in IN_CELLS:
         return run_in_cell(options)
+    if options.tool in OF_FILES:
+        return run_on_files(options)
     try:
         return int({"check": _check, "trace": _trace, "list": _list, "points": _points}[options.tool](options))
     except OSError as error:

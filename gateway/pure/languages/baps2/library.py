@@ -21,8 +21,9 @@ class Library:
         self._units: dict[str, tuple[Unit | None, Faults]] = {}
 
     def names(self) -> Iterable[str]:
-        """All programs there are."""
-        return [name.removesuffix(".QLL") for name in self._store.names() if name.endswith(".QLL")]
+        """All programs there are, also those with a translation alone."""
+        files = list(self._store.names())
+        return list(dict.fromkeys(name[:-4] for name in files if name.endswith((".QLL", ".IRD"))))
 
     def has(self, name: str) -> bool:
         """Whether there is a source."""
@@ -62,9 +63,16 @@ class Library:
         name = name.upper()
         if name not in self._units:
             text = self._store.text(f"{name}.QLL")
-            unit, faults = (None, Faults()) if text is None else self.check(f"{name}.QLL", text)
+            unit, faults = (None, self._without_source(name)) if text is None else self.check(f"{name}.QLL", text)
             self._units[name] = (unit if unit is not None and unit.load(faults, watched=self._watched) else None), faults
         return self._units[name]
+
+    def _without_source(self, name: str) -> Faults:
+        faults = Faults()
+        if self._store.text(f"{name}.IRD") is not None:
+            place = SourceFile(f"{name}.IRD", "").at(1)
+            faults.error("no-source", place, f"{name}.IRD is a translation; axisgate runs sources", f"put {name}.QLL beside it")
+        return faults
 
     def forget(self, name: str) -> None:
         """A source was replaced or deleted."""

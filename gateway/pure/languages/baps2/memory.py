@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable
 
+from gateway.pure.languages.baps2.translated import age_of
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position
 
@@ -35,8 +36,9 @@ class Memory:
         return None if data is None else decoded(data)
 
     def age(self, name: str) -> int | None:
-        """Place of a program in the order of translation."""
-        return self._ages.get(name.upper().removesuffix(".QLL"))
+        """Place of a program in the order of translation: as given, else as in its IRD file."""
+        name = name.upper().removesuffix(".QLL")
+        return self._ages.get(name) if self._ages else age_of(self.text(f"{name}.IRD"), self.text(f"{name}.QLL"))
 
     def keep_point(self, program: str, name: str, value: tuple[float, ...]) -> None:
         """Writes a point into the program's PKT file."""

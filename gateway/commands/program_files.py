@@ -1,0 +1,132 @@
+"""`axisgate program put|get|compile`: the files of a memory."""
+
+import argparse
+import json
+import pathlib
+import sys
+
+from gateway.assembly.program_memory import memory_folder
+from gateway.files.program_memory import baps2_words, folder_memory
+from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.baps2.memory import decoded
+from gateway.pure.languages.baps2.translated import err_of, ird_of, next_age
+from gateway.runtime.exit_codes import Exit
+from gateway.runtime.safe_file import write_whole
+from gateway.tools.command_support import USAGE, load
+
+OF_FILES = ("put", "get", "compile")
+
+
+class FileFault(Exception):
+    """One sentence."""
+
+
+def add_files_to(tools: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Their options."""
+    put = tools.add_parser("put", help="copies files into the memory of a cell; a running cell takes them at the next start of a program")
+    put.add_argument("cell", metavar="CELL", help="cell file, or the name of a shipped one")
+    put.add_argument("files", nargs="+", metavar="FILE", type=pathlib.Path)
+    put.add_argument("--force", action="store_true", help="replace files that are there already")
+    get = tools.add_parser("get", help="copies files out of the memory of a cell")
+    get.add_argument("cell", metavar="CELL")
+    get.add_argument("names", nargs="*", metavar="NAME", help="file or program; all without one")
+    get.add_argument("--to", metavar="FOLDER", type=pathlib.Path, default=pathlib.Path(), help="where to; nothing is replaced there")
+    translate = tools.add_parser("compile", help="translates programs: writes NAME.IRD, or NAME.ERR with its faults")
+    translate.add_argument("folder", metavar="FOLDER", type=pathlib.Path, help="the memory folder")
+    translate.add_argument("programs", nargs="+", metavar="PROGRAM")
+    for each in (put, get, translate):
+        each.add_argument("--json", action="store_true", help="a JSON list of what was written")
+
+
+def run_on_files(options: argparse.Namespace) -> int:
+    """One of them."""
+    try:
+        return _compile(options) if options.tool == "compile" else _with_cell(options)
+    except FileFault as fault:
+        print(f"axisgate program: {fault}", file=sys.stderr)
+        return Exit.INVALID
+    except OSError as error:
+        print(f"axisgate program: {error.filename}: {error.strerror}", file=sys.stderr)
+        return Exit.INVALID
+
+
+def _with_cell(options: argparse.Namespace) -> int:
+    cell = load(options.cell)
+    if isinstance(cell, int):
+        return cell
+    folder = memory_folder(cell)
+    if folder is None:
+        print(f"axisgate program: {options.cell}: [controller] names no memory", file=sys.stderr)
+        return USAGE
+    return _put(folder, options) if options.tool == "put" else _get(folder, options)
+
+
+def _put(folder: pathlib.Path, options: argparse.Namespace) -> int:
+    """All of them or none."""
+    there = {path.name.upper(): path for path in folder.iterdir() if path.is_file()}
+    wanted = [(there.get(path.name.upper(), folder / path.name.upper()), path.read_bytes()) for path in options.files]
+    double = {target.name for target, _ in wanted if sum(other.name == target.name for other, _ in wanted) > 1}
+    if double:
+        raise FileFault(f"{', '.join(sorted(double))} is given twice")
+    held = [target.name for target, data in wanted if target.exists() and target.read_bytes() != data]
+    if held and not options.force:
+        raise FileFault(f"{folder} has {', '.join(held)} already; --force replaces it, nothing was written")
+    for target, data in wanted:
+        write_whole(target, data)
+    _print([str(target) for target, _ in wanted], options)
+    return _checked(folder, [target.stem.upper() for target, _ in wanted if target.suffix.upper() == ".QLL"])
+
+
+def _checked(folder: pathlib.Path, programs: list[str]) -> int:
+    """Faults of what was put there: it is kept, as on the control, and cannot run."""
+    library, errors = Library(baps2_words(), folder_memory(folder)), 0
+    for name in programs:
+        _, faults = library.unit(name)
+        for fault in faults:
+            print(fault, file=sys.stderr)
+        errors += faults.errors
+    return Exit.FINDING if errors else Exit.OK
+
+
+def _get(folder: pathlib.Path, options: argparse.Namespace) -> int:
+    files = sorted(path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
+    names = [name.upper() for name in options.names]
+    found = [path for path in files if not names or {path.name.upper(), path.stem.upper()} & set(names)]
+    known = {part for path in files for part in (path.name.upper(), path.stem.upper())}
+    if absent := [name for name in names if name not in known]:
+        raise FileFault(f"{folder} has no {', '.join(absent)}; it has {', '.join(path.name for path in files) or 'nothing'}")
+    if held := [path.name for path in found if (options.to / path.name).exists()]:
+        raise FileFault(f"{options.to} has {', '.join(held)} already; name an empty folder with --to")
+    for path in found:
+        write_whole(options.to / path.name, path.read_bytes())
+    _print([str(options.to / path.name) for path in found], options)
+    return Exit.OK
+
+
+def _compile(options: argparse.Namespace) -> int:
+    memory = folder_memory(options.folder)
+    library, written, errors = Library(baps2_words(), memory), [], 0
+    names = [name.upper().removesuffix(".QLL") for name in options.programs]
+    if absent := [name for name in names if not library.has(name)]:
+        raise FileFault(f"{options.folder} has no source of {', '.join(absent)}")
+    sources = {path.stem.upper(): path for path in options.folder.iterdir() if path.suffix.upper() == ".QLL"}
+    age = next_age(decoded(data) for name, data in memory.files.items() if name.endswith(".IRD"))
+    for name in names:
+        _, faults = library.unit(name)
+        program = library.tree(name)
+        good = program is not None and not faults.errors
+        put, drop = sources[name].with_suffix(".IRD" if good else ".ERR"), sources[name].with_suffix(".ERR" if good else ".IRD")
+        text = ird_of(program, memory.text(f"{name}.QLL") or "", age) if good and program is not None else err_of(faults)
+        write_whole(put, text.encode())
+        drop.unlink(missing_ok=True)
+        age += good
+        errors += faults.errors
+        written.append(str(put))
+        for fault in faults:
+            print(fault, file=sys.stderr)
+    _print(written, options)
+    return Exit.FINDING if errors else Exit.OK
+
+
+def _print(written: list[str], options: argparse.Namespace) -> None:
+    print(json.dumps(written, indent=1) if options.json else "\n".join(written))
