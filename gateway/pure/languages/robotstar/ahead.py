@@ -3,6 +3,7 @@
 A position is over where its block is: at its end, or in the middle of its corner.  What is written behind a position waits for that.
 """
 
+import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -33,6 +34,13 @@ class Block:
     index: int = 0
 
     @property
+    def lasts(self) -> float:
+        """ns it takes, about; one that is approximated is passed at its speed."""
+        if self.go.approximates and self.go.mode == "LINEAR" and self.go.target.pose and self.start.pose:
+            return math.dist(self.start.pose[:3], self.go.target.pose[:3]) / self.go.settings["PATH_SPEED"] * 1e9
+        return self.go.whole
+
+    @property
     def over(self) -> bool:
         """Reached, or passed in its corner."""
         return self.stretch is not None and self.stretch.passed >= self.index > 0
@@ -60,9 +68,16 @@ class Ahead:
         return bool(self.items)
 
     def room(self) -> bool:
-        """One more may be prepared."""
+        """One more may be prepared; of a spline all of it, since each point changes the course before it."""
         blocks = [item for item in self.items if isinstance(item, Block)]
-        return len(blocks) < FEWEST or (len(blocks) < MOST and sum(block.go.whole for block in blocks) < AHEAD_NS)
+        if blocks and blocks[-1].go.mode == "SPLINE":
+            return len(blocks) < MOST
+        return len(blocks) < FEWEST or (len(blocks) < MOST and sum(block.lasts for block in blocks) < AHEAD_NS)
+
+    @property
+    def full(self) -> bool:
+        """A spline is longer than what may be prepared: it comes to rest there."""
+        return len(self.items) >= MOST and not self.room()
 
     def put(self, go: Go, start: Target, places: tuple[float, ...]) -> None:
         """A position; StepFault where this robot has none such, or does not reach it."""

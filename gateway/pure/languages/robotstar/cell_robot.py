@@ -158,7 +158,8 @@ class CellRobot(Robot):
         """Nothing is prepared before something has happened in the cell."""
         request = self.machine.request
         asks = request is not None and not isinstance(request, Go)
-        return self._blocked or self._halting or self.mode.single or asks or self.state is not State.RUNNING
+        halts = self._blocked or self._halting or self.mode.single
+        return halts or asks or self.ahead.full or self.state is not State.RUNNING
 
     # ---- what shows ------------------------------------------------------------------------------------------------------
     @property

@@ -323,6 +323,19 @@ def test_the_plc_starts_and_stops_the_robot_by_markers_in_auto() -> None:
     assert not cell.hosted.run, "in HAND they do nothing"
 
 
+def test_a_spline_goes_through_its_points_and_a_dense_path_keeps_its_speed() -> None:
+    """Both need many positions ahead: a spline all of its own, points half a millimetre apart as many as the robot brakes in."""
+    points = [(884 + 40 * math.sin(n / 2), 20 * n, 560) for n in range(1, 6)]
+    dense = "\n".join(at(884, 100 - 0.5 * n, 560) for n in range(1, 120))
+    body = f"{LINE}{at(884, 0, 560)}\nPATH_SPEED 200\nMOVE_MODE #SPLINE\n" + "\n".join(at(*point) for point in points)
+    body += f"\n{LINE}PATH_SPEED 100\n{at(884, 100, 560)}\nUEBERSCHL #EIN\nBAHN_RADIUS 0.2\n{dense}\nSTOP"
+    cell = ReisCell(main(body))
+    assert cell.run()[0] == "ended" and near(cell, 884, 40.5, 560)
+    assert all(min(math.dist(place[:3], point) for place in cell.places) < 0.5 for point in points)
+    found = [speed for speed, place in zip(speeds(cell), cell.places, strict=False) if abs(place[0] - 884) < 0.01 and 55 < place[1] < 85]
+    assert min(found) == pytest.approx(100, rel=0.1)
+
+
 def test_values_live_with_their_program_and_constants_do_not() -> None:
     body = 'ADD 1, I1\nCOPY 3, I_A[2]\nCOPY 2.5, R1\nCOPY "GRIP", S1\nCOPY 7, V1.X\nSTOP'
     definitions = "VAR I1, value:5\nVAR I_A[3]\nLOC_VAR R9\nVAR R1\nVAR S1(10)\nVAR V1\nCONST I9, value:3"
