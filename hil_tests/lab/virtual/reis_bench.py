@@ -56,7 +56,6 @@ CELL = replace(  # a turn of a motor is 45 degrees: the emulated drives begin wh
 )
 AUTO, ACKNOWLEDGE, FIRST_INPUT = 23, 62, 704
 DOOR = 1
-HOME = "POSITION #N, X:883.92, Y:0, Z:591.28, A:180, B:0, C:180"
 MOST_TURNS = 4  # of the interpreter in one cycle, for programs that compute
 
 

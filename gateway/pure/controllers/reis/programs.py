@@ -226,6 +226,11 @@ class ReisPrograms:
                 self.tool = Structure("T", dict(zip(TOOL, values, strict=True)))
             case "path":
                 self._wants(int(said["ticket"]))
+            case "resume":
+                self._resume = bool(self.run)
+                self._go_on(now)
+            case "leave":
+                self._leaving = self._job is not None
             case "selected":
                 self._name = str(said["program"])
             case "over" if int(said["run"]) == self.run:
@@ -266,8 +271,6 @@ class ReisPrograms:
         if source or not self._mover:
             self._mover = source or self.door
         self.orders.append({"do": "start", "run": self.run, "program": self._name})
-        self._resume = True
-        self._go_on(now)
         return ""
 
     def _refusal(self, name: str) -> str:
@@ -414,7 +417,6 @@ class ReisPrograms:
         if self.run:
             self.stop(now)
         else:
-            self._leaving = self._job is not None
             self.orders.append({"do": "forget"})
         return {"ok": True}
 

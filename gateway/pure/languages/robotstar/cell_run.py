@@ -62,7 +62,7 @@ class CellRun:
     def replaced(self, memory: Memory) -> None:
         """The memory was read anew; the place where a program was interrupted is lost (L209)."""
         before = self.values()
-        self.path.release(self)
+        self._leave()
         self._take(memory)
         for name, text in before.items():
             self.restore(name, text)
@@ -113,6 +113,8 @@ class CellRun:
             self.port.over(run, "aborted", RuntimeFault(0, f"START is refused: {wrong}"), name)
             return
         self.run = run
+        if self.path.held_by(self) is not None:
+            self.port.tell("resume")
 
     def _choose(self, name: str) -> str:
         found = self.memory.find(name)
@@ -127,8 +129,13 @@ class CellRun:
         self._select(found)
         return ""
 
+    def _leave(self) -> None:
+        """Nothing of what was handed on is run any more."""
+        if not self.path.release(self):
+            self.port.tell("leave")
+
     def _select(self, found: Program) -> None:
-        self.path.release(self)
+        self._leave()
         self.robot.select(found)
         self.selected = found
         self.port.tell("selected", program=found.key)
@@ -167,7 +174,7 @@ class CellRun:
             case "change" if not self.runs:
                 self._change()
             case "forget" if not self.runs:
-                self.path.release(self)
+                self._leave()
                 self.ahead.forget()
                 self.selected = None
 

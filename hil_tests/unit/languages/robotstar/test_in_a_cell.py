@@ -6,8 +6,11 @@ import pathlib
 import pytest
 
 import configs
+from gateway.files.robotstar import words
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.image.records.cell import Motion
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.robotstar.memory import Memory, Source
 from hil_tests.lab.virtual.reis_bench import AUTO, ReisCell, at, main
 
 MEMORY = pathlib.Path(configs.__file__).parent / "cells" / "reis-palletiser"
@@ -110,6 +113,24 @@ def test_stop_on_the_path_shows_the_step_and_start_goes_on() -> None:
     again = cell.start()
     assert cell.ends(again)[0] == "ended" and near(cell, 900, -50, 590)
     assert max(place[1] for place in cell.places) == pytest.approx(250, abs=0.1), "the interrupted position is reached"
+
+
+@pytest.mark.parametrize("how", ["other", "edited", "given up"])
+def test_the_rest_of_the_path_is_not_run_where_another_program_or_step_begins(how: str) -> None:
+    elsewhere = f"{LINE}{at(884, 0, 640)}\nSTOP"
+    cell = ReisCell(main(f"{LINE}{FAR}\n{BACK}\nSTOP") | main(elsewhere, "Q"))
+    run = cell.start()
+    cell.until(lambda: cell.places[-1][1] > 60)
+    cell.stop()
+    cell.ends(run)
+    if how == "edited":
+        cell.language.replaced(Memory.read([Source(*each) for each in main(elsewhere).items()], words(), Faults()))
+    elif how == "given up":
+        cell.stop()
+        cell.bench.cycle(5)
+        assert not cell.language.rows()
+    assert cell.run("P" if how == "edited" else "Q")[0] == "ended"
+    assert near(cell, 884, 0, 640) and max(place[1] for place in cell.places) < 200
 
 
 def test_after_jogging_start_leads_back_to_the_path_and_completes_it() -> None:
