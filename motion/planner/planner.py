@@ -10,9 +10,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from motion.errors import MotionError
 from motion.execution.timed import TimedPiece
 from motion.kinematics.base import Joints
@@ -71,8 +68,7 @@ class _Planned:
 
     def s(self, tau: float) -> float:
         """On the run's path."""
-        t = min(max(tau - self.begin, 0.0), self.law.duration)
-        return float(self.law.at(_one(t))[0])
+        return self.law.place(tau - self.begin)
 
     def state(self, tau: float) -> tuple[float, float, float]:
         """(s, sdot, sddot) at the node nearest to tau: cuts lie on nodes of the law."""
@@ -447,7 +443,3 @@ def block_ends(run: Run) -> list[tuple[float, int]]:
 
 def _state(law: Law, k: int) -> tuple[float, float, float]:
     return float(law.s[k]), float(law.speed[k]), float(law.accel[k])
-
-
-def _one(t: float) -> NDArray[np.float64]:
-    return np.array([t], dtype=np.float64)

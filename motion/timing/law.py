@@ -111,22 +111,26 @@ class Law:
         """s at these times; the ends beyond them."""
         return _hermite(self._times, self.s, self.speed, self.accel, np.clip(t, 0.0, self.duration))
 
+    def place(self, t: float) -> float:
+        """s at this time, as `at`: a planner asks for it in every turn, and arrays of one take ten times as long."""
+        t, times = min(max(t, 0.0), self.duration), self._times
+        index = min(max(int(np.searchsorted(times, t, side="right")) - 1, 0), len(times) - 2)
+        return float(_within(times, self.s, self.speed, self.accel, t, index))
+
 
 def _hermite(knots: Array, value: Array, slope: Array, bend: Array, at: Array) -> Array:
     """Quintic Hermite at these places; ends have the slope and bend of rest."""
     index = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
+    return np.asarray(_within(knots, value, slope, bend, at, index))
+
+
+def _within(knots: Array, value: Array, slope: Array, bend: Array, at: Array | float, index: NDArray[np.intp] | int) -> Array | float:
+    """In the intervals of these numbers."""
     h = knots[index + 1] - knots[index]
     u = (at - knots[index]) / h
     a, b, c = value[index], slope[index] * h, 0.5 * bend[index] * h * h
     gap = value[index + 1] - a - b - c
     lean = slope[index + 1] * h - b - 2 * c
     curl = bend[index + 1] * h * h - 2 * c
-    return np.asarray(
-        a
-        + u
-        * (
-            b
-            + u
-            * (c + u * ((10 * gap - 4 * lean + 0.5 * curl) + u * ((-15 * gap + 7 * lean - curl) + u * (6 * gap - 3 * lean + 0.5 * curl))))
-        )
-    )
+    fifth = (-15 * gap + 7 * lean - curl) + u * (6 * gap - 3 * lean + 0.5 * curl)
+    return a + u * (b + u * (c + u * ((10 * gap - 4 * lean + 0.5 * curl) + u * fifth)))

@@ -216,3 +216,11 @@ def test_the_other_modes_of_p306() -> None:
     assert aborted.value.axis == 1
     with pytest.raises(MotionError):
         limited((1.0,), (0.0,), Monitoring.ALWAYS, automatic=True)
+
+
+def test_the_place_at_one_time_is_that_among_many_to_the_last_bit() -> None:
+    legs, corners, limits = u_arm(0.0125)
+    law = jerk_limited(assembled(legs, corners), limits)
+    times = np.concatenate([np.random.default_rng(1).uniform(-0.1, law.duration + 0.1, 200), [0.0, law.step, law.duration]])
+    assert [law.place(float(t)) for t in times] == law.at(times).tolist()
+    assert law.place(-1.0) == 0.0 and law.place(2.0 * law.duration) == pytest.approx(law.s[-1], abs=1e-12)
