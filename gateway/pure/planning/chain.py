@@ -6,6 +6,9 @@ from dataclasses import dataclass, field
 from gateway.pure.image.records.planner import AHEAD
 from motion.execution.timed import TimedPiece
 
+LAST_S = 0.1  # of a path: a piece nearer to its end may have been the last one seen
+UNSEEN = 100  # turns after which pieces count as run that the cycle was never seen on: they were shorter than a turn
+
 
 @dataclass
 class Chain:
@@ -19,6 +22,7 @@ class Chain:
     _over: int = 0
     _at: int = 0  # last piece the cycle was seen on; 0: the part has not begun
     _rest: float | None = None  # tau at which it ran out, until it goes on
+    _unseen: int = 0  # turns since pieces were handed on behind a rest, and the cycle was seen on none of them
 
     def begin(self) -> None:
         """A part, or none."""
@@ -39,19 +43,33 @@ class Chain:
         """Where the follower may be at the latest: the end of the piece under way (0: none is), or of all there is (`end`) when it has run
         out."""
         if piece in self._begins:
-            self._at, self._rest = piece, None
+            self._at, self._rest, self._unseen = piece, None, 0
             return self._begins.get(piece + 1, end)
-        if self._at and not piece and self._rest is None:  # it has run out: all that was handed on is run
-            self._at, self._rest = self.last_id, end
+        if self._at and not piece and (self._rest is None or self._at < self.last_id):
+            self._runs_out(end)
+            if self._rest is None:
+                return self._begins.get(self._at + 1, end)
         return 0.0 if self._rest is None else self._rest
+
+    def _runs_out(self, end: float) -> None:
+        """The cycle is on no piece: all that was handed on is run, or it has not got the next one yet."""
+        last = self._rest is None and end - self._begins.get(self._at, end) <= LAST_S
+        self._unseen += 1
+        if last or self._unseen > UNSEEN:
+            self._at, self._rest, self._unseen = self.last_id, end, 0
 
     def passed(self, piece: int, added: int) -> int:
         """Blocks that are over for certain.  added: all of them where nothing of the path is to come, else 0."""
         if piece in self._passed:
             self._over = max(self._over, self._passed[piece])
-        elif not piece and (self._rest is not None or not self._begins):  # all that was handed on is run, or nothing had a way
+        elif not piece and self._all_run:
             self._over = max(self._over, added)
         return self._over
+
+    @property
+    def _all_run(self) -> bool:
+        """All that was handed on is run, and not only what was before it; or nothing had a way."""
+        return self._at == self.last_id if self._rest is not None else not self._begins
 
     @property
     def full(self) -> bool:
