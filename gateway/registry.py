@@ -275,7 +275,7 @@ CONTROLLERS = _table(
 # ---- languages: programs of an old control that the interpreter runs in a cell -------------------------------------------
 
 
-NO_PROGRAMS = '[controller] with memory = "FOLDER" names their folder'
+NO_PROGRAMS = '[controller] with memory = "FOLDER" names their folder, [val3] an application'
 
 
 @dataclass(frozen=True, slots=True)
@@ -336,9 +336,29 @@ def _robotstar_host(cell: "Cell", control: "Control", dispatcher: "CommandDispat
     return programs_of_control(cell, control, dispatcher)
 
 
+def _val3_programs(plan: "RunPlan", port: "Port") -> "Programs":
+    from gateway.processes.val3_application import Val3Programs
+
+    return Val3Programs(plan, port)
+
+
+def _val3_host(cell: "Cell", control: "Control", dispatcher: "CommandDispatcher") -> "ProgramsOfControl":
+    from gateway.assembly.programs import machines_of_cell, mask_of
+    from gateway.assembly.val3_application import robot_number
+    from gateway.pure.controllers.val3.application import HostedApplication
+    from gateway.pure.controllers.val3.io.control import Val3Control
+    from gateway.services.val3_programs import Val3Programs
+
+    assert isinstance(control, Val3Control) and cell.val3 is not None  # as `check` has it
+    masks = tuple(mask_of(cell, machine) for machine in machines_of_cell(cell))
+    number, language = robot_number(cell, cell.val3), cell.cell.language
+    return Val3Programs(control, HostedApplication(control, dispatcher, masks, number, cell.val3.autostart, language=language))
+
+
 CELL_LANGUAGES = _table(
     CellLanguage("baps2", "BAPS2", _memory_of("baps2"), _baps2_programs, _baps2_host, listing=_baps2_listing),
     CellLanguage("robotstar", "ROBOTstar", _memory_of("robotstar"), _robotstar_programs, _robotstar_host, listing=_robotstar_listing),
+    CellLanguage("val3", "VAL 3", lambda cell: cell.val3 is not None, _val3_programs, _val3_host, turn_ms=4),
 )
 
 
@@ -448,6 +468,7 @@ CELL_CHECKS = _table(
     CellCheck("routes", ("route",), notes=6),
     CellCheck("contacts", ("io",)),
     CellCheck("retain", ("retain",), notes=9),
+    CellCheck("val3", ("val3",), notes=10),
 )
 
 

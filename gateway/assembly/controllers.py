@@ -103,7 +103,7 @@ def make_reis(plan: ControllerPlan) -> tuple[Control, list[str]]:
 
 def make_val3(plan: ControllerPlan) -> tuple[Control, list[str]]:
     """Points of a VAL 3 controller."""
-    return Val3Control(points_of(plan.controller), plan.owners), []
+    return Val3Control(points_of(plan.controller), plan.owners, hosts=plan.cell.val3 is not None), []
 
 
 def make_rho3(plan: ControllerPlan) -> tuple[Control, list[str]]:

@@ -79,11 +79,11 @@ def _done(client: ToolClient, cell: Cell, options: argparse.Namespace) -> int:
             return _status(client, options)
         case "start":
             client.ask("process", do="start", name=options.program)
-            print(f"{options.program.upper()} is started")
+            print(f"{options.program} is started")
             return DONE
         case "stop":
             client.ask("process", do="stop", name=options.program)
-            print(f"{options.program.upper()} is stopped")
+            print(f"{options.program} is stopped")
             return DONE
     found = play(client, cell, options)
     print(json.dumps(found, indent=1) if options.json else found["sentence"])
@@ -106,6 +106,10 @@ def _status(client: ToolClient, options: argparse.Namespace) -> int:
     for row in _rows(found["programs"]):
         print(f"program {row['name']:<13} {row['kind']:<10} {row['fault'] or 'can run'}")
     for row in _rows(found["processes"]):
+        if row["task"]:
+            state = f": {row['error']}" if row["error"] else " suspended" if row["state"] == "suspended" else ""
+            print(f"task    {row['task']:<13} {row['program']} line {row['line']}{state}")
+            continue
         waits = f", waits for {row['waits']}" if row["waits"] else ""
         print(f"process {row['program']:<13} {row['kind']:<10} line {row['line']}{waits}")
     return DONE
@@ -129,11 +133,11 @@ def play(client: ToolClient, cell: Cell, options: argparse.Namespace) -> Row:
         began = time.monotonic()
         run = client.ask("process", do="start", name=options.program)["run"]
         try:
-            answer = _over(client, run)
+            answer = _over(client, run, options.program)
         except KeyboardInterrupt:
             with contextlib.suppress(ToolError):
                 client.ask("process", do="stop", name=options.program)
-            answer = _over(client, run)
+            answer = _over(client, run, options.program)
         seconds = time.monotonic() - began
         _rest(client)
     finally:
@@ -144,10 +148,17 @@ def play(client: ToolClient, cell: Cell, options: argparse.Namespace) -> Row:
     return _told(client, options.program.upper(), answer, seconds)
 
 
-def _over(client: ToolClient, run: object) -> Row:
+def _over(client: ToolClient, run: object, name: str) -> Row:
+    failed: Row = {}
     while not (answer := client.ask("process", do="state", run=run))["over"]:
+        rows = _rows(answer["rows"])
+        if rows and all(row["error"] for row in rows) and not failed:  # tasks of which none goes on: their application would stay for ever
+            code, _, text = str(rows[0]["error"]).partition(" ")
+            place = f"{rows[0]['program']} line {rows[0]['line']}"
+            failed = {"how": "aborted", "code": int(code), "text": text, "place": place}
+            client.ask("process", do="stop", name=name)
         time.sleep(POLL_S)
-    return answer
+    return {**answer, **failed}
 
 
 def _rest(client: ToolClient) -> None:

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
 from gateway.assembly.run import RunPlan, load_plan
-from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, CellState, unpack_cell_state
+from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, AxisFlag, CellState, Permit, unpack_cell_state
 from gateway.pure.image.records.interpreter import (
     REPORT_LAYOUT,
     SEEN_LAYOUT,
@@ -63,7 +63,21 @@ class CellPort:
             Channels() if seen is None else unpack_channels(seen),
             tuple(from_si(axis.set, unit) for unit, axis in axes),
             tuple(from_si(axis.measured, unit) if state.measured_mask >> n & 1 else None for n, (unit, axis) in enumerate(axes)),
-            PathState(planner.job, planner.passed, planner.failed_job, planner.fault_block, state.met),
+            PathState(
+                planner.job,
+                planner.passed,
+                planner.failed_job,
+                planner.fault_block,
+                state.met,
+                planner.block,
+                planner.share,
+                planner.fault_code,
+            ),
+            tuple(from_si(axis.actual, unit) for unit, axis in axes),
+            sum(1 << n for n, (_, axis) in enumerate(axes) if axis.flags & AxisFlag.ENABLED),
+            state.motion,
+            state.override,
+            not state.emergency and bool(state.permits & Permit.CHAIN),
         )
 
     def say(self, what: str, **facts: Fact) -> None:
@@ -108,7 +122,7 @@ class CellPort:
 
     def told(self, program: str, line: int, text: str) -> None:
         """What a person should read."""
-        self._journal.write("program", f"{program} line {line}: {text}")
+        self._journal.write("program", f"{program} line {line}: {text}" if line else f"{program}: {text}")
 
     def panel(self, text: str) -> None:
         """Characters for the hand-held panel."""
@@ -138,6 +152,8 @@ class InterpreterProcess:
         self.language = self.programs.language
         self._catalogue: list[dict[str, object]] = []
         self._reported, self._shown = 0, b""
+        self._fresh = self.region.latest() is None  # the first of its run, and nothing has been started: an autostart may be
+        self._heard = False  # the services have begun
         self._stop = False
         self._have_read(self.programs.read(self._alive))
 
@@ -182,7 +198,9 @@ class InterpreterProcess:
         match order["do"]:
             case "hello":  # services have begun: for the control this is a start, and nothing runs (AX-332)
                 self.language.stop_all(now)
+                self._fresh, self._heard = self._fresh and not self._heard, True
             case "start":
+                self._fresh = False
                 if (faults := self.programs.refresh(self._alive)) is not None:
                     self._have_read(faults)
                 self.language.start_run(str(order["program"]), int(order["run"]), now)
@@ -208,7 +226,8 @@ class InterpreterProcess:
         if now - self._reported < REPORTS_NS:
             return
         self._reported = now
-        report = {"id": self.run_id, "programs": self._catalogue, "processes": [asdict(row) for row in self.language.rows()]}
+        rows = [asdict(row) for row in self.language.rows()]
+        report: dict[str, object] = {"id": self.run_id, "fresh": self._fresh, "programs": self._catalogue, "processes": rows}
         payload = pack_report(report)
         if payload != self._shown:
             self._shown = payload

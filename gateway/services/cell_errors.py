@@ -112,6 +112,8 @@ class CellErrors(Part):
         planner = self._office.planner
         for warning in (each.warning for each in (planner, *planner.others) if each.warning) if planner is not None else ():
             errors.append((Reason.INTERPOLATOR_STOP, text(Reason.INTERPOLATOR_STOP, detail=warning)))
+        if self._host.programs is not None:
+            errors += [(Reason.APPLICATION, text(Reason.APPLICATION, language, words)) for words in self._host.programs.faults()]
         return errors + [(Reason.COUPLER_FAULT, text(Reason.COUPLER_FAULT, language, words)) for words in self._contacts.faults()]
 
     def _of_axes(self, state: CellState) -> list[Error]:

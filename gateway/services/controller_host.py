@@ -71,6 +71,9 @@ class CellPrograms(Protocol):
     def ending(self) -> list[int]:
         """Jobs of an interpreter that is gone."""
 
+    def faults(self) -> list[str]:
+        """Standing errors of programs."""
+
     def answer(self, request: dict[str, object], source: int) -> dict[str, object]:
         """A tool asks: list, start, stop, state."""
 

@@ -52,6 +52,9 @@ class ProgramsOfControl(Protocol):
     def seen(self) -> Channels:
         """The interface as programs see it."""
 
+    def faults(self) -> list[str]:
+        """Standing errors of programs, in words."""
+
     def answer(self, request: Mapping[str, object], source: int) -> dict[str, object]:
         """A tool asks: `do` = list, start and stop (`name`), state (`run`).  `source`: command source a program that is started moves as,
         0: the PLC's."""
@@ -101,6 +104,10 @@ class ProgramHost:
         hosted = self._programs.hosted
         jobs, hosted.ending = hosted.ending, []
         return jobs
+
+    def faults(self) -> list[str]:
+        """Standing errors of programs."""
+        return self._programs.faults()
 
     def answer(self, request: dict[str, object], source: int) -> dict[str, object]:
         """A tool asks."""

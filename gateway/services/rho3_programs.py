@@ -20,6 +20,10 @@ class Rho3Programs:
         """The interface as programs see it."""
         return self._control.seen()
 
+    def faults(self) -> list[str]:
+        """The control lists them with its own numbers."""
+        return []
+
     def answer(self, request: Mapping[str, object], source: int) -> dict[str, object]:
         """`do`: list, start and stop (`name`), state (`run`).  `source`: command source a program moves as, 0: the PLC's."""
         rho, hosted, name = self._control, self.hosted, str(request.get("name", "")).upper()

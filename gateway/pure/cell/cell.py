@@ -27,6 +27,7 @@ from gateway.pure.cell.retain import Retain
 from gateway.pure.cell.rho3 import IoBlock, IoBus, ParamValue, Rho3
 from gateway.pure.cell.routes import Route
 from gateway.pure.cell.shared_outputs import SharedOutput
+from gateway.pure.cell.val3 import Val3
 from gateway.pure.cell.web import Web
 
 # fmt: off
@@ -157,6 +158,7 @@ class CellTables:
     northbound: Northbound | None = None
     route: tuple[Route, ...] = ()
     controller: Controller | None = None
+    val3: Val3 | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

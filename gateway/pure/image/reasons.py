@@ -67,6 +67,7 @@ class Reason(IntEnum):
     INTERPOLATOR_STOP = 43
     MACHINE_LATE = 44
     COUPLER_FAULT = 45
+    APPLICATION = 46
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +132,7 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.DRIVE_ON_NOT_AVAILABLE: ("DRIVE ON not avail.: {0}", "ANTRIEB EIN fehlt: {0}"),
     Reason.DRIVE_ON_NOT_ALLOWED: ("DRIVE ON not allowed: {0}", "ANTRIEB EIN nicht erlaubt: {0}"),
     Reason.COUPLER_FAULT: ("I/O coupler: {0}", "E/A-Koppler: {0}"),
+    Reason.APPLICATION: ("application: {0}", "Applikation: {0}"),
     Reason.INTERPOLATOR_STOP: ("warning: {0}", "Warnung: {0}"),
     Reason.MACHINE_LATE: (
         "this machine was late: simulated drives stopped: {0}",

@@ -135,7 +135,8 @@ def _by_table(answers: Mapping[str, str]) -> list[Reason]:
     found = []
     for key, rows in _TABLE.items():
         own = key in ("pic", "baps") and answers[key] == "yes"  # which programs run depends on the control they were written for
-        control = {"rho3": "", "reis": ".reis"}.get(answers["control"], ".other") if own else ""
+        kinds = {"rho3": "", "reis": ".reis", **({"val3": ".val3"} if key == "baps" else {})}
+        control = kinds.get(answers["control"], ".other") if own else ""
         found.append(Reason(key, answers[key], rows[answers[key]], TEXTS.said(f"r.{key}.{answers[key]}{control}")))
     return found
 

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from gateway.pure.image.records.cell import Motion
 from gateway.pure.image.records.interpreter import Channels, Fact
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
 
@@ -18,16 +19,25 @@ class PathState:
     failed_job: int = 0
     fault_block: int = 0
     met: bool = False
+    block: int = 0  # under way
+    share: float = 0.0  # of its way
+    fault_code: int = 0  # number of the manual, 0: it has none
 
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """What programs see of the cell in one turn.  set, measured: of the axes in their units (mm, deg)."""
+    """What programs see of the cell in one turn.  set, actual, measured: of the axes in their units (mm, deg); enabled: axes (bit n-1 =
+    axis n) that have power; measured: by measuring inputs."""
 
     channels: Channels = Channels()
     set: tuple[float, ...] = ()
     measured: tuple[float | None, ...] = ()
     path: PathState = PathState()
+    actual: tuple[float, ...] = ()
+    enabled: int = 0
+    motion: Motion = Motion.IDLE
+    override: float = 0.0
+    chain: bool = True  # the emergency-stop chain is closed, no emergency stop is latched
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +64,8 @@ class ProcessRow:
     waits: str = ""  # for what
     parent: int = 0  # run of the process that started it
     branch: bool = False
+    task: str = ""  # name of a task that runs the program; "": programs of the language are their own processes
+    error: str = ""  # with which it has stopped, in words
 
 
 class Port(Protocol):

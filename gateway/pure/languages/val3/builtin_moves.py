@@ -142,18 +142,18 @@ def f_is_empty(own: Instance) -> bool:
 
 
 def f_is_settled(own: Instance) -> bool:
-    """The virtual arm follows without error: settled where it rests."""
-    return moves_of(own).arm.resting
+    """Every joint within 1 % of its largest following error."""
+    return moves_of(own).settled()
 
 
 def f_is_settled_tool(own: Instance, tool: ToolV, accuracy: float) -> bool:
-    """As isSettled()."""
-    return f_is_settled(own)
+    """The tool within a distance of where it should be."""
+    return moves_of(own).settled(tool_in(own, tool), accuracy * scale_of(own) * 1e-3)
 
 
 def f_is_settled_time(own: Instance, tool: ToolV, accuracy: float, turn: float, seconds: float) -> bool:
-    """As isSettled()."""
-    return f_is_settled(own)
+    """The tool within a distance and an angle, for so many seconds."""
+    return moves_of(own).settled(tool_in(own, tool), accuracy * scale_of(own) * 1e-3, math.radians(turn), seconds)
 
 
 def f_auto_connect_move(own: Instance, active: bool) -> None:
@@ -172,8 +172,8 @@ def f_get_speed(own: Instance, tool: ToolV) -> float:
 
 
 def f_get_position_err(own: Instance) -> JointV:
-    """The virtual arm has none."""
-    return JointV(count=own.machine.axes)
+    """Set less actual positions."""
+    return JointV(moves_of(own).errors, own.machine.axes)
 
 
 def f_get_joint_force(own: Instance, force: Place) -> None:

@@ -4,7 +4,6 @@ import math
 from collections.abc import Generator
 
 from gateway.pure.languages.base.requests import Ns
-from gateway.pure.languages.val3.dates import date_at
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
@@ -156,7 +155,7 @@ def f_set_language(own: Instance, name: str) -> bool:
 
 def f_get_date(own: Instance, form: str) -> str:
     """%y %Y %m %d %H %I %p %M %S inside any text."""
-    now = date_at(own.machine.now)
+    now = own.machine.date
     for code in DATES:
         form = form.replace(code, now.strftime(code))
     return cut(form)

@@ -20,9 +20,11 @@ FAST = ("fin0", "fin1")
 def f_disable_power(own: Instance) -> Waiting:
     """Stops on the path, cuts the power, waits until it is off."""
     machine = own.machine
-    machine.robot.powered = False
+    machine.robot.disable()
     if not machine.current_is_synchronous:
         yield machine.now
+    while machine.robot.powered:
+        yield None
     return None
 
 
@@ -120,7 +122,7 @@ def f_brake_test(own: Instance, status: Place) -> float:
         raise Rte(70, f"{machine.axes} elements are needed")
     if machine.robot.mode != REMOTE:
         return -1.0
-    if machine.arm is not None and not machine.moves.arm.resting:
+    if machine.arm is not None and not machine.moves.resting:
         return -2.0
     if machine.robot.powered:
         return -5.0

@@ -1,5 +1,6 @@
 """State of a controller that instructions act on: tasks, inputs and outputs, arm, log, events.  `Machine` runs it."""
 
+import datetime
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -89,6 +90,7 @@ class Controller:
         self.event_count = 0
         self.payload: tuple[float, tuple[float, ...], tuple[float, ...]] = (0.0, (0.0,) * 6, (0.0,))
         self.clock: Ns = 0  # at the begin of the turn
+        self.epoch: Ns = 0  # at which the clock begins, after the date of a virtual run
         self.next_tick: Ns = 0
         self.turn = self.left = 0
         self.long_turn = False
@@ -116,6 +118,11 @@ class Controller:
     def current_is_synchronous(self) -> bool:
         """Of the task that runs."""
         return self.current is not None and self.current.period > 0
+
+    @property
+    def date(self) -> datetime.datetime:
+        """Date and time of now."""
+        return date_at(self.now + self.epoch)
 
     def expect(self, moment: Ns) -> None:
         """The current task waits until then at the latest."""
@@ -164,7 +171,7 @@ class Controller:
         if self._logged >= LOG_A_CYCLE and source == "USR":
             return False
         self._logged += 1
-        stamp = date_at(self.now).strftime("%d/%m/%y %H:%M:%S")
+        stamp = self.date.strftime("%d/%m/%y %H:%M:%S")
         self.log.append(f"[{stamp}]: <0x{self.event_count + 1:04x}> {source}:{text}")
         del self.log[:-MOST_LOG]
         self._event(2, text)

@@ -93,6 +93,20 @@ class Moves:
         """Of the arm on its path."""
         return self.altered.place()
 
+    @property
+    def resting(self) -> bool:
+        """The set values stand."""
+        return self.arm.resting
+
+    @property
+    def errors(self) -> tuple[float, ...]:
+        """Position errors, deg and mm: the virtual arm has none."""
+        return (0.0,) * len(self.units)
+
+    def settled(self, tool: Tool | None = None, accuracy_m: float = 0.0, turn: float | None = None, seconds: float | None = None) -> bool:
+        """The virtual arm follows without error: settled where it rests.  turn: rad."""
+        return self.resting
+
     # ---- orders ----------------------------------------------------------------------------------------------------------
     def joint_move(self, joints: Sequence[float], tool: Tool, mdesc: Mdesc, unit_m: float, note: dict[str, object]) -> int | None:
         """movej, alterMovej to a joint position."""

@@ -75,6 +75,10 @@ class RobotState:
         self.estop, self.powered = 0, True
         return True
 
+    def disable(self) -> None:
+        """disablePower."""
+        self.powered = False
+
     def set_speed(self, speed: float) -> int:
         """setMonitorSpeed: 0, -1, -2, -3."""
         if not 0 <= speed <= 100:

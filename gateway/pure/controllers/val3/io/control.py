@@ -5,6 +5,7 @@ dio.NAME.lock = 1 or 0, simulates with dio.NAME.simulate = value and ends that w
 """
 
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
 
 from gateway.pure.controllers.pic_image import PicImage
 from gateway.pure.controllers.val3.io.system import Health, IoSystem, Point, RunTimeFault
@@ -13,14 +14,46 @@ from gateway.pure.image.records.cell import RC_BYTES, CellState, InputImage
 from protocols.base.machine import Ns
 
 FIELDS = ("status", "lock", "simulate", "real")
+APPLICATION = ("val3.run", "val3.hold", "val3.move", "val3.fault")
+
+
+@dataclass(slots=True)
+class Application:
+    """The application of the interpreter, as the PLC starts, holds and sees it (AX-930)."""
+
+    running: bool = False
+    fault: bool = False  # a task has stopped with an error
+    run: bool | None = None  # start or stop: an edge of val3.run; None: none came
+    hold: bool = False
+    move: bool = False  # the operator lets the arm move: behind a stop of others, and to the path it was moved away from
+    _run: bool = False
+
+    def put(self, name: str, value: bool) -> None:
+        """KeyError: only read."""
+        match name:
+            case "val3.run":
+                if value != self._run:
+                    self.run = self._run = value
+            case "val3.hold":
+                self.hold = value
+            case "val3.move":
+                self.move = self.move or value
+            case _:
+                raise KeyError(f"{name} is only read")
+
+    def value(self, name: str) -> float:
+        """0 or 1."""
+        return float({"val3.run": self.running, "val3.hold": self.hold, "val3.fault": self.fault}.get(name, self.move))
 
 
 class Val3Control:
     """Call `step` once per cycle of the services."""
 
-    def __init__(self, points: Iterable[Point], owned: Collection[int] = ()) -> None:
+    def __init__(self, points: Iterable[Point], owned: Collection[int] = (), *, hosts: bool = False) -> None:
         """`owned`: RC input bytes a command source gives; a board with an input in one of them is in fault while that command source is
-        lost."""
+        lost; `hosts`: the cell runs an application."""
+        self.application = Application()
+        self._hosts = hosts
         self.image = PicImage()
         self.points = {point.name: point for point in points}
         self.system = IoSystem(self.image, self.points.values())
@@ -78,10 +111,13 @@ class Val3Control:
     def names(self) -> list[str]:
         """dio.NAME or aio.NAME, and what an operator may ask of it."""
         found = [f"{'aio' if point.steps else 'dio'}.{name}" for name, point in self.points.items()]
-        return found + [f"{name}.{field}" for name in found for field in FIELDS]
+        found += [f"{name}.{field}" for name in found for field in FIELDS]
+        return found + list(APPLICATION if self._hosts else ())
 
     def value(self, name: str) -> float:
         """Value, ioStatus, whether locked or simulated; KeyError: unknown name, ValueError: a run-time error of the language."""
+        if self._hosts and name in APPLICATION:
+            return self.application.value(name)
         point, field = self._found(name)
         match field:
             case "status":
@@ -97,6 +133,9 @@ class Val3Control:
 
     def put(self, name: str, value: float) -> None:
         """An output's value, or the operator's doing; KeyError and ValueError as above (122: an input is not written)."""
+        if self._hosts and name in APPLICATION:
+            self.application.put(name, bool(value))
+            return
         point, field = self._found(name)
         match field:
             case "lock":
@@ -109,6 +148,10 @@ class Val3Control:
                 raise KeyError(f"{name} is only read")
             case _:
                 self._assign(point, value)
+
+    def assign(self, name: str, value: float) -> None:
+        """The application writes an output; KeyError, ValueError."""
+        self._assign(self.points[name], value)
 
     def _assign(self, point: Point, value: float) -> None:
         try:

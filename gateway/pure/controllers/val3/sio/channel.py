@@ -1,6 +1,7 @@
 """A channel as it is declared at the controller: kind and parameters.  Source: VAL 3 manual, 3.7.1.2 and table of sioCtrl."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum, auto
 
@@ -83,3 +84,12 @@ def deadline_of(timeout_s: float, now: Ns) -> Ns | None:
     if timeout_s == 0:
         return None
     return now if timeout_s < 0 else now + max(1, round(timeout_s * 1_000_000_000))
+
+
+def channel_named(channels: Iterable[Channel], link: str) -> str | None:
+    """The channel a link leads to: its path or its last name, in any case."""
+    wanted = link.replace("/", "\\").lower()
+    names = [channel.name for channel in channels]
+    whole = next((name for name in names if name.lower() == wanted), None)
+    last = (name for name in names if name.lower().rpartition("\\")[2] == wanted.rpartition("\\")[2])
+    return whole or next(last, None)

@@ -1,0 +1,66 @@
+"""[val3] of a cell: where its application is, its robot, its channels (AX-930)."""
+
+import datetime
+import pathlib
+import time
+from itertools import accumulate
+
+from gateway.assembly.controllers import points_of
+from gateway.assembly.limits import limits_of
+from gateway.assembly.programs import machines_of_cell, mask_of
+from gateway.files.find import beside
+from gateway.files.robots import load_robot
+from gateway.files.val3_disk import place_of
+from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.val3 import MODES, Val3, Val3Channel
+from gateway.pure.controllers.val3.sio.channel import Channel, Kind
+from gateway.pure.languages.val3.cell_run import Setup
+from gateway.pure.languages.val3.dates import START
+from motion.robot import with_limits
+
+KINDS = {"serial": Kind.SERIAL, "client": Kind.TCP_CLIENT, "server": Kind.TCP_SERVER, "udp": Kind.UDP}
+
+
+def disk_folder(cell: Cell, table: Val3) -> pathlib.Path:
+    """The folder that is Disk://."""
+    return pathlib.Path(cell.file).parent / table.disk
+
+
+def application_place(cell: Cell, table: Val3) -> tuple[str, str]:
+    """Folder of the application on its disk, and its name.  DiskUnreadable: one sentence."""
+    disk = disk_folder(cell, table)
+    _, folder, name = place_of(disk / table.application, disk)
+    return folder, name
+
+
+def robot_number(cell: Cell, table: Val3) -> int:
+    """Number of its robot, from 1; 0: there is no such robot."""
+    return next((n for n, robot in enumerate(cell.robot, 1) if not table.robot or robot.name == table.robot), 0)
+
+
+def channel_of(row: Val3Channel) -> Channel:
+    """A channel as the sio core has it."""
+    address = "" if row.kind == "serial" else row.address
+    device = row.address if row.kind == "serial" else ""
+    return Channel(
+        row.name, KINDS[row.kind], row.description, address or "0.0.0.0", row.port, row.bind, row.clients, row.end_of_string, row.timeout_s,
+        row.nagle, device,
+    )  # fmt: skip
+
+
+def setup_of(cell: Cell, table: Val3) -> Setup:
+    """All that the interpreter needs; MotionError, DiskUnreadable: `check` has refused it before."""
+    folder, name = application_place(cell, table)
+    number = robot_number(cell, table)
+    machines = machines_of_cell(cell)
+    machine, first = machines[number - 1], list(accumulate((each.axes for each in machines), initial=0))[number - 1]
+    axes = cell.axis[first : first + machine.axes]
+    written = load_robot(str(beside(cell.file, cell.robot[number - 1].model, "robots")))
+    largest = tuple(axis.following_error.trip if axis.following_error is not None else 1.0 for axis in axes)
+    since = datetime.datetime.now() - START
+    epoch = time.monotonic_ns() - since // datetime.timedelta(microseconds=1) * 1000
+    return Setup(
+        folder, name, with_limits(written, [limits_of(axis) for axis in axes]), machine, number, first, mask_of(cell, machine), largest,
+        tuple(points_of(cell.controller)) if cell.controller is not None else (), MODES.index(table.mode) + 1, table.system,
+        table.strict_priorities, table.auto_connect, epoch,
+    )  # fmt: skip

@@ -1,0 +1,39 @@
+"""[val3] of a cell: the application of a CS8 that its interpreter runs (AX-930)."""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Le, MaxLen, MinLen
+
+MODES = ("manual", "test", "local", "remote")
+
+
+@dataclass(frozen=True, slots=True)
+class Val3Channel:
+    """[[val3.channel]]: a serial line or socket that sio variables link to."""
+
+    name: Annotated[str, MinLen(1)]
+    kind: Literal["serial", "client", "server", "udp"]
+    address: str = "0.0.0.0"  # client: the server; server: the allowed client, 0.0.0.0 all; udp: the partner
+    port: Annotated[int, Ge(0), Le(65535)] = 0
+    bind: str = "0.0.0.0"  # local interface of a server or of UDP
+    clients: Annotated[int, Ge(1), Le(64)] = 1
+    end_of_string: Annotated[int, Ge(0), Le(255)] = 13
+    timeout_s: Annotated[float, Ge(-1.0), Le(1e6)] = 0.0  # 0 waits for ever, -1 does not wait
+    nagle: bool = True
+    description: Annotated[str, MaxLen(200)] = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Val3:
+    """[val3]."""
+
+    application: Annotated[str, MinLen(1)]  # its folder on the disk, or its .pjx file
+    disk: str = "usrapp"  # folder that is Disk:// (on a CS8 usr/usrapp); relative to the cell file
+    robot: str = ""  # name of its [[robot]]; "": the only one
+    autostart: bool = False  # with the run, never again by itself
+    mode: Literal["manual", "test", "local", "remote"] = "remote"
+    system: str = ""  # getVersion("system"): s8.1cs9_B123, s7.9
+    auto_connect: bool = False  # autoConnectMove as an application starts
+    strict_priorities: bool = False  # a priority for each operator, as the tables of the manual list them
+    channel: tuple[Val3Channel, ...] = ()

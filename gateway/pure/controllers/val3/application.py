@@ -1,0 +1,296 @@
+"""The application of the interpreter as the control has it (AX-930): its command source, its moves, its outputs, start and stop by the PLC.
+
+Pure.  Call `report` with what the interpreter publishes, `hear` with each of its records, `step` once a cycle of the services.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from gateway.pure.arbitration.command_block import Code, Command
+from gateway.pure.arbitration.jobs import Job
+from gateway.pure.controllers.val3.io.control import Val3Control
+from gateway.pure.image.reasons import CommandState, text
+from gateway.pure.image.records.cell import CellState, Motion
+from gateway.pure.image.records.interpreter import Fact
+from protocols.base.machine import Ns, ms
+
+OWN_SOURCE = 92  # number of the command source that an application is
+NOT_MOVED = 150
+RESULTS = 64
+PATIENCE = ms(1_000)  # between two requests for control that are refused
+GONE = "the interpreter ended"
+
+
+class Dispatcher(Protocol):
+    """What the application asks of the cell."""
+
+    cell: CellState | None
+
+    @property
+    def owner(self) -> int:
+        """The command source in control; 0: none."""
+
+    def command(self, door: int, command: Command, now: Ns) -> Job:
+        """Judged as any other one."""
+
+    def order_stream(self, door: int, robot: int, mask: int) -> Job:
+        """Blocks that follow one by one."""
+
+
+@dataclass(slots=True)
+class _Path:
+    """An order the application moves by."""
+
+    ticket: int
+    job: Job
+
+
+@dataclass(slots=True, eq=False)
+class HostedApplication:
+    """masks: axes of each robot (bit n-1 = axis n).  own: the command source it moves as where no tool starts it."""
+
+    control: Val3Control
+    dispatcher: Dispatcher
+    masks: tuple[int, ...]
+    robot: int = 1
+    autostart: bool = False
+    own: int = OWN_SOURCE
+    language: str = "en"
+    language_id: int = 0  # of the interpreter that runs
+    orders: list[dict[str, Fact]] = field(default_factory=list)
+    told: list[str] = field(default_factory=list)
+    ending: list[int] = field(default_factory=list)
+    programs: list[dict[str, object]] = field(default_factory=list)
+    rows: list[dict[str, object]] = field(default_factory=list)
+    results: dict[int, tuple[str, int, str, str]] = field(default_factory=dict)
+    faults: list[str] = field(default_factory=list)  # standing errors of the cell
+    run: int = 0  # under way
+    source: int = 0  # command source it moves as
+    _runs: int = 0
+    _path: _Path | None = None
+    _halted: bool = False  # by stopMove
+    _held: bool = False  # by the PLC or a tool
+    _drop: bool = False  # the rest of a move is to be given up as soon as it rests
+    _stopped: bool = False  # by the application or its hold: it goes on with them; after a stop of others only with val3.move
+    _moves: bool = False  # the operator lets the arm move
+    _leave: bool = False  # control goes back at rest
+    _again: Ns = 0
+    _refused: str = ""
+    _control: bool | None = None  # as the interpreter knows it
+    _states: dict[str, int] = field(default_factory=dict)
+
+    # ---- what the interpreter publishes
+    def report(self, report: Mapping[str, object], *, alive: bool) -> None:
+        """Its region: identity, programs, processes."""
+        found = report.get("id", 0)
+        identity = found if isinstance(found, int) and alive else 0
+        if identity != self.language_id:
+            self._lost()
+            self.language_id, self._control = identity, None
+            self._states.clear()
+            self.programs = _rows(report.get("programs"))
+            if identity and self.autostart and report.get("fresh"):
+                self._begin_by_itself()
+        self.programs = _rows(report.get("programs")) if identity else []
+        self.rows = _rows(report.get("processes")) if identity else []
+
+    def _begin_by_itself(self) -> None:
+        if self.programs:
+            answer = self.start(str(self.programs[0]["name"]), 0)
+            if "error" in answer:
+                self.told.append(f"autostart: {answer['error']}")
+
+    def _lost(self) -> None:
+        """Its tasks are gone; the arm stops on its path, and nothing starts by itself."""
+        if self.run:
+            self._over("lost", 0, GONE, "")
+            self.told.append(f"{GONE}, and the application with it")
+            self.faults = [f"{GONE} under the application; start it again"]
+        if self._path is not None:
+            if self._path.job.open:
+                self.ending.append(self._path.job.id)
+                self._drop = True
+            self._path = None
+
+    def _over(self, how: str, code: int, words: str, place: str) -> None:
+        self.results[self.run] = how, code, words, place
+        for old in list(self.results)[:-RESULTS]:
+            del self.results[old]
+        self.run, self._leave, self._halted, self._moves = 0, True, False, False
+        self.control.application.running = False
+
+    # ---- what it says
+    def hear(self, said: Mapping[str, Fact], now: Ns) -> None:
+        """One record of its ring."""
+        if said["id"] != self.language_id:
+            return
+        match said["say"]:
+            case "put":
+                self._put(str(said["name"]), float(said["value"]))
+            case "path":
+                self._wants(int(said["ticket"]), int(said["robot"]), now)
+            case "power":
+                self._switch(now, on=bool(said["on"]))
+            case "speed":
+                self._take(now)
+                self._command(Command(Code.OVERRIDE, velocity=float(said["value"])), now)
+            case "halt":
+                self._halted = True
+            case "go":
+                self._halted = False
+            case "drop":
+                self._halted, self._drop = False, True
+            case "faults":
+                self.faults = [str(said["text"])] if said["text"] else []
+            case "over" if said["run"] == self.run:
+                code, words, place = int(said["code"]), str(said["text"]), str(said["place"])
+                if words:
+                    self.told.append(f"{place}: {code} {words}")
+                self._over(str(said["how"]), code, words, place)
+
+    def _put(self, name: str, value: float) -> None:
+        try:
+            self.control.assign(name, value)
+        except (KeyError, ValueError) as fault:
+            self.told.append(f"output {name}: {fault}")
+
+    def _wants(self, ticket: int, robot: int, now: Ns) -> None:
+        self._take(now)
+        job = self.dispatcher.order_stream(self.source, robot, self.masks[robot - 1])
+        self._path = _Path(ticket, job)
+        if job.open:
+            self._answer("given", ticket, job=job.id)
+
+    def _answer(self, what: str, ticket: int, **facts: Fact) -> None:
+        self.orders.append({"do": what, "id": self.language_id, "ticket": ticket, **facts})
+
+    def _switch(self, now: Ns, *, on: bool) -> None:
+        mask = self.masks[self.robot - 1]
+        if not on:
+            self._command(Command(Code.DISABLE, mask), now)
+            return
+        if not self._take(now):
+            return
+        cell = self.dispatcher.cell
+        self._command(Command(Code.ENABLE, mask), now)
+        if cell is not None and cell.override <= 0.0:
+            self._command(Command(Code.OVERRIDE, velocity=1.0), now)
+
+    # ---- control of the kinematic
+    def _take(self, now: Ns) -> bool:
+        """Control is asked for; False: another command source has it."""
+        if self.dispatcher.owner == self.source:
+            return True
+        self._leave = False
+        return self._command(Command(Code.REQUEST_CONTROL), now)
+
+    def _command(self, command: Command, now: Ns) -> bool:
+        job = self.dispatcher.command(self.source or self.own, command, now)
+        if job.state is not CommandState.REFUSED:
+            self._refused = ""
+            return True
+        words = f"{Code(command.code).name.lower()}: {text(job.reason, self.language, job.detail)}"
+        if words != self._refused:
+            self._refused = words
+            self.told.append(words)
+        return False
+
+    # ---- start and stop
+    def start(self, name: str, source: int) -> dict[str, object]:
+        """As a tool or the PLC does; number of the run."""
+        row = next((each for each in self.programs if str(each["name"]).lower() == name.lower()), None)
+        if row is None:
+            known = ", ".join(str(each["name"]) for each in self.programs)
+            return {"error": f"{name}: no such application; " + (f"the cell has {known}" if known else "the interpreter does not run")}
+        if row["fault"]:
+            return {"error": f"{row['name']} has {row['errors']} errors and does not run; the first: {row['fault']}"}
+        if self.run:
+            return {"error": f"{row['name']} runs already"}
+        self._runs += 1
+        self.run, self.source, self.faults, self._refused = self._runs, source or self.own, [], ""
+        self._leave, self._drop = False, False
+        self.control.application.running = True
+        self.orders.append({"do": "start", "run": self.run, "program": str(row["name"])})
+        return {"run": self.run}
+
+    def stop(self, name: str) -> dict[str, object]:
+        """stop() runs; a second time: all tasks end at once."""
+        if not self.run or not any(str(row["name"]).lower() == name.lower() for row in self.programs):
+            return {"error": f"{name} does not run"}
+        self.orders.append({"do": "stop", "run": self.run})
+        return {"ok": True}
+
+    # ---- one cycle
+    def step(self, now: Ns) -> None:
+        """What became of its moves; who has control; what the PLC wants."""
+        self._plc()
+        cell = self.dispatcher.cell
+        if cell is not None and self.source:
+            self._move(cell, now)
+        path = self._path
+        if path is not None and not path.job.open:
+            self._path = None
+            done = path.job.state is CommandState.DONE
+            words = "" if done else text(path.job.reason, self.language, path.job.detail)
+            self._answer("over", path.ticket, code=0 if done else NOT_MOVED, text=words)
+        held = bool(self.run) and self.dispatcher.owner in (0, self.source)
+        if self.language_id and held != self._control:
+            self._control = held
+            self.orders.append({"do": "control", "held": held})
+        if self.language_id:
+            self._points()
+
+    def _move(self, cell: CellState, now: Ns) -> None:
+        """Stop, go on, give up: each once the axes are in the state for it."""
+        stays = self._halted or self._held or self._drop
+        if (stays and cell.motion is Motion.RUNNING and self._path is not None) or (self._drop and cell.motion is Motion.RUNNING):
+            self._stopped = True
+            self._once(Code.STOP, now)
+        elif cell.motion is Motion.STOPPED and self._drop:
+            self._once(Code.ABANDON, now)
+        elif cell.motion is Motion.STOPPED and not stays and self._path is not None and (self._stopped or self._moves):
+            self._stopped = self._moves = False
+            self._once(Code.RESUME, now)
+        elif self._drop and cell.motion is Motion.IDLE and (self._path is None or not self._path.job.open):
+            self._drop = False
+        if self._leave and not self._drop and self._path is None and cell.motion in (Motion.IDLE, Motion.STOPPED):
+            self._leave = False
+            if self.dispatcher.owner == self.source == self.own:
+                self._command(Command(Code.RELEASE_CONTROL), now)
+
+    def _once(self, code: Code, now: Ns) -> None:
+        """A command is repeated only where it had no effect for a while."""
+        if now >= self._again:
+            self._again = now + PATIENCE // 10
+            self._command(Command(code), now)
+
+    def _plc(self) -> None:
+        """Values val3.run, val3.hold, val3.move."""
+        wish = self.control.application
+        if wish.run is not None:
+            name = str(self.programs[0]["name"]) if self.programs else ""
+            if wish.run != bool(self.run):
+                answer = self.start(name, 0) if wish.run else self.stop(name)
+                if "error" in answer:
+                    self.told.append(f"val3.run: {answer['error']}")
+            wish.run = None
+        if wish.hold != self._held:
+            self._held = wish.hold
+            self.orders.append({"do": "hold", "on": self._held})
+        if wish.move:
+            wish.move, self._moves = False, True
+            self.orders.append({"do": "connect"})
+        wish.fault = bool(self.faults)
+
+    def _points(self) -> None:
+        """ioStatus of points that have changed."""
+        for name in self.control.points:
+            status = int(self.control.system.status(name))
+            if self._states.get(name, 0) != status:
+                self._states[name] = status
+                self.orders.append({"do": "io", "name": name, "status": status})
+
+
+def _rows(found: object) -> list[dict[str, object]]:
+    return [row for row in found if isinstance(row, dict)] if isinstance(found, list) else []

@@ -1,0 +1,229 @@
+"""Moves of a VAL 3 application as blocks of one stream to the planner (AX-930): the `Mover` of the motion stack in a cell.
+
+Every block is judged when its instruction gives it, from where the one before ends.  A stream that ends before its blocks are done (power
+off, emergency stop) leaves them here: the next one begins with a connection move to the place where the path was left.
+"""
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+from gateway.pure.languages.base.hosting import Port
+from gateway.pure.languages.base.path import Path, Stretch
+from gateway.pure.languages.base.requests import Ns, RuntimeFault
+from motion.errors import MotionError
+from motion.geometry.conventions import CONVENTIONS
+from motion.geometry.frames import IDENTITY, Pose
+from motion.planner.planner import Planner
+from motion.planner.robot import Machine
+from motion.program.blocks import Block, Interpolation, JointTarget, Pace, Tool
+from motion.program.errors import BlockError
+from motion.program.text.writer import written_move
+from motion.val3.stack import CONNECTION_SPEED, NEAR, Place
+
+WAYS = CONVENTIONS["val3"]
+AHEAD = 24  # blocks the planner has, and is not done with
+JUDGED = 400  # blocks after which the judge begins anew, so that it does not grow
+AGAIN_NS = 1_000_000_000  # a stream that was refused is asked for again
+CONNECTS = 0  # number of a connection move
+
+
+@dataclass(slots=True)
+class _Item:
+    """One block.  index: in its stream, from 1."""
+
+    number: int
+    block: Block
+    index: int = 0
+
+
+@dataclass(eq=False)
+class StreamMover:
+    """One robot of the cell.  joints: its set values, m and rad."""
+
+    port: Port
+    machine: Machine
+    robot: int
+    program: str
+    joints: Callable[[], Sequence[float]]
+    said: Callable[[str], None]  # why the cell does not move, for a person
+    allowed: bool = False  # power, control, no hold
+    left: tuple[float, ...] | None = None  # where the path was left
+    connect: bool = False  # the connection move may run
+    held: bool = False  # by stopMove
+    _path: Path = field(init=False)
+    _judge: Planner | None = field(init=False, default=None)
+    _waiting: deque[_Item] = field(init=False, default_factory=deque)
+    _handed: deque[_Item] = field(init=False, default_factory=deque)
+    _number: int = field(init=False, default=0)
+    _done: int = field(init=False, default=0)  # number of the last block that is done
+    _finishing: bool = field(init=False, default=False)
+    _dropping: bool = field(init=False, default=False)
+    _tools: dict[Pose, str] = field(init=False, default_factory=dict)  # of the stream
+    _refused: str = field(init=False, default="")
+    _again: Ns = field(init=False, default=0)
+    _before: tuple[float, ...] = field(init=False, default=())
+    _still: int = field(init=False, default=0)
+
+    def __post_init__(self) -> None:
+        self._path = Path(self.port)
+
+    # ---- the Mover of the motion stack
+    def add(self, block: Block) -> int:
+        """BlockError: it cannot be run from where the one before ends."""
+        self._judged(block)
+        self._number += 1
+        self._waiting.append(_Item(self._number, block))
+        self._finishing = False
+        return self._number
+
+    def _judged(self, block: Block) -> None:
+        empty = not self._waiting and not self._handed
+        if self._judge is None or empty or self._judge.waiting > JUDGED:
+            start = tuple(self.joints()) if self._judge is None or empty else self._judge.standing
+            self._judge = Planner(self.machine, self.left or start if empty else start, capacity=1 << 20)
+        self._judge.add(block)
+
+    def finish(self) -> None:
+        """The last block is run to its target."""
+        self._finishing = True
+
+    def stop(self) -> None:
+        """Brake on the path and hold."""
+        self.held = True
+        self.port.tell("halt")
+
+    def resume(self) -> None:
+        """Go on."""
+        self.held = False
+        self.port.tell("go")
+
+    def abandon(self) -> None:
+        """Brake on the path, then forget everything queued."""
+        self._waiting.clear()
+        self._handed.clear()
+        self._judge, self.left, self.connect, self._finishing, self.held = None, None, False, False, False
+        self._done = self._number
+        if self._path.now is not None:
+            self._dropping = True
+            self.port.tell("drop")
+            self._path.release(self)
+
+    def place(self) -> Place:
+        """Block under way, its share, rest, blocks not done."""
+        waiting = sum(item.number != CONNECTS for items in (self._handed, self._waiting) for item in items)
+        under_way, share = self._done, 1.0
+        stretch, path = self._path.held_by(self), self.port.view.path
+        if stretch is not None and stretch.job and path.job == stretch.job:
+            item = next((each for each in self._handed if each.index == path.block), None)
+            if item is not None and item.number != CONNECTS:
+                under_way, share = item.number, path.share
+        return Place(under_way, share, self.resting, waiting, tuple(self.joints()))
+
+    @property
+    def resting(self) -> bool:
+        """The set values stand, and no stream is being given up."""
+        return self._still > 1 and not self._dropping
+
+    @property
+    def streaming(self) -> bool:
+        """The cell moves, or is asked to."""
+        return self._path.now is not None
+
+    # ---- time
+    def step(self, now: Ns) -> None:
+        """Once a system cycle."""
+        here = tuple(self.joints())
+        self._still = self._still + 1 if here == self._before else 0
+        self._before = here
+        self._path.look()
+        stretch = self._path.held_by(self)
+        if stretch is not None:
+            while self._handed and self._handed[0].index <= stretch.passed:
+                self._done = max(self._handed.popleft().number, self._done)
+        if self.allowed and now >= self._again and not self._dropping and not self.held:
+            stretch = self._ready(here)
+            while stretch is not None and self._waiting and len(self._handed) < AHEAD:
+                self._hand_on(stretch, self._waiting.popleft())
+        if stretch is not None and self._finishing and not self._waiting:
+            self._path.finish(stretch)
+
+    def _ready(self, here: tuple[float, ...]) -> Stretch | None:
+        """The stream, if blocks may be handed on now."""
+        if not self._waiting:
+            return self._path.held_by(self)
+        if self.left is not None:
+            if max(abs(a - b) for a, b in zip(self.left, here, strict=True)) > NEAR:
+                if not self.connect:
+                    return None
+                pace = Pace(CONNECTION_SPEED, CONNECTION_SPEED, CONNECTION_SPEED)
+                self._waiting.appendleft(_Item(CONNECTS, Block(Interpolation.PTP, JointTarget(self.left), pace=pace)))
+            self.left, self.connect = None, False
+        return self._path.wanted(self, self.program, self.robot)
+
+    def _hand_on(self, stretch: Stretch, item: _Item) -> None:
+        block = item.block
+        if block.tool.pose != IDENTITY:
+            name = self._tools.get(block.tool.pose)
+            if name is None:
+                name = self._tools[block.tool.pose] = f"T{len(self._tools) + 1}"
+                values = " ".join(f"{value:.13g}" for value in WAYS.values(block.tool.pose))
+                self._path.hand_on(stretch, f"tool {name} {values}", 0, block=False)
+            block = replace(block, tool=Tool(name, block.tool.pose))
+        units = tuple(limit.unit for limit in self.machine.limits)
+        item.index = self._path.hand_on(stretch, written_move(block, WAYS, units), item.number)
+        self._handed.append(item)
+
+    def given(self, ticket: int, job: int) -> None:
+        """The cell moves for the application."""
+        self._path.given(ticket, job)
+        self._tools.clear()
+        self._refused = ""
+        self.port.line(job, "angles val3")
+        self.port.line(job, f"axes {' '.join(limit.unit for limit in self.machine.limits)}")
+
+    def over(self, ticket: int, error: RuntimeFault | None, now: Ns) -> MotionError | None:
+        """It does not any more; what made a block fail."""
+        stretch = self._path.ended(ticket, error)
+        if stretch is None:
+            return None
+        dropped, self._dropping = self._dropping, False
+        if dropped:
+            return None
+        if error is None:
+            self._done = max((item.number for item in self._handed), default=self._done)
+            self._handed.clear()
+            return None
+        if not stretch.job:  # refused: nothing has moved
+            self._again = now + AGAIN_NS
+            if error.text != self._refused:
+                self._refused = error.text
+                self.said(f"the arm does not move: {error.text}")
+            return None
+        path = self.port.view.path
+        circular = bool(self._handed) and self._handed[0].block.kind is Interpolation.CIRCULAR and path.share > 0.0
+        if path.failed_job == stretch.job or circular:
+            self.abandon()
+            return BlockError(error.text, code=path.fault_code if path.failed_job == stretch.job else 0)
+        self.said(f"the path is left: {error.text}")
+        self._wait_again()
+        return None
+
+    def _wait_again(self) -> None:
+        """Blocks not done go to a stream to come."""
+        self._waiting.extendleft(reversed([item for item in self._handed if item.number != CONNECTS]))
+        self._handed.clear()
+        if self._waiting:
+            self.left = tuple(self.joints())
+
+    def end(self) -> None:
+        """The application is over: what is left of its path is dropped."""
+        if self._waiting or self._handed:
+            self.abandon()
+        else:
+            self._path.release(self)
+
+    def forget(self) -> None:
+        """The services have begun anew, and know no stream."""
+        self._path.drop()
+        self._wait_again()

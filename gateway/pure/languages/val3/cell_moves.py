@@ -1,0 +1,141 @@
+"""The arm of an application in a cell: the motion stack on the stream to the planner, positions as the drives have them."""
+
+import math
+from collections.abc import Callable, Sequence
+
+from gateway.pure.languages.base.hosting import Port
+from gateway.pure.languages.base.requests import Ns, RuntimeFault
+from gateway.pure.languages.val3.cell_mover import StreamMover
+from gateway.pure.languages.val3.moves import Moves
+from motion.geometry.frames import compose
+from motion.geometry.units import from_si, to_si
+from motion.planner.robot import Machine
+from motion.robot import Robot
+from motion.val3 import errors
+from motion.val3.cartesian import Frame, Tool
+from motion.val3.mdesc import Mdesc
+from motion.val3.stack import Connection, MotionStack, Settling
+
+STANDARD_S = 0.1  # AX-931: half the period of the oscillation of an arm
+
+
+class CellMoves(Moves):
+    """first: first axis of the robot in the cell, from 0; allowed_mm_deg: the largest following error of each axis."""
+
+    def __init__(
+        self, robot: Robot, machine: Machine, number: int, first: int, port: Port, largest: Sequence[float], said: Callable[[str], None]
+    ) -> None:
+        self._port, self._first, self._own, self._number, self._said = port, first, machine, number, said
+        self._largest = tuple(largest)  # in units
+        self._settling = Settling(STANDARD_S)
+        self.powered = False
+        self._now: Ns = 0
+        self._last: tuple[float, ...] = ()
+        self._fault: str | None = None
+        super().__init__(robot)
+
+    def _begin(self, start: Sequence[float]) -> None:
+        super()._begin(start)
+        self.machine = self._own
+        self.mover = StreamMover(self._port, self._own, self._number, "val3", self._set, self._said)
+        following = [to_si(value, unit) for value, unit in zip(self._largest, self.units, strict=True)]
+        self.stack = MotionStack(self.mover, following)
+
+    # ---- positions
+    def _units_of(self, places: Sequence[float]) -> tuple[float, ...]:
+        return tuple(places[self._first : self._first + len(self.units)]) or (0.0,) * len(self.units)
+
+    def _set(self) -> tuple[float, ...]:
+        """Set values of the cycle, m and rad."""
+        own = self._units_of(self._port.view.set)
+        return tuple(to_si(value, unit) for value, unit in zip(own, self.units, strict=True))
+
+    def _actual(self) -> tuple[float, ...]:
+        own = self._units_of(self._port.view.actual)
+        return tuple(to_si(value, unit) for value, unit in zip(own, self.units, strict=True))
+
+    @property
+    def position(self) -> tuple[float, ...]:
+        """As commanded while there is power, else as the encoders have it (L4902)."""
+        return self._set() if self.powered else self._actual()
+
+    @property
+    def errors(self) -> tuple[float, ...]:
+        """Set less actual values, deg and mm."""
+        pairs = zip(self._set(), self._actual(), self.units, strict=True)
+        return tuple(from_si(wanted - found, unit) for wanted, found, unit in pairs) if self.powered else (0.0,) * len(self.units)
+
+    @property
+    def resting(self) -> bool:
+        """The set values stand."""
+        return self.mover.resting
+
+    def settled(self, tool: Tool | None = None, accuracy_m: float = 0.0, turn: float | None = None, seconds: float | None = None) -> bool:
+        """Position errors within bounds for a time (L5904-5939)."""
+        now_s = self._now / 1e9
+        if tool is None:
+            return self._settling.joints(self.errors, self._largest, now_s) and self.resting
+        hand = tool.on_flange()
+        wanted, found = (compose(self.machine.forward(places), hand) for places in (self._set(), self._actual()))
+        way = math.dist(wanted.position, found.position)
+        between = compose(wanted.inverse(), found).rotation
+        angle = math.acos(max(-1.0, min(1.0, (between[0] + between[4] + between[8] - 1.0) / 2.0)))
+        return self._settling.tool(way, angle, accuracy_m, turn, seconds, now_s) and self.resting
+
+    # ---- orders
+    def _noted(self, number: int | None, note: dict[str, object]) -> int | None:
+        return number
+
+    def reset(self, start: Sequence[float] | None = None) -> None:
+        """resetMotion: what is queued is dropped."""
+        self.stack.reset_motion(self._si(start) if start is not None else None)
+
+    def restart(self, joints: Sequence[float]) -> None:
+        """resetTurn shifts an encoder: not in a cell."""
+        raise errors.RuntimeFault(153, "resetTurn in a cell: axisgate axis zero sets positions")
+
+    def alter_begin(self, reference: Frame | Tool, mdesc: Mdesc, unit_m: float) -> int:
+        """The option is not there in a cell."""
+        raise errors.RuntimeFault(250, "alter in a cell")
+
+    def push(self, joints: Sequence[float]) -> bool:
+        """Nothing pushes the arm but the cell."""
+        return False
+
+    def confirm(self) -> None:
+        """The operator lets the connection move run."""
+        self.mover.connect = True
+        self.stack.confirm_connection()
+
+    @property
+    def connecting(self) -> bool:
+        """The path was left, and is not met yet."""
+        return self.mover.left is not None or self.stack.connection is not Connection.NONE
+
+    @property
+    def idle(self) -> bool:
+        """Nothing is asked of the arm."""
+        return not self.mover.streaming and self.stack.is_empty()
+
+    # ---- time
+    def step(self, now_s: float, override: float) -> str | None:
+        """One system cycle; the text of a move that could not be run on."""
+        self._now = round(now_s * 1e9)
+        here = self._set()
+        mover = self.mover
+        mover.allowed = not self.blocked
+        if mover.left is not None and self.stack.connects(mover.left, here) is Connection.RUNNING:
+            mover.connect = True
+        mover.step(self._now)
+        self.speed = 0.0 if not self._last or here == self._last else self._way(self._last, here)
+        self._last = here
+        self.stack.observe()
+        fault, self._fault = self._fault, None
+        return fault
+
+    def over(self, ticket: int, error: RuntimeFault | None) -> None:
+        """The cell does not move for the application any more."""
+        failed = self.mover.over(ticket, error, self._now)
+        if failed is not None:
+            self.stack.failed(failed)
+            self._fault = str(failed)

@@ -1,0 +1,78 @@
+"""The robot and its operator in a cell: power, safety chain, speed are the cell's; what an application switches goes to the services."""
+
+from dataclasses import dataclass
+
+from gateway.pure.image.records.cell import Motion
+from gateway.pure.languages.base.hosting import Port
+from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.val3.robot_state import REMOTE, RobotState
+
+OPEN = 2  # esStatus: the chain is open
+
+
+@dataclass(eq=False)
+class CellRobot(RobotState):
+    """axes: of the robot (bit n-1 = axis n of the cell)."""
+
+    port: Port | None = None
+    axes: int = 0
+    held: bool = False  # nobody else has control
+    button: bool = False  # hold, as the PLC or a tool gives it
+    dead_watch: bool = False  # the watchdog has expired, and power was not switched on since
+
+    def look(self) -> None:
+        """The cell in a new turn."""
+        assert self.port is not None
+        view = self.port.view
+        on = self.held and self.axes & ~view.enabled == 0
+        if on:
+            self.dead_watch = False
+        self.powered = on and not self.watchdog_broken
+        self.estop = OPEN if not view.chain or self.dead_watch else 0
+        self.speed = 100.0 * view.override
+        self.hold = self.button or view.motion is Motion.STOPPED
+
+    def _power(self, *, on: bool) -> None:
+        assert self.port is not None
+        self.port.tell("power", on=on)
+
+    def enable(self) -> bool:
+        """enablePower: only in remote mode; the drives need their time."""
+        if self.mode != REMOTE or (self.estop == OPEN and not self.dead_watch) or self.watchdog_broken:
+            return False
+        if self.watchdog_ns > 0 and self.watchdog_until is None:
+            return False
+        self._power(on=True)
+        return True
+
+    def disable(self) -> None:
+        """disablePower."""
+        self._power(on=False)
+
+    def tick(self, now: Ns) -> None:
+        """An expired watchdog stops the robot."""
+        before = self.powered
+        super().tick(now)
+        if before and not self.powered:
+            self.dead_watch = True
+            self._power(on=False)
+
+    def refresh_watchdog(self, now: Ns) -> bool:
+        """As in a virtual run; a watchdog that is not there takes the power."""
+        before = self.watchdog_broken
+        try:
+            active = super().refresh_watchdog(now)
+        finally:
+            if self.watchdog_broken and not before:
+                self._power(on=False)
+        if not active:
+            self.dead_watch = False
+        return active
+
+    def set_speed(self, speed: float) -> int:
+        """setMonitorSpeed: 0, -1, -2, -3."""
+        assert self.port is not None
+        code = super().set_speed(speed)
+        if code == 0:
+            self.port.tell("speed", value=speed / 100.0)
+        return code

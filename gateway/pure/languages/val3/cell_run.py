@@ -1,0 +1,239 @@
+"""A VAL 3 application in a cell (AX-930): its tasks in real time, the arm and the signals those of the cell.  Pure.
+
+The machine is the one of a virtual run.  It has a line cost, so that a turn is bounded; what a turn cannot run is left out of the clock of
+the application, not made up for.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from gateway.pure.controllers.val3.io.system import Point as CellPoint
+from gateway.pure.image.records.interpreter import Fact
+from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
+from gateway.pure.languages.base.requests import Ns, RuntimeFault
+from gateway.pure.languages.val3.cell_io import CellIo
+from gateway.pure.languages.val3.cell_moves import CellMoves
+from gateway.pure.languages.val3.cell_robot import CellRobot
+from gateway.pure.languages.val3.disk import Disk
+from gateway.pure.languages.val3.errors import TEXTS
+from gateway.pure.languages.val3.instance import Instance
+from gateway.pure.languages.val3.loader import Loader, family_of_arm
+from gateway.pure.languages.val3.machine import Machine
+from gateway.pure.languages.val3.robot_state import REMOTE
+from gateway.pure.languages.val3.tasks import RUNNING, SUSPENDED, Task
+from gateway.pure.languages.val3.virtual_sio import VirtualSio
+from motion.planner.robot import Machine as RobotMachine
+from motion.robot import Robot
+
+LINE_NS = 1_000  # of a line
+SLICE_NS = 500_000  # of a call of turn
+BEHIND_NS = 4_000_000  # time that is left out when the machine is late
+LINES = 10  # of the log, to the journal, in one turn
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """The application as its cell has it.  largest: following errors of the robot's axes in their units."""
+
+    folder: str
+    name: str
+    robot: Robot
+    machine: RobotMachine
+    number: int = 1
+    first: int = 0
+    axes: int = 0
+    largest: tuple[float, ...] = ()
+    points: tuple[CellPoint, ...] = ()
+    mode: int = REMOTE
+    version: str = ""
+    strict: bool = False
+    auto_connect: bool = False
+    epoch: Ns = 0  # clock of the host at which the date of a virtual run begins
+
+
+@dataclass(eq=False)
+class CellRun:
+    """disk: the files as they are at a start; sio: channels for each start."""
+
+    setup: Setup
+    port: Port
+    disk: Callable[[], Disk]
+    sio: Callable[[], VirtualSio] = VirtualSio
+    machine: Machine | None = None
+    own: Instance | None = None
+    run: int = 0
+    _row: ProgramRow | None = None
+    _began: Ns = 0
+    _stopped: bool = False  # by the operator
+    _faults: str = ""
+    _moves: CellMoves | None = None
+    _robot: CellRobot = field(default_factory=CellRobot)
+    _io: CellIo = field(default_factory=CellIo)
+
+    def __post_init__(self) -> None:
+        setup = self.setup
+        self._robot = CellRobot(port=self.port, axes=setup.axes, mode=setup.mode, arm_type=setup.robot.name)
+        self._io = CellIo(owned=setup.points, put=lambda name, value: self.port.tell("put", name=name, value=value))
+
+    # ---- from outside
+    def read(self) -> list[str]:
+        """The application is read and checked; its faults."""
+        setup = self.setup
+        axes = len(setup.robot.axes)
+        loaded = Loader(self.disk(), axes, family=family_of_arm(axes), strict=setup.strict).load(setup.folder, setup.name)
+        if loaded is None:
+            self._row = ProgramRow(setup.name, "normal", (setup.number,), 1, 0, f"there is no {setup.name}.pjx")
+            return [self._row.fault]
+        lines = [f"(File {fault.position.file}-line {fault.position.line}) {fault.text}" for fault in loaded.faults]
+        found = [line for line, fault in zip(lines, loaded.faults, strict=True) if fault.severity.value == "error"]
+        found += [f"{setup.name} has no {each}()" for each in ("start", "stop") if each not in loaded.app.programs]
+        self._row = ProgramRow(setup.name, "normal", (setup.number,), len(found), len(lines) - loaded.faults.errors, *found[:1])
+        return found
+
+    def catalogue(self) -> Sequence[ProgramRow]:
+        """The application."""
+        return [] if self._row is None else [self._row]
+
+    def start_run(self, name: str, run: int, now: Ns) -> None:
+        """start() begins in a task of its own; an application that cannot is over at once."""
+        if self.machine is not None:
+            self.port.over(run, "aborted", RuntimeFault(0, f"{self.setup.name} runs already"), self.setup.name)
+            return
+        setup = self.setup
+        self._robot.watchdog_ns, self._robot.watchdog_until, self._robot.watchdog_broken, self._robot.dead_watch = 0, None, False, False
+        if setup.version:
+            self._robot.version = setup.version
+        moves = CellMoves(setup.robot, setup.machine, setup.number, setup.first, self.port, setup.largest, self._said)
+        moves.stack.auto_connect = setup.auto_connect
+        machine = Machine(self.disk(), moves, LINE_NS, self._robot, setup.strict)
+        machine.io, machine.sio = self._io, self.sio()
+        machine.pages.io = self._io
+        machine.epoch = now - setup.epoch
+        own = machine.instance(setup.folder, setup.name, "")
+        if own is None or not machine.start(own):
+            fault = self._row.fault if self._row is not None else ""
+            self.port.over(run, "aborted", RuntimeFault(0, fault or "it has faults"), setup.name)
+            return
+        self.machine, self.own, self.run, self._moves = machine, own, run, moves
+        self._began, self._stopped, self._faults = now, False, ""
+
+    def stop_run(self, run: int, now: Ns, error: RuntimeFault | None = None) -> None:
+        """stop() runs, then all tasks end; a second stop ends them at once, as an error does."""
+        machine = self.machine
+        if machine is None or run != self.run:
+            return
+        if error is not None or self._stopped:
+            self._over("aborted" if error is not None else "stopped", error)
+            return
+        self._stopped = True
+        machine.stop()
+
+    def stop_all(self, now: Ns) -> None:
+        """The services have begun anew: for the control that is a start, and nothing runs."""
+        if self._moves is not None:
+            self._moves.mover.forget()
+        if self.machine is not None:
+            self._over("stopped", None)
+
+    def file_changed(self, name: str) -> None:
+        """All files are read before each start."""
+
+    def path_given(self, ticket: int, job: int) -> None:
+        """The arm moves for the application from now on."""
+        if self._moves is not None:
+            self._moves.mover.given(ticket, job)
+
+    def path_over(self, ticket: int, error: RuntimeFault | None, now: Ns) -> None:
+        """It does not any more."""
+        if self._moves is not None:
+            self._moves.over(ticket, error)
+
+    def hear(self, order: Mapping[str, Fact], now: Ns) -> None:
+        """Control, hold, points, the connection move."""
+        match order["do"]:
+            case "control":
+                self._robot.held = bool(order["held"])
+            case "hold":
+                self._robot.button = bool(order["on"])
+            case "connect" if self._moves is not None:
+                self._moves.confirm()
+            case "io":
+                self._io.state(str(order["name"]), int(order["status"]))
+
+    # ---- turns
+    def turn(self, now: Ns) -> bool:
+        """All tasks go on; True: there is time to make up."""
+        machine, moves = self.machine, self._moves
+        if machine is None or moves is None:
+            self._robot.look()
+            return False
+        target = now - self._began
+        if target - machine.clock > BEHIND_NS:
+            machine.clock = target - BEHIND_NS
+        self._robot.look()
+        moves.powered = self._robot.powered
+        self._io.look(self.port.view.channels)
+        machine.sio.now = machine.clock
+        machine.sio.settle()
+        machine.run(min(target, machine.clock + SLICE_NS))
+        self._show(machine)
+        if machine.ended:
+            self._over("stopped" if self._stopped else "ended", None)
+            return False
+        return machine.clock < target
+
+    def _show(self, machine: Machine) -> None:
+        lines, machine.log = machine.log, []
+        for line in lines[:LINES]:
+            self._said(line)
+        if len(lines) > LINES:
+            self._said(f"{len(lines) - LINES} more lines of the log")
+        popups, machine.popups = machine.popups, []
+        for text in popups[:LINES]:
+            self._said(f"popup: {text}")
+        faults = "; ".join(_fault_of(task) for task in machine.tasks if task.status > RUNNING)
+        if faults != self._faults:
+            self._faults = faults
+            self.port.tell("faults", text=faults)
+
+    def _said(self, text: str) -> None:
+        self.port.told(self.setup.name, 0, text)
+
+    def _over(self, how: str, error: RuntimeFault | None) -> None:
+        assert self.machine is not None and self._moves is not None
+        first = next((task for task in self.machine.tasks if task.status > RUNNING), None)
+        if first is not None and error is None:
+            how, error = "aborted", RuntimeFault(first.status, _words(first))
+        place = self.setup.name if first is None else f"{first.program} line {first.line}"
+        for task in reversed(list(self.machine.tasks)):
+            self.machine.kill(task)
+        self.machine.sio.end_application()
+        self._moves.mover.end()
+        if self._faults:
+            self._faults = ""
+            self.port.tell("faults", text="")
+        self.port.over(self.run, how, error, place)
+        self.machine, self.own, self.run = None, None, 0
+
+    def rows(self) -> Sequence[ProcessRow]:
+        """The tasks, those with errors first."""
+        if self.machine is None:
+            return []
+        tasks = sorted(self.machine.tasks, key=lambda task: task.status <= RUNNING)
+        return [self._row_of(task) for task in tasks]
+
+    def _row_of(self, task: Task) -> ProcessRow:
+        state = "running" if task.status == RUNNING else "suspended" if task.status == SUSPENDED else "error"
+        error = f"{task.status} {_words(task)}" if task.status > RUNNING else ""
+        prefix = task.owner.prefix
+        name = f"{prefix}:{task.name}" if prefix else task.name
+        return ProcessRow(self.run, task.program, "task", state, task.line, task=name, error=error)
+
+
+def _words(task: Task) -> str:
+    """The text of its error, with what it is about."""
+    return task.detail or TEXTS.get(task.status, "error")
+
+
+def _fault_of(task: Task) -> str:
+    return f"task {task.name}, {task.program} line {task.line}: error {task.status} {_words(task)}"
