@@ -394,6 +394,10 @@ class ReisPrograms:
         """The control as programs see it."""
         return Channels(flags=self.side.flag_bytes())
 
+    def faults(self) -> list[str]:
+        """The control reports them itself."""
+        return []
+
     def answer(self, request: Mapping[str, object], source: int) -> dict[str, object]:
         """`do`: list, start and stop (`name`), state (`run`).  `source`: command source a program moves as, 0: the PLC's."""
         name = str(request.get("name", "")).upper()
