@@ -344,15 +344,13 @@ def _val3_programs(plan: "RunPlan", port: "Port") -> "Programs":
 
 def _val3_host(cell: "Cell", control: "Control", dispatcher: "CommandDispatcher") -> "ProgramsOfControl":
     from gateway.assembly.programs import machines_of_cell, mask_of
-    from gateway.assembly.val3_application import robot_number
     from gateway.pure.controllers.val3.application import HostedApplication
     from gateway.pure.controllers.val3.io.control import Val3Control
     from gateway.services.val3_programs import Val3Programs
 
     assert isinstance(control, Val3Control) and cell.val3 is not None  # as `check` has it
-    masks = tuple(mask_of(cell, machine) for machine in machines_of_cell(cell))
-    number, language = robot_number(cell, cell.val3), cell.cell.language
-    return Val3Programs(control, HostedApplication(control, dispatcher, masks, number, cell.val3.autostart, language=language))
+    mask = mask_of(cell, machines_of_cell(cell)[0])
+    return Val3Programs(control, HostedApplication(control, dispatcher, mask, cell.val3.autostart, language=cell.cell.language))
 
 
 CELL_LANGUAGES = _table(

@@ -1,9 +1,8 @@
-"""[val3] of a cell: where its application is, its robot, its channels (AX-930)."""
+"""[val3] of a cell: where its application is, its channels (AX-930)."""
 
 import datetime
 import pathlib
 import time
-from itertools import accumulate
 
 from gateway.assembly.controllers import points_of
 from gateway.assembly.limits import limits_of
@@ -33,11 +32,6 @@ def application_place(cell: Cell, table: Val3) -> tuple[str, str]:
     return folder, name
 
 
-def robot_number(cell: Cell, table: Val3) -> int:
-    """Number of its robot, from 1; 0: there is no such robot."""
-    return next((n for n, robot in enumerate(cell.robot, 1) if not table.robot or robot.name == table.robot), 0)
-
-
 def channel_of(row: Val3Channel) -> Channel:
     """A channel as the sio core has it."""
     address = "" if row.kind == "serial" else row.address
@@ -51,16 +45,14 @@ def channel_of(row: Val3Channel) -> Channel:
 def setup_of(cell: Cell, table: Val3) -> Setup:
     """All that the interpreter needs; MotionError, DiskUnreadable: `check` has refused it before."""
     folder, name = application_place(cell, table)
-    number = robot_number(cell, table)
-    machines = machines_of_cell(cell)
-    machine, first = machines[number - 1], list(accumulate((each.axes for each in machines), initial=0))[number - 1]
-    axes = cell.axis[first : first + machine.axes]
-    written = load_robot(str(beside(cell.file, cell.robot[number - 1].model, "robots")))
+    (machine,) = machines_of_cell(cell)
+    axes = cell.axis[: machine.axes]
+    written = load_robot(str(beside(cell.file, cell.robot[0].model, "robots")))
     largest = tuple(axis.following_error.trip if axis.following_error is not None else 1.0 for axis in axes)
     since = datetime.datetime.now() - START
     epoch = time.monotonic_ns() - since // datetime.timedelta(microseconds=1) * 1000
     return Setup(
-        folder, name, with_limits(written, [limits_of(axis) for axis in axes]), machine, number, first, mask_of(cell, machine), largest,
+        folder, name, with_limits(written, [limits_of(axis) for axis in axes]), machine, mask_of(cell, machine), largest,
         tuple(points_of(cell.controller)) if cell.controller is not None else (), MODES.index(table.mode) + 1, table.system,
         table.strict_priorities, table.auto_connect, epoch,
     )  # fmt: skip

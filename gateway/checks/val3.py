@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from gateway.assembly.controllers import points_of
 from gateway.assembly.programs import machines_of_cell
-from gateway.assembly.val3_application import application_place, channel_of, disk_folder, robot_number, setup_of
+from gateway.assembly.val3_application import application_place, channel_of, disk_folder, setup_of
 from gateway.checks.context import Context
 from gateway.files.val3_disk import DiskUnreadable, read_disk
 from gateway.pure.cell.cell import Cell, Notice
@@ -32,14 +32,14 @@ def application(check: Context) -> None:
     if cell.controller is None or not CONTROLLERS[cell.controller.kind].points:
         check.fault("val3", table.application, 'an application needs [controller] with kind = "val3", whose points dio and aio link to')
         return
-    if not cell.robot or not robot_number(cell, table):
-        check.fault("val3.robot", table.robot, "no such [robot]" if cell.robot else "an application needs a [robot] with a model")
+    if len(cell.robot) != 1:
+        check.fault("val3", table.application, f"an application needs a cell of one [robot], this one has {len(cell.robot) or 'none'}")
         return
     _channels(check, table)
     try:
         machines_of_cell(cell)
     except MotionError as error:
-        check.fault("val3.robot", table.robot, str(error))
+        check.fault("val3", table.application, str(error))
         return
     try:
         loaded = _loaded(cell, table)
@@ -60,7 +60,7 @@ def _channels(check: Context, table: Val3) -> None:
 def _loaded(cell: Cell, table: Val3) -> Loaded:
     """DiskUnreadable."""
     folder, name = application_place(cell, table)
-    axes = machines_of_cell(cell)[robot_number(cell, table) - 1].axes
+    axes = machines_of_cell(cell)[0].axes
     disk = read_disk(disk_folder(cell, table))
     loaded = Loader(disk, axes, family=family_of_arm(axes), strict=table.strict_priorities).load(folder, name)
     if loaded is None:

@@ -30,7 +30,6 @@ class Val3:
 
     application: Annotated[str, MinLen(1)]  # its folder on the disk, or its .pjx file
     disk: str = "usrapp"  # folder that is Disk:// (on a CS8 usr/usrapp); relative to the cell file
-    robot: str = ""  # name of its [[robot]]; "": the only one
     autostart: bool = False  # with the run, never again by itself
     mode: Literal["manual", "test", "local", "remote"] = "remote"
     system: str = ""  # getVersion("system"): s8.1cs9_B123, s7.9

@@ -8,7 +8,7 @@ from dataclasses import asdict, replace
 
 import configs
 from gateway.assembly.controllers import make_control
-from gateway.assembly.planner import programs_of
+from gateway.assembly.planner import cell_programs
 from gateway.assembly.programs import machines_of_cell, mask_of, team_meant
 from gateway.assembly.val3_application import setup_of
 from gateway.cell_file.load import load_cell
@@ -53,6 +53,7 @@ from gateway.pure.languages.base.hosting import PathState, View
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.val3.cell_run import CellRun
 from gateway.pure.languages.val3.disk import Disk
+from gateway.pure.planning.planner import Programs
 from gateway.pure.planning.turn import follow, standing
 from gateway.services.val3_programs import Val3Programs
 from hil_tests.lab.virtual.baps2_bench import VirtualPort
@@ -80,9 +81,9 @@ class Val3Cell:
         assert isinstance(control, Val3Control)
         self.control = control
         mask = mask_of(cell, machines_of_cell(cell)[0])
-        self.hosted = HostedApplication(control, self.bench.office, (mask,), autostart=autostart)
+        self.hosted = HostedApplication(control, self.bench.office, mask, autostart=autostart)
         self.programs = Val3Programs(control, self.hosted)
-        self.planning = programs_of(cell, self._machine, self._text, lambda kinematics, number: team_meant(cell, kinematics))
+        self.planning = Programs(cell_programs(cell, self._machine, self._text, lambda kinematics, number: team_meant(cell, kinematics)))
         self.disk = Disk(dict(files)) if files is not None else read_disk(FOLDER)
         self.setup = replace(SETUP, name=name, folder=name)
         self.told: list[str] = []

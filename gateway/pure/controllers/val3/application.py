@@ -48,12 +48,11 @@ class _Path:
 
 @dataclass(slots=True, eq=False)
 class HostedApplication:
-    """masks: axes of each robot (bit n-1 = axis n).  own: the command source it moves as where no tool starts it."""
+    """mask: axes of the robot (bit n-1 = axis n).  own: the command source it moves as where no tool starts it."""
 
     control: Val3Control
     dispatcher: Dispatcher
-    masks: tuple[int, ...]
-    robot: int = 1
+    mask: int
     autostart: bool = False
     own: int = OWN_SOURCE
     language: str = "en"
@@ -129,7 +128,7 @@ class HostedApplication:
             case "put":
                 self._put(str(said["name"]), float(said["value"]))
             case "path":
-                self._wants(int(said["ticket"]), int(said["robot"]), now)
+                self._wants(int(said["ticket"]), now)
             case "power":
                 self._switch(now, on=bool(said["on"]))
             case "speed":
@@ -155,9 +154,9 @@ class HostedApplication:
         except (KeyError, ValueError) as fault:
             self.told.append(f"output {name}: {fault}")
 
-    def _wants(self, ticket: int, robot: int, now: Ns) -> None:
+    def _wants(self, ticket: int, now: Ns) -> None:
         self._take(now)
-        job = self.dispatcher.order_stream(self.source, robot, self.masks[robot - 1])
+        job = self.dispatcher.order_stream(self.source, 1, self.mask)
         self._path = _Path(ticket, job)
         if job.open:
             self._answer("given", ticket, job=job.id)
@@ -166,14 +165,13 @@ class HostedApplication:
         self.orders.append({"do": what, "id": self.language_id, "ticket": ticket, **facts})
 
     def _switch(self, now: Ns, *, on: bool) -> None:
-        mask = self.masks[self.robot - 1]
         if not on:
-            self._command(Command(Code.DISABLE, mask), now)
+            self._command(Command(Code.DISABLE, self.mask), now)
             return
         if not self._take(now):
             return
         cell = self.dispatcher.cell
-        self._command(Command(Code.ENABLE, mask), now)
+        self._command(Command(Code.ENABLE, self.mask), now)
         if cell is not None and cell.override <= 0.0:
             self._command(Command(Code.OVERRIDE, velocity=1.0), now)
 

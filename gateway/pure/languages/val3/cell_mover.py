@@ -25,6 +25,7 @@ WAYS = CONVENTIONS["val3"]
 AHEAD = 24  # blocks the planner has, and is not done with
 JUDGED = 400  # blocks after which the judge begins anew, so that it does not grow
 AGAIN_NS = 1_000_000_000  # a stream that was refused is asked for again
+ROBOT = 1  # an application has the only one of its cell
 CONNECTS = 0  # number of a connection move
 
 
@@ -43,7 +44,6 @@ class StreamMover:
 
     port: Port
     machine: Machine
-    robot: int
     program: str
     joints: Callable[[], Sequence[float]]
     said: Callable[[str], None]  # why the cell does not move, for a person
@@ -159,7 +159,7 @@ class StreamMover:
                 pace = Pace(CONNECTION_SPEED, CONNECTION_SPEED, CONNECTION_SPEED)
                 self._waiting.appendleft(_Item(CONNECTS, Block(Interpolation.PTP, JointTarget(self.left), pace=pace)))
             self.left, self.connect = None, False
-        return self._path.wanted(self, self.program, self.robot)
+        return self._path.wanted(self, self.program, ROBOT)
 
     def _hand_on(self, stretch: Stretch, item: _Item) -> None:
         block = item.block

@@ -20,12 +20,10 @@ STANDARD_S = 0.1  # AX-931: half the period of the oscillation of an arm
 
 
 class CellMoves(Moves):
-    """first: first axis of the robot in the cell, from 0; allowed_mm_deg: the largest following error of each axis."""
+    """machine: with the limits of the cell; largest: following error of each axis, in its unit."""
 
-    def __init__(
-        self, robot: Robot, machine: Machine, number: int, first: int, port: Port, largest: Sequence[float], said: Callable[[str], None]
-    ) -> None:
-        self._port, self._first, self._own, self._number, self._said = port, first, machine, number, said
+    def __init__(self, robot: Robot, machine: Machine, port: Port, largest: Sequence[float], said: Callable[[str], None]) -> None:
+        self._port, self._own, self._said = port, machine, said
         self._largest = tuple(largest)  # in units
         self._settling = Settling(STANDARD_S)
         self.powered = False
@@ -37,13 +35,13 @@ class CellMoves(Moves):
     def _begin(self, start: Sequence[float]) -> None:
         super()._begin(start)
         self.machine = self._own
-        self.mover = StreamMover(self._port, self._own, self._number, "val3", self._set, self._said)
+        self.mover = StreamMover(self._port, self._own, "val3", self._set, self._said)
         following = [to_si(value, unit) for value, unit in zip(self._largest, self.units, strict=True)]
         self.stack = MotionStack(self.mover, following)
 
     # ---- positions
     def _units_of(self, places: Sequence[float]) -> tuple[float, ...]:
-        return tuple(places[self._first : self._first + len(self.units)]) or (0.0,) * len(self.units)
+        return tuple(places[: len(self.units)]) or (0.0,) * len(self.units)
 
     def _set(self) -> tuple[float, ...]:
         """Set values of the cycle, m and rad."""

@@ -39,8 +39,6 @@ class Setup:
     name: str
     robot: Robot
     machine: RobotMachine
-    number: int = 1
-    first: int = 0
     axes: int = 0
     largest: tuple[float, ...] = ()
     points: tuple[CellPoint, ...] = ()
@@ -82,12 +80,12 @@ class CellRun:
         axes = len(setup.robot.axes)
         loaded = Loader(self.disk(), axes, family=family_of_arm(axes), strict=setup.strict).load(setup.folder, setup.name)
         if loaded is None:
-            self._row = ProgramRow(setup.name, "normal", (setup.number,), 1, 0, f"there is no {setup.name}.pjx")
+            self._row = ProgramRow(setup.name, "normal", (1,), 1, 0, f"there is no {setup.name}.pjx")
             return [self._row.fault]
         lines = [f"(File {fault.position.file}-line {fault.position.line}) {fault.text}" for fault in loaded.faults]
         found = [line for line, fault in zip(lines, loaded.faults, strict=True) if fault.severity.value == "error"]
         found += [f"{setup.name} has no {each}()" for each in ("start", "stop") if each not in loaded.app.programs]
-        self._row = ProgramRow(setup.name, "normal", (setup.number,), len(found), len(lines) - loaded.faults.errors, *found[:1])
+        self._row = ProgramRow(setup.name, "normal", (1,), len(found), len(lines) - loaded.faults.errors, *found[:1])
         return found
 
     def catalogue(self) -> Sequence[ProgramRow]:
@@ -103,7 +101,7 @@ class CellRun:
         self._robot.watchdog_ns, self._robot.watchdog_until, self._robot.watchdog_broken, self._robot.dead_watch = 0, None, False, False
         if setup.version:
             self._robot.version = setup.version
-        moves = CellMoves(setup.robot, setup.machine, setup.number, setup.first, self.port, setup.largest, self._said)
+        moves = CellMoves(setup.robot, setup.machine, self.port, setup.largest, self._said)
         moves.stack.auto_connect = setup.auto_connect
         machine = Machine(self.disk(), moves, LINE_NS, self._robot, setup.strict)
         machine.io, machine.sio = self._io, self.sio()

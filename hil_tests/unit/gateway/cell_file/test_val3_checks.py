@@ -45,7 +45,7 @@ def test_the_shipped_cell_is_sound(judged: Callable[..., list[str]]) -> None:
         (("cell", 'application = "cycle"', 'application = "other"'), "there is no such folder or file"),
         (("cell", 'disk        = "cs8/usrapp"', 'disk = "nowhere"'), "there is no such folder or file"),
         (("cell", 'mode        = "remote"', 'mode = "auto"'), "val3.mode"),
-        (("cell", "[val3]", '[val3]\nrobot = "ARM2"'), "no such [robot]"),
+        (("cell", "[robot]", '[[robot]]\nkinematics = "scara"\nmodel = "sr60-like"\nname = "S"\n[[robot]]'), "one [robot], this one has 2"),
         (("cell", 'kind = "val3"', 'kind = "rho3"'), 'an application needs [controller] with kind = "val3"'),
         (("cell", 'name    = "valve1"', 'name    = "valve2"'), "cycle, tGripper: no [[controller.point]] is ValveIO\\valve1"),
         (("cell", "[controller]\n", CHANNEL.format("port = 0")), "port 0: 1..65535 expected"),
