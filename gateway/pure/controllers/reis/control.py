@@ -28,8 +28,8 @@ from gateway.pure.controllers.reis.markers import (
     SYSTEM,
     Markers,
 )
-from gateway.pure.controllers.reis.programs import Keys, RobotPart
 from gateway.pure.controllers.reis.regulator import Message, Reference, regulator_error, start
+from gateway.pure.controllers.reis.robot_part import Keys, RobotPart
 from gateway.pure.image.records.cell import AxisFlag, CellState, InputImage, Motion
 from protocols.base.machine import Ns
 

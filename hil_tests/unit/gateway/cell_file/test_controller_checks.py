@@ -31,7 +31,7 @@ def faults(more: str, *edits: tuple[str, str]) -> list[str]:
         ("[controller]\nkind = 'siemens'", "controller.kind"),
         ("[controller]\nfiles = 'nowhere'", "no such folder"),
         ("[controller]\nmemory = 'nowhere'", "no such folder"),
-        ("[controller]\nkind = 'reis'\nmemory = '.'", 'programs belong to kind = "rho3"'),
+        ("[controller]\nkind = 'val3'\nmemory = '.'", 'programs belong to kind = "rho3" and kind = "reis"'),
         ("[controller]\nmemory = '.'", "programs need the kinematics of a [robot] with a model"),
         ("[controller]\nhardware = 'rho3.0'\n[rho3]\nP36 = [24, 18]", "signals stand in I24"),
         ("[controller]\n[rho3]\nP20 = 19\nP21 = [5, 92, 0, 87]", "a start above 0"),
