@@ -5,6 +5,8 @@ The target may change at any step: the generator only knows where it is, how fas
 
 from math import sqrt
 
+CLOSE = 1e-6  # increments: nearer to 0 the allowed speed is lost in rounding, and the target would never be reached
+
 
 class Trapezoid:
     """`step` moves `position` and `speed` on by dt; arrives exactly, never beyond unless the target jumped behind."""
@@ -29,7 +31,7 @@ class Trapezoid:
             allowed = self.deceleration * (sqrt(dt * dt + 2.0 * rest / self.deceleration) - dt)
             wanted = min(allowed, self.top)
             speed = min(speed + self.acceleration * dt, wanted) if speed <= wanted else max(speed - down, wanted)
-            if speed * dt >= rest and speed <= down:
+            if (speed * dt >= rest or rest < CLOSE) and speed <= down:
                 self.position, self.speed = self.target, 0.0
                 return
         self.speed = speed * sign

@@ -64,12 +64,17 @@ class VirtualFrames:
         self.late_ns: Ns = 0
         self._now = START
         self._inbox: deque[Frame] = deque()
+        self._turns, self._sent_at = 0, self._now
         self.act(device.wake)
 
     def now(self) -> Ns:
         return self._now
 
     def send(self, frame: Frame) -> Ns:
+        self._turns = self._turns + 1 if self._sent_at == self._now else 0
+        self._sent_at = self._now
+        if self._turns > STEPS:
+            raise RuntimeError("a case that sends and never waits")
         pair = StampedPair(frame.identifier, frame.data)
         pair.stamp_ns = self._now
         self.device.receive([pair], self._now)

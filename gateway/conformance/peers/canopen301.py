@@ -1,6 +1,6 @@
 """CANopen: axisgate's emulated drive with one fault each in its communication half, and correct devices unlike it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from drivers.emulator.canopen.objects import OK
 from drivers.emulator.servo.settings import DriveSettings
@@ -26,6 +26,7 @@ from gateway.conformance.peers.canopen301_parts import (
     beat_times,
     beats,
     beats_on,
+    chatty,
     commands,
     configures_always,
     consumer,
@@ -308,11 +309,6 @@ MUTANT_ROWS: tuple[Row, ...] = (
 MUTANTS = tuple(Mutant(name, what, expects, make, LINK, {}) for name, what, expects, make in MUTANT_ROWS)
 
 
-def _chatty(drive: Drive, frame: Frame) -> Sequence[Frame]:
-    """Something of another node on the bus with everything it says."""
-    return [Frame(cobid.heartbeat(77), b"\x05"), frame]
-
-
 def _good(name: str, what: str, make: Callable[[], object], touch: bool = True, **pics: object) -> Variant:
     return Variant(name, what, make, LINK, dict(pics), touch)
 
@@ -333,7 +329,7 @@ def _general(data: bytes) -> bytes:
 VARIANTS = (
     _good("plain", "offers everything", Drive),
     _good("slow", "SDO answers after 300 ms", lambda: Late(ms(300))),
-    _good("chatty", "another node speaks as well", lambda: Drive(says=_chatty)),
+    _good("chatty", "another node speaks as well", lambda: Drive(says=chatty)),
     _good("no-pdos", "no PDOs", lambda: Drive(lacks=PDOS)),
     _good("no-texts", "no device name and versions", lambda: Drive(lacks=(0x1008, 0x1009, 0x100A))),
     _good("no-emcy", "no emergencies, no history, no consumer", lambda: Drive(lacks=(0x1014, 0x1003, 0x1016))),

@@ -475,3 +475,8 @@ def beats_on(drive: Drive) -> None:
         check(objects.values[0x1017, 0])
 
     objects.written[0x1017, 0] = written
+
+
+def chatty(drive: Drive, frame: Frame) -> Sequence[Frame]:
+    """Something of another node on the bus with every frame it sends."""
+    return [Frame(cobid.heartbeat(77), b"\x05"), frame]

@@ -3,12 +3,10 @@
 from collections.abc import Callable
 
 from gateway.conformance.peers.can_devices import Drive
-from gateway.conformance.peers.canopen301_parts import deaf
 from gateway.conformance.peers.modbus_devices import Answer, Device, padded, rewritten
 from gateway.conformance.peers.stations import ActiveStation, Built
 from gateway.conformance.serial.partners import DropsItsJob, Late, NoNak, Silent
 from protocols.base.machine import ms
-from protocols.canopen import cob_id as cobid
 from protocols.p3964r.profiles import PROFILES, Priority
 
 FAULTS: dict[str, Answer] = {"padding": rewritten(1, padded)}
@@ -38,9 +36,11 @@ def server(rtu: str = "no", kind: str = "good") -> Device:
     return Device(rtu == "yes", wrong)
 
 
-def drive(kind: str = "good") -> Drive:
-    """A CiA 402 drive, node 1; kind no-sync: it does not hear SYNC."""
-    makers: dict[str, Callable[[], Drive]] = {"good": Drive, "no-sync": lambda: Drive(hears=deaf(cobid.SYNC))}
+def drive(kind: str = "good") -> object:
+    """A CiA 402 drive, node 1; kind: an id of `axisgate conformance mutants canopen-301` or `cia402`, such as no-sync."""
+    from gateway.conformance.peers import canopen301, cia402
+
+    makers = {mutant.id: mutant.make for mutant in (*canopen301.MUTANTS, *cia402.MUTANTS)} | {"good": Drive}
     if kind not in makers:
         raise ValueError(f"kind {kind}: there are {', '.join(makers)}")
     return makers[kind]()

@@ -57,3 +57,21 @@ CANOPEN = (
     Question("restore", "bool", "restores its defaults (1011h)", "stellt seine Vorgaben wieder her (1011h)"),
     Question("lss", "bool", "layer setting services (CiA 305)", "Layer Setting Services (CiA 305)"),
 )
+DRIVE = (
+    *CANOPEN,
+    Question("pp", "bool", "profile position", "Betriebsart Profile Position"),
+    Question("pv", "bool", "profile velocity", "Betriebsart Profile Velocity"),
+    Question("hm", "bool", "homing", "Betriebsart Homing"),
+    Question("homing_moves", "bool", "homing to the index (method 34)", "Referenzieren auf den Index (Verfahren 34)"),
+    Question("csp", "bool", "cyclic synchronous position", "Betriebsart Cyclic Synchronous Position"),
+    Question("quick_option", "bool", "quick stop option code (605Ah)", "Quick-Stop-Option (605Ah)"),
+    Question("shutdown_option", "bool", "shutdown option code (605Bh)", "Shutdown-Option (605Bh)"),
+    Question("disable_option", "bool", "disable operation option code (605Ch)", "Disable-Operation-Option (605Ch)"),
+    Question("halt_option", "bool", "halt option code (605Dh)", "Halt-Option (605Dh)"),
+    Question("fault_option", "bool", "fault reaction option code (605Eh)", "Fehlerreaktions-Option (605Eh)"),
+    Question("abort_option", "bool", "abort connection option code (6007h)", "Option bei Verbindungsabbruch (6007h)"),
+    Question("following", "bool", "following error window (6065h)", "Schleppfehlerfenster (6065h)"),
+    Question("limits", "bool", "software position limits (607Dh)", "Software-Endlagen (607Dh)"),
+    Question("window", "bool", "position window (6067h)", "Positionsfenster (6067h)"),
+    Question("period", "bool", "interpolation time period (60C2h)", "Interpolationszeit (60C2h)"),
+)

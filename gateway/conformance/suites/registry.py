@@ -8,7 +8,7 @@ from typing import Any, cast
 from gateway.conformance.framework.base import Tester
 from gateway.conformance.framework.run import Session
 from gateway.conformance.suites.opening import Opened
-from gateway.conformance.suites.questions import CANOPEN, LINE, MODBUS, Question
+from gateway.conformance.suites.questions import CANOPEN, DRIVE, LINE, MODBUS, Question
 from gateway.pure.conformance.purpose import Purpose
 
 
@@ -76,6 +76,12 @@ def _canopen301() -> Sequence[Purpose[Tester]]:
     )
 
 
+def _cia402() -> Sequence[Purpose[Tester]]:
+    from gateway.conformance.suites.cia402 import faults, modes, power
+
+    return _generic(power.PWR, faults.FLT, modes.MOD, modes.POS, modes.VEL, faults.OPT, modes.HOM, modes.CYC)
+
+
 def _line(rk512: bool) -> Callable[[Opened], Session]:
     def make(opened: Opened) -> Session:
         from gateway.conformance.suites.line_session import LineSession
@@ -99,6 +105,12 @@ def _node(opened: Opened) -> Session:
     from gateway.conformance.suites.can.session import NodeSession
 
     return cast(Session, NodeSession(opened))
+
+
+def _drive(opened: Opened) -> Session:
+    from gateway.conformance.suites.cia402.session import open_drive
+
+    return cast(Session, open_drive(opened))
 
 
 SUITES: dict[str, Suite] = {
@@ -144,6 +156,17 @@ SUITES: dict[str, Suite] = {
             _node,
             CANOPEN,
             "gateway.conformance.peers.canopen301",
+            True,
+        ),
+        Suite(
+            "cia402",
+            "1.0",
+            "drive, CiA 402",
+            "Antrieb, CiA 402",
+            _cia402,
+            _drive,
+            DRIVE,
+            "gateway.conformance.peers.cia402",
             True,
         ),
     )

@@ -58,6 +58,7 @@ class NodeTester(CanTester):
     def __init__(self, connect: Callable[[], FrameWire], setup: NodeSetup, witness: Callable[[], Ns] = lambda: 0) -> None:
         super().__init__(connect, witness)
         self.setup = setup
+        self._grid: Ns = 0  # of the last SYNC
 
     @property
     def emcy(self) -> int:
@@ -221,6 +222,13 @@ class NodeTester(CanTester):
 
     def sync(self, data: bytes = b"") -> None:
         self.say_on(cobid.SYNC, data)
+
+    def on_grid(self, count: int = 1) -> None:
+        """So many SYNCs, each a cycle after the one before, whatever was done between."""
+        for _ in range(count):
+            self._grid = max(self._grid + self.setup.cycle, self.now())
+            self.pause(self._grid - self.now())
+            self.sync()
 
     def alive(self) -> None:
         """The suites' postamble: an SDO is answered."""

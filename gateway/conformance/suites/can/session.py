@@ -31,6 +31,8 @@ OBJECTS: dict[str, tuple[tuple[int, int], ...]] = {  # item of the PICS: objects
 }
 ALL = (*OBJECTS, "reset", "segmented", "block", "lss", "mapping", "eds", "remote", "may_store", "may_number", "may_move", "write_pdo")
 
+BOOTS = ms(3000)  # how long a device may take to answer for the first time
+
 
 def read_eds(bench: Bench) -> tuple[ObjectDictionary | None, list[str]]:
     """[link] eds; BadFile where it cannot be read."""
@@ -48,8 +50,10 @@ def read_eds(bench: Bench) -> tuple[ObjectDictionary | None, list[str]]:
 class NodeSession:
     """One run; `look` adds what a suite on top of CiA 301 asks."""
 
-    def __init__(self, opened: Opened, look: Callable[[NodeTester, dict[str, object]], None] | None = None) -> None:
-        self._opened, self._look = opened, look
+    def __init__(
+        self, opened: Opened, look: Callable[[NodeTester, dict[str, object]], None] | None = None, more: tuple[str, ...] = ()
+    ) -> None:
+        self._opened, self._look, self._more = opened, look, more
         bench = opened.bench
         self.assumed: list[str] = []
         self.pics: dict[str, object] = dict(opened.pics)
@@ -75,7 +79,7 @@ class NodeSession:
         if not self._answers():
             tester.pause(2 * self.setup.wait)  # an answer that comes too late is none to the next request
             self.assumed.append(f"node {self.setup.node} does not answer: it is taken to offer everything")
-            pics |= {item: True for item in ALL if item not in pics}
+            pics |= {item: True for item in (*ALL, *self._more) if item not in pics}
             return pics
         with suppress(Ended):
             tester.command(nmt.Command.PRE_OPERATIONAL)
@@ -112,7 +116,12 @@ class NodeSession:
                 self.assumed.append(f"no {item}: it is not there")
 
     def _answers(self) -> bool:
-        return bool(self.tester.ask(sdo.initiate(Request.INITIATE_UPLOAD, DEVICE_TYPE)))
+        """One that was just switched on may need a moment."""
+        until = self.tester.now() + min(self.setup.boot, BOOTS)
+        while not self.tester.ask(sdo.initiate(Request.INITIATE_UPLOAD, DEVICE_TYPE)):
+            if self.tester.now() > until:
+                return False
+        return True
 
     def _find(self) -> None:
         """Without [link] node: who answers?"""

@@ -31,6 +31,15 @@ def reached(node: Master, limit_s: float = 5.0) -> float:
 # -- profile position -----------------------------------------------------------------------------
 
 
+def test_a_set_point_at_zero_is_reached_like_any_other() -> None:
+    """Near 0 the rest of the way is smaller than what rounding leaves of the allowed speed."""
+    _, node = bus_in(1)
+    for target in (8192, 0, -5000, 0):
+        set_point(node, target)
+        reached(node, 1.0)
+        assert abs(node.read(0x6064) - target) < 40
+
+
 def test_a_trapezoid_takes_the_time_that_speed_and_ramps_say() -> None:
     _, node = bus_in(1)
     node.set(0x6081, 100_000)

@@ -69,6 +69,8 @@ def test_the_json_has_all_fields_of_format_1(tmp_path: pathlib.Path, capsys: pyt
         ("modbus-tcp", "modbus-tcp", set(), 0),
         ("modbus-rtu", "modbus-rtu", set(), 0),
         ("canopen", "canopen-301", set(), 0),
+        ("canopen", "cia402", set(), 0),
+        ("cia402-no-limits", "cia402", {"CIA402_POS_BI_02"}, 1),
         ("canopen-no-sync", "canopen-301", {"CO301_PDO_BV_01", "CO301_PDO_BV_09"}, 1),
     ],
 )
@@ -82,7 +84,12 @@ def test_an_example_peer_gets_the_fails_of_the_guide(
 
 
 def test_sim_is_the_emulated_device_of_the_suite(capsys: pytest.CaptureFixture[str]) -> None:
-    for suite, only in (("canopen-301", "CO301_SDO_BV_*"), ("3964r", "3964R_RCV_BV_0*"), ("modbus-tcp", "MBTCP_FUN_BV_*")):
+    for suite, only in (
+        ("canopen-301", "CO301_SDO_BV_*"),
+        ("cia402", "CIA402_PWR_*"),
+        ("3964r", "3964R_RCV_BV_0*"),
+        ("modbus-tcp", "MBTCP_FUN_BV_*"),
+    ):
         assert main(["run", suite, "--port", "sim", "--only", only]) == 0
         assert " FAIL " not in capsys.readouterr().out
 

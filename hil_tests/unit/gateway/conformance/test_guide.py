@@ -12,7 +12,7 @@ import gateway
 from gateway.commands.conformance import main
 
 ROOT = pathlib.Path(gateway.__file__).parents[1]
-FAULTY = ("drops-its-job", "no-nak", "no-sync")
+FAULTY = ("drops-its-job", "no-nak", "no-sync", "no-limits")
 PAGES = ("conformance.md", "conformance-can.md")
 
 

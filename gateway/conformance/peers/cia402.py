@@ -1,0 +1,279 @@
+"""CiA 402: axisgate's emulated drive with one fault each in its drive half, and correct drives unlike it."""
+
+from collections.abc import Callable, Sequence
+
+from drivers.emulator.cia402 import objects as od
+from drivers.emulator.cia402.errors import Error
+from drivers.emulator.cia402.states import BIT12, BIT13, TARGET, State
+from drivers.emulator.servo.settings import DriveSettings, ServoSettings
+from gateway.conformance.peers.can_devices import NODE, QUICK, Drive, Says, Tune, put
+from gateway.conformance.peers.canopen301_parts import Late, chatty, deaf, on
+from gateway.conformance.peers.stations import Mutant, Variant
+from protocols.base.machine import Frame, ms
+from protocols.canopen import cob_id as cobid
+from protocols.canopen.dictionary import Key
+from protocols.canopen.types import Value
+
+LINK: dict[str, object] = {"node": NODE}
+Row = tuple[str, str, tuple[str, ...], Callable[[], object]]
+
+
+def _row(name: str, what: str, expects: str, tune: Tune | None = None, says: Says | None = None, hears: Says | None = None) -> Row:
+    return name, what, tuple(f"CIA402_{one}" for one in expects.split()), lambda: Drive(tune, says, hears)
+
+
+# ---- parts
+def _status(change: Callable[[Drive, int], int]) -> Tune:
+    """Another statusword."""
+
+    def tune(drive: Drive) -> None:
+        readers = drive.node.objects.readers
+        before = readers[od.STATUSWORD]
+        readers[od.STATUSWORD] = lambda: change(drive, int(before()))
+
+    return tune
+
+
+def _bit(mode: int, clear: int = 0, put_in: int = 0) -> Tune:
+    """Bits of the statusword while this mode works."""
+
+    def change(drive: Drive, word: int) -> int:
+        works = drive.axis.state is State.ENABLED and drive.axis.mode.code == mode
+        return word & ~clear | put_in if works else word
+
+    return _status(change)
+
+
+def _words(change: Callable[[Drive, int], int | None]) -> Tune:
+    """The controlword it hears is another; None: not heard."""
+
+    def tune(drive: Drive) -> None:
+        written = drive.node.objects.written
+        act = written[od.CONTROLWORD]
+
+        def heard(value: Value) -> None:
+            found = change(drive, value if isinstance(value, int) else 0)
+            if found is not None:
+                act(found)
+
+        written[od.CONTROLWORD] = heard
+
+    return tune
+
+
+def _deaf_in(state: State, word: int) -> Tune:
+    """This controlword does nothing in this state."""
+    return _words(lambda drive, heard: None if heard & 0xFF == word and drive.axis.state is state else heard)
+
+
+def _jumps(state: State, word: int, to: State) -> Tune:
+    """This controlword leads to a wrong state."""
+
+    def change(drive: Drive, heard: int) -> int | None:
+        if heard != word or drive.axis.state is not state:
+            return heard
+        drive.axis.state = to
+        return None
+
+    return _words(change)
+
+
+def _mask(clear: int = 0, put_in: int = 0) -> Tune:
+    return _words(lambda drive, heard: heard & ~clear | put_in if drive.axis.state is State.ENABLED else heard)
+
+
+def _value(key: Key, change: Callable[[int], int]) -> Tune:
+    """What the object holds counts as something else."""
+
+    def tune(drive: Drive) -> None:
+        axis = drive.axis
+        real = axis.value
+
+        def value(asked: Key) -> int:
+            return change(real(asked)) if asked == key else real(asked)
+
+        put(axis, value=value)
+        for mode in axis.modes.values():
+            put(mode, value=value)
+
+    return tune
+
+
+def _as(key: Key, told: int, acts: int) -> Tune:
+    """An option code acts like another one."""
+    return _value(key, lambda value: acts if value == told else value)
+
+
+def _level_reset(drive: Drive) -> None:
+    """Bit 7 resets without an edge."""
+    written = drive.node.objects.written
+    act = written[od.CONTROLWORD]
+
+    def heard(value: Value) -> None:
+        if drive.axis.state is State.FAULT:
+            drive.axis.controlword = 0
+        act(value)
+
+    written[od.CONTROLWORD] = heard
+
+
+def _code_stays(drive: Drive) -> None:
+    axis = drive.axis
+    reset = axis._reset_fault
+
+    def kept() -> None:
+        code = axis.value(od.ERROR_CODE)
+        reset()
+        axis.objects.values[od.ERROR_CODE] = code
+
+    put(axis, _reset_fault=kept)
+
+
+def _any_mode(drive: Drive) -> None:
+    drive.unchecked(od.MODE)
+    drive.node.objects.readers[od.MODE_DISPLAY] = lambda: drive.axis.value(od.MODE)
+
+
+def _no_edge(drive: Drive) -> None:
+    """A new 607Ah moves at once in profile position."""
+
+    def written(value: Value) -> None:
+        if drive.axis.mode.code == 1:
+            drive.axis.mode.control(0x3F, 0x0F)
+
+    drive.node.objects.written[od.TARGET_POSITION] = written
+
+
+def _no_clip(drive: Drive) -> None:
+    put(drive.axis, clip=lambda position: position)
+
+
+def _at_once(drive: Drive) -> None:
+    """CSP: a set value acts when it comes."""
+
+    def written(value: Value) -> None:
+        if drive.axis.mode.code == 8 and isinstance(value, int):
+            drive.axis.follow(float(value), 1_000_000, 0.0)
+
+    drive.node.objects.written[od.TARGET_POSITION] = written
+
+
+def _no_offset(drive: Drive) -> None:
+    axis = drive.axis
+
+    def home(counter: int) -> None:
+        axis.shift, axis.homed = -counter, True
+
+    put(axis, set_home=home)
+
+
+def _no_window(drive: Drive) -> None:
+    put(drive.axis, _window=lambda: None)
+
+
+def _emcy_code(before: int, after: int) -> Says:
+    def change(drive: Drive, frame: Frame) -> Sequence[Frame]:
+        is_it = int.from_bytes(frame.data[:2], "little") == before
+        return [frame._replace(data=after.to_bytes(2, "little") + frame.data[2:])] if is_it else [frame]
+
+    return on(cobid.emcy(NODE), change)
+
+
+S = State
+ROWS: tuple[Row, ...] = (
+    _row("never-boots", "never leaves not ready to switch on", "PWR_BV_01", _status(lambda drive, word: 0)),
+    _row(
+        "boots-ready",
+        "is ready to switch on after boot-up",
+        "PWR_BV_01",
+        _status(lambda drive, word: 0x21 if word & 0x4F == 0x40 else word),
+    ),
+    _row("no-shutdown", "no transition 2", "PWR_BV_02", _deaf_in(S.DISABLED, 6)),
+    _row("no-switch-on", "no transition 3", "PWR_BV_03", _deaf_in(S.READY, 7)),
+    _row("no-enable", "no transition 4", "PWR_BV_04", _deaf_in(S.ON, 15)),
+    _row("no-disable", "no transition 5", "PWR_BV_05", _deaf_in(S.ENABLED, 7)),
+    _row("no-shutdown-from-on", "no transition 6", "PWR_BV_06", _deaf_in(S.ON, 6)),
+    _row("no-voltage-ready", "disable voltage does nothing when ready", "PWR_BV_07", _deaf_in(S.READY, 0)),
+    _row("no-quick-ready", "quick stop does nothing when ready", "PWR_BV_08", _deaf_in(S.READY, 2)),
+    _row("no-shutdown-enabled", "no transition 8", "PWR_BV_09", _deaf_in(S.ENABLED, 6)),
+    _row("no-voltage-enabled", "no transition 9", "PWR_BV_10", _deaf_in(S.ENABLED, 0)),
+    _row("no-voltage-on", "disable voltage does nothing when switched on", "PWR_BV_11", _deaf_in(S.ON, 0)),
+    _row("no-quick-on", "quick stop does nothing when switched on", "PWR_BV_12", _deaf_in(S.ON, 2)),
+    _row("no-quick-stop", "no transition 11", "PWR_BV_13", _deaf_in(S.ENABLED, 2)),
+    _row("switch-on-anywhere", "switch on acts in switch on disabled", "PWR_BI_01", _jumps(S.DISABLED, 7, S.ON)),
+    _row("enable-anywhere", "enable operation acts in switch on disabled", "PWR_BI_02", _jumps(S.DISABLED, 15, S.READY)),
+    _row("reset-disables", "a fault reset leads out of ready", "PWR_BI_03", _jumps(S.READY, 0x86, S.DISABLED)),
+    _row("reset-disables-on", "a fault reset leads out of switched on", "PWR_BI_04", _jumps(S.ON, 0x80, S.READY)),
+    _row("quick-stop-leaves", "605Ah = 6 acts like 2", "PWR_BV_14 PWR_BV_15", _as(od.QUICK_STOP_OPTION, 6, 2)),
+    _row("no-way-back", "no transition 16", "PWR_BV_14", _deaf_in(S.QUICK_STOP, 15)),
+    _row("no-way-out", "no transition 12", "PWR_BV_15", _deaf_in(S.QUICK_STOP, 0)),
+    _row("not-supervised", "does not hear the master's heartbeat", "FLT_BV_01", hears=deaf(0x700 + 126)),
+    _row("no-fault-emcy", "no emergency in fault", "FLT_BV_01", says=deaf(cobid.emcy(NODE))),
+    _row("no-error-code", "603Fh is always 0", "FLT_BV_01", lambda drive: drive.fixed(od.ERROR_CODE, 0)),
+    _row("no-reset", "a fault cannot be reset", "FLT_BV_02", _deaf_in(S.FAULT, 0x80)),
+    _row("level-reset", "bit 7 resets without an edge", "FLT_BI_02", _level_reset),
+    _row("any-command-resets", "disable voltage resets a fault", "FLT_BI_01", _jumps(S.FAULT, 0, S.DISABLED)),
+    _row("code-stays", "603Fh stays after the reset", "FLT_BV_02", _code_stays),
+    _row("always-fault", "6007h = 0 acts like 1", "FLT_BV_03", _as(od.ABORT_CONNECTION, 0, 1)),
+    _row("no-disable-voltage", "6007h = 2 acts like 0", "FLT_BV_04", _as(od.ABORT_CONNECTION, 2, 0)),
+    _row("no-abort-stop", "6007h = 3 acts like 1", "FLT_BV_05", _as(od.ABORT_CONNECTION, 3, 1)),
+    _row("no-following-error", "no fault however far it lags", "FLT_BV_07", _no_window),
+    _row("following-code", "another emergency for a following error", "FLT_BV_07", says=_emcy_code(Error.FOLLOWING, 0x8600)),
+    _row("display-fixed", "6061h is always 8", "MOD_BV_01", lambda drive: drive.fixed(od.MODE_DISPLAY, 8)),
+    _row("any-mode", "shows any mode", "MOD_BI_01", _any_mode),
+    _row("no-acknowledge", "bit 12 never acknowledges a set-point", "POS_BV_01", _bit(1, clear=BIT12)),
+    _row("acknowledge-stays", "bit 12 is always set", "POS_BV_01", _bit(1, put_in=BIT12)),
+    _row("reached-always", "bit 10 is always set", "POS_BV_02", _bit(1, put_in=TARGET)),
+    _row("reached-never", "bit 10 is never set", "POS_BV_02", _bit(1, clear=TARGET)),
+    _row("relative-absolute", "bit 6 does not count", "POS_BV_03", _mask(clear=0x40)),
+    _row("never-immediate", "bit 5 does not count", "POS_BV_04", _mask(clear=0x20)),
+    _row("always-immediate", "every set-point counts at once", "POS_BV_05", _mask(put_in=0x20)),
+    _row("halt-ignored", "bit 8 does not count", "POS_BV_06 OPT_BV_05", _mask(clear=0x100)),
+    _row("no-edge", "a new target moves without bit 4", "POS_BI_01", _no_edge),
+    _row("too-fast", "twice as fast as 6081h", "POS_BV_07", _value(od.PROFILE_SPEED, lambda value: 2 * value)),
+    _row("too-slow", "a third of 6081h", "POS_BV_07", _value(od.PROFILE_SPEED, lambda value: value // 3)),
+    _row("no-limits", "607Dh does not count", "POS_BI_02", _no_clip),
+    _row("slow-velocity", "four fifths of 60FFh", "VEL_BV_01", _value(od.TARGET_SPEED, lambda value: value * 4 // 5)),
+    _row("no-reverse", "never turns backwards", "VEL_BV_01", _value(od.TARGET_SPEED, abs)),
+    _row("speed-reached-never", "bit 10 is never set in profile velocity", "VEL_BV_01", _bit(3, clear=TARGET)),
+    _row("no-ramps", "6083h does not count", "VEL_BV_02", _value(od.ACCELERATION, lambda value: 50_000_000)),
+    _row("slow-ramps", "a third of 6084h", "VEL_BV_02 OPT_BV_01", _value(od.DECELERATION, lambda value: value // 3)),
+    _row("still-never", "bit 12 never shows standstill", "VEL_BV_03", _bit(3, clear=BIT12)),
+    _row("still-always", "bit 12 always shows standstill", "VEL_BV_03", _bit(3, put_in=BIT12)),
+    _row("quick-1-as-2", "605Ah = 1 acts like 2", "OPT_BV_01", _as(od.QUICK_STOP_OPTION, 1, 2)),
+    _row("quick-2-as-1", "605Ah = 2 acts like 1", "OPT_BV_02", _as(od.QUICK_STOP_OPTION, 2, 1)),
+    _row("shutdown-1-as-0", "605Bh = 1 acts like 0", "OPT_BV_03", _as(od.SHUTDOWN_OPTION, 1, 0)),
+    _row("disable-1-as-0", "605Ch = 1 acts like 0", "OPT_BV_04", _as(od.DISABLE_OPTION, 1, 0)),
+    _row("halt-1-as-2", "605Dh = 1 acts like 2", "OPT_BV_05", _as(od.HALT_OPTION, 1, 2)),
+    _row("halt-2-as-1", "605Dh = 2 acts like 1", "OPT_BV_06", _as(od.HALT_OPTION, 2, 1)),
+    _row("quick-0-as-1", "605Ah = 0 waits for standstill", "OPT_BV_07", _value(od.QUICK_STOP_OPTION, lambda value: value or 1)),
+    _row("fault-2-as-1", "605Eh = 2 acts like 1", "OPT_BV_08", _as(od.FAULT_OPTION, 2, 1)),
+    _row("disable-0-as-1", "605Ch = 0 acts like 1", "OPT_BV_09", _as(od.DISABLE_OPTION, 0, 1)),
+    _row("offset-ignored", "607Ch does not count", "HOM_BV_01", _no_offset),
+    _row("never-attained", "bit 12 is never set by homing", "HOM_BV_01", _bit(6, clear=BIT12)),
+    _row("always-attained", "bit 12 is always set in homing", "HOM_BV_02 HOM_BO_01", _bit(6, put_in=BIT12)),
+    _row("no-homing-error", "bit 13 is never set", "HOM_BI_01", _bit(6, clear=BIT13)),
+    _row("no-sync", "does not hear SYNC", "CSP_BV_01", hears=deaf(cobid.SYNC)),
+    _row("at-once", "set values do not wait for SYNC", "CSP_BO_01", _at_once),
+    _row("half-way", "goes half the way in CSP", "CSP_BV_01", _value(od.TARGET_POSITION, lambda value: value // 2)),
+    _row("no-follow-bit", "bit 12 is clear in CSP", "CSP_BV_02", _bit(8, clear=BIT12)),
+)
+MUTANTS = tuple(Mutant(name, what, expects, make, LINK, {}) for name, what, expects, make in ROWS)
+
+
+def _good(name: str, what: str, make: Callable[[], object], **pics: object) -> Variant:
+    return Variant(name, what, make, LINK, dict(pics))
+
+
+VARIANTS = (
+    _good("plain", "offers everything", Drive),
+    _good("slow", "SDO answers after 5 ms", lambda: Late(ms(5))),
+    _good("chatty", "another node speaks as well", lambda: Drive(says=chatty)),
+    _good("slow-boot", "needs a second to boot", lambda: Drive(settings=DriveSettings(ServoSettings(boot_s=1.0, charge_s=0.3)))),
+    _good("no-brake", "no brake", lambda: Drive(settings=DriveSettings(ServoSettings(boot_s=0.01, charge_s=0.0, brake=False)))),
+    _good("no-options", "no option codes", lambda: Drive(lacks=(0x605A, 0x605B, 0x605C, 0x605D, 0x605E, 0x6007))),
+    _good("no-limits", "no software limits", lambda: Drive(lacks=(0x607D,))),
+    _good("positions-only", "declares profile position only", Drive, pv=False, hm=False, csp=False),
+    _good("elsewhere", "begins at 40 rad", lambda: Drive(settings=DriveSettings(ServoSettings(boot_s=0.01, start_rad=40.0)))),
+    _good("heavy", "five times the load", lambda: Drive(settings=DriveSettings(QUICK.__class__(boot_s=0.01, load_inertia_kgm2=0.006)))),
+)
