@@ -52,7 +52,7 @@ INTERPRETER_LIFE_MS = 10_000  # a long program is checked for seconds
 PROGRAM_REGIONS = ("interpreter", "channels", "program-orders", "program-says")
 PLC_LIFE_MS = 2_000  # twice the longest scan the watchdog allows
 PLC_REGIONS = ("plc", "plc-robot", "plc-orders", "plc-says")
-STRETCHED_LIFE_MS = 1_000  # of a cycle in a stretched simulation, which waits for its drives
+STRETCHED_LIFE_MS = 2_500  # of a cycle in a stretched simulation, which waits for its drives
 
 
 @dataclass(frozen=True, slots=True)

@@ -58,9 +58,7 @@ from protocols.base.machine import Frame
 PRIORITY = 40  # broker 30, emulator 20, line process 15: all below the cycle
 PIECES_SHARE = 8  # of the period may be spent on the planner's pieces; the rest waits in the ring
 THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
-WAITS_NS = (
-    150_000_000  # in a stretched simulation: for actual values the machine keeps back; shorter than what command sources forgive the cycle
-)
+WAITS_NS = 700_000_000  # in a stretched simulation: for what the machine keeps back; shorter than what the services forgive the cycle there
 JITTER = 8  # part of a period a stretched grid may be late before it is moved
 LAST_LOOKS = 4  # messages taken behind the time: what is there came in time, and a flood does not hold the cycle
 ACYCLIC_AT_ONCE = 32  # records taken from the ring in one cycle: one for each axis of a cell

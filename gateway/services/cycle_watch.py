@@ -16,6 +16,7 @@ from protocols.base.machine import Ns, ms
 
 CYCLE_GONE_NS: Ns = ms(250)  # a cycle silent for this long is reported to the command sources; restarts at once are quicker only on a fast
 # machine
+STRETCHED_GONE_NS: Ns = ms(2_000)  # in a stretched simulation it waits for its drives and modules as long as that
 PLACES_EVERY = 200  # ticks
 
 
@@ -35,18 +36,19 @@ class CycleWatch(Part):
         self._run, self._image, self._values, self._office, self._canopen, self._planner = run, image, values, office, canopen, planner
         self.axes = RegionReader(fds["axes"], "axes", CELL_STATE_LAYOUT)
         self.late_machine = LateMachine(simulated=run.plan.simulated)
+        self._gone_ns = STRETCHED_GONE_NS if run.plan.stretched else CYCLE_GONE_NS
         self._index, self._judged, self._ticks = -1, False, 0
         self._places = LastPlaces(run.cell)
 
     def lives(self, now: Ns) -> bool:
         """What the cycle published is not old."""
-        return now - self.axes.life[1] < CYCLE_GONE_NS
+        return now - self.axes.life[1] < self._gone_ns
 
     def step(self, now: Ns) -> None:
         """A new state, or none for too long."""
         payload = self.axes.read()
         if payload is None or self.axes.index == self._index:
-            if self._image.state.generation and now - self.axes.life[1] > CYCLE_GONE_NS:
+            if self._image.state.generation and now - self.axes.life[1] > self._gone_ns:
                 self._gone(now)
             return
         self._index = self.axes.index

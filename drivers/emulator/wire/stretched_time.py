@@ -9,7 +9,7 @@ from collections.abc import Iterable, Set
 
 from protocols.base.machine import Frame, Ns, ms
 
-HOLD_NS = ms(200)  # shorter than what command sources and services wait for a silent cycle
+HOLD_NS = ms(800)  # longer than the cycle waits for the drives, shorter than what services wait for a silent cycle there
 NAP_NS = ms(1)  # between two looks while time stands still
 JITTER = 8  # a SYNC may come this part of a period late before time stands still
 
