@@ -5,6 +5,6 @@ SCORES: dict[str, tuple[int, int]] = {
     "rk512": (56, 56),
     "modbus-tcp": (56, 56),
     "modbus-rtu": (53, 53),
-    "cia402": (72, 72),
+    "cia402": (71, 71),
     "canopen-301": (93, 93),
 }
