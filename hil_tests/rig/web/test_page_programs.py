@@ -82,20 +82,27 @@ def test_a_viewer_starts_nothing(web: WebRun) -> None:
     context.close()
 
 
-def test_a_program_is_started_followed_line_by_line_and_stopped(web: WebRun, boss: Page) -> None:
-    web.in_control(boss)
-    web.go(boss, "axes")
-    boss.locator("#override").fill("100")
-    until(lambda: "override 100 %" in boss.inner_text("#state"), "override 100 %")
-    web.go(boss, "programs")
-    chosen(boss, "LOOP")
-    until(lambda: "moves as the page" in boss.inner_text("#whose"), "the page knows that it has control")
-    boss.click("[data-do=start][data-program=LOOP]")
+def started(web: WebRun, page: Page) -> None:
+    """LOOP moves; what a busy machine has taken away is taken back first."""
+    web.in_control(page)
+    page.locator("#override").fill("100")
+    until(lambda: "override 100 %" in page.inner_text("#state"), "override 100 %")
+    web.go(page, "programs")
+    chosen(page, "LOOP")
+    until(lambda: "moves as the page" in page.inner_text("#whose"), "the page knows that it has control")
+    if page.locator("[data-do=stop][data-program=LOOP]").count() == 0:
+        page.click("[data-do=start][data-program=LOOP]")
     until(lambda: web.run.state().motion is Motion.RUNNING, "it moves", 60)
+
+
+def test_a_program_is_started_followed_line_by_line_and_stopped(web: WebRun, boss: Page) -> None:
+    started(web, boss)
     seen: set[int] = set()
-    end = time.monotonic() + 60
+    end = time.monotonic() + 120
     while not {6, 7} <= seen and time.monotonic() < end:
         seen |= set(lines_now(boss))
+        if web.run.state().motion is Motion.IDLE and not lines_now(boss):
+            started(web, boss)
     assert {6, 7} <= seen, "both moves were shown as the current line"
     boss.screenshot(path=pictures() / "programs.png")
     boss.click("[data-do=stop][data-program=LOOP]")
