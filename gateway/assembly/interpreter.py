@@ -5,6 +5,7 @@ import pathlib
 from collections.abc import Callable
 from itertools import accumulate
 
+from gateway.assembly.lanes import lanes_of_cell
 from gateway.assembly.program_memory import memory_folder
 from gateway.assembly.run import RunPlan
 from gateway.files.program_memory import baps2_words, folder_memory
@@ -36,7 +37,9 @@ def passing_of(cell: Cell) -> tuple[float, ...]:
 
 def language_of(cell: Cell, memory: Memory, port: Port, p5_ms: int) -> CellRun:
     """Programs of a checked cell."""
-    return CellRun(Library(baps2_words(), memory), memory, port, robots_of_cell(cell), ms(p5_ms), passing=passing_of(cell))
+    return CellRun(
+        Library(baps2_words(), memory), memory, port, robots_of_cell(cell), ms(p5_ms), passing=passing_of(cell), one=not lanes_of_cell(cell)
+    )
 
 
 class Baps2Programs:

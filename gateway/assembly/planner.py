@@ -27,10 +27,11 @@ def lane_programs_of(
 ) -> LanePrograms:
     """Of a checked cell, a job on each lane; moved_by: axes of a program by its number."""
     masks = lane_masks(cell)
+    by_robot = [mask_of(cell, machine) for machine in machines_of_cell(cell)] if len(masks) > 1 else []
     return LanePrograms(
         cell_programs(cell, machine_of, text_of, team_of),
         masks,
-        lambda number: moved_by(number) if number > 0 else mask_of(cell, machines_of_cell(cell)[-number - 1]),
+        lambda number: moved_by(number) if number > 0 else by_robot[-number - 1],
     )
 
 

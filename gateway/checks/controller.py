@@ -108,6 +108,9 @@ def _memory(check: Context, table: Controller) -> None:
         check.fault("controller.memory", table.memory, "no such folder (looked for beside the cell file)")
     elif not check.cell.robot or not all(robot.model for robot in check.cell.robot):
         check.fault("controller.memory", table.memory, "programs need the kinematics of a [robot] with a model")
+    elif CONTROLLERS[table.kind].parameters and table.kinematics < len(check.cell.robot):
+        count = len(check.cell.robot)
+        check.fault("controller.kinematics", str(table.kinematics), f"programs move the {count} robots of the cell", f"{count}..10")
     else:
         programs = {path.stem.upper() for path in folder.iterdir() if path.suffix.upper() == ".QLL"}
         for process in table.process:

@@ -26,7 +26,7 @@ from gateway.pure.image.records.interpreter import (
     unpack_facts,
 )
 from gateway.pure.image.records.planner import SAY_LAYOUT, BlockRecord, PlannerState, Say, pack_block, unpack_planner
-from gateway.pure.languages.base.hosting import PathState, View
+from gateway.pure.languages.base.hosting import PathState, View, paths_of
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.registry import language_in
 from gateway.runtime.journal import Journal
@@ -63,16 +63,7 @@ class CellPort:
             Channels() if seen is None else unpack_channels(seen),
             tuple(from_si(axis.set, unit) for unit, axis in axes),
             tuple(from_si(axis.measured, unit) if state.measured_mask >> n & 1 else None for n, (unit, axis) in enumerate(axes)),
-            PathState(
-                planner.job,
-                planner.passed,
-                planner.failed_job,
-                planner.fault_block,
-                state.met,
-                planner.block,
-                planner.share,
-                planner.fault_code,
-            ),
+            paths_of(planner, state) or (PathState(),),
             tuple(from_si(axis.actual, unit) for unit, axis in axes),
             sum(1 << n for n, (_, axis) in enumerate(axes) if axis.flags & AxisFlag.ENABLED),
             state.motion,

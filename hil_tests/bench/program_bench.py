@@ -134,7 +134,7 @@ def blocks_s() -> float:
         programs.turn(cycle * P5)
         while port.tickets:
             programs.path_given(port.tickets.pop(), 7)
-        port.view = View(set=port.view.set, path=PathState(7, port.blocks))
+        port.view = View(set=port.view.set, paths=(PathState(7, port.blocks),))
     return port.blocks / max(time.process_time() - began, CYCLES * P5 / 1e9)
 
 

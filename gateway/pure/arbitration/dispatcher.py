@@ -281,6 +281,15 @@ class CommandDispatcher:
         """Moves of the lanes with some of these axes."""
         return [move for move in self._moves if move.span & axes]
 
+    def stop_move(self, move: Job) -> None:
+        """Its lanes alone stop on their path: the process it belongs to is gone."""
+        self._order(Order.STOP, mask=_named(move.span), reason=Reason.STOPPED_BY_DOOR)
+        move.reason, move.detail = Reason.STOPPED_BY_DOOR, str(move.door)
+
+    def abandon_move(self, move: Job) -> None:
+        """Its rest is given up."""
+        self._drop_rest(move.span)
+
     def _stop(self, job: Job, cell: CellState) -> None:
         """Every command source may stop, and stops all that moves."""
         self._order(Order.STOP, job.id, reason=Reason.STOPPED_BY_DOOR)

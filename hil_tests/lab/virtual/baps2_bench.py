@@ -8,12 +8,11 @@ from dataclasses import asdict, replace
 from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.servodyn.slave import ServodynSlave
 from gateway.assembly.controllers import make_control
-from gateway.assembly.interpreter import passing_of, robots_of_cell
-from gateway.assembly.planner import cell_programs
+from gateway.assembly.interpreter import language_of
+from gateway.assembly.planner import lane_programs_of
 from gateway.assembly.plant import bus_settings
 from gateway.assembly.programs import machines_of_cell, team_meant
 from gateway.cell_file.load import load_cell
-from gateway.files.program_memory import baps2_words
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell
@@ -42,13 +41,10 @@ from gateway.pure.image.records.planner import (
     unpack_planner,
 )
 from gateway.pure.image.records.planner import pack_piece as packed_piece
-from gateway.pure.languages.baps2.cell_run import CellRun
-from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
-from gateway.pure.languages.base.hosting import PathState, View
+from gateway.pure.languages.base.hosting import View, paths_of
 from gateway.pure.languages.base.requests import RuntimeFault
-from gateway.pure.planning.planner import Programs
-from gateway.pure.planning.turn import follow, standing
+from gateway.pure.planning.turn import standing
 from hil_tests.lab.virtual.cell_bench import CellBench
 from hil_tests.lab.virtual.servodyn_bus import CODEC
 from motion.errors import MotionError
@@ -136,7 +132,7 @@ class ProgramCell:
         assert isinstance(control, RhoControl)
         self.control = control
         self.hosted = control.hosted = HostedPrograms(control)
-        self.planning = Programs(cell_programs(cell, self._machine, self._text, lambda kinematics, number: team_meant(cell, kinematics)))
+        self.planning = lane_programs_of(cell, self._machine, self._text, lambda kinematics, _: team_meant(cell, kinematics), lambda _: 0)
         self.memory = Memory({name: text.encode() for name, text in files.items()})
         self.told: list[str] = []
         self.outputs: list[tuple[float, int, bool]] = []  # s, RC output, value: user outputs as they change
@@ -155,9 +151,7 @@ class ProgramCell:
     def born(self, identity: int) -> None:
         """An interpreter begins."""
         self.port: VirtualPort | None = VirtualPort(identity)
-        self.language = CellRun(
-            Library(baps2_words(), self.memory), self.memory, self.port, robots_of_cell(self.cell), 4_000_000, passing=passing_of(self.cell)
-        )
+        self.language = language_of(self.cell, self.memory, self.port, 4)
 
     def _machine(self, name: str, number: int) -> Machine:
         """As the planner process has it."""
@@ -181,15 +175,15 @@ class ProgramCell:
             self.port.lines.clear()
         records += [BlockRecord(Say.END, job) for job in self.hosted.ending]
         self.hosted.ending.clear()
-        while self.planning.preparing:
-            self.planning.prepare(standing(state, len(self.cell.axis)))
-        while self.planning.working and not self.planning.work():
-            pass
         axes = len(self.cell.axis)
-        self._pieces += [packed_piece(each, piece_size(axes)) for each in follow(self.planning, records, state, axes)]
+        while self.planning.prepare(state, axes):
+            pass
+        while self.planning.work():
+            pass
+        self._pieces += [packed_piece(each, piece_size(axes)) for each in self.planning.turn(records, state, axes)]
         assert standing(state, axes)
         bench.office.planner = unpack_planner(pack_planner(self.planning.state))
-        for _ in range(min(2, len(self._pieces))):
+        for _ in range(min(2 * len(self.planning.lanes), len(self._pieces))):
             bench.core.feed(unpack_piece(self._pieces.popleft()))
 
     def _services(self, state: CellState, now: int) -> None:
@@ -222,7 +216,7 @@ class ProgramCell:
             unpack_channels(pack_channels(self.control.seen())),
             tuple(from_si(axis.set, own.unit) for own, axis in axes),
             tuple(from_si(axis.measured, own.unit) if state.measured_mask >> n & 1 else None for n, (own, axis) in enumerate(axes)),
-            PathState(planner.job, planner.passed, planner.failed_job, planner.fault_block, state.met),
+            paths_of(planner, state),
         )
         orders, self.hosted.orders = self.hosted.orders, []
         for order in (unpack_facts(pack_facts(each)) for each in orders):

@@ -39,7 +39,7 @@ from gateway.pure.image.records.planner import (
 from gateway.pure.image.records.planner import pack_block as packed_block
 from gateway.pure.image.records.planner import pack_piece as packed_piece
 from gateway.pure.languages.base.faults import Faults
-from gateway.pure.languages.base.hosting import PathState, View
+from gateway.pure.languages.base.hosting import View, paths_of
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.robotstar.cell_run import CellRun
 from gateway.pure.languages.robotstar.memory import Memory, Source
@@ -179,7 +179,7 @@ class ReisCell:
             unpack_channels(pack_channels(self.hosted.seen())),
             self.joints[-1],
             (None,) * len(self.cell.axis),
-            PathState(planner.job, planner.passed, planner.failed_job, planner.fault_block, state.met),
+            paths_of(planner, state),
         )
         orders, self.hosted.orders = self.hosted.orders, []
         for order in (unpack_facts(pack_facts(each)) for each in orders):

@@ -49,7 +49,7 @@ from gateway.pure.image.records.planner import (
     unpack_planner,
 )
 from gateway.pure.image.records.planner import pack_piece as packed_piece
-from gateway.pure.languages.base.hosting import PathState, View
+from gateway.pure.languages.base.hosting import View, paths_of
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.val3.cell_run import CellRun
 from gateway.pure.languages.val3.disk import Disk
@@ -164,15 +164,7 @@ class Val3Cell:
             unpack_channels(pack_channels(self.programs.seen())),
             tuple(from_si(axis.set, own.unit) for own, axis in axes),
             (),
-            PathState(
-                planner.job,
-                planner.passed,
-                planner.failed_job,
-                planner.fault_block,
-                block=planner.block,
-                share=planner.share,
-                fault_code=planner.fault_code,
-            ),
+            paths_of(planner, state),
             tuple(from_si(axis.actual, own.unit) for own, axis in axes),
             sum(1 << n for n, (_, axis) in enumerate(axes) if axis.flags & AxisFlag.ENABLED),
             state.motion,

@@ -16,7 +16,7 @@ from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Ta
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
-from gateway.pure.languages.base.path import Path, Stretch
+from gateway.pure.languages.base.path import Paths, Stretch
 from gateway.pure.languages.base.process import Process, ProcessState
 from gateway.pure.languages.base.requests import PENDING, Ns, Request, RuntimeFault
 
@@ -34,14 +34,22 @@ WAITS = {
 
 
 class CellRun(Control):
-    """All programs of a memory in one cell.  passing: P213, the distances of R_PTP = 1."""
+    """All programs of a memory in one cell.  passing: P213, the distances of R_PTP = 1; one: robots move one at a time."""
 
     def __init__(
-        self, library: Library, memory: Memory, port: Port, robots: Sequence[CellRobot], p5: Ns, *, passing: Sequence[float] = ()
+        self,
+        library: Library,
+        memory: Memory,
+        port: Port,
+        robots: Sequence[CellRobot],
+        p5: Ns,
+        *,
+        passing: Sequence[float] = (),
+        one: bool = True,
     ) -> None:
         super().__init__(library, memory, Feed(p5=p5, belts={}))
         self.port, self.robots, self.passing = port, tuple(robots), passing
-        self.path = Path(port)
+        self.paths = Paths(port, len(robots), one=one)
         self.devices["PHG"] = Device(UnitFeed())
         self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its robot
         self._runs: dict[int, Task] = {}
@@ -120,13 +128,12 @@ class CellRun(Control):
         """Nothing runs any more, and no order is under way: the services have begun anew."""
         for run in list(self._runs):
             self.stop_run(run, now)
-        self.path.drop()
+        self.paths.drop()
 
     def path_given(self, ticket: int, job: int) -> None:
         """The robot moves for a program from now on."""
-        self.path.given(ticket, job)
-        stretch = self.path.now
-        if stretch is not None and stretch.job == job:
+        stretch = self.paths.given(ticket, job)
+        if stretch is not None:
             if stretch.whole:
                 self.port.whole(job)
             for text in lines.head(self.robots[stretch.robot - 1]):
@@ -136,11 +143,11 @@ class CellRun(Control):
         """It does not any more; an error ends the program."""
         self.now = now
         self._systems.pop(ticket, None)
-        stretch = self.path.ended(ticket, error)
+        stretch = self.paths.ended(ticket, error)
         if stretch is None or error is None or not isinstance(stretch.owner, Task):
             return
         task = stretch.owner
-        if line := self.path.place_of(stretch):
+        if line := self.paths.of(stretch.robot).place_of(stretch):
             task.process.line = line
         self.scheduler.fail(task.process, error, now)
 
@@ -163,7 +170,7 @@ class CellRun(Control):
         self.now = now
         self._round += 1
         self._read.clear()
-        self.path.look()
+        self.paths.look()
         for lane, robot in ((self.lanes[name], self._robot(name)) for name in self.lanes):
             lane.position = robot.own(self.port.view.set)
         self._advance()
@@ -178,19 +185,21 @@ class CellRun(Control):
 
     def _settle(self) -> None:
         """What has been handed on is run where nothing follows soon; an order nobody needs goes back."""
-        stretch = self.path.now
-        if stretch is None or not isinstance(stretch.owner, Task) or not stretch.job:
-            return
-        task = stretch.owner
+        for stretch in self.paths.stretches:
+            if isinstance(stretch.owner, Task) and stretch.job:
+                self._settle_one(stretch, stretch.owner)
+
+    def _settle_one(self, stretch: Stretch, task: Task) -> None:
+        path = self.paths.of(stretch.robot)
         waits = task.process.waits_for
         if task.process.state is ProcessState.WAITING and not (isinstance(waits, demands.MoveTo) and task.block is None):
-            self.path.finish(stretch)
+            path.finish(stretch)
         if any(block.stretch is stretch for block in task.blocks()):
             stretch.dry = None
         elif stretch.dry is None:
             stretch.dry = self.now
-        elif self.now - stretch.dry >= DRY_NS or self.path.contended:
-            self.path.release(task)
+        elif self.now - stretch.dry >= DRY_NS or path.contended:
+            path.release(task)
 
     def _robot(self, kinematic: str) -> CellRobot:
         number = self._numbers.get(kinematic, 1)
@@ -246,7 +255,7 @@ class CellRun(Control):
         if block.until is not None:
             if not block.stretch.over:
                 return False
-            block.met = self.port.view.path.met
+            block.met = self.port.view.path_of(block.stretch.robot).met
         return True
 
     def _hand_on(self, task: Task) -> None:
@@ -266,19 +275,20 @@ class CellRun(Control):
                 return  # it begins from rest
             if last is not None and (last.wanted is None or last.wanted.robot is not item.wanted.robot):
                 return  # the one before ends first
-            if last is not None and last.stops and self.path.contended:
+            path = self.paths.of(item.wanted.robot.number)
+            if last is not None and last.stops and path.contended:
                 return
             if item.wanted.way == "circular" and item.wanted.via and through is None:
                 through = item
                 continue
             if under_way > self.lane(item.kinematic).most:
                 return
-            stretch = self.path.wanted(task, task.unit.name, item.wanted.robot.number, whole=item.until is not None)
+            stretch = path.wanted(task, task.unit.name, item.wanted.robot.number, whole=item.until is not None)
             if stretch is None:
                 return
             self._say(stretch, item, through)
             if item.until is not None:
-                self.path.release(task)
+                path.release(task)
                 return
             last, through = item, None
             under_way += 1
@@ -289,10 +299,10 @@ class CellRun(Control):
         if self._systems.get(stretch.ticket) != frame:
             self._systems[stretch.ticket] = frame
             for text in lines.system(frame):
-                self.path.hand_on(stretch, text, item.line, block=False)
+                self.paths.of(stretch.robot).hand_on(stretch, text, item.line, block=False)
         near, shares = self.lane(item.kinematic).position, self.port.view.channels.factors
         text = lines.line(item.wanted, near, shares, None if through is None else through.wanted)
-        item.index = self.path.hand_on(stretch, text, item.line)
+        item.index = self.paths.of(stretch.robot).hand_on(stretch, text, item.line)
         item.stretch = stretch
         if through is not None:
             through.index, through.stretch = item.index, stretch
@@ -308,15 +318,15 @@ class CellRun(Control):
             return False
 
     def _halted(self, task: Task, lane: Lane) -> None:
-        self.path.forget(task)
+        self.paths.forget(task)
 
     def _rest(self, task: Task) -> None:
         super()._rest(task)
-        self.path.forget(task)
+        self.paths.forget(task)
 
     def _process_answer(self, task: Task, request: Request) -> object:
         if isinstance(request, demands.Drain):
-            return None if not task.queue and self.path.release(task) else PENDING
+            return None if not task.queue and self.paths.release(task) else PENDING
         return super()._process_answer(task, request)
 
     def _answer(self, task: Task, request: Request) -> object:

@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from gateway.pure.image.records.cell import Motion
+from gateway.pure.image.records.cell import CellState, Motion
 from gateway.pure.image.records.interpreter import Channels, Fact
+from gateway.pure.image.records.planner import PlannerState
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
 
 
@@ -32,12 +33,26 @@ class View:
     channels: Channels = Channels()
     set: tuple[float, ...] = ()
     measured: tuple[float | None, ...] = ()
-    path: PathState = PathState()
+    paths: tuple[PathState, ...] = (PathState(),)  # of each robot; in a cell that moves one at a time one for all
     actual: tuple[float, ...] = ()
     enabled: int = 0
     motion: Motion = Motion.IDLE
     override: float = 0.0
     chain: bool = True  # the emergency-stop chain is closed, no emergency stop is latched
+
+    def path_of(self, robot: int) -> PathState:
+        """By its number, from 1."""
+        return self.paths[robot - 1] if 1 < robot <= len(self.paths) else self.paths[0]
+
+
+def paths_of(planner: PlannerState, state: CellState) -> tuple[PathState, ...]:
+    """Of the lanes of a cell, as planner and cycle report them."""
+    states = (planner, *planner.others)
+    met = [lane.met for lane in state.lanes] or [state.met]
+    return tuple(
+        PathState(each.job, each.passed, each.failed_job, each.fault_block, one, each.block, each.share, each.fault_code)
+        for each, one in zip(states, met, strict=False)
+    )
 
 
 @dataclass(frozen=True, slots=True)

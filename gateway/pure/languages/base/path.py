@@ -1,11 +1,13 @@
-"""The path of a cell as programs have it: one owner at a time, blocks handed on one by one, answers by block.  Pure.
+"""The paths of a cell as programs have them: one owner at a time of each, blocks handed on one by one, answers by block.  Pure.
 
 Between two rests a program has one order of the cycle (a stretch).  It is asked for with the first block, and over when nothing has
 followed for a while, when another program waits for the axes, or when something ends it.
 """
 
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import count
 
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
@@ -33,12 +35,12 @@ class Stretch:
 
 @dataclass(slots=True)
 class Path:
-    """Who moves."""
+    """Who moves a robot, or in a cell that moves one at a time any of them.  tickets: numbers of orders."""
 
     port: Port
     now: Stretch | None = None
+    tickets: Iterator[int] = field(default_factory=lambda: count(1))
     _waiting: deque[object] = field(default_factory=deque)
-    _tickets: int = 0
 
     def held_by(self, owner: object) -> Stretch | None:
         """The stretch of this owner that is not over."""
@@ -62,9 +64,8 @@ class Path:
             return None
         if self._waiting[0] is owner:
             self._waiting.popleft()
-            self._tickets += 1
-            self.now = Stretch(owner, program, robot, self._tickets, whole=whole)
-            self.port.ask_path(self._tickets, program, robot)
+            self.now = Stretch(owner, program, robot, next(self.tickets), whole=whole)
+            self.port.ask_path(self.now.ticket, program, robot)
         return None
 
     def hand_on(self, stretch: Stretch, text: str, line: int, *, block: bool = True) -> int:
@@ -128,13 +129,64 @@ class Path:
 
     def look(self) -> None:
         """Report of the planner in this turn."""
-        stretch, path = self.now, self.port.view.path
-        if stretch is not None and stretch.job and path.job == stretch.job:
+        stretch = self.now
+        if stretch is None or not stretch.job:
+            return
+        path = self.port.view.path_of(stretch.robot)
+        if path.job == stretch.job:
             stretch.passed = max(stretch.passed, min(path.passed, stretch.count))
 
     def place_of(self, stretch: Stretch) -> int:
         """Line of the block that failed; 0: none did."""
-        path = self.port.view.path
+        path = self.port.view.path_of(stretch.robot)
         if path.failed_job != stretch.job or not 0 < path.fault_block <= len(stretch.places):
             return 0
         return stretch.places[path.fault_block - 1]
+
+
+class Paths:
+    """Of all robots of a cell.  `one`: a single path, on which one robot moves at a time."""
+
+    def __init__(self, port: Port, robots: int, *, one: bool) -> None:
+        tickets = count(1)
+        self._all = [Path(port, tickets=tickets) for _ in range(1 if one else max(robots, 1))]
+
+    def of(self, robot: int) -> Path:
+        """By the number of the robot, from 1."""
+        return self._all[robot - 1] if robot <= len(self._all) else self._all[0]
+
+    @property
+    def stretches(self) -> list[Stretch]:
+        """Those that are asked for, or under way."""
+        return [path.now for path in self._all if path.now is not None]
+
+    def look(self) -> None:
+        """Report of the planner in this turn."""
+        for path in self._all:
+            path.look()
+
+    def given(self, ticket: int, job: int) -> Stretch | None:
+        """The cell moves for this one from now on; None: nothing is waited for under this number."""
+        for path in self._all:
+            path.given(ticket, job)
+        return next((stretch for stretch in self.stretches if stretch.ticket == ticket and stretch.job == job), None)
+
+    def ended(self, ticket: int, fault: RuntimeFault | None) -> Stretch | None:
+        """The order is over; the stretch it was."""
+        found = [path.ended(ticket, fault) for path in self._all]
+        return next((stretch for stretch in found if stretch is not None), None)
+
+    def release(self, owner: object) -> bool:
+        """Nothing follows any more; True: the owner has no stretch left."""
+        released = [path.release(owner) for path in self._all]  # each of them, whatever the first says
+        return all(released)
+
+    def forget(self, owner: object) -> None:
+        """The owner is gone."""
+        for path in self._all:
+            path.forget(owner)
+
+    def drop(self) -> None:
+        """The source of the orders has restarted and knows none of them."""
+        for path in self._all:
+            path.drop()

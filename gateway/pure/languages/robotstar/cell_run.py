@@ -219,7 +219,7 @@ class CellRun:
         stretch: Stretch | None = self.path.now
         if stretch is None or stretch.ticket != ticket:
             return None
-        path = self.port.view.path
+        path = self.port.view.path_of(stretch.robot)
         if path.failed_job != stretch.job or not stretch.job:
             return None
         blocks = [item for item in self.ahead.items if isinstance(item, Block)]

@@ -113,7 +113,7 @@ class StreamMover:
         """Block under way, its share, rest, blocks not done."""
         waiting = sum(item.number != CONNECTS for items in (self._handed, self._waiting) for item in items)
         under_way, share = self._done, 1.0
-        stretch, path = self._path.held_by(self), self.port.view.path
+        stretch, path = self._path.held_by(self), self.port.view.path_of(1)
         if stretch is not None and stretch.job and path.job == stretch.job:
             item = next((each for each in self._handed if each.index == path.block), None)
             if item is not None and item.number != CONNECTS:
@@ -200,7 +200,7 @@ class StreamMover:
                 self._refused = error.text
                 self.said(f"the arm does not move: {error.text}")
             return None
-        path = self.port.view.path
+        path = self.port.view.path_of(1)
         circular = bool(self._handed) and self._handed[0].block.kind is Interpolation.CIRCULAR and path.share > 0.0
         if path.failed_job == stretch.job or circular:
             self.abandon()

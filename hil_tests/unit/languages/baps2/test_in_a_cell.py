@@ -330,6 +330,6 @@ def test_services_that_begin_anew_find_no_process_and_can_start_one() -> None:
         cell.control.processes.stop(process.number)
     cell.hosted = cell.control.hosted = HostedPrograms(cell.control)
     cell.language.stop_all(cell.bench.now)
-    assert not cell.language.rows() and cell.language.path.now is None
+    assert not cell.language.rows() and not cell.language.paths.stretches
     cell.until(lambda: cell.bench.core.state.motion is Motion.IDLE, 60.0)
     assert cell.run("P")[0] == "ended" and near(cell, 100, 60, 40, 12)

@@ -25,7 +25,7 @@ class AxisCommands:
         """`sets_override`: nobody else of this cell does, so drive-on brings 100 %."""
         self._office, self._sets_override = office, sets_override
         self._leaving: set[int] = set()  # command sources whose drive-on has fallen: control goes back at rest
-        self._abandon: dict[int, Job] = {}  # command source -> its stopped move, given up as soon as it rests
+        self._abandon: list[Job] = []  # stopped moves, given up as soon as they rest
 
     def drives(self, asked: Mapping[int, Asked], wanted: int, disabled: int, now: Ns) -> None:
         """Edges of the drive-on signals; `wanted`: axes whose signal is set, `disabled`: axes that stay off regardless of it."""
@@ -67,9 +67,14 @@ class AxisCommands:
 
     def stop(self, door: int, now: Ns, give_up: Job | None = None) -> None:
         """Stops on the path; `give_up`: the move whose rest is abandoned, as where a program is taken off (L2610)."""
-        self._say(door, Command(Code.STOP), now)
-        if give_up is not None:
-            self._abandon[door] = give_up
+        if give_up is None:
+            self._say(door, Command(Code.STOP), now)
+            return
+        if self._lanes:
+            self._office.stop_move(give_up)  # the other lanes go on
+        else:
+            self._say(door, Command(Code.STOP), now)
+        self._abandon.append(give_up)
 
     def resume(self, door: int, now: Ns) -> None:
         """Goes on with a stopped move."""
@@ -82,17 +87,24 @@ class AxisCommands:
     def settle(self, now: Ns) -> None:
         """Once per cycle: what had to wait for rest."""
         cell = self._office.cell
-        for door, job in list(self._abandon.items()):
+        for job in list(self._abandon):
             if not job.open:
-                del self._abandon[door]  # it ended by itself, or its rest is gone
-            elif self._motion(door, cell) is Motion.STOPPED:
-                del self._abandon[door]
-                self._say(door, Command(Code.ABANDON), now)
+                self._abandon.remove(job)  # it ended by itself, or its rest is gone
+            elif cell is not None and cell.motion_of(job.span) is Motion.STOPPED:
+                self._abandon.remove(job)
+                if self._lanes:
+                    self._office.abandon_move(job)
+                else:
+                    self._say(job.door, Command(Code.ABANDON), now)
         for door in list(self._leaving):
             if self._motion(door, cell) in AT_REST:
                 self._leaving.discard(door)
                 if self._office.owns(door):
                     self._say(door, Command(Code.RELEASE_CONTROL), now)
+
+    @property
+    def _lanes(self) -> bool:
+        return self._office.cell is not None and bool(self._office.cell.lanes)
 
     def _motion(self, door: int, cell: CellState | None) -> Motion:
         """Of what this command source has control of."""

@@ -63,7 +63,7 @@ class RhoControl:
         self._cycle_errors = CycleErrors(self.interface.faults, setup.axes)
         self._watch = PlcWatch(setup.plc_silence, now, setup.plc_grace) if setup.plc_silence else None
         self._guard = PicGuard(setup.pic_timeout, SETTLES) if setup.pic_timeout else None
-        self._jobs: dict[str, Job] = {}  # program -> its move
+        self._jobs: dict[tuple[str, int], Job] = {}  # program and robot (0: a step of its own) -> its move
         self._keep = int.from_bytes(setup.of_cycle, "little") ^ (1 << 8 * RC_BYTES) - 1
         self._last = now
         self._listed: set[str] = set()  # programs with a process, as of the last cycle
@@ -190,7 +190,7 @@ class RhoControl:
         process = self.processes.named(program)
         kinematic = 1 if process is None else (process.kinematics & -process.kinematics).bit_length()  # the lowest it moves
         factors = self.factor_table.acting(min(max(kinematic, 1), self.setup.installation.kinematics))
-        job = self._jobs[program] = self._commands.move(self.selector, step, now, factors)
+        job = self._jobs[program, 0] = self._commands.move(self.selector, step, now, factors)
         return job
 
     def open_path(self, program: str, robot: int, now: Ns) -> Job:
@@ -199,15 +199,15 @@ class RhoControl:
         if barred is not None:
             raise fault_of(barred)
         door = (self.hosted.door_of(program) if self.hosted is not None else 0) or self.selector
-        job = self._jobs[program] = self._commands.stream(door, robot, self.setup.robot_masks[robot - 1])
+        job = self._jobs[program, robot] = self._commands.stream(door, robot, self.setup.robot_masks[robot - 1])
         if job.open:
             self.modes.begins(program, (robot,))
         return job
 
-    def path_closed(self, program: str) -> None:
+    def path_closed(self, program: str, robot: int) -> None:
         """Its order is over."""
-        self.modes.ends(program)
-        self._jobs.pop(program, None)
+        self.modes.ends(program, robot)
+        self._jobs.pop((program, robot), None)
 
     def panel_text(self, written: str) -> None:
         """WRITE PHG: line after line, CLS clears; what does not fit is lost at the top."""
@@ -263,13 +263,13 @@ class RhoControl:
     def _end_moves(self) -> None:
         """The motion of a program that is gone or in error ends at once and is not finished (L2610)."""
         self.processes.take_stopped()
-        for name, job in list(self._jobs.items()):
+        for (name, robot), job in list(self._jobs.items()):
             process = self.processes.named(name)
             alive = process is not None and process.state is not State.FAULTY
             if job.open and not alive:
                 self._commands.stop(job.door, self.now, give_up=job)
             if not job.open or not alive:
-                del self._jobs[name]
+                del self._jobs[name, robot]
         listed = {process.name for process in self.processes.processes}
         for name in self._listed - listed:
             self.modes.deselected(name)

@@ -31,7 +31,7 @@ class Mover(Protocol):
     def open_path(self, program: str, robot: int, now: Ns) -> Job:
         """An order to move a robot; ProcessFault: the mode does not allow it."""
 
-    def path_closed(self, program: str) -> None:
+    def path_closed(self, program: str, robot: int) -> None:
         """It is over."""
 
     def panel_text(self, written: str) -> None:
@@ -65,8 +65,8 @@ class _Order:
 
     ticket: int
     program: str
+    robot: int
     job: Job
-    told: bool = False
 
 
 @dataclass(slots=True)
@@ -85,7 +85,7 @@ class HostedPrograms:
     gone: bool = False  # the interpreter ended under its processes: to be reported
     results: dict[int, tuple[str, int, str, str]] = field(default_factory=dict)  # of the last runs
     _bodies: dict[int, HostedBody] = field(default_factory=dict)
-    _path: _Order | None = None
+    _paths: list[_Order] = field(default_factory=list)
     _runs: int = 0
 
     # ---- what the interpreter publishes
@@ -135,11 +135,11 @@ class HostedPrograms:
         if self._bodies:
             self.gone = True
         self._bodies.clear()
-        if self._path is not None:
-            if self._path.job.open:
-                self.ending.append(self._path.job.id)
-            self.control.path_closed(self._path.program)
-            self._path = None
+        for order in self._paths:
+            if order.job.open:
+                self.ending.append(order.job.id)
+            self.control.path_closed(order.program, order.robot)
+        self._paths.clear()
 
     # ---- what it says
 
@@ -192,7 +192,7 @@ class HostedPrograms:
         except ProcessFault as fault:
             self._answer("over", ticket, code=fault.code, text=fault.text)
             return
-        self._path = _Order(ticket, program, job)
+        self._paths.append(_Order(ticket, program, robot, job))
         if job.open:
             self._answer("given", ticket, job=job.id)
 
@@ -215,10 +215,9 @@ class HostedPrograms:
             elif body.process.state is State.FAULTY and body.over is None:  # the control ended it: its mode was switched
                 self.orders.append({"do": "fail", "run": run, "code": body.process.error, "text": body.process.error_text})
                 self._end(body, "aborted", body.process.error, body.process.error_text)
-        order = self._path
-        if order is not None and not order.job.open:
-            self._path = None
-            self.control.path_closed(order.program)
+        for order in [each for each in self._paths if not each.job.open]:
+            self._paths.remove(order)
+            self.control.path_closed(order.program, order.robot)
             done = order.job.state is CommandState.DONE
             words = "" if done else text(order.job.reason, self.language, order.job.detail)
             self._answer("over", order.ticket, code=0 if done else NOT_MOVED, text=words)

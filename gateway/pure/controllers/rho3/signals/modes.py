@@ -73,9 +73,9 @@ class OperatingModes:
         """A block of `program` moves these kinematics from now on."""
         self._moving |= dict.fromkeys(kinematics, program)
 
-    def ends(self, program: str) -> None:
-        """The block of `program` has ended."""
-        self._moving = {number: owner for number, owner in self._moving.items() if owner != program}
+    def ends(self, program: str, kinematic: int = 0) -> None:
+        """The block of `program` has ended; kinematic: the one it moved, 0: all it moves."""
+        self._moving = {n: owner for n, owner in self._moving.items() if owner != program or (kinematic and n != kinematic)}
 
     def deselected(self, program: str) -> None:
         """`program` was deselected or reset: what it barred is free again."""
