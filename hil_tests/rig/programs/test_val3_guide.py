@@ -1,0 +1,84 @@
+"""docs/guide/val3-in-a-cell.md with real processes: check, start, a part, what it switches and where the arm ends (AX-930)."""
+
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+
+import pytest
+
+import configs
+from gateway.pure.image.records.cell import Motion
+from gateway.tools.client import running
+from hil_tests.lab.running.cell_running import COMES_UP_S, CellRun, running_cell
+from hil_tests.purity import ROOT
+
+CELLS = pathlib.Path(configs.__file__).parent / "cells"
+GUIDE = (ROOT / "docs" / "guide" / "val3-in-a-cell.md").read_text(encoding="utf-8").partition("## Inputs and outputs")[0]
+COMMANDS = re.findall(r"^    (axisgate .*)$", GUIDE, re.MULTILINE)
+STATUS = re.findall(r"^    ((?:program|task) .*)$", GUIDE, re.MULTILINE)
+PATIENCE_S = 150.0
+PLAYS = 3
+HOME = (0.0, 20.0, 100.0, 0.0, 60.0, 0.0)
+pytestmark = pytest.mark.timeout(PLAYS * (COMES_UP_S + 3 * PATIENCE_S))
+
+
+class Disturbed(Exception):
+    """The machine was late, and the simulated drives have stopped: this play proves nothing."""
+
+
+def types(run: CellRun, command: str) -> str:
+    """What a command of the guide prints."""
+    tool, *words = shlex.split(command)[1:]
+    if tool == "program":
+        words = [*(run.cell if word == "cs8" else word for word in words), "--name", run.name]
+    elif tool == "var":
+        words = [run.name if word == "cs8" else word for word in words]
+    done = subprocess.run([sys.executable, "-m", "gateway", tool, *words], capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+    assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
+    return done.stdout
+
+
+def waits(run: CellRun, test: Callable[[], bool], what: str) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not test():
+        with running(run.name) as client:
+            if any(row["fault"] for row in client.axes()):
+                raise Disturbed
+        assert time.monotonic() < end, what
+        time.sleep(0.2)
+
+
+def test_the_guide_word_for_word(tmp_path: pathlib.Path) -> None:
+    shutil.copytree(CELLS / "cs8", tmp_path / "cs8")
+    shutil.copy(CELLS / "cs8.toml", tmp_path)
+    for play in range(PLAYS):
+        with running_cell(str(tmp_path / "cs8.toml"), f"cs8-{play}", plc=False) as run:
+            try:
+                follow(run)
+            except Disturbed:
+                continue
+            return
+    raise AssertionError(f"the machine was late in each of {PLAYS} plays")
+
+
+def follow(run: CellRun) -> None:
+    check, go, start, status, part, again = COMMANDS[:6]
+    assert "0 errors" in types(run, check)
+    assert go == "axisgate run cs8 --sim", "the run that is there"
+    assert types(run, start) == "cycle is started\n"
+    waits(run, lambda: STATUS[1] in types(run, status), "the application waits for its part")
+    assert types(run, status).splitlines() == STATUS[:2]
+    assert "= 1" in types(run, part)
+    waits(run, lambda: "task" not in types(run, status), "it has carried two parts, and ends")
+    with running(run.name) as client:
+        assert int(str(client.ask("axes")["motion"])) == Motion.IDLE
+        assert [float(str(row["actual"])) for row in client.axes()] == pytest.approx(HOME, abs=0.1)
+    assert types(run, start) == "cycle is started\n"
+    waits(run, lambda: "cycle~" in types(run, status), "it runs again")
+    assert types(run, again) == "cycle is stopped\n"
+    waits(run, lambda: "task" not in types(run, status), "it is stopped")
