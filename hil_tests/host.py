@@ -1,7 +1,7 @@
 """The rig's tests of a whole run, in a process of their own, one module after the other; what a busy machine spoilt is played again.
 
 Modules that stand a busy machine (BESIDE in hil_tests/test_folders.py) are played beside the pure tests and the guests, where those have a
-clock of their own, by three processes like that: they wait more than they compute.  The others are played when all these have ended,
+clock of their own, by two processes like that: they wait more than they compute.  The others are played when all these have ended,
 alone.  What failed beside them counts as not played: it is played with the others, and what it says there is its verdict.
 
 A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must.  Witnesses
@@ -36,7 +36,7 @@ CLAIMS = "AXISGATE_TEST_CLAIMS"  # set in those that share modules: folder of cl
 P5 = "AXISGATE_TEST_P5"  # ms; hil_tests/lab/running/cell_running.py
 AGAIN_P5_MS = (16, 32, 32, 32)  # of the repetitions
 MOST_AGAIN = 35  # modules, of some forty; more than these is no matter of the machine
-BESIDE_THEM = ("beside-1", "beside-2", "beside-3")  # the processes that play BESIDE: they share its modules as they come to them
+BESIDE_THEM = ("beside-1", "beside-2")  # the processes that play BESIDE: they share its modules as they come to them
 BESIDE_NAME = "beside"
 POLL_S = 0.2
 ENDS_S = 60.0

@@ -74,9 +74,8 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("telegrams/test_order_and_done.py", "trace/test_journal_of_a_real_port.py"),
     *("web/test_changed_users.py", "web/test_hostile_visitors.py", "web/test_page_alarms.py"),
     *("web/test_page_first_steps.py", "web/test_tls.py", "web/test_web_user.py"),
-    *("programs", "death/test_simulation_dies.py", "death/test_slow_retry.py", "doors/test_own_block_over_rk512.py"),
-    *("line_tools/test_conformance_on_a_pty.py", "line_tools/test_tutorial.py", "pythons", "starting/test_hand_plc.py"),
-    *("telegrams/test_telegram_guide.py", "web/test_page_faults.py", "web/test_page_programs.py", "web/test_page_values.py"),
+    *("death/test_simulation_dies.py", "death/test_slow_retry.py", "doors/test_own_block_over_rk512.py"),
+    *("pythons", "web/test_page_faults.py", "web/test_page_values.py"),
 )
 
 NO_OWN_TIME = (  # alone, and never in a guest: hogs, guests, a browser that draws in three dimensions

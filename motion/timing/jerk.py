@@ -59,7 +59,7 @@ def jerk_limited_work(path: JointPath, limits: LawLimits, start: tuple[float, fl
     where acceleration or jerk come out too high it is planned again with lower limits there, and if that does not help run a little
     slower as a whole.
     """
-    guess = _guess(path, limits, start)
+    guess = yield from _guess(path, limits, start)
     yield
     tight, slow = np.ones(len(guess.s)), np.ones(len(guess.s))  # shares of the limits of jerk and of speed, point by point
     law, found, first, least, beta = guess, None, 0.0, math.inf, np.ones(len(guess.s))
@@ -91,7 +91,7 @@ def estimate(path: JointPath, limits: LawLimits) -> float:
     too few where corners do.  A corner smaller than the ramps is as slow as its change of curvature makes it."""
     shortest = float(np.min(np.diff(path.knots)))
     count = int(min(max(A_PIECE * path.length / shortest, QUICK_GRID), MOST_QUICK))
-    second, ramp = _second(path, limits, (0.0, 0.0, 0.0), count, bends=True).duration, _ramp(limits)
+    second, ramp = whole(_second(path, limits, (0.0, 0.0, 0.0), count, bends=True)).duration, _ramp(limits)
     if second < 8.0**0.5 * ramp:  # it ends before full acceleration is there
         return float(np.cbrt(8.0 * ramp * second**2))
     return ramp + math.hypot(ramp, second)
@@ -172,11 +172,13 @@ def _excess(path: JointPath, limits: LawLimits, law: Law) -> Work[Excess]:
     return np.concatenate(places), np.concatenate(much), np.concatenate(fast)
 
 
-def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]) -> Law:
+def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]) -> Work[Law]:
     """The acceleration-limited law averaged over the time a full ramp takes: breaks limits a little, which the rounds mend."""
-    second = _second(path, limits, start, GRID)
+    second = yield from _second(path, limits, start, GRID)
+    yield
     if check_seconds(second.duration, POSSIBLE_S) > GRID * GRID_S:  # the least it takes: a longer one is not worth its minutes of work
-        second = _second(path, limits, start, int(min(second.duration / GRID_S, MOST_GRID)))
+        second = yield from _second(path, limits, start, int(min(second.duration / GRID_S, MOST_GRID)))
+        yield
     ramp = _ramp(limits)
     duration = second.duration + ramp
     count = int(min(max(duration / STEP, FEWEST), MOST))
@@ -186,7 +188,7 @@ def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]
     return Law.sampled(smooth, float(t[1]), start)
 
 
-def _second(path: JointPath, limits: LawLimits, start: tuple[float, float, float], count: int, *, bends: bool = False) -> topp.Topp:
+def _second(path: JointPath, limits: LawLimits, start: tuple[float, float, float], count: int, *, bends: bool = False) -> Work[topp.Topp]:
     """The acceleration-limited law on so many intervals; bends: and no faster than the jerk of the path's own bends at a steady speed."""
     s = np.linspace(start[0], path.length, count + 1)
     jerk = limits.at(s)[2]
@@ -195,7 +197,7 @@ def _second(path: JointPath, limits: LawLimits, start: tuple[float, float, float
         with np.errstate(divide="ignore", invalid="ignore"):
             shares = np.nan_to_num(np.abs(path.at(s, 3)) / jerk)
             most = np.minimum(most, np.max(shares, axis=1) ** (-2 / 3))
-    return topp.solve(path.at(s, 1), path.at(s, 2), float(s[1] - s[0]), limits.pulls(s), most, start[1] ** 2)
+    return (yield from topp.solve_work(path.at(s, 1), path.at(s, 2), float(s[1] - s[0]), limits.pulls(s), most, start[1] ** 2))
 
 
 def _ramp(limits: LawLimits) -> float:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from motion.errors import MotionError
 from motion.timing.needed import needed
 from motion.timing.pulls import sided
+from motion.timing.slices import Work, whole
 
 Array = NDArray[np.float64]
 BIG = 1e12  # stands for no limit on b
@@ -75,15 +76,22 @@ class _Rows:
 
 
 def solve(first: Array, second: Array, step: float, accel: Array, most: Array, b_start: float = 0.0, b_end: float = 0.0) -> Topp:
+    """As solve_work, at once."""
+    return whole(solve_work(first, second, step, accel, most, b_start, b_end))
+
+
+def solve_work(first: Array, second: Array, step: float, accel: Array, most: Array, b_start: float = 0.0, b_end: float = 0.0) -> Work[Topp]:
     """first, second: (n + 1, m) q' and q''; accel: (m,) or (n + 1, m) limits, or (2, n + 1, m): speeding up, slowing down;
     most: (n + 1,) largest b the speeds allow (see speed_limit).
 
     Raises MotionError where no law leads from b_start to b_end.
     """
     rows = _rows(first, second, step, np.broadcast_to(accel, (2, *first.shape)))
+    yield
     controllable = _backward(rows, np.minimum(most, BIG), step, b_end)
     if b_start > controllable[0] * (1 + 1e-9) + 1e-15:
         raise MotionError(f"the path cannot be entered at {b_start**0.5:.6g}: at most {controllable[0] ** 0.5:.6g} can still be braked")
+    yield
     return Topp(_forward(rows, controllable, step, b_start), controllable, step)
 
 

@@ -7,7 +7,7 @@ from gateway.assembly.run import RunPlan, make_regions
 from gateway.cell_file.load import load_cell
 from gateway.northbound.metrics import Metrics
 from gateway.observer.regions import Regions
-from gateway.pure.image.records.cell import AxisFlag, AxisState, CellState, cell_state_packer
+from gateway.pure.image.records.cell import AxisFlag, AxisState, CellState, LaneState, cell_state_packer
 from gateway.runtime.regions import RegionWriter
 from hil_tests.lab.cells.many_robots import ROBOTS, cell_file
 from hil_tests.rig.northbound.test_northbound import parsed
@@ -23,7 +23,8 @@ def test_every_axis_of_a_cell_of_32_has_its_numbers_in_its_unit(tmp_path: pathli
     axes = [AxisState(0.1 * n, 0.1 * n + 1e-3, 0.02, 1e-3, 0.5, on, fault_code=0x2310 if n == 31 else 0) for n in range(AXES)]
     axes[31].flags = AxisFlag.FAULT
     writer = RegionWriter(fds["axes"])
-    writer.write(cell_state_packer(AXES)(CellState(axes=axes)), time.monotonic_ns())
+    state = CellState(axes=axes, lanes=[LaneState() for _ in range(ROBOTS)])
+    writer.write(cell_state_packer(AXES, ROBOTS)(state), time.monotonic_ns())
     writer.beat(time.monotonic_ns())
     regions = Regions(plan, fds)
     regions.look()
