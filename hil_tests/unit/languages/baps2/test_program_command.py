@@ -97,4 +97,5 @@ def test_points_are_listed_with_their_components(folder: pathlib.Path, capsys: p
 
 def test_a_cell_without_a_memory_is_told_in_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["start", "portal", "PICK"]) == Exit.INVALID
-    assert capsys.readouterr().err == 'axisgate program: portal has no programs: [controller] with memory = "FOLDER" names their folder\n'
+    sentence = 'portal has no programs: [controller] with memory = "FOLDER" names their folder, [val3] an application'
+    assert capsys.readouterr().err == f"axisgate program: {sentence}\n"
