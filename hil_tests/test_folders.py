@@ -15,7 +15,7 @@ PURE = tuple(f"hil_tests/{folder}/" for folder, lane in lanes.FOLDERS.items() if
 OWN_TIME = (  # in guests with a clock of their own: whole cells that a late cycle would stop; lines that wait for seconds
     *("belts", "canopen", "planner", "scope", "shadow"),
     *("line_tools/test_learn_the_demo.py", "line_tools/test_tools_on_a_cable.py", "modbus/test_modbus_probe.py"),
-    *("rho3/test_rho3_lines.py", "serial/test_line_3964r.py"),
+    *("death/test_slow_monitor.py", "rho3/test_rho3_lines.py", "serial/test_line_3964r.py"),
 )
 COMMANDS = (  # they start commands or call them and read files; no clock runs in what they prove
     *("completion", "datfiles", "demo/test_demo_on_a_slow_machine.py", "editor", "motion"),

@@ -173,7 +173,8 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
   const reopen = h("button", { type: "button", id: "reopen", onclick: () => post("/api/scope/open", { name: kept.value }) }, t("Reopen"));
   const file = h("input", { type: "file", accept: ".scope", id: "scope-file", hidden: true, onchange: async () => { try { take(parse(await file.files[0].arrayBuffer())); } catch { toast(t("This is no recording"), "bad"); } } });
   const taken = ["scope", "csv", "mf4"].map((kind) => h("a", { class: "button", href: `/api/scope/file?as=${kind}`, download: "", id: `take-${kind}` }, kind.toUpperCase()));
-  function list(saved) { kept.replaceChildren(...saved.map(({ name: each }) => h("option", {}, each))); }
+  function list(saved) { kept.replaceChildren(...saved.map(({ name: each }) => h("option", {}, each))); openable(); }
+  function openable() { grey(reopen, unable("operator") || (kept.value ? "" : t("nothing is kept yet"))); } // the names may come behind the last update
   get("/api/scope/names").then((told) => {
     known.replaceChildren(...[...told.channels, ...told.signals].map((each) => h("option", { value: each })));
     list(told.saved);
@@ -204,7 +205,7 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
       const unfit = unable("operator");
       grey(start, unfit || (rolling ? t("The scope rolls: stop it first.") : ""));
       grey(roll, unfit || (running() && !rolling ? t("A recording runs: end it first.") : ""));
-      grey(reopen, unfit || (kept.value ? "" : t("nothing is kept yet")));
+      openable();
       grey(keep, unfit || (page.state === "done" ? "" : t("nothing recorded yet")));
       layouts.update();
       const share = page.wanted ? `${Math.min(100, Math.round((100 * page.records) / page.wanted))} %` : "";
