@@ -23,9 +23,9 @@ def checked(cell: str) -> object:
 
 
 def has_programs(name: str) -> bool:
-    """Motion programs, or programs of the old control in its memory (AX-860)."""
+    """Motion programs, or programs of the old control: in its memory (AX-860), on its disk (AX-930)."""
     cell = load_cell(name)
-    return bool(cell.program) or (cell.controller is not None and bool(cell.controller.memory))
+    return bool(cell.program) or cell.val3 is not None or (cell.controller is not None and bool(cell.controller.memory))
 
 
 @pytest.mark.parametrize("name", [name for name in names_in("cells") if not has_programs(name)])

@@ -15,6 +15,7 @@ from gateway.pure.controllers.pic_image import PicImage
 from gateway.pure.controllers.reis.analog import ana_inp, output_volts
 from gateway.pure.controllers.reis.binary import FIRST_BYTE, Area, BinaryIo, IoFault, SharedOutputs
 from gateway.pure.controllers.reis.integrated import DRIVES_OFF, STOPS, IntegratedPlc
+from gateway.pure.controllers.reis.keys import Keys
 from gateway.pure.controllers.reis.markers import (
     ACKNOWLEDGED,
     ERROR_NUMBER,
@@ -29,7 +30,7 @@ from gateway.pure.controllers.reis.markers import (
     Markers,
 )
 from gateway.pure.controllers.reis.regulator import Message, Reference, regulator_error, start
-from gateway.pure.controllers.reis.robot_part import Keys, RobotPart
+from gateway.pure.controllers.reis.robot_part import RobotPart
 from gateway.pure.image.records.cell import AxisFlag, CellState, InputImage, Motion
 from protocols.base.machine import Ns
 

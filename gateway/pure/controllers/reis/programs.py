@@ -11,7 +11,7 @@ from typing import Protocol
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
-from gateway.pure.controllers.reis.robot_part import Keys
+from gateway.pure.controllers.reis.keys import Keys
 from gateway.pure.image.reasons import CommandState, Reason, text
 from gateway.pure.image.records.cell import AxisFlag, CellState, Motion
 from gateway.pure.image.records.interpreter import Channels, Fact

@@ -1,7 +1,7 @@
 """The files a translation leaves in the memory: NAME.IRD where the source has no error, NAME.ERR where it has (rho 3 releases L785-794)."""
 
-import hashlib
 import json
+import zlib
 from collections.abc import Iterable
 
 from gateway.pure.languages.baps2.tree import Declared, Program
@@ -23,7 +23,8 @@ def err_of(faults: Faults) -> str:
 
 def digest(source: str) -> str:
     """What ties an IRD to its source."""
-    return hashlib.sha256(source.encode()).hexdigest()
+    data = source.encode()
+    return f"{zlib.crc32(data):08x}-{len(data)}"
 
 
 def age_of(ird: str | None, source: str | None) -> int | None:

@@ -167,7 +167,7 @@ DEMO_402 = read_text(find_config("demo-402", "cells"))
     ("to", "to_type", "words"),
     [
         ("A1:6041h:00", "u16", "read-only according to axisgate_402.eds"),
-        ("A1:6072h:00", "u32", "is UNSIGNED16 in axisgate_402.eds"),
+        ("A1:6072h:00", "u32", "UNSIGNED16 in axisgate_402.eds; u32 has 4 bytes"),
         ("A1:5FFFh:00", "u16", "lists no object 5FFFh:00"),
         ("A1:6072h:01", "u16", "lists no object 6072h:01"),
         ("A1:6072h:00", "u16", ""),
