@@ -9,7 +9,7 @@ from gateway.pure.cell.cell import Cell, Notice
 def application(check: Context) -> None:
     """All that keeps the application from its start."""
     if check.cell.val3 is not None:
-        from gateway.checks.val3_files import application as checked
+        from gateway.checks.applications.val3 import application as checked
 
         checked(check)
 
@@ -17,7 +17,7 @@ def application(check: Context) -> None:
 def warnings(cell: Cell) -> Iterator[Notice]:
     """Warnings of its files."""
     if cell.val3 is not None:
-        from gateway.checks.val3_files import warnings as found
+        from gateway.checks.applications.val3 import warnings as found
 
         yield from found(cell)
 
