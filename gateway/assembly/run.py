@@ -51,7 +51,7 @@ PLANNER_LIFE_MS = 10_000  # a law of a long run takes a second, much more on a b
 INTERPRETER_LIFE_MS = 10_000  # a long program is checked for seconds
 PROGRAM_REGIONS = ("interpreter", "channels", "program-orders", "program-says")
 PLC_LIFE_MS = 2_000  # twice the longest scan the watchdog allows
-PLC_REGIONS = ("plc", "plc-robot", "plc-orders", "plc-says")
+PLC_REGIONS = ("plc", "plc-robot", "plc-shown", "plc-orders", "plc-says")
 STRETCHED_LIFE_MS = 2_500  # of a cycle in a stretched simulation, which waits for its drives
 
 
@@ -374,6 +374,7 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
         texts = interpreterrecords.TEXT_SIZE, plcrecords.ORDERS, interpreterrecords.TEXT_LAYOUT
         fds["plc"] = create_region("plc", plcrecords.PLC_SIZE, plcrecords.PLC_LAYOUT)
         fds["plc-robot"] = create_region("plc-robot", plcrecords.ROBOT_SIZE, plcrecords.ROBOT_LAYOUT)
+        fds["plc-shown"] = create_region("plc-shown", plcrecords.SHOWN_SIZE, plcrecords.SHOWN_LAYOUT)
         fds |= {name: create_ring(name, *texts) for name in ("plc-orders", "plc-says")}
     fds |= {child.life: create_region(child.life, 8) for child in plan.children if child.module in WATCHED_MS and child.life}
     fds |= make_joined(plan.cell)

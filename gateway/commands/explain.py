@@ -66,8 +66,8 @@ def explain(key: str, cell: Cell | None, path: str | None, spoken: str = "en") -
     """What is known about a key; [] when nothing is."""
     last = key.rsplit(maxsplit=1)[-1:]
     numbered = errors_of(key) if last and number_of(last[0]) is not None else []
-    if re.fullmatch(r"[Aa][Xx]-?\d{3}", key):
-        return decision_lines(f"AX-{key[-3:]}")
+    if decided := re.fullmatch(r"[Aa][Xx]-?(\d{3,4})", key):
+        return decision_lines(f"AX-{decided[1]}")
     parameter = re.fullmatch(r"(?:rho3\.)?[Pp](\d+)", key)
     if parameter and cell is None:
         return parameter_of_any_cell(f"P{parameter[1]}")

@@ -5,30 +5,40 @@ import json
 import pathlib
 import sys
 import time
+import zlib
 
+from gateway.assembly.integrated_plc import plc_folder
 from gateway.assembly.run import slug_of
 from gateway.files.plc_programs import ProgramFileFault, read_listing, read_programs, write_programs
+from gateway.pure.cell.cell import Cell
 from gateway.pure.languages.plc.awl.report import imported
 from gateway.pure.languages.plc.check import check_programs
 from gateway.pure.languages.plc.orders import OrderFault, orders_of
 from gateway.pure.languages.plc.plc import Settings
+from gateway.pure.languages.plc.reader import lines_of
 from gateway.pure.languages.plc.virtual import Event, VirtualRun
 from gateway.runtime.exit_codes import Exit
-from gateway.tools.client import Row, ToolError, running
+from gateway.tools.client import Row, ToolClient, ToolError, running
 from gateway.tools.command_support import ENVIRONMENT, load
 
 ACTS_S = 0.3  # an order is carried out between two scans; a long program takes some time to be translated
+SHOWN_STEPS = 500  # of it in one answer
+SHOWN_S = 3.0  # until the test display of a program that runs is on
 IN_CELLS = {
     "status": "state and message of the PLC of a running cell",
     "start": "translate and start, as Start PLC does",
     "stop": "end the cyclic treatment; all outputs are 0",
     "ack": "acknowledge the message that is shown",
+    "show": "a program with its test display: state, VKE, ACCU1 and ACCU2 behind each step",
+    "set": "write a marker between two scans",
 }
 EXAMPLES = """examples:
   axisgate plc check cell/PLC                                        all faults of all programs
   axisgate plc run cell/PLC --start MAIN --virtual --scans 200       what 200 scans do, without any process
   axisgate plc run cell/PLC --start MAIN --virtual --at "3 E0.6=1" --at "9 E0.6=0" --json
   axisgate plc status reis-plc                                       the PLC of a running cell; also start [PROGRAM], stop, ack
+  axisgate plc show reis-plc MAIN                                    its listing with state, VKE and accumulators behind each step
+  axisgate plc set reis-plc M10.0 1                                  a marker by hand: M10.0, M10, MD10
   axisgate plc import LIST.TXT --to cell/PLC                         a statement list of STEP 5 or STEP 7 becomes NAME.PLC files
 exit code: 0 done, 1 a finding (faults, a refused start, PLC error, lines not translated), 2 wrong arguments or files"""
 
@@ -74,6 +84,9 @@ def parser() -> argparse.ArgumentParser:
         each.add_argument("cell", metavar="CELL", help="cell file of the run, or its name")
         each.add_argument("--name", help="name of the run, when it is not the file's")
     others[1].add_argument("program", nargs="?", default="", metavar="PROGRAM", help="start program (default: that of the cell)")
+    others[4].add_argument("program", metavar="PROGRAM", help="a program that runs")
+    others[5].add_argument("operand", metavar="MARKER", help="M10.0 (bit), M10 (byte), MD10 (double word)")
+    others[5].add_argument("value", metavar="VALUE", help="decimal, or hexadecimal with H (12H)")
     for each in (one, two, three, *others):
         each.add_argument("--json", action="store_true", help="one JSON object on standard output")
     return whole
@@ -89,7 +102,11 @@ def in_cell(options: argparse.Namespace) -> int:
         return Exit.INVALID
     try:
         with running(options.name or slug_of(cell)) as client:
-            if options.action != "status":
+            if options.action == "show":
+                return show(cell, options, client)
+            if options.action == "set":
+                client.ask("plc", do="write", operand=options.operand, value=options.value)
+            elif options.action != "status":
                 client.ask("plc", do=options.action, name=getattr(options, "program", ""))
                 time.sleep(ACTS_S)
             answer = client.ask("plc", do="status")
@@ -105,6 +122,37 @@ def sentence(answer: Row) -> str:
     message = answer["message"]
     shown = f"; message: {message['text']}" if isinstance(message, dict) else ""
     return f"PLC {answer['state']}, {answer['scans']} scans{shown}"
+
+
+def show(cell: Cell, options: argparse.Namespace, client: ToolClient) -> int:
+    """A listing with its test display.  ToolError."""
+    folder, name = plc_folder(cell), options.program.upper()
+    text = read_programs(folder).get(name) if folder is not None else None
+    if text is None:
+        raise ProgramFileFault(f"{options.program}: there is no such program in {folder}")
+    answer = client.ask("plc", do="show", name=name, first=1)
+    end = time.monotonic() + SHOWN_S
+    while not answer["on"] and time.monotonic() < end:
+        time.sleep(0.1)
+        answer = client.ask("plc", do="show", name=name, first=1)
+    found = steps = list(answer["rows"]) if isinstance(answer["rows"], list) else []
+    while len(found) >= SHOWN_STEPS:
+        found = list(client.ask("plc", do="show", name=name, first=found[-1][0] + 1)["rows"])
+        steps += found
+    rows = {row[0]: row for row in steps}
+    same = answer["on"] and answer["text"] == zlib.crc32(text.encode())
+    why = "" if same else "the file differs from the program that runs" if answer["on"] else answer["why"] or "the program does not run"
+    if options.json:
+        print(json.dumps({"on": same, "why": why, "rows": steps if same else []}, indent=1))
+        return Exit.OK if same else Exit.FINDING
+    print(f"{'step':>5} {'':40} state VKE      ACCU1      ACCU2")
+    for line in lines_of(text):
+        row = rows.get(line.step) if same else None
+        shown = f"{row[1]:>5} {row[2]:>3} {row[3]:>10} {row[4]:>10}" if row else "  NOP" if same else ""
+        print(f"{line.step:>5} {line.text[:40]:40} {shown}".rstrip())
+    if why:
+        print(f"the test display is off: {why}")
+    return Exit.OK if same else Exit.FINDING
 
 
 def _count(text: str) -> int:

@@ -8,7 +8,7 @@ from gateway.files.find import PACKAGED, read_text
 
 FOLDERS = (PACKAGED.parent / "docs" / "decisions.d", PACKAGED / "decisions")
 FORM = re.compile(
-    r"(?:---\nchapter: (?P<chapter>[^\n]+)\n---\n+)?# (?P<number>AX-\d{3})\b[ :.-]*(?P<title>[^\n]+)\n(?P<text>.*)", re.DOTALL
+    r"(?:---\nchapter: (?P<chapter>[^\n]+)\n---\n+)?# (?P<number>AX-\d{3,4})\b[ :.-]*(?P<title>[^\n]+)\n(?P<text>.*)", re.DOTALL
 )
 
 
@@ -38,7 +38,13 @@ def parsed(name: str, source: str) -> Decision:
 
 def files() -> list[pathlib.Path]:
     folder = next((folder for folder in FOLDERS if folder.is_dir()), None)
-    return sorted(folder.glob("AX-*.md")) if folder else []
+    return sorted(folder.glob("AX-*.md"), key=_order) if folder else []
+
+
+def _order(path: pathlib.Path) -> tuple[int, str]:
+    """By the number, which has three or four digits."""
+    number = path.name.split("-")[1]
+    return int(number) if number.isdecimal() else 0, path.name
 
 
 def read_decision(number: str) -> Decision | None:

@@ -11,6 +11,7 @@ import select
 import signal
 import threading
 import time
+import zlib
 from dataclasses import replace
 
 from gateway.assembly.integrated_plc import kept_file, plc_folder
@@ -24,8 +25,12 @@ from gateway.pure.image.records.plc import (
     MARKERS,
     PLC_LAYOUT,
     ROBOT_LAYOUT,
+    SHOWN_LAYOUT,
     PlcReport,
+    PlcShown,
     pack_plc,
+    pack_shown,
+    shown_of,
     unpack_plc,
     unpack_robot,
 )
@@ -40,6 +45,7 @@ from gateway.runtime.safe_file import write_whole
 TAKEN = 256  # orders a period
 GO_ON = 20_000  # commands a scan may run before the clock is asked again
 KEEP_NS = 500_000_000  # what outlives power-off is written so often, when it has changed
+SHOW_NS = 100_000_000  # the test display likewise
 
 
 class Keeper:
@@ -114,6 +120,7 @@ class PlcProcess:
         self.journal = Journal(plan.journal, "plc")
         self.region = RegionWriter(fds["plc"], "plc", PLC_LAYOUT)
         self.robot = RegionReader(fds["plc-robot"], "plc-robot", ROBOT_LAYOUT)
+        self.shown = RegionWriter(fds["plc-shown"], "plc-shown", SHOWN_LAYOUT)
         self.inputs = RegionReader(fds["rc_in"], "rc_in")
         self.orders = RingReader(fds["plc-orders"], "plc-orders", TEXT_LAYOUT)
         self.says = RingWriter(fds["plc-says"], "plc-says", TEXT_LAYOUT)
@@ -126,6 +133,8 @@ class PlcProcess:
         self._state = PlcState.STOP
         self.keeper = Keeper(kept_file(plan), self.journal)
         self._kept, self._kept_ns = b"", 0
+        self._shown, self._shown_ns = PlcShown(), 0
+        self.shown.write(pack_shown(self._shown), self.run_id)  # what a process before showed is over
         self._begin()
 
     # ---- start ---------------------------------------------------------------------------------------------------------
@@ -207,6 +216,7 @@ class PlcProcess:
         self._lay_in()
         self.plc.scan(now, self._read_inputs())
         self._report(now)
+        self._show(now)
         if now - self._kept_ns >= KEEP_NS:
             self._keep(now)
         self.region.beat(time.monotonic_ns())
@@ -232,6 +242,8 @@ class PlcProcess:
                 self.plc.stop()
             case "ack":
                 self.plc.acknowledge()
+            case "watch":
+                self.plc.watch(str(order["name"]))
 
     def _lay_in(self) -> None:
         """Markers of the system (robotstar 5.8), as the robot has them."""
@@ -272,6 +284,17 @@ class PlcProcess:
             plc.data.cells.kept(),
         )
         self.region.write(pack_plc(report), now)
+
+    def _show(self, now: int) -> None:
+        """The test display behind a whole scan, a few times a second."""
+        if now - self._shown_ns < SHOW_NS or (self.plc.scans == self._shown.scans and bool(self.plc.watched[0]) == bool(self._shown.name)):
+            return
+        steps = self.plc.display()
+        name, text = self.plc.watched
+        if name or self._shown.name:
+            self._shown_ns = now
+            self._shown = shown_of(name, zlib.crc32(text.encode()), self.plc.scans, steps)
+            self.shown.write(pack_shown(self._shown), now)
 
     def _say(self, message: Message) -> None:
         facts: dict[str, Fact] = {"text": message.text, "number": message.number or 0, "reaction": message.reaction}

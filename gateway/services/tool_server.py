@@ -51,7 +51,7 @@ LONGEST = 4096
 CLIENTS = 64  # connected at once; one more is told so and sent away
 STOP = f"{PREFIX}{STOP_PROCESS}"  # is written and never read
 ASKING = ("get", "names", "status", "axes", "job", "ticket", "alive")  # requests that change nothing
-LOOKING = ("list", "state", "status")  # of op "process" and "plc"
+LOOKING = ("list", "show", "state", "status")  # of op "process" and "plc"
 _KINDS = {
     Table.COIL: Kind.COILS,
     Table.DISCRETE: Kind.DISCRETE_INPUTS,
@@ -171,7 +171,7 @@ class Variables(Part):
     def _plc(self, request: dict[str, object], connection: object) -> dict[str, object]:
         if self._host.plc is None:
             return {"error": "no PLC: this cell has no [controller.plc]"}
-        if request.get("do") != "status" and self._tools.held_by_another(connection):
+        if request.get("do") not in LOOKING and self._tools.held_by_another(connection):
             return {"error": "not owner: another commissioning tool has control"}
         return self._host.plc.order(request)
 

@@ -21,8 +21,10 @@ from gateway.web.bodies import (
     Keep,
     Kept,
     Login,
+    Marker,
     Named,
     Permit,
+    PlcStart,
     ProgramName,
     Put,
     Record,
@@ -41,6 +43,7 @@ from gateway.web.trends import LEAST_S, MOST_S
 from gateway.web.word_forces import forced_words
 
 Row = dict[str, Any]
+PLC_STEPS = (("name", "string"), ("first", "number"))
 ALARM_FILTER = (("q", "string"), ("state", "string"), ("source", "string"), ("from", "string"), ("to", "string"))
 SEARCH = (("q", "string"), ("group", "string"), ("id", "string"))
 LISTS = ("watch", "scope")
@@ -192,6 +195,27 @@ class Api:
         body: ProgramName = call.body
         return await self.hands.desk.ask("process", do="stop", name=body.name)
 
+    # ---- the integrated PLC ---------------------------------------------------------------------------------------------
+    async def plc_listing(self, call: Call) -> Row:
+        return await self.live.plc.listing(call.query.get("name", "")[:256], _first(call))
+
+    async def plc_shown(self, call: Call) -> Row:
+        return await self.live.plc.shown(call.query.get("name", "")[:256], _first(call))
+
+    async def plc_start(self, call: Call) -> Row:
+        body: PlcStart = call.body
+        return await self.hands.desk.ask("plc", do="start", name=body.name)
+
+    async def plc_stop(self, call: Call) -> Row:
+        return await self.hands.desk.ask("plc", do="stop")
+
+    async def plc_ack(self, call: Call) -> Row:
+        return await self.hands.desk.ask("plc", do="ack")
+
+    async def plc_write(self, call: Call) -> Row:
+        body: Marker = call.body
+        return await self.hands.desk.ask("plc", do="write", operand=body.operand, value=body.value, who=call.person.name)
+
     # ---- the scope --------------------------------------------------------------------------------------------------------
     async def scope_names(self, call: Call) -> Row:
         return {**self.live.scope.names(), "saved": self.live.scope.saved()}
@@ -320,6 +344,13 @@ class Api:
         return {"entries": rows, "broken_at": self.store.verify()}
 
 
+def _first(call: Call) -> int:
+    text = call.query.get("first", "1")
+    if not text.isascii() or not text.isdigit() or len(text) > 9:
+        raise ValueError("first: the number of a step")
+    return int(text)
+
+
 def seconds_of(text: str) -> float:
     """ValueError: no number of seconds."""
     try:
@@ -333,6 +364,20 @@ def seconds_of(text: str) -> float:
 
 async def _nothing() -> None:
     """No connection is open."""
+
+
+def plc_endpoints(api: Api) -> list[Endpoint]:
+    """Of the integrated PLC."""
+    v, o, s = Role.VIEWER, Role.OPERATOR, Role.SETTER
+    row = Endpoint
+    return [
+        row("GET", "/api/plc/listing", v, "steps of a program of the integrated PLC", api.plc_listing, query=PLC_STEPS),
+        row("GET", "/api/plc/shown", v, "its test display: state, VKE and accumulators behind each step", api.plc_shown, query=PLC_STEPS),
+        row("POST", "/api/plc/start", o, "translate and start it, as Start PLC does", api.plc_start, PlcStart, True),
+        row("POST", "/api/plc/stop", o, "end its cyclic treatment; all outputs are 0", api.plc_stop, None, True),
+        row("POST", "/api/plc/ack", o, "acknowledge its message", api.plc_ack, None, True),
+        row("POST", "/api/plc/write", s, "write a marker between two scans", api.plc_write, Marker, True),
+    ]
 
 
 def endpoints(api: Api) -> list[Endpoint]:
@@ -366,6 +411,7 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("GET", "/api/program", v, "the listing of a program, with its faults", api.program_text, query=(("name", "string"),)),
         row("POST", "/api/program/start", o, "start a program of the old control", api.program_start, ProgramName, True),
         row("POST", "/api/program/stop", o, "stop it", api.program_stop, ProgramName, True),
+        *plc_endpoints(api),
         row("POST", "/api/permit", s, "set or clear the enabling inputs of a simulation", api.permit, Permit, True, plant=True),
         row("POST", "/api/force", s, "force an RC input", api.force, Force, True),
         row("POST", "/api/unforce", s, "end a force, or all of them", api.unforce, Unforce, True),

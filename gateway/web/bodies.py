@@ -44,6 +44,19 @@ class ProgramName(Body):
     name: Annotated[str, Field(min_length=1, max_length=128, pattern=r"^[^\x00-\x1f]+$")]
 
 
+class PlcStart(Body):
+    """A program of the integrated PLC; empty: its start program."""
+
+    name: Annotated[str, Field(max_length=256, pattern=r"^[^\x00-\x1f]*$")] = ""
+
+
+class Marker(Body):
+    """M10.0, M10 or MD10, and a number: decimal, or hexadecimal with H."""
+
+    operand: Annotated[str, Field(min_length=2, max_length=16)]
+    value: Annotated[str, Field(min_length=1, max_length=16)]
+
+
 class Command(Body):
     """As the command block of AX-011; targets in the axes' own units."""
 

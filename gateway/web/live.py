@@ -25,6 +25,7 @@ from gateway.web.german import both, says, umlauts
 from gateway.web.line_view import LineViews, asked_links, shown_sources
 from gateway.web.operator_control import OperatorControl
 from gateway.web.plant_view import Plant
+from gateway.web.plc_view import PlcView
 from gateway.web.programs import ProgramView
 from gateway.web.scope import Scope
 from gateway.web.skeleton import Skeleton
@@ -74,6 +75,7 @@ class Live:
         self.buses = [BusView(bus, plan.buses[bus.name]) for bus in plan.cell.bus if bus.name in plan.buses]
         self.skeleton = Skeleton(plan.cell)
         self.programs = ProgramView(plan.cell, desk)
+        self.plc = PlcView(plan.cell, desk)
         self.processes: Row = {}
         self.head = "null"
         self.values: Row = {}  # of everything watched
@@ -89,6 +91,7 @@ class Live:
             "bus": Topic(self._bus, 5),
             "motion": Topic(self._motion),
             "programs": Topic(self.programs.look, 2),
+            "plc": Topic(self.plc.look, 3),
             "events": Topic(self._events, 3),
             "emulator": Topic(self._emulator, 5),
             "cell": Topic(self._overview, 10),

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from drivers.drives.tracking import sentence
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.jobs import AxisFacts, DispatcherEvent, Job, OnLoss, SourceState
+from gateway.pure.arbitration.overrides import Overrides
 from gateway.pure.arbitration.ownership import NOBODY, Ownership
 from gateway.pure.image.belt_texts import belt_words
 from gateway.pure.image.reasons import CommandState, Reason, Refusal
@@ -46,6 +47,7 @@ class CommandDispatcher:
         self.barred = 0  # axes the interface has disabled
         self.unspoken: dict[int, str] = {}  # axes nothing is ever sent to, and why (AX-436)
         self._all = (1 << len(self.axes)) - 1
+        self.overrides = Overrides(len(self.axes))
         self._plan = plan
         self._next = first_job
         self._doors: dict[int, SourceState] = {}
@@ -61,6 +63,12 @@ class CommandDispatcher:
         new, self.barred = mask & ~self.barred, mask
         if new & self.enabled_mask():
             self._order(Order.DISABLE, mask=new, reason=Reason.DRIVES_OFF)
+
+    def multiply_override(self, factor: float) -> None:
+        """A factor on every override, whichever source has control (AX-1000)."""
+        if self.cell is not None:
+            for mask, value in self.overrides.multiplied(factor, self.cell):
+                self._order(Order.OVERRIDE, mask=0 if mask == self._all else mask, value=value)
 
     def belt_stood(self, place: int, offset: float) -> None:
         """Offset of a belt's counter to its encoder when last seen; NaN: unknown (AX-480)."""
@@ -334,7 +342,7 @@ class CommandDispatcher:
             case Code.OVERRIDE:
                 if not 0.0 <= command.velocity <= 1.0:
                     raise Refusal(Reason.RATE, f"override {command.velocity:.2%}; 0..100 %")
-                self._order(Order.OVERRIDE, job.id, mask=_named(job.span), value=command.velocity)
+                self._order(Order.OVERRIDE, job.id, mask=_named(job.span), value=self.overrides.ordered(job.span, command.velocity))
 
     def _resume(self, job: Job, cell: CellState) -> None:
         """Every move of its lanes that was stopped goes on."""

@@ -1,6 +1,7 @@
 """The integrated PLC of a Reis in a running cell: robotstar 5.2, 5.4, 5.5, L2263, L2314-2396, L2749-2791; AX-900."""
 
 import contextlib
+import json
 import pathlib
 import shutil
 import time
@@ -110,6 +111,33 @@ def test_a_command_source_writes_markers_between_two_scans_and_no_outputs(plant:
     with pytest.raises(ToolError, match="the system writes it"):
         plant.tool.ask("set", address="M2008.0", value="1")
     assert plant.outputs() == []
+
+
+def test_the_test_display_shows_each_step_of_a_program_that_runs(plant: Plant, capsys: pytest.CaptureFixture[str]) -> None:
+    plant.inputs(0)
+    until(lambda: plant.marker(1968) == 1, "the input is read")
+    capsys.readouterr()
+    assert plant.plc("show", "MAIN", "--json") == 0
+    rows = {row[0]: row[1:] for row in json.loads(capsys.readouterr().out)["rows"]}
+    assert rows[2][:2] == [True, True] and rows[3][:2] == [False, False], "U E0.0, U E0.1"
+    assert rows[7][2] == 200 and 16 not in rows, "L 200 is in ACCU1; behind the jump nothing was executed"
+    assert plant.tool.ask("get", address="M1021.6")["value"] == 1
+    source = plant.file.parent / "reis-plc" / "PLC" / "MAIN.PLC"
+    text = source.read_text()
+    try:
+        source.write_text(text.replace("U E0.0", "U E0.7"))
+        assert plant.plc("show", "MAIN") == 1
+        assert "differs from the program that runs" in capsys.readouterr().out
+    finally:
+        source.write_text(text)
+    until(lambda: plant.tool.ask("get", address="M1021.6")["value"] == 0, "nobody looks: the display is off")
+
+
+def test_a_marker_is_written_by_hand_and_one_of_the_robot_is_not(plant: Plant, capsys: pytest.CaptureFixture[str]) -> None:
+    assert plant.plc("set", "M300.4", "1") == 0 and plant.plc("set", "MD304", "12H") == 0
+    until(lambda: plant.marker(300) == 16 and plant.marker(304) == 18, "both are there")
+    assert plant.plc("set", "M1021.2", "0") != 0
+    assert "the robot writes it" in capsys.readouterr().err
 
 
 def test_killed_it_comes_back_with_the_copy_that_ran_its_markers_and_outputs_0_meanwhile(plant: Plant) -> None:

@@ -148,6 +148,6 @@ def test_the_page_of_decisions_says_what_its_files_say() -> None:
 
 
 def test_every_decision_that_is_named_exists() -> None:
-    known = set(re.findall(r"^### (AX-\d{3})", (ROOT / "docs" / "decisions.md").read_text(), re.MULTILINE))
-    named = {number for path in SOURCES for number in re.findall(r"\bAX-\d{3}\b", path.read_text())}
+    known = set(re.findall(r"^### (AX-\d{3,4})", (ROOT / "docs" / "decisions.md").read_text(), re.MULTILINE))
+    named = {number for path in SOURCES for number in re.findall(r"\bAX-\d{3,4}\b", path.read_text())}
     assert named - known == set()

@@ -37,6 +37,7 @@ from protocols.base.machine import Ns
 HOLD, MOVES = (1020, 7), (1021, 5)
 OVERRIDE, ACTUAL, TCP, TCP_VALID = 1436, 1024, 1124, (1120, 0)
 AUTO, HAND = 0x0300, 0x0101  # operating mode codes (robotstar 5.9)
+MULTIPLIED = (AUTO, 0x0202, 0x0204)  # modes in which M1436 counts
 AUTO_MN = 23  # RC input that says which
 OUTPUT_BYTES = 40
 ACKNOWLEDGE = 62  # RC input: error acknowledgement
@@ -93,7 +94,7 @@ class ReisControl:
         self._referenced, self._seen = 0, False  # axes that were referenced at the last step; there was one
         self.was_synchronised(setup.references)
         self._standing: set[tuple[int, int]] = set()  # regulator error, axis
-        self._percent = self.markers.number(OVERRIDE)  # what stands is no order
+        self._percent: int | None = self.markers.number(OVERRIDE) or None  # None: M1436 was never written, and is no factor (AX-1000)
         self._hold = True  # a hold that stands at start has stopped nothing
         self._stopped = False
         self._keep = slice(setup.first_byte, setup.first_byte + 40)
@@ -281,11 +282,8 @@ class ReisControl:
             self.markers.set_number(ERROR_NUMBER, 0)
 
     def _obey(self, state: CellState, now: Ns) -> None:
-        """Override on change, hold motion while it stands (robotstar 5.8, M1436, M1020.7)."""
-        percent = self.markers.number(OVERRIDE)
-        if percent != self._percent:
-            self._percent = percent
-            self._say(Command(Code.OVERRIDE, velocity=percent / 100.0), now)
+        """Factor on the override, hold motion while it stands (robotstar 5.8, M1436, M1020.7)."""
+        self._office.multiply_override(self._factor())
         hold = self.markers.bit(*HOLD)
         if hold and not self._hold and state.motion is Motion.RUNNING:
             self._say(Command(Code.STOP), now)
@@ -295,6 +293,14 @@ class ReisControl:
             if state.motion is Motion.STOPPED and (self.robot.programs is None or self.robot.programs.run):
                 self._say(Command(Code.RESUME), now)
         self._hold = hold
+
+    def _factor(self) -> float:
+        """M1436, in AUTO, TEST2 and TEST4 (L2967)."""
+        percent = self.markers.number(OVERRIDE)
+        if percent or self._percent is not None:
+            self._percent = percent
+        mode = self.robot.programs.code if self.robot.programs is not None else AUTO if self.automatic else None
+        return min(max(percent, 0), 100) / 100.0 if self._percent is not None and mode in MULTIPLIED else 1.0
 
     def _say(self, command: Command, now: Ns) -> None:
         self._office.command(self.setup.door, command, now)
@@ -339,7 +345,7 @@ class ReisControl:
         """Markers as they were kept; their contents then command nothing."""
         if flags:
             self.markers.power_on(flags[:INPUTS])
-            self._percent = self.markers.number(OVERRIDE)
+            self._percent = self.markers.number(OVERRIDE) or None
 
     def timer(self, number: int) -> int | None:
         """Of the integrated PLC, where the cell has one."""

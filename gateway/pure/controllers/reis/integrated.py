@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from gateway.pure.controllers.reis.marker_operand import MarkerOperand
 from gateway.pure.image.records.interpreter import Fact
 from gateway.pure.image.records.plc import AREA, CELL, CELLS, MARKERS, PlcReport
 from gateway.pure.languages.plc.cells import COUNTER, KEPT, NONE
@@ -75,6 +76,13 @@ class IntegratedPlc:
         shown = bytearray(self.report.markers)
         shown[byte] = shown[byte] & ~mask | bits & mask
         self.report = replace(self.report, markers=bytes(shown))
+
+    def set_marker(self, marker: MarkerOperand, value: int) -> None:
+        """A marker by hand, between two scans."""
+        if marker.bit is not None:
+            self.write_bits(marker.byte, 1 << marker.bit, value << marker.bit)
+        else:
+            self.write(marker.byte, marker.data(value))
 
     def acknowledge(self) -> None:
         """The message shown is acknowledged."""

@@ -220,6 +220,11 @@ class Plc:
         self.set_bit(*DISPLAY, bool(self._watched))
         return bool(self._watched)
 
+    @property
+    def watched(self) -> tuple[str, str]:
+        """Program of the test display and the source that runs; empty: it is off."""
+        return self._watched, self._copy.get(self._watched, "")
+
     def display(self) -> Mapping[int, Shown]:
         """State, result and accumulators behind each step of the last scan; a step that is not there was not executed (NOP, red)."""
         if self._watched and not self._coincides(self._watched):

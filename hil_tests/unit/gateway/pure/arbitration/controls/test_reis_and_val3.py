@@ -71,14 +71,25 @@ def test_what_the_axes_do_stands_in_the_system_markers(robot: ControlBench) -> N
     assert [markers.byte(1022), markers.byte(1023)] == [1, 1]
 
 
-def test_the_override_marker_commands_when_it_changes(robot: ControlBench) -> None:
-    moving(robot)
-    robot.reis.markers.set_number(OVERRIDE, 40)
+@pytest.mark.requirement("RSV-PLC-36", by="gateway.pure.controllers.reis.control:ReisControl._factor")
+def test_the_override_marker_multiplies_the_override_in_auto(robot: ControlBench) -> None:
+    moving(robot.put(AUTO))
+    assert robot.core.state.override == 1.0, "a 0 that was never written is no factor"
+    robot.reis.markers.set_number(OVERRIDE, 50)
+    robot.settle(robot.give(Code.OVERRIDE, velocity=0.5))
     robot.cycle(3)
-    assert robot.core.state.override == 0.4
-    robot.settle(robot.give(Code.OVERRIDE, velocity=0.9))
-    robot.run(0.1)
-    assert robot.core.state.override == 0.9, "a marker that stands commands nothing"
+    assert robot.core.state.override == 0.25
+    robot.put(off=(AUTO,))
+    robot.cycle(3)
+    assert robot.core.state.override == 0.5, "HAND is not multiplied"
+    robot.put(AUTO)
+    robot.reis.markers.set_number(OVERRIDE, 0)
+    robot.cycle(3)
+    assert robot.core.state.override == 0.0, "once written, 0 holds the robot"
+    robot.reis.markers.set_number(OVERRIDE, 100)
+    robot.settle(robot.give(Code.RELEASE_CONTROL))
+    robot.cycle(3)
+    assert robot.core.state.override == 0.5, "whichever source has control"
 
 
 def test_hold_motion_stops_on_the_path_and_goes_on(robot: ControlBench) -> None:
