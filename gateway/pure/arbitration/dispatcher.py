@@ -46,7 +46,6 @@ class CommandDispatcher:
         self.stopped_moves = 0
         self.barred = 0  # axes the interface has disabled
         self.unspoken: dict[int, str] = {}  # axes nothing is ever sent to, and why (AX-436)
-        self._all = (1 << len(self.axes)) - 1
         self.overrides = Overrides(len(self.axes))
         self._plan = plan
         self._next = first_job
@@ -57,6 +56,11 @@ class CommandDispatcher:
         self._events: list[DispatcherEvent] = []
         self._first_try = False
         self._moves: list[Job] = []  # moves and reference runs that axes are on: one at most of each lane
+
+    @property
+    def _all(self) -> int:
+        """Mask of all axes."""
+        return (1 << len(self.axes)) - 1
 
     def bar(self, mask: int) -> None:
         """These axes are disabled at the interface: off at once whichever source has control, and not moved until a new start (AX-333)."""
