@@ -135,10 +135,12 @@ def show(cell: Cell, options: argparse.Namespace, client: ToolClient) -> int:
     while not answer["on"] and time.monotonic() < end:
         time.sleep(0.1)
         answer = client.ask("plc", do="show", name=name, first=1)
-    found = steps = list(answer["rows"]) if isinstance(answer["rows"], list) else []
-    while len(found) >= SHOWN_STEPS:
-        found = list(client.ask("plc", do="show", name=name, first=found[-1][0] + 1)["rows"])
+    steps: list[list[object]] = []
+    while isinstance(found := answer["rows"], list) and found:
         steps += found
+        if len(found) < SHOWN_STEPS:
+            break
+        answer = client.ask("plc", do="show", name=name, first=found[-1][0] + 1)
     rows = {row[0]: row for row in steps}
     same = answer["on"] and answer["text"] == zlib.crc32(text.encode())
     why = "" if same else "the file differs from the program that runs" if answer["on"] else answer["why"] or "the program does not run"
