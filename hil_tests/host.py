@@ -1,8 +1,9 @@
 """The rig's tests of a whole run, in a process of their own, one module after the other; what a busy machine spoilt is played again.
 
 Modules that stand a busy machine (BESIDE in hil_tests/test_folders.py) are played beside the pure tests and the guests, where those have a
-clock of their own, by two processes like that: they wait more than they compute.  The others are played when all these have ended,
-alone.  What failed beside them counts as not played: it is played with the others, and what it says there is its verdict.
+clock of their own, by two processes like that: they wait more than they compute.  When all these have ended, two processes share what
+failed there and all other modules but those of ALONE.  ALONE is played last, one module at a time, with whatever failed beside another
+module.  A failure beside something else is no verdict: the module counts as not played.
 
 A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must.  Witnesses
 (hil_tests/lab/judges/stolen.py) write it down: one of the highest priority a processor for 10 ms and more in which nobody ran there, an
@@ -29,15 +30,16 @@ from hil_tests.lab.running.awake import awake
 from hil_tests.pair import forget_the_dead, surroundings, whole_run
 from hil_tests.rig.uml import guest
 from hil_tests.rig.uml.lane import Guests, folder_of, of_the_guest
-from hil_tests.test_folders import BESIDE, NO_OWN_TIME, of_one, unhurried
+from hil_tests.test_folders import ALONE, BESIDE, NO_OWN_TIME, of_one, unhurried
 
 REPORTS = "AXISGATE_TEST_RIG"  # set in that process: file for its reports
 CLAIMS = "AXISGATE_TEST_CLAIMS"  # set in those that share modules: folder of claims (hil_tests/pair.py)
 P5 = "AXISGATE_TEST_P5"  # ms; hil_tests/lab/running/cell_running.py
 AGAIN_P5_MS = (16, 32, 32, 32)  # of the repetitions
 MOST_AGAIN = 35  # modules, of some forty; more than these is no matter of the machine
-BESIDE_THEM = ("beside-1", "beside-2")  # the processes that play BESIDE: they share its modules as they come to them
-BESIDE_NAME = "beside"
+BESIDE_NAME, TOGETHER_NAME, ALONE_NAME = "beside", "together", "first"  # of the plays, in this order
+SHARERS = 2  # processes of the first two: they share the modules as they come to them
+WHY_AGAIN = {TOGETHER_NAME: "failed beside the pure tests; again by two at a time", ALONE_NAME: "failed beside another module; again alone"}
 POLL_S = 0.2
 ENDS_S = 60.0
 
@@ -53,6 +55,7 @@ class Child:
         ids: Sequence[str],
         p5_ms: int | None = None,
         claims: pathlib.Path | None = None,
+        quiet: bool = True,
     ) -> None:
         self._config, self._folder = config, folder
         self._results: dict[str, list[pytest.TestReport]] = {}
@@ -62,7 +65,7 @@ class Child:
         listed = folder / f"{name}.txt"
         listed.write_text("\n".join(ids))
         self._watch = contextlib.ExitStack()
-        if name not in BESIDE_THEM:  # there nobody sleeps anyhow
+        if quiet:  # beside the pure tests no processor sleeps anyhow
             self._watch.enter_context(awake())
         for file, option in self._stolen.items():
             self._watch.enter_context(witness(file, option))
@@ -122,14 +125,15 @@ class Child:
 class Together:
     """Several such processes that share modules: each takes the next one that nobody has."""
 
-    def __init__(self, config: pytest.Config, folder: pathlib.Path, modules: Sequence[Sequence[str]]) -> None:
-        claims = folder / "claims"
+    def __init__(self, config: pytest.Config, folder: pathlib.Path, name: str, modules: Sequence[Sequence[str]]) -> None:
+        claims = folder / f"{name}-claims"
         claims.mkdir()
         self._children = []
-        for number, name in enumerate(BESIDE_THEM):
-            first = number * len(modules) // len(BESIDE_THEM)
-            turn = [*modules[first:], *modules[:first]]
-            self._children.append(Child(config, folder, name, [each for ids in turn for each in ids], claims=claims))
+        for number in range(SHARERS):
+            first = number * len(modules) // SHARERS
+            turn = [each for ids in (*modules[first:], *modules[:first]) for each in ids]
+            quiet = name != BESIDE_NAME and number == 0
+            self._children.append(Child(config, folder, f"{name}-{number + 1}", turn, claims=claims, quiet=quiet))
         self.log = folder
 
     def wait(self, ids: Sequence[str]) -> reports.Reports:
@@ -193,9 +197,7 @@ class Host:
                 self._modules.setdefault(module_of(item), []).append(item)
         modules = [module for module, items in self._modules.items() if of_one(items[0], BESIDE)]
         if modules and guest.own_time() and (os.cpu_count() or 1) > 1 and not session.testsfailed:
-            self._begin()
-            self._children[BESIDE_NAME] = played = Together(self._config, self._folder, [ids_of(self._modules[each]) for each in modules])
-            self._by.update(dict.fromkeys(modules, played))
+            self._share(BESIDE_NAME, modules)
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
@@ -203,8 +205,8 @@ class Host:
         if module not in self._modules or not on_host(item):
             return None
         reports.no_time_out()
-        if module not in self._by:
-            self._start("first", [each for each in self._modules if each not in self._by or each in self._waiting])
+        while module not in self._by:
+            self._next()
         ids = ids_of(self._modules[module])
         child = self._by[module]
         results = child.wait(ids)
@@ -228,20 +230,45 @@ class Host:
             for line in self._told:
                 terminalreporter.write_line(line)
 
-    def _start(self, name: str, modules: Sequence[str], p5_ms: int | None = None) -> None:
+    def _next(self) -> None:
+        """The next play, of what has no verdict yet: two at a time, then alone."""
+        self._all_left()
+        modules = [each for each in self._modules if each not in self._by or self._unsettled(each)]
+        together = [each for each in modules if not of_one(self._modules[each][0], ALONE)]
+        shared = TOGETHER_NAME not in self._children and len(together) > 1 and (os.cpu_count() or 1) > 1
+        name, modules = (TOGETHER_NAME, together) if shared else (ALONE_NAME, modules)
+        self._told += [f"{module}: {WHY_AGAIN[name]}" for module in modules if module in self._waiting]
+        if shared:
+            self._share(name, modules)
+        else:
+            self._launch(name, modules)
+
+    def _share(self, name: str, modules: Sequence[str]) -> None:
+        self._begin()
+        self._children[name] = played = Together(self._config, self._folder, name, [ids_of(self._modules[each]) for each in modules])
+        self._by.update(dict.fromkeys(modules, played))
+
+    def _start(self, name: str, modules: Sequence[str], p5_ms: int) -> None:
         """A process that plays these modules, when the one before has ended."""
-        for child in self._children.values():
-            child.leave()
+        self._all_left()
         self._launch(name, modules, p5_ms)
+
+    def _all_left(self) -> None:
+        """Every play has told its last result."""
+        for child in self._children.values():
+            child.wait([each for module, by in self._by.items() if by is child for each in ids_of(self._modules[module])])
+            child.leave()
 
     def _launch(self, name: str, modules: Sequence[str], p5_ms: int | None = None) -> None:
         self._begin()
         ids = [each for module in modules for each in ids_of(self._modules[module])]
-        self._told += [
-            f"{module}: failed beside the pure tests; again alone" for module in modules if module in self._waiting and p5_ms is None
-        ]
         self._children[name] = child = Child(self._config, self._folder, name, ids, p5_ms)
         self._by.update(dict.fromkeys(modules, child))
+
+    def _unsettled(self, module: str) -> bool:
+        """Whether it failed beside something else, which is no verdict."""
+        ids = ids_of(self._modules[module])
+        return module in self._waiting and self._beside(self._by[module]) and not reports.all_well(ids, self._by[module].wait(ids))
 
     def _begin(self) -> None:
         if not self._children:
@@ -252,8 +279,8 @@ class Host:
         return isinstance(child, Together)
 
     def _play_again(self) -> None:
-        if self._waiting and set(self._children) <= {BESIDE_NAME}:
-            self._start("first", list(self._waiting))
+        while any(self._unsettled(module) for module in list(self._waiting)):
+            self._next()
         self._tell_settled()
         self._again_in_guests()
         for number, p5_ms in enumerate(AGAIN_P5_MS, start=1):

@@ -1,7 +1,7 @@
 """Where the rig's modules are played in a whole run: folders of hil_tests/rig, or modules `folder/file`.
 
 In the order of a run: what needs no quiet, by two processes (hil_tests/pair.py), and beside it the guests (hil_tests/rig/uml/lane.py)
-and BESIDE; then, alone, all the others (hil_tests/host.py).
+and BESIDE; then, two at a time, what is named nowhere; then ALONE (hil_tests/host.py).
 """
 
 from collections.abc import Sequence
@@ -78,6 +78,10 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("pythons", "web/test_page_faults.py", "web/test_page_values.py"),
 )
 
+ALONE = (  # they measure times, load the machine, or start test runs and guests of their own
+    *("broker/test_cycle_reference.py", "death/test_busy_machine.py", "demo/test_demo.py", "emulator/test_servo_reference.py"),
+    *("house/test_played_again.py", "image/test_realtime.py", "serial/test_line_process.py", "uml", "web/test_page.py"),
+)
 NO_OWN_TIME = (  # alone, and never in a guest: hogs, guests, a browser that draws in three dimensions
     *("house/test_played_again.py", "uml/test_guest.py", "web/test_page.py"),
 )

@@ -18,7 +18,7 @@ import pytest
 
 from hil_tests import lanes, reports
 from hil_tests.rig.uml import guest
-from hil_tests.test_folders import BESIDE, OWN_TIME, of_one, unhurried
+from hil_tests.test_folders import ALONE, BESIDE, OWN_TIME, of_one, unhurried
 
 REPORTS = "AXISGATE_GUEST_REPORTS"  # set inside the guest: file for the reports
 LIMIT = "AXISGATE_GUEST_LIMIT"  # seconds for the whole lane
@@ -170,11 +170,11 @@ def wants_own_time(item: pytest.Item) -> bool:
 
 
 def turn(item: pytest.Item) -> int:
-    """What needs no quiet, the guests' tests and what is played beside both, then all that want a quiet machine; each in the order
-    collected."""
+    """What needs no quiet, the guests' tests and what is played beside both, then all that want a quiet machine, last those that want it
+    for themselves; each in the order collected."""
     if of_the_guest(item):
         return 1
-    return 0 if unhurried(item) else 2 if of_one(item, BESIDE) else 3
+    return 0 if unhurried(item) else 2 if of_one(item, BESIDE) else 4 if of_one(item, ALONE) else 3
 
 
 def forget_the_dead(parent: pathlib.Path) -> None:
