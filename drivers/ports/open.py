@@ -6,13 +6,13 @@ from drivers.ports.serial.line_format import parse_format
 KINDS = '"/dev/ttyUSB0", "pty:/path", "tcp://host:port", "rfc2217://host:port"'
 
 
-def open_bytes(url: str, format: str = "9600 8E1") -> BytePort:
-    """Opens the port.  Raises PortError when it cannot be opened, ValueError when address or format are not readable."""
+def open_bytes(url: str, format: str = "9600 8E1", marks: bool | None = None) -> BytePort:
+    """Opens the port (marks: of a pty).  Raises PortError when it cannot be opened, ValueError when address or format are not readable."""
     line_format = parse_format(format)
     if url.startswith("pty:"):
         from drivers.ports.serial.pty import PtyPort
 
-        return PtyPort(url[4:], line_format)
+        return PtyPort(url[4:], line_format, marks=marks)
     if url.startswith("tcp://"):
         from drivers.ports.net.tcp import TcpPort
 

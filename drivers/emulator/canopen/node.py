@@ -184,7 +184,12 @@ class CanopenNode:
         self.silent, self.state = True, State.INITIALISING
         self._boot_due = self._beat_due = self._life_due = NEVER
         self.sdo.reset()
+        self.emergencies.reset()
+        self.consumer.reset()
         self.consumer.watched.clear()
+        self._event_tpdos = []  # what is due would never be sent: time would stand still
+        for item in self._rpdos:
+            item.due = NEVER
 
     def _reset(self, now: Ns, application: bool) -> None:
         self.state, self.toggle = State.INITIALISING, False

@@ -41,12 +41,15 @@ def _has_marks(fd: int) -> bool:
 
 
 class PtyPort(DescriptorPort):
-    """The slave end of a pty, locked against a second user."""
+    """The slave end of a pty, locked against a second user.
+
+    marks: its other end marks damage and doubles FF; None: a signature in its settings decides.
+    """
 
     kind, back = "pty", "its line process offers it"
 
-    def __init__(self, path: str, line_format: LineFormat, *, marks: bool = True) -> None:
-        super().__init__(path, line_format, marks=marks)
+    def __init__(self, path: str, line_format: LineFormat, *, marks: bool | None = None) -> None:
+        super().__init__(path, line_format, marks=marks is not False)
         try:
             self._fd = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK | os.O_CLOEXEC)
         except OSError as error:
@@ -54,7 +57,7 @@ class PtyPort(DescriptorPort):
         try:
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
             if not _has_marks(self._fd):
-                self._marks, self._hears_at_once = None, True
+                self._marks, self._hears_at_once = self._marks if marks else None, True
             set_raw(self._fd)
             self._forget_old()
         except (OSError, termios.error) as error:

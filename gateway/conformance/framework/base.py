@@ -4,6 +4,7 @@ import contextlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from gateway.conformance.framework.power import Supply
 from gateway.pure.conformance.interval import Measure, Place
 from gateway.pure.conformance.verdict import Disturbed, Fail, Inconclusive
 from protocols.base.machine import Ns, ms
@@ -45,6 +46,7 @@ class Tester:
 
     def __init__(self) -> None:
         self.notes = Notes()
+        self.supply: Supply | None = None  # of the device
         self._preparing = 0
 
     def late(self) -> Ns:
@@ -65,6 +67,12 @@ class Tester:
             raise Inconclusive(f"preamble: {failed.reason}", failed.expected, failed.got) from failed
         finally:
             self._preparing -= 1
+
+    @property
+    def power(self) -> Supply:
+        """Of a case that has `power` as its condition."""
+        assert self.supply is not None, "the condition of the case"
+        return self.supply
 
     def remark(self, text: str) -> None:
         self.notes.remarks.append(text)

@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import cast
 
+from drivers.ports.open import tcp_address
+from gateway.conformance.framework.bench_rules import rule_faults
 from protocols.p3964r.profiles import PROFILES
 
 Table = Mapping[str, object]
@@ -53,6 +55,13 @@ class Bench:
         """Paths of the file begin here."""
         return self.path.parent if self.path is not None else pathlib.Path.cwd()
 
+    def named(self) -> list[str]:
+        """Those that not every suite uses, as "link.unit"."""
+        touched = [*self.touch, *sorted(self.allowed), *(["objects"] if self.objects else [])]
+        known = sorted({"DB" if key.upper().startswith("DB") else key.partition(":")[0] for key in self.known})
+        named = [f"link.{key}" for key in self.link] + [f"touch.{key}" for key in touched] + [f"known.{key}" for key in known]
+        return [*named, *(["stimulus"] if self.stimulus else [])]
+
 
 def _text(value: object) -> str:
     return "" if isinstance(value, str) and value else "a text"
@@ -87,8 +96,17 @@ def _one_of(*names: str) -> Check:
     return lambda value: "" if value in names else f"one of {', '.join(names)}"
 
 
-def _any(value: object) -> str:
-    return ""
+def _line(value: object) -> str:
+    good = isinstance(value, (str, int, float, datetime.date)) and not isinstance(value, bool)
+    return "" if good else "a text, a number or a date"
+
+
+def _address(value: object) -> str:
+    wanted = 'an address such as "tcp://10.0.0.5:502"'
+    try:
+        return "" if isinstance(value, str) and value.startswith("tcp://") and tcp_address(value) else wanted
+    except ValueError:
+        return wanted
 
 
 def _numbers(most: int) -> Check:
@@ -178,20 +196,30 @@ KEYS: dict[str, dict[str, Check]] = {
     },
     "stimulus": {
         "kind": _one_of(*STIMULI),
-        "prompt": _any,
+        "prompt": _text,
         "timeout_ms": _number(1, 3_600_000),
         "period_ms": _number(1, 3_600_000),
         "command": _argv,
-        "url": _text,
+        "url": _address,
         "unit": _whole(0, 255),
         "coil": _whole(0, 65535),
         "holding": _whole(0, 65535),
         "value": _whole(0, 65535),
     },
-    "power": {"on": _argv, "off": _argv, "command": _argv, "relay": _text, "prompt": _text, "limit_ms": _number(1, 3_600_000)},
-    "report": dict.fromkeys(
-        "number place customer date method deviations uncertainty decision_rule person language title laboratory".split(), _any
-    ),
+    "power": {
+        "on": _argv,
+        "off": _argv,
+        "command": _argv,
+        "relay": _address,
+        "coil": _whole(0, 65535),
+        "unit": _whole(0, 255),
+        "inverted": _flag,
+        "prompt": _text,
+        "limit_ms": _number(1, 3_600_000),
+        "back_ms": _number(1, 3_600_000),
+    },
+    "report": dict.fromkeys("number place customer date method deviations uncertainty decision_rule person title laboratory".split(), _line)
+    | {"language": _one_of("en", "de")},
 }
 FREE = ("device", "known", "pics")
 
@@ -232,7 +260,7 @@ def _faults(found: Table) -> list[str]:
     port = found.get("port")
     if not isinstance(port, dict) or "url" not in port:
         faults.append('port.url: is missing; such as url = "/dev/ttyUSB0", "pty:/path", "tcp://host:port" or "machine:FILE.py:FACTORY"')
-    return faults
+    return faults or rule_faults(found)
 
 
 def _section(section: str, table: Table) -> list[str]:

@@ -118,7 +118,7 @@ class Runner:
             return None
         if self._vain < TRIES:
             self._vain += 1
-            if self._usable():
+            if self._usable() or self._revived():
                 self._unusable, self._vain = "", 0
                 return None
         reason = f"not run: the device has not been usable since {self._unusable}"
@@ -136,6 +136,22 @@ class Runner:
                 self._worked = True
                 return True
         return False
+
+    def _revived(self) -> bool:
+        """By its supply, where the bench can switch it."""
+        supply = self.session.tester.supply
+        if supply is None:
+            return False
+        try:
+            supply.cycle()
+            until = self.session.now() + supply.back
+            while not self._usable():
+                if self.session.now() > until:
+                    return False
+                supply.pause(ms(200))
+        except (Ended, PortError):
+            return False
+        return True
 
     def _without_device(self, purpose: Purpose[Tester]) -> Result:
         """The first one is the finding, all others follow from it."""

@@ -12,7 +12,9 @@ from gateway.conformance.peers.canopen301_parts import (
     BigBlocks,
     HangsInBlocks,
     Holds,
+    KeepsUnsaved,
     Late,
+    NoBootAtPower,
     NoCrcCheck,
     NoRepeat,
     NoToggleCheck,
@@ -79,6 +81,8 @@ def _row(name: str, what: str, expects: str, tune: Tune | None = None, says: Say
 
 
 MUTANT_ROWS: tuple[Row, ...] = (
+    ("keeps-unsaved", "keeps what was not stored over a power failure", ("CO301_SUP_RC_02",), KeepsUnsaved),
+    ("no-boot-at-power", "no boot-up message after a power failure", ("CO301_SUP_RC_01",), NoBootAtPower),
     _row("silent", "answers no SDO", "SDO_BV_01", says=answers(lambda data: None)),
     _row(
         "wrong-index",

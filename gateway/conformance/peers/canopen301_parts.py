@@ -431,6 +431,30 @@ def tires(drive: Drive, frame: Frame) -> Sequence[Frame]:
     return [] if drive.tally % 250 == 0 else [frame]
 
 
+class KeepsUnsaved(Drive):
+    """1017h survives a power failure without having been stored."""
+
+    def power(self, on: bool, now: Ns) -> None:
+        objects = self.node.objects
+        before = objects.values[0x1017, 0]
+        super().power(on, now)
+        if on:
+            objects.values[0x1017, 0] = before
+
+
+class NoBootAtPower(Drive):
+    """No boot-up message after a power failure."""
+
+    def power(self, on: bool, now: Ns) -> None:
+        super().power(on, now)
+        if on:
+            self._says = on_heartbeat_silent
+
+
+def on_heartbeat_silent(drive: Drive, frame: Frame) -> list[Frame]:
+    return [] if frame.identifier == cobid.heartbeat(NODE) else [frame]
+
+
 class Late(Drive):
     """Its SDO answers come so much later."""
 

@@ -9,7 +9,7 @@ from drivers.emulator.servo.settings import DriveSettings, ServoSettings
 from gateway.conformance.peers.can_devices import NODE, QUICK, Drive, Says, Tune, put
 from gateway.conformance.peers.canopen301_parts import Late, chatty, deaf, on
 from gateway.conformance.peers.stations import Mutant, Variant
-from protocols.base.machine import Frame, ms
+from protocols.base.machine import Frame, Ns, ms
 from protocols.canopen import cob_id as cobid
 from protocols.canopen.dictionary import Key
 from protocols.canopen.types import Value
@@ -179,8 +179,22 @@ def _emcy_code(before: int, after: int) -> Says:
     return on(cobid.emcy(NODE), change)
 
 
+class StartsItself(Drive):
+    """Enabled again when its supply returns."""
+
+    def power(self, on: bool, now: Ns) -> None:
+        super().power(on, now)
+        self.tally = 1
+
+
 S = State
 ROWS: tuple[Row, ...] = (
+    (
+        "starts-itself",
+        "is enabled when its supply returns",
+        ("CIA402_SUP_RC_01",),
+        lambda: StartsItself(_status(lambda drive, word: 0x0637 if drive.tally and drive.axis.state is not State.ENABLED else word)),
+    ),
     _row("never-boots", "never leaves not ready to switch on", "PWR_BV_01", _status(lambda drive, word: 0)),
     _row(
         "boots-ready",

@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Callable, Sequence
 
+from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.stations import Maker, Mutant, Variant
 from protocols.base.machine import Damage, Ns, ms
 from protocols.modbus.answering import answer
@@ -413,6 +414,7 @@ ROWS: tuple[Row, ...] = (
     _tables("fifteen-bits", "registers of fifteen bits", ["CON_BV_06"], SevenBits),
     _tables("each-25th", "each 25th write is lost", ["CON_ST_01", "CON_BV_16", "CON_BV_17"], EveryTenth),
     _answers("after-refusals", "fails after a hundred refusals", ["RC_02", "RC_03"], _after_refusals),
+    ("dead-after-power", "does not work after a power failure", ("SUP_RC_01",), lambda rtu: Powered(lambda: Device(rtu), False)),
     _answers("each-70th", "each 70th request is refused with 06", ["ST_01"], _each_70th),
 )
 
@@ -458,6 +460,7 @@ def variants(rtu: bool) -> tuple[Variant, ...]:
             "refuses a range beyond 65535 with 03",
             lambda: Device(rtu, lambda device, asked, said: bytes((said[0], 3)) if said[1:] == b"\x02" and len(said) == 2 else said),
         ),
+        one("powered", "its supply can be switched", lambda: Powered(lambda: Device(rtu))),
         one("any-unit", "answers for any unit" if not rtu else "one more of the usual", lambda: Device(rtu, any_unit=not rtu)),
         one(
             "mapped",

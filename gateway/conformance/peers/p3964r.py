@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.stations import (
     DLE,
     STX,
@@ -565,6 +566,9 @@ MUTANTS = (
     _mutant("check-without-end", "its check leaves out DLE ETX", [f"{S}BV_02"], lambda: Built(says=_check_without_end)),
     _mutant("no-check", "sends no check", [f"{S}BV_02"], lambda: Built(says=_no_check)),
     _mutant("no-end", "its block does not end", [f"{S}BV_01"], lambda: Built(says=_no_end)),
+    _mutant(
+        "dead-after-power", "does not work after a power failure", ["3964R_SUP_RC_01"], lambda: Powered(lambda: Built(RHO3, LOW), False)
+    ),
     _mutant("extra-character", "a carriage return behind its block", [f"{S}BV_02"], lambda: Built(says=_extra)),
 )
 
@@ -594,6 +598,7 @@ VARIANTS = (
     _variant("chatty", "sends every 2 s", make=Chatty),
     _variant("chatty-high", "sends every 2 s, with priority", priority=HIGH, make=lambda: Chatty(RHO3, HIGH)),
     _variant("raw", "raw blocks, no RK512", make=lambda: Built(layer="raw")),
+    _variant("powered", "its supply can be switched", make=lambda: Powered(lambda: Built(RHO3, LOW))),
     _variant("read-only", "nothing may be written", touch=False),
     _variant("long-blocks", "takes 1024 characters", make=lambda: Built(replace(RHO3, max_received=1024))),
 )

@@ -3,8 +3,9 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.stations import ActiveStation, AnswersLate, Built, Chatty, Maker, Mutant, Variant, link_of
-from gateway.conformance.serial.partners import Blocks
+from gateway.conformance.serial.partners import Blocks, Late
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.profiles import RHO3, SIEMENS_CP341, VIPA_CP240, WAGO, Priority, Profile
 from protocols.rk512.active import Active
@@ -380,6 +381,19 @@ def _swap(data: bytes) -> bytes:
     return b"".join(data[at + 1 : at + 2] + data[at : at + 1] for at in range(0, len(data), 2))
 
 
+class ReactsLate(Powered):
+    """What was asked before the power failure is answered after it."""
+
+    def __init__(self) -> None:
+        super().__init__(lambda: Late(RHO3, LOW, late=ms(20)))
+
+    def power(self, on: bool, now: Ns) -> None:
+        before = self._device
+        super().power(on, now)
+        if on:
+            self._device = before
+
+
 MUTANTS = (
     _mutant("no-reaction", "never reacts", [f"{P}BV_01"], _passive(lambda command, said: None)),
     _mutant("first-byte", "reactions begin with 01", [f"{P}BV_01"], _passive(lambda command, said: b"\x01" + said[1:])),
@@ -504,6 +518,7 @@ MUTANTS = (
     _mutant(
         "stops-at-command", "a command in place of the reaction ends its work", [f"{A}BI_09"], lambda: ActiveStation(roles=StopsAtCommand)
     ),
+    _mutant("reaction-after-power", "reacts to a command of before the power failure", ["RK512_SUP_RC_01"], ReactsLate),
     _mutant("wrong-amount", "announces another amount than it sends", [f"{A}BV_01"], WrongAmount),
 )
 
@@ -545,6 +560,7 @@ VARIANTS = (
         "serves coordination flags",
         make=lambda: Built(passive=lambda station: Passive(station.blocks, replace(Dialect(), coordination_flag="serve"), flags=Flags())),
     ),
+    _variant("powered", "its supply can be switched", make=lambda: Powered(Built)),
     _variant("active", "both roles", make=ActiveStation),
     _variant("active-no-nesting", "both roles, no nesting", make=lambda: ActiveStation(nesting=False)),
 )

@@ -69,11 +69,12 @@ def _bench(bench: Bench) -> Json:
     return {
         "file": str(bench.path) if bench.path else None,
         "device": plain(bench.device),
-        "port": {"url": bench.url, "format": bench.format},
+        "port": {"url": bench.url, "format": bench.format} | ({} if bench.marks is None else {"marks": bench.marks}),
         "link": plain(bench.link),
         "touch": {key: list(values) for key, values in bench.touch.items()},
         "known": known,
         "stimulus": plain(bench.stimulus),
+        "power": plain(bench.power),
         "report": plain(bench.report),
     }
 

@@ -99,7 +99,7 @@ class LineSession:
         setup.pics = pics
         pics.setdefault("block_check", setup.profile.block_check)
         pics["hold"], pics["write"] = setup.hold is not None, bool(setup.write)
-        pics["known"] = bool(setup.known)
+        pics["known"], pics["power"] = bool(setup.known), self.tester.supply is not None
         stated = pics.get("rk512", self._layer())
         with contextlib.suppress(Ended):
             self.tester.settle()
@@ -188,9 +188,9 @@ class LineSession:
             setup.stimulus, setup.stimulus_wait = self._by_operator, OPERATOR_WAIT
         elif kind == "periodic":
             setup.stimulus, setup.stimulus_wait = _by_waiting, PERIOD
-        elif kind in ("command", "output"):
+        elif kind == "command" or (kind == "output" and "command" in table):
             setup.stimulus = self._by_command
-        elif kind == "modbus":
+        elif kind in ("modbus", "output"):
             setup.stimulus = self._by_modbus
         if isinstance(wait, (int, float)):
             setup.stimulus_wait = ms(wait if "timeout_ms" in table else 2 * wait + 1000)
@@ -273,6 +273,10 @@ class LineSession:
 
     def now(self) -> Ns:
         return self.wire.now()
+
+    def rewired(self, wire: Wire) -> None:
+        """The port was opened again."""
+        self.wire = self.tester.wire = wire
 
     def close(self) -> None:
         self.wire.close()

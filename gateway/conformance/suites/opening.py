@@ -11,9 +11,10 @@ from drivers.ports.serial.line_format import parse_format
 from gateway.conformance.framework.bench_file import Bench
 from gateway.conformance.framework.frame_wire import FrameWire, RealFrames, VirtualFrames
 from gateway.conformance.framework.machine import AnyGuarded, Guarded, GuardedFrames, load_machine
+from gateway.conformance.framework.power import BACK, Turn, switch_of
 from gateway.conformance.framework.witness import Witness
 from gateway.links.serial.tool_wire import RealWire, ToolPort, VirtualWire, Wire
-from protocols.base.machine import Machine
+from protocols.base.machine import Machine, Ns, ms
 
 OpenPort = Callable[[str, str], ToolPort]
 OpenBus = Callable[[str], CanPort]
@@ -60,6 +61,27 @@ class Opened:
             assert isinstance(device, GuardedFrames), "a CAN suite tests a machine of frames"
             return VirtualFrames(device, self.bench.url)
         return self._patiently(lambda: RealFrames(self.open_bus(self.bench.url)))
+
+    def turn(self) -> Turn | None:
+        """Switches the supply, as the bench states."""
+        return switch_of(self.bench, self.say)
+
+    @property
+    def back(self) -> Ns:
+        """Longest time from power to an answer."""
+        stated = self.bench.power.get("back_ms", self.bench.link.get("boot_ms"))
+        return ms(stated) if isinstance(stated, (int, float)) else BACK
+
+    def patiently(self, attempt: Callable[[], Port], limit_s: float) -> Port:
+        """A port that goes and comes with the device's supply."""
+        end = time.monotonic() + limit_s
+        while True:
+            try:
+                return attempt()
+            except PortError:
+                if time.monotonic() > end:
+                    raise
+                time.sleep(0.05)
 
     def _patiently(self, attempt: Callable[[], Port]) -> Port:
         """A device whose program was just started may not be there yet."""

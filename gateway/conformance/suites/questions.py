@@ -13,6 +13,15 @@ class Question:
     text_de: str
 
 
+def _keys(link: str, more: str) -> frozenset[str]:
+    return frozenset((*(f"link.{key}" for key in link.split()), *more.split()))
+
+
+LINE_KEYS = _keys("profile priority times layer block_check missing_db db words reaction_ms", "touch.db known.DB stimulus")
+MODBUS_KEYS = _keys("times unit missing_unit answer_ms", "touch.holding touch.coils known.input known.holding known.coil known.discrete")
+CANOPEN_KEYS = _keys("node eds answer_ms boot_ms cycle_ms", "touch.objects touch.store touch.node")
+DRIVE_KEYS = CANOPEN_KEYS | _keys("speed way", "touch.motion")
+
 LINE = (
     Question("profile", "text", "link profile of the station (axisgate line probe -h lists them)", "Profil der Station"),
     Question("priority", "text", "priority of the station: high or low", "Priorität der Station: high oder low"),

@@ -8,7 +8,7 @@ from typing import Any, cast
 from gateway.conformance.framework.base import Tester
 from gateway.conformance.framework.run import Session
 from gateway.conformance.suites.opening import Opened
-from gateway.conformance.suites.questions import CANOPEN, DRIVE, LINE, MODBUS, Question
+from gateway.conformance.suites.questions import CANOPEN, CANOPEN_KEYS, DRIVE, DRIVE_KEYS, LINE, LINE_KEYS, MODBUS, MODBUS_KEYS, Question
 from gateway.pure.conformance.purpose import Purpose
 
 
@@ -24,6 +24,7 @@ class Suite:
     session: Callable[[Opened], Session]
     questions: Sequence[Question]
     peers: str
+    keys: frozenset[str]  # of the bench file, that act
     frames: bool = False  # a CAN bus; else characters
 
     @property
@@ -41,52 +42,66 @@ def _generic(*parts: object) -> Sequence[Purpose[Tester]]:
 
 
 def _p3964r() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.p3964r import receive, send
+    from gateway.conformance.suites.p3964r import receive, send, supply
 
-    return _generic(receive.RCV, send.SND, send.CON)
+    return _generic(receive.RCV, send.SND, send.CON, supply.SUP)
 
 
 def _rk512() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.rk512 import active, passive
+    from gateway.conformance.suites.rk512 import active, passive, supply
 
-    return _generic(passive.PAS, active.ACT)
+    return _generic(passive.PAS, active.ACT, supply.SUP)
 
 
 def _modbus_tcp() -> Sequence[Purpose[Tester]]:
     from gateway.conformance.suites.modbus.content import CON
     from gateway.conformance.suites.modbus.framing import TCP
     from gateway.conformance.suites.modbus.functions import FUN
+    from gateway.conformance.suites.modbus.supply import TCP_SUP
 
-    return _generic(FUN, CON, TCP)
+    return _generic(FUN, CON, TCP, TCP_SUP)
 
 
 def _modbus_rtu() -> Sequence[Purpose[Tester]]:
     from gateway.conformance.suites.modbus.content import RTU_CON
     from gateway.conformance.suites.modbus.framing import RTU
     from gateway.conformance.suites.modbus.functions import RTU_FUN
+    from gateway.conformance.suites.modbus.supply import RTU_SUP
 
-    return _generic(RTU_FUN, RTU_CON, RTU)
+    return _generic(RTU_FUN, RTU_CON, RTU, RTU_SUP)
 
 
 def _canopen301() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.canopen301 import dictionary, keep, life, network, pdo, pdo_wrong, sdo, sdo_wrong
+    from gateway.conformance.suites.canopen301 import dictionary, keep, life, network, pdo, pdo_wrong, sdo, sdo_wrong, supply
 
     return _generic(
-        sdo.SDO, sdo_wrong.REFUSED, dictionary.DIC, network.NMT, life.ERR, pdo.PDO, pdo_wrong.RULES, keep.STO, keep.LSS, network.TRC
+        sdo.SDO,
+        sdo_wrong.REFUSED,
+        dictionary.DIC,
+        network.NMT,
+        life.ERR,
+        pdo.PDO,
+        pdo_wrong.RULES,
+        keep.STO,
+        keep.LSS,
+        network.TRC,
+        supply.SUP,
     )
 
 
 def _cia402() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.cia402 import faults, modes, power
+    from gateway.conformance.suites.cia402 import faults, modes, power, supply
 
-    return _generic(power.PWR, faults.FLT, modes.MOD, modes.POS, modes.VEL, faults.OPT, modes.HOM, modes.CYC)
+    return _generic(power.PWR, faults.FLT, modes.MOD, modes.POS, modes.VEL, faults.OPT, modes.HOM, modes.CYC, supply.SUP)
 
 
 def _line(rk512: bool) -> Callable[[Opened], Session]:
     def make(opened: Opened) -> Session:
         from gateway.conformance.suites.line_session import LineSession
+        from gateway.conformance.suites.supply import line_supply
 
         session = LineSession(opened.wire(), opened.bench, opened.pics, rk512, opened.say, opened.seed, opened.witness)
+        session.tester.supply = line_supply(opened, session.tester, session.rewired)
         return cast(Session, session)
 
     return make
@@ -116,7 +131,17 @@ def _drive(opened: Opened) -> Session:
 SUITES: dict[str, Suite] = {
     suite.name: suite
     for suite in (
-        Suite("3964r", "1.0", "3964R, both roles", "3964R, beide Rollen", _p3964r, _line(False), LINE, "gateway.conformance.peers.p3964r"),
+        Suite(
+            "3964r",
+            "1.0",
+            "3964R, both roles",
+            "3964R, beide Rollen",
+            _p3964r,
+            _line(False),
+            LINE,
+            "gateway.conformance.peers.p3964r",
+            LINE_KEYS,
+        ),
         Suite(
             "rk512",
             "1.0",
@@ -126,6 +151,7 @@ SUITES: dict[str, Suite] = {
             _line(True),
             LINE,
             "gateway.conformance.peers.rk512",
+            LINE_KEYS,
         ),
         Suite(
             "modbus-tcp",
@@ -136,6 +162,7 @@ SUITES: dict[str, Suite] = {
             _modbus(False),
             MODBUS,
             "gateway.conformance.peers.modbus_tcp",
+            MODBUS_KEYS,
         ),
         Suite(
             "modbus-rtu",
@@ -146,6 +173,7 @@ SUITES: dict[str, Suite] = {
             _modbus(True),
             MODBUS,
             "gateway.conformance.peers.modbus_rtu",
+            MODBUS_KEYS,
         ),
         Suite(
             "canopen-301",
@@ -156,6 +184,7 @@ SUITES: dict[str, Suite] = {
             _node,
             CANOPEN,
             "gateway.conformance.peers.canopen301",
+            CANOPEN_KEYS,
             True,
         ),
         Suite(
@@ -167,6 +196,7 @@ SUITES: dict[str, Suite] = {
             _drive,
             DRIVE,
             "gateway.conformance.peers.cia402",
+            DRIVE_KEYS,
             True,
         ),
     )

@@ -19,7 +19,7 @@ from gateway.conformance.framework.run import Result, Runner, Session, ordered
 from gateway.conformance.framework.witness import Witness
 from gateway.conformance.reporting.document import Circumstances, cases_of, code_of, counts, document
 from gateway.conformance.reporting.folder import load, write_folder
-from gateway.conformance.suites.opening import Opened, factory_of
+from gateway.conformance.suites.opening import Opened, OpenPort, factory_of
 from gateway.conformance.suites.registry import SUITES, Suite
 from gateway.conformance.suites.scores import SCORES
 from gateway.links.serial.tool_wire import ToolPort
@@ -103,7 +103,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
         make()  # a factory that raises is a fault of the bench file
     with started(bench), witnessed(make is not None) as witness:
         seed = DEFAULT_SEED if arguments.seed is None else arguments.seed
-        opened = Opened(bench, stated, open_port, make, witness, seed, say=_say)
+        opened = Opened(bench, stated, port_opener(bench), make, witness, seed, say=_say)
         return _played(suite, bench, stated, purposes, waivers, opened, arguments)
 
 
@@ -130,7 +130,8 @@ def _played(
     finally:
         with contextlib.suppress(PortError):
             session.close()
-    ran = Circumstances(session.assumed, checked, arguments.seed, runner.interrupted)
+    assumed = [*session.assumed, *(f"{key}: does not act in the suite {suite.name}" for key in bench.named() if key not in suite.keys)]
+    ran = Circumstances(assumed, checked, arguments.seed, runner.interrupted)
     found = document(suite, bench, stated, results, ran, SCORES[suite.name])
     code = code_of(results)
     if arguments.json:
@@ -182,11 +183,16 @@ def _say(text: str) -> None:
     print(f">>> {text}", file=sys.stderr, flush=True)
 
 
-def open_port(url: str, line_format: str) -> ToolPort:
+def port_opener(bench: Bench) -> OpenPort:
+    """With the marks of a pty as the bench states them."""
+    return lambda url, line_format: open_port(url, line_format, bench.marks)
+
+
+def open_port(url: str, line_format: str, marks: bool | None = None) -> ToolPort:
     from gateway.tools.line.ports import open_port as opener
 
     try:
-        return opener(url, line_format)
+        return opener(url, line_format, marks)
     except ImportError as error:
         raise PortError(0, f"this port needs {error.name}, which this system has not; use COM..., rfc2217:// or tcp://") from error
 

@@ -11,7 +11,7 @@ from gateway.conformance.suites.opening import Opened, factory_of
 from gateway.conformance.suites.registry import SUITES, Suite
 from gateway.conformance.suites.scores import SCORES
 from gateway.pure.conformance.purpose import GROUPS
-from gateway.tools.conformance.run import Stop, bench_of, language, open_port, suite_named, witnessed
+from gateway.tools.conformance.run import Stop, bench_of, language, port_opener, suite_named, witnessed
 
 DONE, FINDING = 0, 1
 ID = re.compile(r"^[0-9A-Z]+_[A-Z]+_(BV|BI|BO|TI|CA|RC|ST)_\d{2}$")
@@ -77,7 +77,7 @@ def _from_device(suite: Suite, arguments: argparse.Namespace) -> tuple[dict[str,
     bench = bench_of(arguments)
     make = factory_of(bench, suite.frames, suite.sim)
     with witnessed(make is not None) as witness:
-        session = suite.session(Opened(bench, dict(bench.pics), open_port, make, witness))
+        session = suite.session(Opened(bench, dict(bench.pics), port_opener(bench), make, witness))
         try:
             found = dict(session.discover())
         finally:

@@ -27,15 +27,15 @@ def open_wire(url: str, line_format: str = "9600 8E1") -> Wire:
     return RealWire(open_port(url, line_format))
 
 
-def open_port(url: str, line_format: str = "9600 8E1") -> ToolPort:
-    """A real port; `sim:` is none."""
+def open_port(url: str, line_format: str = "9600 8E1", marks: bool | None = None) -> ToolPort:
+    """A real port; `sim:` is none.  marks: of a pty, where its other end does not say."""
     wanted = parse_format(line_format)
     if url.startswith("line:"):
         url = _of_a_run(url)
     if sys.platform == "linux" and not url.startswith(PYSERIAL):
         from drivers.ports.open import open_bytes
 
-        return SelectPort(open_bytes(url, line_format), url)
+        return SelectPort(open_bytes(url, line_format, marks), url)
     if url.startswith("tcp://"):
         url = "socket://" + url.removeprefix("tcp://")
     return PyserialPort(url, wanted)

@@ -14,7 +14,7 @@ RTU = Purposes[ModbusTester]("MBRTU_RTU", "server", "serial line guide V1.02, 2.
 MANY, TEN, CLIENTS = 100, 10, 4
 
 
-def _request(t: ModbusTester) -> bytes:
+def readable_request(t: ModbusTester) -> bytes:
     function = next(iter(t.setup.base), 3)
     return struct.pack(">BHH", function, t.setup.base.get(function, 0), 1)
 
@@ -22,7 +22,7 @@ def _request(t: ModbusTester) -> bytes:
 def _served(t: ModbusTester, after: str) -> None:
     """A read is answered; FAIL where the server does not live on."""
     try:
-        got = t.ask(_request(t))
+        got = t.ask(readable_request(t))
     except Inconclusive as ended:
         raise Fail(f"after {after}: {ended.reason}", "an answer", ended.got) from ended
     if not got:
@@ -31,7 +31,7 @@ def _served(t: ModbusTester, after: str) -> None:
 
 def _many(t: ModbusTester) -> None:
     for count in range(MANY):
-        got = t.ask(_request(t))
+        got = t.ask(readable_request(t))
         if not got or got[0] & 0x80:
             raise Fail(f"request {count + 1} of {MANY}: {t.words(got)}", "a normal answer", t.words(got))
 
@@ -47,7 +47,7 @@ def _exceptions(t: ModbusTester) -> None:
 def transactions(t: ModbusTester) -> None:
     for number in (0, 1, 0x00FF, 0xFF00, 0xFFFF, 0x1234, 0x1234):
         t.quiet()
-        t.send(t.frame(_request(t), transaction=number))
+        t.send(t.frame(readable_request(t), transaction=number))
         found = t.answer_frame()
         if len(found) < 8 or HEADER.unpack_from(found)[0] != number:
             raise Fail(f"transaction {number:04X}h", f"{number:04X}h", t.words(found))
@@ -61,7 +61,7 @@ def transactions(t: ModbusTester) -> None:
 )
 def pipelined(t: ModbusTester) -> None:
     t.quiet()
-    t.send(b"".join(t.frame(_request(t), transaction=0x2000 + at) for at in range(TEN)))
+    t.send(b"".join(t.frame(readable_request(t), transaction=0x2000 + at) for at in range(TEN)))
     numbers = []
     for _ in range(TEN):
         found = t.answer_frame()  # the time-out counts from each answer
@@ -85,7 +85,7 @@ def pipelined(t: ModbusTester) -> None:
 def pieces(t: ModbusTester) -> None:
     for cut in ((6,), (7,), (9,), tuple(range(1, 12))):
         t.quiet()
-        frame = t.frame(_request(t))
+        frame = t.frame(readable_request(t))
         last = 0
         for place in (*cut, len(frame)):
             t.send(frame[last:place])
@@ -104,7 +104,7 @@ def pieces(t: ModbusTester) -> None:
     clause="TCP guide, 4.3.2.2",
 )
 def foreign(t: ModbusTester) -> None:
-    pdu = _request(t)
+    pdu = readable_request(t)
     t.quiet()
     t.send(ANSWER.pack(0x3001, 1, len(pdu) + 1, t.setup.unit) + pdu)
     found = t.answer_frame()
@@ -142,7 +142,7 @@ _length(5, "a length of 65535", "eine Länge 65535", HEADER.pack(0x3005, 0, 0xFF
     clause="TCP guide, 4.4.2.3",
 )
 def missing_unit(t: ModbusTester) -> None:
-    got = t.ask(_request(t), unit=t.setup.missing)
+    got = t.ask(readable_request(t), unit=t.setup.missing)
     if got and not (got[0] & 0x80 and got[1] in (10, 11)):
         raise Warn(f"unit {t.setup.missing}: {t.words(got)}", "silence, exception 0Ah or 0Bh", t.words(got))
 
@@ -161,7 +161,7 @@ def garbage(t: ModbusTester) -> None:
 def half(t: ModbusTester) -> None:
     for size in (3, 7, 10):
         t.quiet()
-        t.send(t.frame(_request(t))[:size])
+        t.send(t.frame(readable_request(t))[:size])
         t.reconnect()
         _served(t, f"{size} bytes of a request")
 
@@ -201,7 +201,7 @@ def clients(t: ModbusTester) -> None:
     others = [t.another() for _ in range(CLIENTS)]
     try:
         for _ in range(5):
-            frames = [one.frame(_request(t), transaction=0x4000 + at) for at, one in enumerate(others)]
+            frames = [one.frame(readable_request(t), transaction=0x4000 + at) for at, one in enumerate(others)]
             for one, frame in zip(others, frames, strict=True):
                 one.send(frame)
             for at, one in enumerate(others):
@@ -225,7 +225,7 @@ def _silence(t: ModbusTester, frame: bytes, what: str) -> None:
 
 @RTU.case("BI_01", "each wrong bit of the CRC: silence", "jedes falsche Bit der CRC: Stille", clause="serial line guide V1.02, 2.4.2")
 def wrong_crc(t: ModbusTester) -> None:
-    frame = t.frame(_request(t))
+    frame = t.frame(readable_request(t))
     for bit in range(16):
         place = -2 + bit // 8
         broken = bytearray(frame)
@@ -237,13 +237,13 @@ def wrong_crc(t: ModbusTester) -> None:
     "BI_02", "a CRC with its bytes exchanged: silence", "eine CRC mit vertauschten Bytes: Stille", clause="serial line guide V1.02, 6.2.2"
 )
 def swapped(t: ModbusTester) -> None:
-    frame = t.frame(_request(t))
+    frame = t.frame(readable_request(t))
     _silence(t, frame[:-2] + frame[:-3:-1], "a CRC high byte first")
 
 
 @RTU.case("BI_03", "each wrong character of a request: silence", "jedes falsche Zeichen einer Anfrage: Stille")
 def wrong_character(t: ModbusTester) -> None:
-    frame = t.frame(_request(t))
+    frame = t.frame(readable_request(t))
     for at in range(len(frame) - 2):
         broken = bytearray(frame)
         broken[at] ^= 0x04
@@ -255,7 +255,7 @@ def wrong_character(t: ModbusTester) -> None:
 )
 def other_unit(t: ModbusTester) -> None:
     for unit in sorted({t.setup.missing, (t.setup.unit + 1) % 247 or 1} - {t.setup.unit}):
-        _silence(t, t.frame(_request(t), unit=unit), f"a request for unit {unit}")
+        _silence(t, t.frame(readable_request(t), unit=unit), f"a request for unit {unit}")
 
 
 @RTU.case(
@@ -265,7 +265,7 @@ def other_unit(t: ModbusTester) -> None:
     clause="serial line guide V1.02, 2.5.1.1",
 )
 def gap(t: ModbusTester) -> None:
-    frame = t.frame(_request(t))
+    frame = t.frame(readable_request(t))
     t.quiet()
     t.send(frame[:4])
     found = t.hear(t.wire.drained() + max(ms(50), 20 * t.wire.char_ns))
@@ -278,7 +278,7 @@ def gap(t: ModbusTester) -> None:
 
 @RTU.case("BI_06", "a broadcast read is not answered", "ein Rundspruch-Lesen wird nicht beantwortet", clause="serial line guide V1.02, 2.1")
 def broadcast_read(t: ModbusTester) -> None:
-    _silence(t, t.frame(_request(t), unit=0), "a broadcast read")
+    _silence(t, t.frame(readable_request(t), unit=0), "a broadcast read")
 
 
 @RTU.case(
@@ -306,7 +306,7 @@ def broadcast(t: ModbusTester) -> None:
 
 @RTU.case("BI_07", "frames that are too short: silence", "zu kurze Telegramme: Stille")
 def short(t: ModbusTester) -> None:
-    for frame in (b"\x01", bytes((t.setup.unit, 3)), sealed(bytes((t.setup.unit,))), t.frame(_request(t))[:-1]):
+    for frame in (b"\x01", bytes((t.setup.unit, 3)), sealed(bytes((t.setup.unit,))), t.frame(readable_request(t))[:-1]):
         _silence(t, frame, f"{frame.hex(' ').upper()}")
 
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 from gateway.conformance.suites.modbus.tester import TABLES, ModbusSetup, ModbusTester
 from gateway.conformance.suites.opening import Opened
+from gateway.conformance.suites.supply import modbus_supply
 from gateway.links.serial.tool_wire import VirtualWire, Wire
 from gateway.pure.conformance.verdict import Ended
 from protocols.base.machine import Machine, Ns, ms
@@ -34,14 +35,21 @@ class ModbusSession:
             self.setup.wait = ms(wait)
         witness = opened.witness
         self._wire: Wire | None = None
+        self._one_machine = False
         self.tester = ModbusTester(self._connect, self.setup, rtu, witness.late if witness is not None else lambda: 0)
+
+    def _switched(self) -> None:
+        """The supply: a machine is not made anew from here, a port in real time is opened again."""
+        self._one_machine = True
+        if not self.tester.wire.simulated:
+            self._wire = None
 
     def _connect(self) -> Wire:
         """A line is opened once; a TCP connection as often as it is wanted.  A machine loses its port and keeps its values; one that
         has not answered since is made anew."""
         if self._rtu and self._wire is not None:
             return self._wire
-        if isinstance(self._wire, VirtualWire) and self._answered():
+        if isinstance(self._wire, VirtualWire) and (self._answered() or self._one_machine):
             wire, device = self._wire, self._wire.station
             while wire.hear(wire.now()) is not None:
                 pass  # what was said before arrives before the end
@@ -56,6 +64,8 @@ class ModbusSession:
     def discover(self) -> Mapping[str, object]:
         setup, pics = self.setup, self.pics
         setup.pics = pics
+        self.tester.supply = modbus_supply(self._opened, self.tester, self._switched)
+        pics["power"] = self.tester.supply is not None
         known = {"coil": 1, "discrete": 2, "holding": 3, "input": 4}
         named = {1: list(setup.coils[:1]), 2: [], 3: list(setup.holding[:1]), 4: []}
         for key in setup.known:

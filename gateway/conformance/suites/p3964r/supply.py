@@ -1,0 +1,58 @@
+"""The supply of a 3964R station fails and returns: nothing of the time before is left, and it works again."""
+
+from gateway.conformance.suites.line import LineTester
+from gateway.conformance.suites.p3964r.receive import PAYLOAD
+from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.verdict import Ended, Fail
+from protocols.base.machine import ms
+
+SUP = Purposes[LineTester]("3964R_SUP", "station", "power failure", condition=("power",), preamble=("3964R_RCV_BV_01",))
+MOMENTS = (b"", b"U", b"U\x10", b"U\x10\x03")
+
+
+def works_again(t: LineTester, what: str) -> None:
+    """Judged: a good block is taken, soon enough after the supply returned."""
+    until = t.wire.now() + t.power.back
+    while True:
+        try:
+            t.settle()
+            t.good(PAYLOAD if t.harmless == b"UC" else t.harmless, f"a good block after {what}")
+            return
+        except Ended as failed:
+            if t.wire.now() > until:
+                got = failed.got or "nothing"
+                raise Fail(f"it does not work again after {what}: {failed.reason}", "DLE (10h) to a good block", got) from failed
+            t.power.pause(ms(500))
+
+
+@SUP.case("RC_01", "the supply fails while it is idle: it works again", "Netzausfall in Ruhe: sie arbeitet wieder")
+def idle(t: LineTester) -> None:
+    t.power.cycle()
+    works_again(t, "a power failure")
+
+
+@SUP.case(
+    "RC_02",
+    "the supply fails in the midst of a block it receives: it works again, nothing of the block is left",
+    "Netzausfall mitten in einem Block, den sie empfängt: sie arbeitet wieder, vom Block bleibt nichts",
+)
+def receiving(t: LineTester) -> None:
+    for part in MOMENTS:
+        t.connect()
+        t.say(part)
+        t.power.cycle()
+        works_again(t, f"a power failure behind {part.hex(' ').upper() or 'DLE'} of a block")
+
+
+@SUP.case(
+    "RC_03",
+    "the supply fails while its own block waits for DLE: it works again",
+    "Netzausfall, während ihr eigener Block auf DLE wartet: sie arbeitet wieder",
+    condition=("sends",),
+    preamble=("3964R_RCV_BV_01", "3964R_SND_BV_01"),
+)
+def sending(t: LineTester) -> None:
+    t.starts_sending()
+    t.take(acknowledge=False)
+    t.power.cycle()
+    works_again(t, "a power failure while it sends")
