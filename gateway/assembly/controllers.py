@@ -152,6 +152,7 @@ def rho_setup(cell: Cell, controller: Controller, tables: DatTables, owners: Map
             name: found.at.number for name in (TEST_MN, *(row[1] for row in SIGNALS)) if (found := signals.named(name)) is not None
         },
         option=option_of(cell),
+        pic=bool(controller.pic),
         robot_masks=robot_masks(cell) if controller.memory else (),
     )  # fmt: skip
 

@@ -5,16 +5,22 @@ import pathlib
 from collections.abc import Callable
 from itertools import accumulate
 
+from gateway.assembly.controllers import installation
+from gateway.assembly.data_block_signals import signals_of
 from gateway.assembly.lanes import lanes_of_cell
+from gateway.assembly.pic import pic_bytes
 from gateway.assembly.program_memory import memory_folder
 from gateway.assembly.run import RunPlan
 from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.pure.cell.cell import Cell
+from gateway.pure.controllers.rho3.signals.timers import TimersAndCounters
 from gateway.pure.languages.baps2.cell_run import CellRun, changed
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.robots import CellRobot
 from gateway.pure.languages.base.hosting import Port
+from gateway.pure.languages.pic.cell_pic import CellPic
+from gateway.pure.languages.pic.symbols import named_in
 from gateway.runtime.safe_file import write_whole
 from protocols.base.machine import ms
 
@@ -37,9 +43,21 @@ def passing_of(cell: Cell) -> tuple[float, ...]:
 
 def language_of(cell: Cell, memory: Memory, port: Port, p5_ms: int) -> CellRun:
     """Programs of a checked cell."""
-    return CellRun(
+    language = CellRun(
         Library(baps2_words(), memory), memory, port, robots_of_cell(cell), ms(p5_ms), passing=passing_of(cell), one=not lanes_of_cell(cell)
     )
+    language.pic = pic_of(cell, memory, port)
+    return language
+
+
+def pic_of(cell: Cell, memory: Memory, port: Port) -> CellPic | None:
+    """The PIC program of a cell, with timers and counters of its parameters."""
+    controller = cell.controller
+    if controller is None or not controller.pic:
+        return None
+    facts = installation(cell, controller)
+    timers = TimersAndCounters(facts.p3, facts.p13, facts.p14, facts.unit)
+    return CellPic(memory, controller.pic, named_in(signals_of(cell)), port, timers, facts.unit, pic_bytes(cell))
 
 
 class Baps2Programs:

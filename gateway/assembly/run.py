@@ -12,6 +12,7 @@ from drivers.ports.can.adapter_url import is_adapter
 from gateway.assembly.contact_regions import chips, joined_regions, make_joined, simulated_couplers
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, listening
 from gateway.assembly.lanes import lanes_of_cell
+from gateway.assembly.pic import own_sources
 from gateway.assembly.programs import ProgramPlan, plan_programs
 from gateway.pure.cell.cell import Bus, Cell
 from gateway.pure.cell.web import Web
@@ -71,7 +72,7 @@ class Child:
 
 @dataclass(frozen=True, slots=True)
 class CommandSource:
-    """A way in for commands: number in the blocks, name, kind line | modbus."""
+    """A way in for commands: number in the blocks, name, kind line | modbus | pic."""
 
     number: int
     name: str
@@ -158,7 +159,7 @@ def plan_run(
     doors = tuple(
         CommandSource(n + 1, name, kind)
         for n, (name, kind) in enumerate(
-            [(x.name, "line") for x in cell.line] + [(x.name, "modbus") for x in cell.modbus if x.role == "server"]
+            [(x.name, "line") for x in cell.line] + [(x.name, "modbus") for x in cell.modbus if x.role == "server"] + own_sources(cell)
         )
     )
     binds, cables = modbus_ports(cell, slug, simulated, modbus_port, baud)

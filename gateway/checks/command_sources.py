@@ -1,6 +1,7 @@
 """Head, safety fields, lines, Modbus servers, RC input bytes: connections and unique names."""
 
 from gateway.assembly.data_block_signals import rc_place
+from gateway.assembly.pic import own_sources
 from gateway.checks.context import Context, near, twice
 from gateway.pure.cell.cell import Line
 from gateway.pure.image.addresses import AddressFault, DataWord, Direction, RcBit, parse
@@ -31,6 +32,7 @@ def names(check: Context) -> None:
     """No two command sources, buses, axes or contacts with one name; no port used twice."""
     cell = check.cell
     doors = [(line.name, f"line.{line.name}") for line in cell.line] + [(door.name, f"modbus.{door.name}") for door in cell.modbus]
+    doors += [(name, f"controller.{name}") for name, _ in own_sources(cell)]
     _unique(check, doors, "doors")
     for kind, parts in (("bus", cell.bus), ("axis", cell.axis), ("io", cell.io)):
         _unique(check, [(part.name, f"{kind}.{part.name}") for part in parts], f"[[{kind}]] tables")
@@ -95,7 +97,7 @@ def _same(at: str, address: DataWord) -> bool:
 
 def rc_inputs(check: Context) -> None:
     """Every RC input byte has one owning command source; assumed inputs are enabling inputs."""
-    doors = check.known["line"] | check.known["modbus"]
+    doors = check.known["line"] | check.known["modbus"] | {name for name, _ in own_sources(check.cell)}
     for byte, door in check.cell.rc_inputs.owner.items():
         if byte > 127:
             check.fault("rc_inputs.owner", byte, "", "0..127", "PIC byte")

@@ -4,7 +4,9 @@ import pathlib
 from collections.abc import Iterator
 
 from gateway.assembly.controllers import dat_tables, make_control
+from gateway.assembly.data_block_signals import signals_of
 from gateway.assembly.integrated_plc import plc_folder
+from gateway.assembly.pic import pic_bytes
 from gateway.assembly.program_memory import memory_folder
 from gateway.checks.context import Context, number
 from gateway.files.plc_programs import ProgramFileFault, read_programs
@@ -19,6 +21,9 @@ from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.fast_io import InputFault
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.pic.cell_pic import read_pic
+from gateway.pure.languages.pic.symbols import named_in
 from gateway.pure.languages.plc.plc import Plc
 from gateway.pure.languages.plc.translation import key_of
 from gateway.registry import CONTROLLERS
@@ -84,6 +89,7 @@ def controller(check: Context) -> None:
         check.fault("controller.door", table.door, "no such command source")
     _memory(check, table)
     _plc(check, table)
+    _pic(check, table)
     sound = [_process(check, table, index) for index in range(len(table.process))]
     sound += [_point(check, table, point) for point in table.point]
     if CONTROLLERS[table.kind].markers:
@@ -134,6 +140,37 @@ def _plc(check: Context, table: Controller) -> None:
         return
     if key_of(table.plc.start) not in {key_of(name) for name in programs}:
         check.fault(f"{key}.start", table.plc.start, f"no such program; {table.plc.path} has {', '.join(sorted(programs)) or 'none'}")
+
+
+def _pic(check: Context, table: Controller) -> None:
+    """The PIC program (AX-981): it can be scanned, and writes only bytes of its own."""
+    folder = memory_folder(check.cell)
+    if not table.pic:
+        return
+    if not CONTROLLERS[table.kind].parameters:
+        check.fault("controller.pic", table.pic, 'a PIC belongs to kind = "rho3"')
+        return
+    if folder is None or not folder.is_dir():
+        check.fault("controller.pic", table.pic, f'memory = "FOLDER" with {table.pic}.QLS is needed')
+        return
+    memory, faults, name = folder_memory(folder), Faults(), table.pic.upper()
+    if memory.text(f"{name}.QLS") is None:
+        check.fault("controller.pic", table.pic, f"{table.memory} has no {name}.QLS")
+        return
+    program = read_pic(memory, name, named_in(signals_of(check.cell)), faults)
+    first = next(iter(faults), None)
+    if program is None or first is not None:
+        check.fault("controller.pic", table.pic, f"{faults.errors} errors: axisgate program check names them; the first: {first}")
+        return
+    own = pic_bytes(check.cell)
+    for byte, place in sorted(program.outputs.items()):
+        if byte not in own:
+            owner, entry = check.cell.rc_inputs.owner.get(byte), f'"{byte}" = "pic"'
+            where, what = "controller.pic", f"O{byte} in {place}"
+            if owner:
+                check.fault(where, what, f"it is the byte of {owner}; give it to the PIC: {entry} in [rc_inputs] owner")
+            else:
+                check.fault(where, what, f"it has no owner; give it to the PIC: {entry} in [rc_inputs] owner")
 
 
 def _process(check: Context, table: Controller, index: int) -> bool:

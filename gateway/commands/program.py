@@ -7,6 +7,7 @@ import sys
 
 from gateway.commands.program_cell import IN_CELLS, add_to, run_in_cell
 from gateway.commands.program_files import OF_FILES, add_files_to, run_on_files
+from gateway.files.pic_program import check_pic
 from gateway.files.program_memory import baps2_words, folder_memory, read_feed
 from gateway.pure.languages.baps2.dry_run import DryRun
 from gateway.pure.languages.baps2.feed import Feed, FeedFault
@@ -77,9 +78,12 @@ def _check(options: argparse.Namespace) -> int:
     for path in options.files:
         text = decoded(path.read_bytes())
         folder = path.resolve().parent
-        if folder not in memories:
-            memories[folder] = Library(words, folder_memory(folder))
-        _, faults = memories[folder].check(str(path), text)
+        if path.suffix.upper() == ".QLS":
+            faults = check_pic(path, text)
+        else:
+            if folder not in memories:
+                memories[folder] = Library(words, folder_memory(folder))
+            _, faults = memories[folder].check(str(path), text)
         errors += faults.errors
         rows += faults.rows()
         if not options.json:

@@ -121,6 +121,11 @@ class Services:
     def _source(self, index: int, fds: dict[str, int]) -> BaseSource:
         run, door = self.run_context, self.run_context.plan.doors[index]
         region = RegionWriter(fds[f"door-{door.number}"], f"door-{door.number}")
+        if door.kind == "pic":
+            from gateway.services.sources.pic import SILENT_MS, PicSource  # only cells that have one pay for it
+
+            silent = LinkWatch(ms(SILENT_MS), has_life_word=False)
+            return PicSource(SourceContext(run, self.image, self.values, self.office, door, silent, OnLoss.STOP, region))
         if door.kind == "modbus":
             modbus = next(m for m in run.cell.modbus if m.name == door.name)
             watch, on_loss = LinkWatch(ms(modbus.max_silence_ms), has_life_word=False), OnLoss(modbus.on_loss)
@@ -201,7 +206,7 @@ class Services:
         self.publisher.publish()
 
     def _last_heard(self) -> Ns:
-        return max((source.watch.last_ns for source in self.sources), default=0)
+        return max((source.watch.last_ns for source in self.sources if source.kind != "pic"), default=0)
 
     # ---- what tools see ----------------------------------------------------------------------------------------------
     def status(self) -> dict[str, object]:

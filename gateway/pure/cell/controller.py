@@ -80,6 +80,9 @@ class Controller:
     memory: str = (
         ""  # folder of the programs: QLL, PKT, DAT, BNR (AX-860), of a reis MPR, SPR, MAC, PAL (AX-940); relative to the cell file
     )
+    pic: Annotated[str, Pattern("^[A-Za-z][A-Za-z0-9_]{0,7}$|^$", "up to 8 letters, digits and _")] = (
+        ""  # PIC program of the memory (AX-981)
+    )
     code_page: Literal["cp437", "cp850", "latin-1", "utf-8"] = "cp437"
     hardware: Literal["rho3.0", "rho3.1", "rho3.2"] = "rho3.1"  # rho3.0 | rho3.1 | rho3.2: unit of timers, multi-function I/O
     kinematics: Annotated[int, Ge(1), Le(10)] = 1

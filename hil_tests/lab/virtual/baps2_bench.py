@@ -9,6 +9,7 @@ from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.servodyn.slave import ServodynSlave
 from gateway.assembly.controllers import make_control
 from gateway.assembly.interpreter import language_of
+from gateway.assembly.pic import pic_bytes
 from gateway.assembly.planner import lane_programs_of
 from gateway.assembly.plant import bus_settings
 from gateway.assembly.programs import machines_of_cell, team_meant
@@ -19,7 +20,7 @@ from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.hosted import HostedPrograms
 from gateway.pure.image.error_list import ErrorList
-from gateway.pure.image.records.cell import RC_BYTES, CellState, Motion, pack_cell_state, unpack_cell_state
+from gateway.pure.image.records.cell import RC_BYTES, CellState, Motion, Quality, pack_cell_state, unpack_cell_state
 from gateway.pure.image.records.interpreter import (
     Fact,
     pack_channels,
@@ -55,6 +56,7 @@ AUTOMATIC, ACKNOWLEDGE, RESET = 23, 62, 19
 KEEP, ABORT, SELECT, PARITY, CODE = 61, 80, 81, 83, 88
 SELECTION = (KEEP, ABORT, SELECT, PARITY, *range(CODE, CODE + 8))
 FIRST_INPUT = 464
+PIC_SOURCE = 2
 CELL: Cell = load_cell("palletiser")
 HEAD = """;;CONTROL = RHO3
 ;;KINEMATICS : (1 = PORTAL)
@@ -127,10 +129,12 @@ class ProgramCell:
         self.bench = ServodynBench(cell=cell)
         self.bench.office = CommandDispatcher(self.bench.office.axes, self.bench.office._plan, 1, {})
         self.errors = ErrorList()
-        owners = dict.fromkeys(range(RC_BYTES), 1)
-        control, _ = make_control(cell, owners, {"rack": 1}, self.bench.office, self.errors, self.bench.now)
+        owners = dict.fromkeys(range(RC_BYTES), 1) | dict.fromkeys(pic_bytes(cell), PIC_SOURCE)
+        control, _ = make_control(cell, owners, {"rack": 1, "pic": PIC_SOURCE}, self.bench.office, self.errors, self.bench.now)
         assert isinstance(control, RhoControl)
         self.control = control
+        if control.pic is not None:
+            control.pic.take = self._take_pic
         self.hosted = control.hosted = HostedPrograms(control)
         self.planning = lane_programs_of(cell, self._machine, self._text, lambda kinematics, _: team_meant(cell, kinematics), lambda _: 0)
         self.memory = Memory({name: text.encode() for name, text in files.items()})
@@ -144,6 +148,8 @@ class ProgramCell:
         self.bench.permit(AUTOMATIC, ACKNOWLEDGE, RESET, *SELECTION, *range(FIRST_INPUT, FIRST_INPUT + 16), value=False)
         self.bench.permit(AUTOMATIC)
         self.bench.run(0.2)
+        if control.pic is not None:
+            return  # the PIC switches the drives on
         for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
             job = self.bench.settle(self.bench.give(code, mask=(1 << len(cell.axis)) - 1))
             assert job.state.name == "DONE", (code, job)
@@ -236,6 +242,13 @@ class ProgramCell:
             case "over":
                 code = int(order["code"])
                 self.language.path_over(int(order["ticket"]), RuntimeFault(code, str(order["text"])) if code else None, now)
+            case _:
+                self.language.hear(order, now)
+
+    def _take_pic(self, outputs: bytes, now: int) -> None:
+        """As the command source `pic` does."""
+        for octet in pic_bytes(self.cell):
+            self.bench.inputs.values[octet], self.bench.inputs.quality[octet] = outputs[octet], Quality.GOOD
 
     # ---- what tests do
 

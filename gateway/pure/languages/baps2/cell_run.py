@@ -19,6 +19,7 @@ from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
 from gateway.pure.languages.base.path import Paths, Stretch
 from gateway.pure.languages.base.process import Process, ProcessState
 from gateway.pure.languages.base.requests import PENDING, Ns, Request, RuntimeFault
+from gateway.pure.languages.pic.cell_pic import CellPic
 
 FIRST_INPUT, USER = 464, 120  # RC input of user input 1
 FIRST_INTEGER, INTEGERS = 401, 8
@@ -56,6 +57,7 @@ class CellRun(Control):
         self._own = OWN_RUNS
         self._read: dict[int, set[tuple[int, int]]] = {}  # process -> places that have read in this turn
         self._starting = 0
+        self.pic: CellPic | None = None  # scanned beside the programs
         self._systems: dict[int, tuple[float, ...]] = {}  # ticket of a stretch -> workpiece system as told
 
     # ---- from outside
@@ -154,6 +156,8 @@ class CellRun(Control):
     def file_changed(self, name: str) -> None:
         """A file of the memory was replaced from outside."""
         program, _, kind = name.rpartition(".")
+        if self.pic is not None:
+            self.pic.file_changed(name)
         if kind == "PKT":
             self._points.pop(program, None)
             self._kept.pop(program, None)
@@ -161,12 +165,16 @@ class CellRun(Control):
             self.library.forget(program)
 
     def hear(self, order: Mapping[str, Fact], now: Ns) -> None:
-        """The control has no messages of its own for BAPS2."""
+        """What the control has for the PIC; there is nothing for BAPS2."""
+        if self.pic is not None:
+            self.pic.hear(order)
 
     # ---- turns
 
     def turn(self, now: Ns) -> bool:
         """All processes go on; True: one could go on at once."""
+        if self.pic is not None:
+            self.pic.turn(now)
         self.now = now
         self._round += 1
         self._read.clear()

@@ -23,6 +23,7 @@ from gateway.pure.controllers.rho3.signals.fast_io import Channels
 from gateway.pure.controllers.rho3.signals.hosted import INTERPRETER_GONE, HostedPrograms
 from gateway.pure.controllers.rho3.signals.panel_view import PanelView
 from gateway.pure.controllers.rho3.signals.phg_values import PhgValues
+from gateway.pure.controllers.rho3.signals.pic import PicLink
 from gateway.pure.controllers.rho3.signals.setup import Setup
 from gateway.pure.controllers.rho3.signals.steps import Step, body_maker, fault_of
 from gateway.pure.controllers.rho3.signals.supervision import PicGuard, PlcWatch
@@ -47,7 +48,7 @@ class RhoControl:
         """ValueError: a parameter out of its range."""
         self.setup, self.errors = setup, errors
         self.image = PicImage()
-        self.interface = SignalInterface(self.image, setup.installation, setup.numbers, errors)
+        self.interface = SignalInterface(self.image, setup.installation, setup.numbers, errors, pic=setup.pic)
         self.modes, self.user = self.interface.modes, self.interface.user
         self.processes = ProcessTable(self._programs())
         self.functions = Functions(setup.functions, errors, self.processes)
@@ -95,6 +96,9 @@ class RhoControl:
     def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
         """`cycle`: RC outputs as the cycle published them; `heard`: the PLC has transmitted since.  What a person should read."""
         self.view.now, self.view.cell = now, state
+        if self.pic is not None and self.pic.stopped:
+            self.image.clear()
+            return self._halt(now, first=self.pic.fails())
         if self._guard is None:
             return self._cycle(inputs, cycle, state, now, heard=heard)
         told: list[str] = []
@@ -103,9 +107,14 @@ class RhoControl:
         return self._halt(now, first=not before) if self.halted else told
 
     @property
+    def pic(self) -> PicLink | None:
+        """The PIC program of the interpreter, where the cell has one."""
+        return self.interface.pic
+
+    @property
     def halted(self) -> bool:
         """The PIC's timer has failed: inputs and outputs stay 0 and READY stays open until a restart."""
-        return self._guard is not None and self._guard.stopped
+        return (self._guard is not None and self._guard.stopped) or (self.pic is not None and self.pic.stopped)
 
     def _halt(self, now: Ns, *, first: bool) -> list[str]:
         """Nothing moves and nobody switches on: READY is kept open against every fault reset."""
@@ -138,6 +147,8 @@ class RhoControl:
         self._commands.settle(now)
         self.channels.step(image)
         image.put(STARTUP, bool(state.generation))
+        if self.pic is not None:
+            self.pic.overlay()
         self._overlay(cycle)
         return told
 
@@ -285,6 +296,8 @@ class RhoControl:
         if first + len(data) > len(self.image.flags):
             return False
         self.image.flags[first : first + len(data)] = data
+        if self.pic is not None:
+            self.pic.write_flags(first, data)
         return True
 
     def retained(self) -> bytes:
@@ -315,7 +328,8 @@ class RhoControl:
     def _all_names(self) -> tuple[str, ...]:
         integers = [f"rho3.integer.{channel}" for channel in range(401, 409)]
         board = [f"rho3.board.input.{n}" for n in range(BOARD_IN)] + [f"rho3.board.output.{n}" for n in range(BOARD_OUT)]
-        return (*integers, *(board if self.setup.coupling else []), *self.channels.names())
+        pic = self.pic.names() if self.pic is not None else []
+        return (*integers, *(board if self.setup.coupling else []), *pic, *self.channels.names())
 
     def value(self, name: str) -> float:
         """One of them; KeyError."""
@@ -325,6 +339,8 @@ class RhoControl:
         number = int(rest[-1])
         if kind == "integer":
             return float(self.user.integer(number))
+        if kind == "pic" and self.pic is not None:
+            return self.pic.value(name)
         if kind == "board":
             return float((self.board_in if rest[0] == "input" else self.board_out)[number])
         return self.channels.value(name)
@@ -338,6 +354,8 @@ class RhoControl:
             raise ValueError(f"{name}: 0..{most}")
         if most == 255:
             self.board_in[int(name.rpartition(".")[2])] = int(value)
+        elif name.startswith("rho3.pic.") and self.pic is not None:
+            self.pic.wire(name, bool(value))
         else:
             self.channels.wire(name, bool(value))
 

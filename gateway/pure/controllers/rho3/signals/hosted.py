@@ -11,6 +11,7 @@ from typing import Protocol
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.controllers.rho3.functions.processes import Body, Kind, Process, ProcessFault, ProcessTable, Program, State, Turn
 from gateway.pure.controllers.rho3.signals.fast_io import Channels, InputFault
+from gateway.pure.controllers.rho3.signals.pic import PicLink
 from gateway.pure.controllers.rho3.signals.steps import NOT_MOVED
 from gateway.pure.image.reasons import CommandState, text
 from gateway.pure.image.records.interpreter import Fact
@@ -27,6 +28,10 @@ class Mover(Protocol):
 
     processes: ProcessTable
     channels: Channels
+
+    @property
+    def pic(self) -> PicLink | None:
+        """The PIC program of the interpreter."""
 
     def open_path(self, program: str, robot: int, now: Ns) -> Job:
         """An order to move a robot; ProcessFault: the mode does not allow it."""
@@ -97,6 +102,8 @@ class HostedPrograms:
         if identity != self.language_id:
             self._lost()
             self.language_id = identity
+            if identity and self.control.pic is not None:
+                self.control.pic.welcome()
         self.rows = _rows(report.get("processes")) if identity else []
         programs = _rows(report.get("programs")) if identity else []
         if programs != self.programs:
@@ -162,6 +169,10 @@ class HostedPrograms:
                     self._end(body, str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
             case "panel":
                 self.control.panel_text(str(said["text"]))
+            case "pic" if self.control.pic is not None:
+                self.control.pic.hear(said, now)
+            case "pic-stopped" if self.control.pic is not None:
+                self.control.pic.stopped = True
 
     def _end(self, body: HostedBody, how: str, code: int = 0, words: str = "", place: str = "") -> None:
         body.over = how, code, words, place
@@ -215,6 +226,9 @@ class HostedPrograms:
             elif body.process.state is State.FAULTY and body.over is None:  # the control ended it: its mode was switched
                 self.orders.append({"do": "fail", "run": run, "code": body.process.error, "text": body.process.error_text})
                 self._end(body, "aborted", body.process.error, body.process.error_text)
+        if self.control.pic is not None:
+            self.orders += self.control.pic.orders
+            self.control.pic.orders.clear()
         for order in [each for each in self._paths if not each.job.open]:
             self._paths.remove(order)
             self.control.path_closed(order.program, order.robot)

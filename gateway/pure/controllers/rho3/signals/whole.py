@@ -8,6 +8,7 @@ from gateway.pure.controllers.rho3.signals.errors import Faults, Outcome
 from gateway.pure.controllers.rho3.signals.machine_type import show_machine
 from gateway.pure.controllers.rho3.signals.modes import OperatingModes, RuntimeFault
 from gateway.pure.controllers.rho3.signals.numbers import AS_SHIPPED, Numbers
+from gateway.pure.controllers.rho3.signals.pic import PicLink
 from gateway.pure.controllers.rho3.signals.timers import TimersAndCounters
 from gateway.pure.controllers.rho3.signals.user import OUTPUTS, UserPorts
 from gateway.pure.image.error_list import ErrorList
@@ -42,8 +43,16 @@ class Seen:
 class SignalInterface:
     """Call `step` once per cycle with the image filled by the command sources; the outputs of the interface are written into it."""
 
-    def __init__(self, image: PicImage, installation: Installation, numbers: Numbers = AS_SHIPPED, errors: ErrorList | None = None) -> None:
-        """`numbers`: of our own signals, where a cell has moved them; `errors`: the list of the control.
+    def __init__(
+        self,
+        image: PicImage,
+        installation: Installation,
+        numbers: Numbers = AS_SHIPPED,
+        errors: ErrorList | None = None,
+        *,
+        pic: bool = False,
+    ) -> None:
+        """`numbers`: of our own signals, where a cell has moved them; `errors`: the control's list; `pic`: a program is scanned.
 
         ValueError: a parameter out of its range.
         """
@@ -52,6 +61,7 @@ class SignalInterface:
         self.faults = Faults(numbers, errors)
         self.user = UserPorts(image, installation.p24, installation.p27, numbers)
         self.timers = TimersAndCounters(installation.p3, installation.p13, installation.p14, installation.unit)
+        self.pic = PicLink(image, self.timers) if pic else None  # of the interpreter: it steps timers and counters
         self._disabled = DisabledAxes(installation.axes)
         show_machine(image, installation.p2)
 
@@ -67,6 +77,7 @@ class SignalInterface:
         outcome = self.faults.update(self.image, panel_reset, now)
         if outcome.processes_end:
             self.user.control_reset()
-        self.timers.step(self.image.flags, elapsed)
+        if self.pic is None:
+            self.timers.step(self.image.flags, elapsed)
         on = drive_on(self.image, self._installation.axes)
         return Seen(outcome, switched, on & ~self._disabled.mask, self._disabled.mask)

@@ -1,0 +1,65 @@
+"""Words of a PIC program.  `;` begins a comment; line ends mean nothing but for labels of the instruction list."""
+
+import re
+from dataclasses import dataclass
+from enum import Enum
+
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position
+
+_TOKEN = re.compile(
+    r"(?P<comment>;.*)|(?P<blank>\s+)|(?P<bit>[IOMEAioemea]\d{1,4}\.\d{1,2}(?!\w))"
+    r"|(?P<name>[^\W\d]\w*)|(?P<number>\d+)|(?P<sign>[=:()\-])"
+)
+
+
+class Kind(Enum):
+    """What a token is."""
+
+    NAME = "name"
+    BIT = "bit"
+    NUMBER = "number"
+    SIGN = "sign"
+    END = "end"
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """`first`: the first of its line, `last`: the last."""
+
+    kind: Kind
+    text: str
+    at: Position
+    first: bool = False
+    last: bool = False
+
+    @property
+    def word(self) -> str:
+        """In upper case."""
+        return self.text.upper()
+
+
+def tokens_of(text: str, file: str, faults: Faults) -> list[Token]:
+    """All tokens, END behind them; a character that is none is a fault and left out."""
+    found: list[Token] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        row = _row(line, file, number, faults)
+        found += [Token(each.kind, each.text, each.at, n == 0, n == len(row) - 1) for n, each in enumerate(row)]
+    end = found[-1].at if found else Position(file, 1)
+    return [*found, Token(Kind.END, "", end)]
+
+
+def _row(line: str, file: str, number: int, faults: Faults) -> list[Token]:
+    found: list[Token] = []
+    at = 0
+    while at < len(line):
+        match = _TOKEN.match(line, at)
+        here = Position(file, number, at + 1)
+        if match is None:
+            faults.error("character", here, f"{line[at]!r} is no part of a PIC program", "a comment begins with ;")
+            return found
+        kind = match.lastgroup or ""
+        if kind not in ("comment", "blank"):
+            found.append(Token(Kind(kind), match[0], here))
+        at = match.end()
+    return found

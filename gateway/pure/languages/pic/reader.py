@@ -1,0 +1,320 @@
+"""Reads a PIC program (QLS): statements of BAPS-PIC and lines of the instruction list, also mixed, into commands of the scan engine.
+
+Source: rho3 6, L1471-1572, L2079-2095, L3962-4044, L10698-10747.  What the manual leaves open: AX-980.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position
+from gateway.pure.languages.pic.expressions import FLAGS, INPUTS, OUTPUTS, Expression, Operand, chain, constant, inverted, joined
+from gateway.pure.languages.pic.lexer import Kind, Token, tokens_of
+from gateway.pure.languages.pic.symbols import Area, Bit, Symbols, address
+from gateway.pure.languages.plc.commands import Code, Command, Program, Routine
+
+FIRST = {Area.INPUT: INPUTS, Area.OUTPUT: OUTPUTS, Area.FLAG: FLAGS}
+IF, THEN, ELSE, JUMP = ("IF", "WENN"), ("THEN", "DANN"), ("ELSE", "SONST"), ("JUMP", "SPRUNG")
+BEGIN, END = ("BEGIN", "ANFANG"), ("END", "ENDE")
+NOT, AND, OR = ("NOT", "NICHT"), ("AND", "UND"), ("OR", "ODER")
+RESERVED = frozenset((*IF, *THEN, *ELSE, *JUMP, *BEGIN, *END, *NOT, *AND, *OR))
+LINKS = {"A": Code.AND, "U": Code.AND, "AN": Code.AND_NOT, "UN": Code.AND_NOT, "O": Code.OR, "ON": Code.OR_NOT}
+OPENS = {"A": Code.OPEN_AND, "U": Code.OPEN_AND, "O": Code.OPEN_OR}
+SETS = {"S": Code.SET, "R": Code.RESET}
+JUMPS = {"JC": Code.JUMP_IF, "SPB": Code.JUMP_IF, "JU": Code.JUMP, "SPA": Code.JUMP}
+NOTHING, ENDS = ("NOP1", "NOP0"), ("EP", "PE")
+LIST = frozenset((*LINKS, *SETS, *JUMPS, *NOTHING, *ENDS))
+DEEPEST = 40  # statements or brackets one in the other
+END_LABEL = "\0end"  # no name of a program
+
+
+@dataclass(frozen=True, slots=True)
+class PicProgram:
+    """A program that can be scanned; outputs: bytes it writes, with the first place that does."""
+
+    program: Program
+    outputs: Mapping[int, Position]
+
+
+class _Wrong(Exception):
+    """The rest of the statement is left out."""
+
+
+def read_program(text: str, file: str, symbols: Symbols, faults: Faults) -> PicProgram | None:
+    """None: it has errors."""
+    before = faults.errors
+    reader = Reader(tokens_of(text, file, faults), symbols, faults)
+    reader.read()
+    if faults.errors > before:
+        return None
+    name = file.upper()
+    routine = Routine(name, tuple(reader.commands), len(text.splitlines()))
+    return PicProgram(Program(name, {name: routine}), reader.outputs)
+
+
+@dataclass(slots=True)
+class Reader:
+    """Recursive descent; a fault goes on with the next statement."""
+
+    tokens: list[Token]
+    symbols: Symbols
+    faults: Faults
+    commands: list[Command] = field(default_factory=list)
+    outputs: dict[int, Position] = field(default_factory=dict)
+    _at: int = 0
+    _depth: int = 0
+    _made: int = 0  # labels of conditions
+    _brackets: list[Position] = field(default_factory=list)  # of the instruction list
+    _labels: dict[str, Position] = field(default_factory=dict)
+    _jumps: list[tuple[str, Position]] = field(default_factory=list)
+
+    # ---- tokens
+
+    @property
+    def token(self) -> Token:
+        """The next one."""
+        return self.tokens[self._at]
+
+    def _ahead(self, by: int = 1) -> Token:
+        return self.tokens[min(self._at + by, len(self.tokens) - 1)]
+
+    def _take(self) -> Token:
+        token = self.token
+        if token.kind is not Kind.END:
+            self._at += 1
+        return token
+
+    def _is(self, words: tuple[str, ...]) -> bool:
+        return self.token.kind is Kind.NAME and self.token.word in words
+
+    def _sign(self, sign: str) -> bool:
+        return self.token.kind is Kind.SIGN and self.token.text == sign
+
+    def _fail(self, id: str, at: Position, text: str, hint: str = "") -> _Wrong:
+        self.faults.error(id, at, text, hint)
+        return _Wrong()
+
+    def _emit(self, code: Code, line: int, bit: Operand | None = None, name: str = "") -> None:
+        byte, mask = (bit.byte, bit.mask) if bit is not None else (0, 0)
+        self.commands.append(Command(code, line, byte=byte, mask=mask, name=name))
+
+    # ---- statements
+
+    def read(self) -> None:
+        """The whole program."""
+        while self.token.kind is not Kind.END and not self.faults.full:
+            before = self._at
+            try:
+                self._statement()
+            except _Wrong:
+                self._recover(before)
+        for where in self._brackets:
+            self.faults.error("bracket", where, "this bracket is not closed")
+        for name, where in self._jumps:
+            if name not in self._labels:
+                self.faults.error("label", where, f"there is no label {name}", f"write {name}: where it goes on")
+        self._emit(Code.LABEL, self.token.at.line, name=END_LABEL)
+
+    def _recover(self, before: int) -> None:
+        """To the next line, or behind what was refused."""
+        self._depth = 0
+        if self._at == before:
+            self._take()
+        while self.token.kind is not Kind.END and not self.token.first:
+            self._take()
+
+    def _statement(self) -> None:
+        self._depth += 1
+        if self._depth > DEEPEST:
+            raise self._fail("nesting", self.token.at, f"more than {DEEPEST} statements one in the other")
+        token = self.token
+        if self._sign("=") or self._sign(")"):
+            self._list_sign()
+        elif self._sign("-") and token.first and self._ahead().last and self._ahead().kind is Kind.NAME:
+            self._take()
+            self._label(self._take())
+        elif self._is(IF):
+            self._condition()
+        elif self._is(JUMP):
+            self._jump()
+        elif self._is(BEGIN):
+            self._compound()
+        elif token.kind is Kind.NAME and self._ahead().text == ":" and token.word not in RESERVED:
+            self._label(self._take())
+            self._take()
+        elif token.kind is Kind.NAME and token.word in LIST and self._ahead().text not in ("=", ":"):
+            self._list()
+        elif (token.kind is Kind.NAME and token.word not in RESERVED) or token.kind is Kind.BIT:
+            self._assignment()
+        else:
+            shown = repr(token.text) if token.text else "the end"
+            raise self._fail("statement", token.at, f"{shown} begins no statement", "NAME = .., IF .. THEN .., JUMP NAME, NAME:")
+        self._depth -= 1
+
+    def _label(self, token: Token) -> None:
+        if token.word in self._labels:
+            raise self._fail("label-twice", token.at, f"the label {token.text} is there twice")
+        self._labels[token.word] = token.at
+        self._emit(Code.LABEL, token.at.line, name=token.word)
+
+    def _condition(self) -> None:
+        line = self._take().at.line
+        test = self._expression(compares=True)
+        if not self._is(THEN):
+            raise self._fail("then", self.token.at, "THEN is expected behind the condition")
+        self._take()
+        self._made += 1
+        otherwise, behind = f"\0else{self._made}", f"\0behind{self._made}"
+        self.commands += chain(test, line)
+        self._emit(Code.JUMP_IF_NOT, line, name=otherwise)
+        self._statement()
+        if self._is(ELSE):
+            self._take()
+            self._emit(Code.JUMP, line, name=behind)
+            self._emit(Code.LABEL, line, name=otherwise)
+            self._statement()
+            self._emit(Code.LABEL, line, name=behind)
+        else:
+            self._emit(Code.LABEL, line, name=otherwise)
+
+    def _compound(self) -> None:
+        begun = self._take()
+        while not self._is(END):
+            if self.token.kind is Kind.END:
+                raise self._fail("end", begun.at, "END is missing for this BEGIN")
+            self._statement()
+        self._take()
+
+    def _jump(self) -> None:
+        line = self._take().at.line
+        self._go(Code.JUMP, line)
+
+    def _go(self, code: Code, line: int) -> None:
+        if self._sign("-"):
+            self._take()
+        token = self.token
+        if token.kind is not Kind.NAME or token.word in RESERVED:
+            raise self._fail("label", token.at, "the name of a label is expected")
+        self._take()
+        self._outside(token.at)
+        self._jumps.append((token.word, token.at))
+        self._emit(code, line, name=token.word)
+
+    def _assignment(self) -> None:
+        token = self.token
+        target = self._operand(writes=True)
+        if not self._sign("="):
+            raise self._fail("assign", self.token.at, f"= is expected behind {token.text}")
+        self._take()
+        self.commands += chain(self._expression(compares=False), token.at.line)
+        self._emit(Code.ASSIGN, token.at.line, target)
+
+    # ---- expressions
+
+    def _expression(self, *, compares: bool) -> Expression:
+        parts = [self._term(compares=compares)]
+        while self._is(OR):
+            self._take()
+            parts.append(self._term(compares=compares))
+        return joined(parts, every=False)
+
+    def _term(self, *, compares: bool) -> Expression:
+        parts = [self._factor(compares=compares)]
+        while self._is(AND):
+            self._take()
+            parts.append(self._factor(compares=compares))
+        return joined(parts, every=True)
+
+    def _factor(self, *, compares: bool) -> Expression:
+        turned = False
+        while self._is(NOT):
+            self._take()
+            turned = not turned
+        if self._sign("("):
+            opened = self._take()
+            self._depth += 1
+            if self._depth > DEEPEST:
+                raise self._fail("nesting", opened.at, f"more than {DEEPEST} brackets one in the other")
+            found = self._expression(compares=compares)
+            if not self._sign(")"):
+                raise self._fail("bracket", opened.at, "this bracket is not closed")
+            self._take()
+            self._depth -= 1
+        elif self.token.kind is Kind.NUMBER:
+            found = constant(self._binary())
+        else:
+            found = self._operand(writes=False)
+        if compares and self._sign("="):
+            self._take()
+            if self._binary() == 0:
+                turned = not turned
+        return inverted(found) if turned else found
+
+    def _binary(self) -> int:
+        token = self.token
+        if token.kind is not Kind.NUMBER or token.text not in ("0", "1"):
+            raise self._fail("binary", token.at, f"{token.text or 'the end'}: 0 or 1 is expected")
+        self._take()
+        return int(token.text)
+
+    def _operand(self, *, writes: bool) -> Operand:
+        if self._sign("-"):
+            self._take()
+        token = self.token
+        bit = self._bit(token)
+        if writes and bit.area is Area.INPUT:
+            raise self._fail("written", token.at, f"{token.text} is an input of the PIC: it is read, not written")
+        self._take()
+        if writes and bit.area is Area.OUTPUT:
+            self.outputs.setdefault(bit.byte, token.at)
+        return Operand(FIRST[bit.area] + bit.byte, 1 << bit.bit)
+
+    def _bit(self, token: Token) -> Bit:
+        if token.kind is Kind.BIT:
+            place = address(token.text)
+            if isinstance(place, Bit):
+                return place
+            raise self._fail("address", token.at, str(place), "I0.0 to I127.7, O0.0 to O127.7, M0.0 to M127.7")
+        if token.kind is not Kind.NAME or token.word in RESERVED:
+            raise self._fail("operand", token.at, f"{token.text or 'the end'}: a signal or an address is expected")
+        found = self.symbols.find(token.text)
+        if found is None:
+            raise self._fail("name", token.at, f"{token.text} is no signal and no symbol", f"a line {token.word} = I88.0 in the SYM file")
+        return found
+
+    # ---- the instruction list
+
+    def _list_sign(self) -> None:
+        token = self._take()
+        if token.text == "=":
+            self._outside(token.at)
+            self._emit(Code.ASSIGN, token.at.line, self._operand(writes=True))
+        elif not self._brackets or self.commands[-1].code in OPENS.values():
+            raise self._fail("bracket", token.at, "this ) closes no bracket, or an empty one")
+        else:
+            self._brackets.pop()
+            self._emit(Code.CLOSE, token.at.line)
+
+    def _list(self) -> None:
+        token = self._take()
+        word, line = token.word, token.at.line
+        if word in OPENS and self._sign("("):
+            self._take()
+            if len(self._brackets) >= DEEPEST:
+                raise self._fail("nesting", token.at, f"more than {DEEPEST} brackets one in the other")
+            self._brackets.append(token.at)
+            self._emit(OPENS[word], line)
+        elif word in LINKS:
+            self._emit(LINKS[word], line, self._operand(writes=False))
+        elif word in SETS:
+            self._outside(token.at)
+            self._emit(SETS[word], line, self._operand(writes=True))
+        elif word in JUMPS:
+            self._go(JUMPS[word], line)
+        elif word in ENDS:
+            self._emit(Code.JUMP, line, name=END_LABEL)
+
+    def _outside(self, at: Position) -> None:
+        if self._brackets:
+            self._brackets.clear()
+            raise self._fail("bracket", at, "a bracket is open here", "close it with )")
