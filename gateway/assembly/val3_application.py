@@ -38,7 +38,7 @@ def channel_of(row: Val3Channel) -> Channel:
     device = row.address if row.kind == "serial" else ""
     return Channel(
         row.name, KINDS[row.kind], row.description, address or "0.0.0.0", row.port, row.bind, row.clients, row.end_of_string, row.timeout_s,
-        row.nagle, device,
+        row.nagle, device, row.baud_rate, row.parity, row.bits, row.stop_bits, flow_control=row.flow_control,
     )  # fmt: skip
 
 
@@ -54,5 +54,5 @@ def setup_of(cell: Cell, table: Val3) -> Setup:
     return Setup(
         folder, name, with_limits(written, [limits_of(axis) for axis in axes]), machine, mask_of(cell, machine), largest,
         tuple(points_of(cell.controller)) if cell.controller is not None else (), MODES.index(table.mode) + 1, table.system,
-        table.strict_priorities, table.auto_connect, epoch,
+        table.strict_priorities, table.auto_connect, epoch, round(table.watchdog_s * 1e9),
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""VAL 3 applications: check their files and programs, run them in virtual time."""
+"""VAL 3 applications: check their files and programs, run them in virtual time, make a cell of a flash card."""
 
 import argparse
 import json
@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable
 
 from gateway.cell_file.load import load_cell
+from gateway.commands import val3_import
 from gateway.files.find import ConfigNotFound
 from gateway.files.robots import load_robot
 from gateway.files.val3_disk import DiskUnreadable, place_of, read_disk
@@ -14,6 +15,7 @@ from gateway.pure.cell.faults import CellFaults
 from gateway.pure.languages.val3.loader import Loader, family_of_arm
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.moves import Moves
+from gateway.pure.languages.val3.sealed import SHORTEST_SECRET, public_of
 from gateway.pure.languages.val3.virtual import Run, declare_links, summary
 from gateway.pure.languages.val3.virtual_events import EventFault, event_of
 from gateway.runtime.exit_codes import Exit
@@ -25,6 +27,8 @@ EXAMPLES = """examples:
   axisgate val3 check usrapp/cycle/cycle.pjx --json        the same as a JSON list
   axisgate val3 run usrapp/cycle --virtual --json          run it in virtual time; data, tasks, log and moves at the end
   axisgate val3 run usrapp/cycle --virtual --robot tx60-like --at 2 dio.start=1 --at 9 app=stop --until 20
+  axisgate val3 password -                                 the VAL 3 password of a ZIP library, for libLoad
+  axisgate val3 import /mnt/card --out cell4.toml          a cell of usr/configs and usr/usrapp of a flash card
 WHAT of --at: dio.NAME, aio.NAME, mode, power, speed, estop, hold, app=stop, or a global: nCount, sPart[2], mSlow.vel.
 exit code: 0 done, 1 faults found or a task ended in an error, 2 command line or files invalid"""
 ROBOT = "tx60-like"
@@ -57,13 +61,29 @@ def main(argv: list[str]) -> int:
     run.add_argument(
         "--at", nargs=2, action="append", default=[], metavar=("S", "WHAT=VALUE"), help="an event from outside; may be repeated"
     )
+    val3_import.arguments(commands.add_parser("import", help="a cell of a flash card: its channels, inputs, outputs, application"))
+    coded = commands.add_parser("password", help="the VAL 3 password that libLoad takes, of the password of a ZIP library")
+    coded.add_argument("secret", metavar="SECRET", help="- reads it from standard input")
+    coded.add_argument("--json", action="store_true", help="JSON on standard output")
     options = parser.parse_args(argv)
-    commanded: Callable[[argparse.Namespace], int] = _check if options.command == "check" else _run
+    commands_by_name: dict[str, Callable[[argparse.Namespace], int]] = {
+        "check": _check, "run": _run, "import": val3_import.run, "password": _password,
+    }  # fmt: skip
+    commanded = commands_by_name[options.command]
     try:
         return commanded(options)
     except (DiskUnreadable, EventFault, ConfigNotFound, CellFaults, MotionError, OSError) as error:
         print(f"axisgate val3: {error}", file=sys.stderr)
         return Exit.INVALID
+
+
+def _password(options: argparse.Namespace) -> int:
+    secret = sys.stdin.readline().rstrip("\n") if options.secret == "-" else options.secret
+    if len(secret) < SHORTEST_SECRET:
+        raise EventFault(f"the password of a ZIP library has {SHORTEST_SECRET} characters at least (VAL 3 reference 6.5)")
+    public = public_of(secret)
+    print(json.dumps({"password": public}) if options.json else public)
+    return Exit.OK
 
 
 def _robot(options: argparse.Namespace) -> Robot:

@@ -4,7 +4,7 @@ import pathlib
 
 from gateway.pure.languages.val3.disk import Disk
 
-KINDS = (".pjx", ".dtx", ".pgx", ".html")
+KINDS = (".pjx", ".dtx", ".pgx", ".html", ".zip")
 LARGEST = 64 << 20  # bytes of all files together
 
 

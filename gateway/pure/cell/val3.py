@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Le, MaxLen, MinLen
 
+from gateway.pure.cell.marks import Unit
+
 MODES = ("manual", "test", "local", "remote")
 
 
@@ -22,6 +24,12 @@ class Val3Channel:
     timeout_s: Annotated[float, Ge(-1.0), Le(1e6)] = 0.0  # 0 waits for ever, -1 does not wait
     nagle: bool = True
     description: Annotated[str, MaxLen(200)] = ""
+    # serial lines only; sioCtrl changes them
+    baud_rate: Annotated[int, Ge(50), Le(4_000_000)] = 9600
+    bits: Annotated[int, Ge(5), Le(8)] = 8
+    parity: Literal["none", "even", "odd"] = "none"
+    stop_bits: Annotated[int, Ge(1), Le(2)] = 1
+    flow_control: Literal["none", "hardware"] = "none"
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,5 +42,6 @@ class Val3:
     mode: Literal["manual", "test", "local", "remote"] = "remote"
     system: str = ""  # getVersion("system"): s8.1cs9_B123, s7.9
     auto_connect: bool = False  # autoConnectMove as an application starts
+    watchdog_s: Annotated[float, Ge(0.0), Le(3600.0), Unit("s")] = 0.0  # val3WatchdogPeriod; 0: there is none, wdgRefresh is error 45
     strict_priorities: bool = False  # a priority for each operator, as the tables of the manual list them
     channel: tuple[Val3Channel, ...] = ()

@@ -1,10 +1,11 @@
 """Instructions on any variable, arrays and collections.  Source: VAL 3 reference 2.5.4-2.5.6, L1055-1355; doubt D47."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from typing import SupportsIndex, overload
 
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.model import MOST_VALUES
-from gateway.pure.languages.val3.values import Container, Grid, Structure, UserV, copied, rounded
+from gateway.pure.languages.val3.values import Container, Grid, Structure, UserV, copied, places, rounded
 
 Maker = Callable[[], object]
 
@@ -15,6 +16,30 @@ class Local(tuple[list[object], int]):
     def __new__(cls, values: list[object], start: int) -> "Local":
         """Container and first place."""
         return super().__new__(cls, (values, start))
+
+
+class _One(list[object]):
+    """One value as an array of size 1 (L957): what is put into it goes to where the value lies."""
+
+    def __init__(self, holder: object, key: object) -> None:
+        self._holder, self._key = places(holder), key
+        super().__init__([self._holder[key]])
+
+    @overload
+    def __setitem__(self, at: SupportsIndex, value: object) -> None: ...
+
+    @overload
+    def __setitem__(self, at: slice, value: Iterable[object]) -> None: ...
+
+    def __setitem__(self, at: SupportsIndex | slice, value: object) -> None:
+        if not isinstance(at, slice) or isinstance(value, Iterable):
+            super().__setitem__(at, value)
+        self._holder[self._key] = self[0]
+
+
+def one(holder: object, key: object) -> Local:
+    """A field, an entry or a parameter by reference where an instruction takes an array."""
+    return Local(_One(holder, key), 0)
 
 
 def ix(index: float) -> int:

@@ -9,6 +9,7 @@ from gateway.pure.languages.val3.disk import PathFault, application_of, resolve
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
 from gateway.pure.languages.val3.saving import save
+from gateway.pure.languages.val3.sealed import SealFault, library_of
 from gateway.pure.languages.val3.values import Structure, copied
 
 Waiting = Generator[Ns | None, None, object]
@@ -25,13 +26,10 @@ def f_lib_load(own: Instance, identifier: str, path: str, password: str | None =
     """Codes of L3970-4006; no run-time error."""
     yield from _turn(own)
     try:
-        folder, name = application_of(path, own.loaded.app.path)
-    except PathFault as fault:
+        folder, name = library_of(own.machine.disk, path, own.loaded.app.path, password)
+    except (PathFault, SealFault) as fault:
+        own.machine.note(f"{path}: {fault}", "VAL3")
         return float(fault.code)
-    if password is not None and not path.lower().endswith(".zip"):
-        return 23.0
-    if path.lower().endswith(".zip"):
-        return 12.0
     return float(own.machine.loads(own, identifier, folder, name, path))
 
 

@@ -15,6 +15,7 @@ Waiting = Generator[Ns | None, None, object]
 LANGUAGES = ("francais", "english", "deutsch", "italiano", "espanol")
 DATES = ("%y", "%Y", "%m", "%d", "%H", "%I", "%p", "%M", "%S")
 SEVERITIES = (1, 2, 3, 4)
+KEY_ESC, KEY_RETURN = 255.0, 270.0  # codes of keys of the text page
 
 
 def _severity(value: float) -> int:
@@ -47,6 +48,11 @@ def f_user_page(own: Instance, name: str) -> float:
 
 def f_user_page_none(own: Instance) -> float:
     """s7: the text page."""
+    return 0.0
+
+
+def f_user_page_text(own: Instance, which: object) -> float:
+    """s7: the text page of a screen, or whether it stays."""
     return 0.0
 
 
@@ -213,6 +219,41 @@ def f_screen_title(own: Instance, text: str) -> None:
 def f_screen_title_of(own: Instance, screen: ScreenV, text: str) -> None:
     """As title."""
     f_screen_title(own, text)
+
+
+def _entered(own: Instance) -> Generator[Ns | None, None, tuple[float, str | None]]:
+    """Key that ended an entry, and what was entered; Esc at once where a run has no operator."""
+    machine = own.machine
+    yield machine.now
+    while machine.operator and not machine.answers:
+        yield None
+    word, separator, text = (machine.answers.pop(0) if machine.answers else "cancel").partition(":")
+    return (KEY_ESC, None) if word.lower() == "cancel" else (KEY_RETURN, text if separator else "")
+
+
+def f_screen_get(own: Instance, entry: Place) -> Waiting:
+    """An entry: the key that ended it; Esc leaves the variable as it is."""
+    old = entry[0][entry[1]]
+    while True:
+        key, text = yield from _entered(own)
+        if text is None:
+            return key
+        try:
+            entry[0][entry[1]] = float(text or "0") if isinstance(old, float) else cut(text)
+        except ValueError:
+            continue  # no number: it is asked for again
+        return key
+
+
+def f_screen_get_of(own: Instance, screen: ScreenV, entry: Place) -> Waiting:
+    """As get."""
+    return (yield from f_screen_get(own, entry))
+
+
+def f_screen_get_key(own: Instance) -> Waiting:
+    """The next key: the code of a character, or of Return and Esc."""
+    key, text = yield from _entered(own)
+    return float(ord(text[0])) if text else key
 
 
 def f_screen_key(own: Instance, screen: ScreenV | None = None) -> float:

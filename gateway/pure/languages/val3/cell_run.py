@@ -47,6 +47,7 @@ class Setup:
     strict: bool = False
     auto_connect: bool = False
     epoch: Ns = 0  # clock of the host at which the date of a virtual run begins
+    watchdog_ns: Ns = 0  # 0: there is none
 
 
 @dataclass(eq=False)
@@ -98,7 +99,9 @@ class CellRun:
             self.port.over(run, "aborted", RuntimeFault(0, f"{self.setup.name} runs already"), self.setup.name)
             return
         setup = self.setup
-        self._robot.watchdog_ns, self._robot.watchdog_until, self._robot.watchdog_broken, self._robot.dead_watch = 0, None, False, False
+        robot = self._robot
+        robot.watchdog_ns, robot.watchdog_until = setup.watchdog_ns, None
+        robot.watchdog_broken = robot.dead_watch = False
         if setup.version:
             self._robot.version = setup.version
         moves = CellMoves(setup.robot, setup.machine, self.port, setup.largest, self._said)

@@ -20,6 +20,7 @@ class Disk:
 
     files: dict[str, bytes] = field(default_factory=dict)
     _names: dict[str, str] = field(init=False, default_factory=dict)  # in small letters -> as written
+    _sealed: dict[str, bytes] = field(init=False, default_factory=dict)  # of encrypted libraries, in small letters; never written
 
     def __post_init__(self) -> None:
         self._names = {path.lower(): path for path in self.files}
@@ -27,7 +28,11 @@ class Disk:
     def read(self, path: str) -> bytes | None:
         """The content; None: no such file."""
         name = self._names.get(path.lower())
-        return None if name is None else self.files[name]
+        return self._sealed.get(path.lower()) if name is None else self.files[name]
+
+    def unseal(self, folder: str, files: dict[str, bytes]) -> None:
+        """The content of an encrypted library, as if it lay in a folder of that name."""
+        self._sealed.update({f"{folder}/{name}".lower(): data for name, data in files.items()})
 
     def write(self, path: str, data: bytes) -> None:
         """Creates or replaces a file."""

@@ -13,6 +13,7 @@ from gateway.pure.languages.val3.syntax import (
     Index,
     Invoke,
     Literal,
+    Name,
     Node,
     Unary,
 )
@@ -65,7 +66,10 @@ class Translator(VariableTranslator):
         codes = [first] if first else []
         codes += [self._argument(value, parameter) for value, parameter in zip(values, form.parameters, strict=True)]
         waits = form.waits or any(value.waits for value in values)
-        code = f"f_{form.function}({', '.join(codes)})"
+        function = form.function
+        if function == "to_binary" and self.scope.app.version[:2].lower() not in ("", "s7"):
+            function = "to_binary_of_what_is_there"  # s8 applications give the number of bytes
+        code = f"f_{function}({', '.join(codes)})"
         return Value(f"(yield from {code})" if form.waits else code, form.result, node, waits=waits)
 
     def _argument(self, value: Value, parameter: str) -> str:
@@ -82,10 +86,15 @@ class Translator(VariableTranslator):
         return self.need(value, kind).code
 
     def _array(self, value: Value, kind: str, any_dims: bool) -> str:
-        if not value.whole:
+        single = bool(value.c) and (not value.whole or (value.indexed and (value.dims != 1 or isinstance(value.node, Name))))
+        if not value.whole and not single:
             raise self.fault(value.node, "array variable expected as parameter")
         if value.type != kind:
             raise self.fault(value.node, "invalid type")
+        if single and not any_dims:
+            return f"one({value.c}, {value.k})"
+        if not value.whole:
+            raise self.fault(value.node, "array variable expected as parameter")
         if any_dims:
             return value.whole
         if value.dims != 1:

@@ -20,7 +20,12 @@ LONGEST_FILE = 16 << 20
 
 def is_name(text: str) -> bool:
     """Characters a..zA..Z0..9_, first a letter (L1016)."""
-    return bool(text) and text.isascii() and text[0].isalpha() and text.replace("_", "a").isalnum()
+    return bool(text) and text[0].isalpha() and is_program_name(text)
+
+
+def is_program_name(text: str) -> bool:
+    """Programs of real controllers begin with _ too (AX-991)."""
+    return bool(text) and text.isascii() and not text[0].isdigit() and text.replace("_", "a").isalnum()
 
 
 class Reader:
@@ -69,7 +74,7 @@ class Reader:
                 elif name in found:
                     self._say(made.project, each.line, f"'{name}' is declared twice")
                 else:
-                    found[name] = Use(name, path, each.line, each.get("autoload").lower() == "true")
+                    found[name] = Use(name, path, each.line, each.get("autoload").lower() == "true", each.get("password") or None)
 
     def _file(self, made: Application, listed: Element) -> str | None:
         path = listed.get("file")
@@ -158,7 +163,7 @@ class Reader:
 
     def _program(self, path: str, each: Element) -> ProgramText | None:
         name = each.get("name")
-        if not is_name(name):
+        if not is_program_name(name):
             self._say(path, each.line, f"'{name}' : invalid name")
             return None
         code = each.first("Code")
@@ -202,6 +207,10 @@ class Reader:
             self._say(path, fault.line, fault.text)
             return None
         named = root.get("xmlns", ROOT + space)
+        if named.endswith("NameSpace"):  # ProjectNameSpace, DataNameSpace, ProgramNameSpace of s6
+            written = next((each.get("version") for each in root.children if each.get("version")), "s6")
+            self._say(path, root.line, f"the file was written by {written}; s7 and s8 are read, s6 and older are not")
+            return None
         if root.tag != tag or not named.startswith(ROOT + space.split("/", maxsplit=1)[0]):
             self._say(path, root.line, f"<{tag}> of {ROOT}{space} expected, <{root.tag}> of {named} found")
             return None

@@ -7,6 +7,7 @@ from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.val3.disk import Disk, PathFault, application_of
 from gateway.pure.languages.val3.files import Reader
 from gateway.pure.languages.val3.model import BUILT_IN, FAMILIES, Application, Declaration, Type, UserType
+from gateway.pure.languages.val3.sealed import SealFault, library_of
 from gateway.pure.languages.val3.translate import Code, ProgramTranslator
 
 DEEPEST = 20  # user types one in the other
@@ -146,8 +147,8 @@ class Loader:
                 app.interfaces[use.name] = None
                 continue
             try:
-                folder, own = application_of(use.path, app.path)
-            except PathFault as fault:
+                folder, own = library_of(self.disk, use.path, app.path, use.password)
+            except (PathFault, SealFault) as fault:
                 faults.error("val3-library", Position(app.project, use.line), f"library '{use.name}': {fault}")
                 continue
             found, _ = self.read(folder, own)

@@ -21,12 +21,13 @@ from gateway.pure.languages.val3 import (
     strings,
 )
 from gateway.pure.languages.val3.controller import Controller
-from gateway.pure.languages.val3.disk import application_of
+from gateway.pure.languages.val3.disk import PathFault
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.initial_values import literal
 from gateway.pure.languages.val3.instance import Instance, Program
-from gateway.pure.languages.val3.model import Application
+from gateway.pure.languages.val3.model import Application, Use
 from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, REMOTE, TEST
+from gateway.pure.languages.val3.sealed import SealFault, library_of
 from gateway.pure.languages.val3.tasks import LINES_A_CYCLE, RUNNING, SYSTEM_CYCLE, Frame, Owner, Task
 from gateway.pure.languages.val3.translate import CALL, END
 from gateway.pure.languages.val3.values import SioV, copied, equal, places
@@ -78,8 +79,16 @@ class Machine(Controller):
         self.shared[key] = made
         for alias, use in loaded.app.libraries.items():
             if use.autoload:
-                self.load_library(made, alias, *application_of(use.path, loaded.app.path), use.path)
+                self._autoload(made, alias, use)
         return made
+
+    def _autoload(self, made: Instance, alias: str, use: Use) -> None:
+        try:
+            code = self.load_library(made, alias, *library_of(self.disk, use.path, made.loaded.app.path, use.password), use.path)
+        except (PathFault, SealFault) as fault:
+            code = fault.code
+        if code > 1:
+            self.note(f"library {alias} ({use.path}) is not loaded: {code}", "VAL3")
 
     def _names(self, own: Instance) -> dict[str, object]:
         """What the text of a program may use."""

@@ -109,6 +109,7 @@ class Use:
     path: str
     line: int
     autoload: bool = False
+    password: str | None = None  # of an encrypted library
 
 
 @dataclass(slots=True)

@@ -126,6 +126,11 @@ def f_sel(condition: bool, first: float, second: float) -> float:
     return first if condition else second
 
 
+def add_on(name: str) -> bool:
+    """A condition with a call of an add-on: 250."""
+    raise Rte(250, name)
+
+
 def modulo(first: float, second: float) -> float:
     """%: the sign of the left operand; 10."""
     if second == 0:
@@ -182,6 +187,11 @@ def f_to_binary(values: Place, size: float, form: str, target: Place) -> float:
     made = b"".join(_packed(packer, form, number) for number in numbers[first : first + count])
     data[start : start + len(made)] = [float(byte) for byte in made]
     return float(len(made))
+
+
+def f_to_binary_of_what_is_there(values: Place, size: float, form: str, target: Place) -> float:
+    """As f_to_binary; more values than the array has are not looked for (s8)."""
+    return f_to_binary(values, min(size, float(len(values[0]) - values[1])), form, target)
 
 
 def _packed(packer: struct.Struct, form: str, number: object) -> bytes:

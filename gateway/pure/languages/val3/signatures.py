@@ -68,6 +68,8 @@ num sioCtrl(sio,string,string)
 num sioCtrl(sio,string,bool)
 num userPage(string)
 num userPage() = user_page_none
+num userPage(bool) = user_page_text
+num userPage(screen) = user_page_text
 ~void userPageAlert(string)
 ~bool userPageConfirm(string)
 ~bool userPagePrompt(string,string&)
@@ -95,6 +97,11 @@ void putln(screen,string) = screen_putln_of
 void putln(screen,num) = screen_putln_of
 void title(string) = screen_title
 void title(screen,string) = screen_title_of
+~num get() = screen_get_key
+~num get(string&) = screen_get
+~num get(num&) = screen_get
+~num get(screen,string&) = screen_get_of
+~num get(screen,num&) = screen_get_of
 num getKey() = screen_key
 num getKey(screen) = screen_key
 bool isKeyPressed(num) = screen_pressed

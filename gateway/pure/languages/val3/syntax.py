@@ -247,23 +247,23 @@ class Expressions:
             return self._named()
         raise self.fault("data expected")
 
-    def _named(self) -> Node:
-        token = self._name()
+    def _named(self, program: bool = False) -> Node:
+        token = self._name(program)
         library = ""
         if self.next.text == ":":
             self.take()
-            library, token = token.text, self._name()
+            library, token = token.text, self._name(program)
         if self.next.kind == "op" and self.next.text == "(":
             self.take()
             arguments = self._list(")")
             return Invoke(token.start, self.tokens[self.at - 1].end, library, token.text, arguments)
         return Name(token.start, token.end, library, token.text)
 
-    def _name(self) -> Token:
+    def _name(self, program: bool = False) -> Token:
         token = self.next
         if token.kind != "name":
             raise self.fault("data expected")
-        if token.text.startswith("_"):
+        if token.text.startswith("_") and not program:
             raise self.fault("invalid name")
         return self.take()
 

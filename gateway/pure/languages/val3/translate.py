@@ -19,6 +19,7 @@ CALL, WAIT, END = -2, -3, -1
 TARGET = re.compile(r"@(\d+)@")
 CLOSERS = {"endif": "if", "endwhile": "while", "until": "do", "endfor": "for", "endswitch": "switch"}
 SHOWN = {"endif": "endIf", "endwhile": "endWhile", "endfor": "endFor", "endswitch": "endSwitch"}
+CONDITIONS = ("if", "elseif", "while", "until")
 OPENERS = {opener: closer for closer, opener in CLOSERS.items()}
 
 
@@ -66,6 +67,7 @@ class ProgramTranslator:
         self.scope = Scope(app, program, slots, size, axes)
         self.app, self.program, self.faults, self.strict = app, program, faults, strict
         self.instructions: list[Instruction] = []
+        self.missing = ""  # add-on of the line
         self.labels: dict[int, int] = {}
         self.label_count = 0
         self.temps = 0
@@ -173,13 +175,16 @@ class ProgramTranslator:
         word = first.text.lower() if first.kind == "name" else ""
         translator = Translator(self.scope, line)
         handler: Callable[[Expressions, Translator], None] | None = getattr(self, f"_do_{word}", None) if word in STATEMENTS else None
+        self.missing = self._add_ons(parser)
+        if self.missing and word not in CONDITIONS:
+            self._emit([f"raise Rte(250, {self.missing!r})"])
+            if word in OPENERS:
+                self._open(word, first.start + 1).step = "0 num" if word == "switch" else ""
+            return
         if handler is not None:
             parser.take()
             handler(parser, translator)
             parser.finish()
-            return
-        if first.text == "$":
-            self._add_on(parser)
             return
         node = parser.expression()
         parser.finish()
@@ -192,12 +197,15 @@ class ProgramTranslator:
         else:
             raise translator.fault(node, "instruction expected")
 
-    def _add_on(self, parser: Expressions) -> None:
-        name = parser.tokens[parser.at + 1].text
-        self.faults.warning(
-            "val3-add-on", Position(self.program.file, self.line, parser.next.start + 1), f"'${name}' : add-on not installed"
-        )
-        self._emit([f"raise Rte(250, {'$' + name!r})"])
+    def _add_ons(self, parser: Expressions) -> str:
+        """Calls of add-ons in a line, wherever they stand: each a warning; the first one, with which the line stops its task."""
+        first = ""
+        for token, after in zip(parser.tokens, parser.tokens[1:], strict=False):
+            if token.text == "$" and after.kind == "name":
+                place = Position(self.program.file, self.line, token.start + 1)
+                self.faults.warning("val3-add-on", place, f"'${after.text}' : add-on not installed")
+                first = first or f"${after.text}"
+        return first
 
     def _do_begin(self, parser: Expressions, translator: Translator) -> None:
         raise CompileFault("'begin' : instruction expected")
@@ -208,6 +216,9 @@ class ProgramTranslator:
         self._emit(["return -1"])
 
     def _condition(self, parser: Expressions, translator: Translator) -> Value:
+        if self.missing:
+            parser.at = len(parser.tokens) - 1
+            return Value(f"add_on({self.missing!r})", "bool", Node(0, 0))
         node = parser.expression()
         value = translator.assign(node) if isinstance(node, Assign) else translator.value(node)
         return translator.need(value, "bool")
@@ -358,7 +369,7 @@ class ProgramTranslator:
         self._emit([f"M.call = ({target}, {code}, @next@)", "return -2"], waits)
 
     def _program_call(self, parser: Expressions, translator: Translator) -> Invoke:
-        node = parser._named()
+        node = parser._named(program=True)
         if not isinstance(node, Invoke):
             raise translator.fault(node, "undefined program")
         return node

@@ -1,0 +1,170 @@
+"""A cell out of a flash card: usr/configs and usr/usrapp as controllers write them (AX-990)."""
+
+import json
+import pathlib
+import shutil
+import tomllib
+
+import pytest
+
+import configs
+from gateway.cell_file.load import load_cell
+from gateway.commands.val3 import main
+from gateway.pure.languages.val3.card import card_of
+from gateway.pure.languages.val3.links import Link
+from gateway.tools.new_cell.val3_cell import distinct, place_of
+from hil_tests.unit.languages.val3.apps import App, datum, value
+
+CYCLE = pathlib.Path(configs.__file__).parent / "cells" / "cs8" / "usrapp" / "cycle"
+HEAD = '<?xml version="1.0" encoding="utf-8" ?>\n'
+SIO = """<sio>
+  <serialPort>
+    <String name="name" value="portSerial" />
+    <Uint name="baudRate" value="19200" />
+    <Uint name="byteSize" value="7" />
+    <String name="parity" value="even" />
+    <Uint name="nbStopBit" value="2" />
+    <Int name="endOfString" value="3" />
+    <Float name="timeOut" value="5" />
+    <String name="flowControl" value="none" />
+  </serialPort>
+  <!-- sockets -->
+  <socketSrv>
+    <String name="name" value="hmi" />
+    <Uint name="portNumber" value="11000" />
+    <Uint name="nbClients" value="2" />
+    <Int name="endOfString" value="10" />
+    <Float name="timeOut" value="-0.001" />
+    <Bool name="nagle" value="false" />
+  </socketSrv>
+  <socketClt>
+    <String name="name" value="cam" />
+    <String name="desc" value="Camera &quot;left&quot;" />
+    <Inet name="connectIp" value="192.168.0.20" />
+    <Uint name="portNumber" value="4000" />
+  </socketClt>
+  <udpSocket>
+    <String name="name" value="control" />
+    <Inet name="connectIp" value="172.31.0.2" />
+    <Uint name="portNumber" value="11001" />
+    <Bool name="broadcast" value="true" />
+    <Float name="quietTime" value="30" />
+  </udpSocket>
+</sio>"""
+CELL = """<cell>
+  <String name="language" value="deutsch" />
+  <Float name="val3WatchdogPeriod" value="2.5" />
+  <FloatArray name="minCellJointPos" ><Float index="0" value="-90" /><Float index="1" value="-99999" /></FloatArray>
+  <FloatArray name="maxCellJointPos" ><Float index="0" value="-10" /><Float index="2" value="120" /></FloatArray>
+  <String name="robotName" value="Press 3" />
+  <autoStart name="cycle" location="Disk" />
+  <String name="initWorkingMode" value="manual" />
+</cell>"""
+ARM = '<arm><String name="arm" value="rx160-S1" /><FloatArray name="minArmJointPos" ><Float index="0" value="-60" /></FloatArray></arm>'
+BUS = """<ProcessData xmlns="x-schema:ProcessDataSchema.xml">
+  <Adapter displayName="J207J208 RE/PLS[CIFX RE/PLS]"><Module displayName="8 Bytes In">
+    <Signal displayName="In_Byte_0" signalType="output" signalAccessPath="0.0" dataType="bit" arrayElements="8"/>
+    <Signal displayName="InWord" signalType="output" dataType="word" arrayElements="1"/></Module>
+    <Module displayName="8 Bytes Out"><Signal displayName="OutStart" signalType="input" dataType="bit"/></Module></Adapter>
+</ProcessData>"""
+
+
+def card(folder: pathlib.Path, *apps: App, **files: str) -> pathlib.Path:
+    """A copy of a flash card."""
+    usrapp, place = folder / "card" / "usr" / "usrapp", folder / "card" / "usr" / "Configs"
+    place.mkdir(parents=True)
+    usrapp.mkdir()
+    for app in apps:
+        for path, data in app.files().items():
+            (usrapp / path).parent.mkdir(parents=True, exist_ok=True)
+            (usrapp / path).write_bytes(data)
+    for name, text in files.items():
+        (place / name.replace("_", ".", 1)).write_text(HEAD + text)
+    return folder / "card"
+
+
+def test_the_cell_of_a_card_is_sound_and_has_all_it_says(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    made = card(tmp_path, sio_cfx=SIO, cell_cfx=CELL, arm_cfx=ARM, J207_xml=BUS)
+    shutil.copytree(CYCLE, made / "usr" / "usrapp" / "cycle")
+    out = tmp_path / "press.toml"
+    assert main(["import", str(made), "--out", str(out), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["application"] == "cycle" and said["doubts"] == [
+        "Serial\\portSerial: name its port in address; /dev/ttyS0 and so on are assumed"
+    ]
+    cell = load_cell(str(out))  # no CellFaults: it is sound
+    assert cell.val3 is not None and cell.controller is not None
+    assert (cell.cell.name, cell.cell.language, cell.val3.autostart, cell.val3.watchdog_s) == ("Press 3", "de", True, 2.5)
+    rows = {each.name: each for each in cell.val3.channel}
+    serial, server, client, udp = (rows[name] for name in ("Serial\\portSerial", "Socket\\hmi", "Socket\\cam", "UdpSocket\\control"))
+    assert (serial.baud_rate, serial.bits, serial.parity, serial.stop_bits, serial.end_of_string) == (19200, 7, "even", 2, 3)
+    assert (server.kind, server.port, server.clients, server.timeout_s, server.nagle) == ("server", 11000, 2, -1.0, False)
+    assert (client.kind, client.address, client.port, client.description) == ("client", "192.168.0.20", 4000, 'Camera "left"')
+    assert (udp.address, udp.timeout_s) == ("172.31.255.255", 0.0)
+    points = {each.name: each for each in cell.controller.point}
+    assert points["valve1"].output and not points["part"].output and points["part"].bit != 711
+    assert not points["In_Byte_0"].output and points["InWord"].steps and points["OutStart"].output
+    assert (cell.axis[0].limits.min, cell.axis[0].limits.max, cell.axis[2].limits.max) == (-60.0, -10.0, 120.0)
+    assert -60.0 <= tomllib.loads(out.read_text())["plant"]["axis"]["J1"]["start"] <= -10.0
+
+
+def test_one_application_is_found_or_named(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    library = '<Library alias="lib" path="Disk://lib/lib.pjx" />'
+    made = card(tmp_path, App("cellA", libraries=library), App("lib"), App("data", programs={}))
+    assert main(["import", str(made), "--out", str(tmp_path / "a.toml")]) == 2
+    assert "2 applications can start: cellA, data; name one with --application" in capsys.readouterr().err
+    assert main(["import", str(made / "usr"), "--application", "CELLA", "--out", str(tmp_path / "a.toml")]) == 0
+    table = load_cell(str(tmp_path / "a.toml")).val3
+    assert table is not None and table.application == "cellA"
+    assert main(["import", str(made), "--application", "cellA", "--out", str(tmp_path / "a.toml")]) == 2
+    assert "is there already and stays as it is" in capsys.readouterr().err
+    assert main(["import", str(made), "--application", "nothing", "--out", str(tmp_path / "b.toml")]) == 2
+    assert main(["import", str(tmp_path / "none")]) == 2 and not (tmp_path / "b.toml").exists()
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_a_scara_gets_a_cell_of_four_axes(tmp_path: pathlib.Path) -> None:
+    made = card(tmp_path, App("pick", datum("jA", "jointRs")), arm_cfx='<arm><String name="arm" value="ts60" /></arm>')
+    assert main(["import", str(made), "--out", str(tmp_path / "pick.toml")]) == 0
+    cell = load_cell(str(tmp_path / "pick.toml"))
+    assert len(cell.axis) == 4 and cell.robot[0].kinematics == "scara"
+
+
+def test_links_of_all_kinds_get_one_point_each(tmp_path: pathlib.Path) -> None:
+    data = datum("doA", "dio", "2", value("0", link="BasicIO-1\\%Q0") + value("1", link="BasicIO-1\\%Q1"))
+    data += datum("aoB", "aio", values=value(link="EtherCAT-1\\%QF32")) + datum("diC", "dio", values=value(link="usrIn0"))
+    data += datum("tA", "tool", values=value(ioLink="ValveIO\\valve1")) + datum("tB", "tool", values=value(ioLink="valve1"))
+    data += datum("siD", "sio", values=value(link="Socket\\none"))
+    made = card(tmp_path, App("io", data), sio_cfx="<sio></sio>")
+    assert main(["import", str(made), "--out", str(tmp_path / "io.toml"), "--json"]) == 0
+    table = tomllib.loads((tmp_path / "io.toml").read_text())
+    points = {
+        each["name"]: (each["board"], each["address"], each.get("output", False), "byte" in each) for each in table["controller"]["point"]
+    }
+    assert points == {
+        "valve1": ("ValveIO", "valve1", True, False),
+        "doA": ("BasicIO-1", "%Q0", True, False),
+        "doA_2": ("BasicIO-1", "%Q1", True, False),
+        "aoB": ("EtherCAT-1", "%QF32", True, True),
+        "usrIn0": ("System", "usrIn0", False, False),
+    }
+    assert place_of("a\\b\\c\\%I1") == ("a", "b\\c", "%I1")
+    assert len(distinct([Link("valve1", True, False, "t"), Link("ValveIO/valve1", True, False, "t")])) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "doubt"),
+    [
+        ("sio.cfx", SIO.replace("</sio>", "<sio>"), "sio.cfx line 35: <sio> was read as </sio>"),
+        ("sio.cfx", "<sio><socketSrv>", "the file is left out"),
+        ("sio.cfx", '<!DOCTYPE a [<!ENTITY x "y">]><sio>&x;</sio>', "a document type is declared"),
+        ("sio.cfx", "<sio><socketSrv /></sio>", "sio.cfx line 2: <socketSrv> has no name and is left out"),
+        ("sio.cfx", '<sio><modem><String name="name" value="m" /></modem></sio>', "<modem> is no serial line and no socket; m is left out"),
+        ("sio.cfx", SIO.replace('value="even"', 'value="mark"'), "portSerial: 'mark' is none of none, even, odd; none is taken"),
+        ("sio.cfx", SIO.replace('"11000"', '"99999"'), "hmi: portnumber '99999' is no whole number 1..65535; 0 is taken"),
+        ("sio.cfx", SIO.replace('"5"', '"soon"'), "portSerial: timeOut 'soon' is no number; 0 is taken"),
+    ],
+)
+def test_what_is_not_understood_is_said(name: str, text: str, doubt: str) -> None:
+    found = card_of({name: (HEAD + text).encode()})
+    assert any(doubt in each for each in found.doubts), found.doubts
