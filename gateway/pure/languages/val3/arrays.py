@@ -1,7 +1,6 @@
 """Instructions on any variable, arrays and collections.  Source: VAL 3 reference 2.5.4-2.5.6, L1055-1355; doubt D47."""
 
 from collections.abc import Callable, Iterable
-from typing import SupportsIndex, overload
 
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.model import MOST_VALUES
@@ -25,15 +24,13 @@ class _One(list[object]):
         self._holder, self._key = places(holder), key
         super().__init__([self._holder[key]])
 
-    @overload
-    def __setitem__(self, at: SupportsIndex, value: object) -> None: ...
-
-    @overload
-    def __setitem__(self, at: slice, value: Iterable[object]) -> None: ...
-
-    def __setitem__(self, at: SupportsIndex | slice, value: object) -> None:
-        if not isinstance(at, slice) or isinstance(value, Iterable):
-            super().__setitem__(at, value)
+    def __setitem__(self, at: object, value: object) -> None:
+        if isinstance(at, int):
+            if at >= len(self):
+                raise IndexError(at)
+            super().__setitem__(slice(at, at + 1), [value])
+        elif isinstance(at, slice) and isinstance(value, Iterable):
+            super().__setitem__(slice(at.start, at.stop), value)
         self._holder[self._key] = self[0]
 
 
