@@ -1,20 +1,23 @@
 """The cell page: devices, wiring, findings of `check`, and evidence for each part."""
 
+import functools
 import pathlib
 import re
 from typing import Any
 
 from gateway.assembly.run import RunPlan
 from gateway.files.find import PACKAGED, read_evidence
-from gateway.files.texts import spoken
+from gateway.files.texts import read_texts, spoken
 from gateway.pure.cell.cell import Axis, Bus, Cell, Line
 from gateway.pure.reports.sentences import Sentence, in_language
+from gateway.pure.reports.spoken import Spoken
 from gateway.registry import language_in
 from gateway.web.german import german, says, umlauts
 from gateway.web.plant_view import Plant
 from gateway.web.skeleton import Skeleton
 
 Row = dict[str, Any]
+STATED = {"True": "yes", "False": "no", "None": "not stated"}
 
 
 def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
@@ -42,7 +45,7 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
         "contacts": [
             {"name": io.name, "signal": io.signal, "device": f"{io.device.type} {io.device.bus} {io.device.node or ''}"} for io in cell.io
         ],
-        "safety": {name: str(getattr(cell.safety, name)) for name in cell.safety.__slots__} if cell.safety else {},
+        "safety": safety(cell),
         "routes": [{"name": r.name, "from": r.from_, "to": r.to, "type": r.type, "edge": r.edge, "on_loss": r.on_loss} for r in cell.route],
         "wiring": wiring(cell),
         "notices": [{"level": notice.level, "where": _both(notice.where), "text": _both(notice.text)} for notice in cell.notices],
@@ -54,10 +57,29 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
     }
 
 
-def shown_file(file: str) -> str:
-    """Path of the cell; a shipped one by its name."""
+def shown_file(file: str) -> list[str] | str:
+    """Path of the cell; a shipped one by its name, in both languages."""
     path = pathlib.Path(file).resolve()
-    return f"{path.stem} (shipped with axisgate)" if path.is_relative_to(PACKAGED) else file
+    return wired(f"{path.stem} (shipped with axisgate)") if path.is_relative_to(PACKAGED) else file
+
+
+def safety(cell: Cell) -> list[list[list[str]]]:
+    """[safety] of the cell: name and value of each key, both in both languages."""
+    if cell.safety is None:
+        return []
+    values = {name: str(getattr(cell.safety, name)) for name in cell.safety.__slots__}
+    names = {name: name.replace("_", " ").replace("sto wired", "STO wired") for name in values}
+    return [[wired(names[name]), wired(STATED.get(value, value))] for name, value in values.items()]
+
+
+def wired(words: str) -> list[str]:
+    """English and German of a place, a way of wiring or a key of [safety]."""
+    return [words, _wiring().german(words)]
+
+
+@functools.cache
+def _wiring() -> Spoken:
+    return Spoken(read_texts("wiring").pairs())
 
 
 def _both(text: str) -> list[str]:
@@ -91,7 +113,7 @@ def _bus(bus: Bus, url: str, *, listens: bool) -> Row:
 
 
 def wiring(cell: Cell) -> list[Row]:
-    """What is to be wired where, one row a connection."""
+    """What is to be wired where, one row a connection: from, to and how in both languages."""
     rows: list[Row] = [
         {
             "from": f"line {line.name}",
@@ -123,7 +145,7 @@ def wiring(cell: Cell) -> list[Row]:
         }
         for io in cell.io
     ]
-    return rows
+    return [{**row, **{name: wired(row[name]) for name in ("from", "to", "how")}} for row in rows]
 
 
 def evidence(plan: RunPlan) -> list[Row]:
