@@ -178,7 +178,7 @@ class Variables(Part):
     def _process(self, request: dict[str, object], connection: object) -> dict[str, object]:
         """A program that a connection in control starts moves as the tool or the page, any other one as the PLC's command source."""
         page = request.get("door") == PAGE_DOOR
-        if request.get("do") in ("start", "stop") and not page and self._tools.held_by_another(connection):
+        if request.get("do") == "start" and not page and self._tools.held_by_another(connection):  # everybody may stop
             return {"error": "not owner: another commissioning tool has control"}
         if self._host.programs is None:
             return {"error": f"no programs: {NO_PROGRAMS}"}

@@ -99,3 +99,10 @@ def test_reading_a_word_loads_nothing_while_the_cell_runs() -> None:
     assert subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.strip() == "[]"
     source = pathlib.Path(sys.modules[Variables.__module__].__file__ or "").read_text()
     assert "\n    from " not in source and "\n    import " not in source, "an import in a function runs while the cell does"
+
+
+def test_everybody_may_stop_a_program_and_who_holds_control_alone_may_start_one(bench: SourceBench, tmp_path: pathlib.Path) -> None:
+    server = server_of(bench, tmp_path / "journal")
+    assert server.answer(b'{"op": "tool", "code": "request_control"}', "one")["state"] == "DONE"
+    start, stop = (server.answer(json.dumps({"op": "process", "do": do, "name": "P"}).encode(), "two") for do in ("start", "stop"))
+    assert str(start["error"]).startswith("not owner") and str(stop["error"]).startswith("no programs: "), (start, stop)
