@@ -11,14 +11,17 @@ from hil_tests.lab.cells.motion_paths import worst_shares
 from hil_tests.lab.judges.pole_lines import PoleLine, machine, matrix, pole_lines, pose_on, truth
 from motion.geometry.frames import Pose
 from motion.planner.route import Route, Stretch
+from motion.planner.runs import runs
 from motion.planner.trace import trace
 from motion.program.blocks import Block, Interpolation, Pace, PoseTarget
 from motion.program.errors import BlockError
+from motion.timing.jerk import estimate
 
 LINES = int(os.environ.get("AXISGATE_POLE_LINES", "30"))  # 10,000 in `make soak`
 TIMED = 5  # of so many lines one is run, too: its law takes longer than its path
 SPEED = 0.3  # m/s
 LOOKS = 200  # along a line
+LONGEST = 1.5  # times the seconds of the estimate, which knows nothing of the jerk beside a pole: as a whole law they were 50 and more
 TRUE = 1e-6  # m or rad between tool and line, and rad between the ends of the joints
 
 
@@ -64,7 +67,10 @@ def wrong(line: PoleLine, *, timed: bool) -> str:
     if beside(line, path.at(np.linspace(0.0, path.length, LOOKS))[:, :6]) > TRUE:
         return "the tool leaves the line"
     if timed:
-        speed, accel, jerk = worst_shares(trace(found, robot).q, robot.limits)
+        made = trace(found, robot)
+        speed, accel, jerk = worst_shares(made.q, robot.limits)
+        if made.t[-1] > LONGEST * (least := sum(estimate(run.path, run.limits) for run in runs(found, robot))):
+            return f"takes {made.t[-1]:.3f} s, about {least:.3f} s are needed"
         if speed > 1.001 or accel > 1.02 or jerk > 1.05:
             return f"axes at {speed:.3f}, {accel:.3f}, {jerk:.3f} of their limits"
     back = routed(line, line.a, tuple(end))

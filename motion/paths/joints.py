@@ -50,6 +50,10 @@ class JointPath:
             value = value * u + factor * rows[:, k]
         return value
 
+    def looks(self, count: int) -> Array:
+        """Places to look at: so many even intervals, and the knots, which lie close where the axes swing."""
+        return np.union1d(np.linspace(0.0, self.length, count + 1), self.knots)
+
     def q(self, s: float) -> tuple[float, ...]:
         """(axes,) at s."""
         return tuple(float(v) for v in self.at(np.array([s]))[0, : self.axes])

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.planner.robot import Machine
-from motion.planner.route import Kind, Stretch
+from motion.planner.route import Kind, Stretch, evenly
 from motion.planner.runs import Run, all_caps, make_run
 from motion.planner.team import Team, TeamStretch
 from motion.program.factors import FULL, Factors
@@ -39,7 +39,7 @@ def quicker(
             legs.append([])
         else:
             legs[-1].append(stretch)
-    parts = [_square(corner) for corner in corners]
+    parts = [_driven_out(corner) for corner in corners]
 
     def joined(first: int, last: int) -> list[Stretch]:
         found = [parts[first - 1][1]] if first > 0 else []
@@ -90,7 +90,7 @@ def _parts(row: Sequence[Stretch]) -> list[list[Stretch]]:
         if count <= MOST:
             parts[-1].append(stretch)
             continue
-        to, on = _square(stretch)
+        to, on = _driven_out(stretch)
         parts[-1].append(to)
         parts.append([on])
         count = 0
@@ -146,7 +146,7 @@ def stopping(
             found[-1].append(stretch)
             continue
         yield
-        to, on = _square(stretch)
+        to, on = _driven_out(stretch)
         found[-1].append(to)
         seconds += _estimated(found[-1], machine, factors) if len(found) > moving else 0.0
         if seconds >= passing:
@@ -166,11 +166,17 @@ def _fixed(stretch: Stretch) -> bool:
     return timed or (stretch.kind is Kind.CORNER and (stretch.square is None or stretch.source.blend.flyby is not None))
 
 
+def _driven_out(corner: Stretch) -> tuple[Stretch, Stretch]:
+    """As _square, by a parameter of its own where the axes swing."""
+    to, on = _square(corner)
+    return (to, on) if isinstance(corner, TeamStretch) else (evenly(to), evenly(on))
+
+
 def _square(corner: Stretch) -> tuple[Stretch, Stretch]:
     """The corner driven out: the rest of its block to the point, and the beginning of the next."""
     assert corner.square is not None and corner.following is not None
     to, on = corner.square()
-    first = replace(corner, path=to, kind=Kind.MAIN, share=(corner.share[0], 1.0), following=None, stop=True, square=None)
+    first = replace(corner, path=to, kind=Kind.MAIN, share=(corner.share[0], 1.0), following=None, stop=True, square=None, even=False)
     whole = on.length / corner.share[1]
     second = replace(first, path=on, block=corner.block + 1, source=corner.following, share=(0.0, corner.share[1]), stop=False, way=whole)
     if isinstance(first, TeamStretch) and isinstance(second, TeamStretch):

@@ -29,7 +29,7 @@ def check_time(path: JointPath, block: Block, number: int, machine: Machine) -> 
     """Raises BlockError 611, or 706 for an additional axis, where an axis cannot do what the time asks of it."""
     assert block.pace.time is not None
     speed, accel = figures(path.length, block.pace.time, block.pace.ramp)
-    s = np.linspace(0.0, path.length, LOOKS)
+    s = path.looks(LOOKS)
     first, second = (np.abs(path.at(s, order))[:, : machine.axes] for order in (1, 2))
     fast = first.max(axis=0) * speed / np.array([axis.speed for axis in machine.limits])
     strong = (first * accel + second * speed * speed).max(axis=0) / np.array([axis.accel for axis in machine.limits])

@@ -77,7 +77,8 @@ def check_speed(path: JointPath, block: Block, machine: Machine) -> Slowed | Non
     pace = block.pace
     if machine.too_fast is TooFast.SLOW or block.kind is Interpolation.PTP or (pace.path_speed is None and pace.turn_speed is None):
         return None
-    slopes = np.abs(path.at(np.linspace(0.0, path.length, SPEED_LOOKS * len(path.coefficients) + 1), 1))
+    s = path.looks(SPEED_LOOKS * len(path.coefficients))
+    slopes = np.abs(path.at(s, 1))
     speed = np.full(len(slopes), math.inf)
     for column, given in ((-2, pace.path_speed), (-1, pace.turn_speed)):
         if given is not None:
@@ -85,7 +86,7 @@ def check_speed(path: JointPath, block: Block, machine: Machine) -> Slowed | Non
     most = np.array([axis.speed for axis in machine.limits])
     shares = slopes[:, : machine.axes] * speed[:, None] / most
     where, axis = np.unravel_index(int(np.argmax(shares)), shares.shape)
-    share, percent = float(shares[where, axis]), 100.0 * float(where) / (len(slopes) - 1)
+    share, percent = float(shares[where, axis]), 100.0 * float(s[where]) / path.length
     if share <= 1.0 + TOUCH:
         return None
     if machine.too_fast is TooFast.WARN:

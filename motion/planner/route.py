@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from motion.geometry.units import from_si
 from motion.kinematics.base import Joints
 from motion.paths.base import PathError
 from motion.paths.corner import clipped, corner, directions, radius_for
+from motion.paths.even import evened
 from motion.paths.joints import JointPath, joint_blend, joint_part
 from motion.paths.polynomial import part
 from motion.planner.adaptive_path import followed
@@ -73,6 +75,7 @@ class Stretch:
     clock: Clock | None = field(default=None, compare=False)  # block slope with sine squares: when it is where
     slowed: Slowed | None = None  # an axis cannot keep the programmed speed all along
     ending: tuple[Called | Output, ...] = ()  # of blocks without way behind it: done at its end
+    even: bool = False  # its parameter is no longer the way: the axes swing faster than the tool goes (motion.paths.even)
 
     @property
     def last(self) -> int:
@@ -100,8 +103,19 @@ def shaped(block: Block, machine: Machine) -> Block:
     return replace(block, shape=machine.shape) if block.shape is Shape.ROBOT and machine.shape is Shape.SIN2 else block
 
 
+def evenly(stretch: Stretch) -> Stretch:
+    """By a parameter that goes on while the axes swing.  What is laid over time by the way itself stays as it is."""
+    blocks = [each for each in (stretch.source, stretch.following) if each is not None]
+    if stretch.clock is not None or any(each.pace.time is not None for each in blocks):
+        return stretch
+    path = evened(stretch.path)
+    return stretch if path is None else replace(stretch, path=path, even=True)
+
+
 class Route:
     """add() blocks, take() stretches."""
+
+    evens: ClassVar[bool] = True  # what it gives away, see evenly
 
     def __init__(self, machine: Machine, start: Sequence[float]) -> None:
         if len(start) != machine.axes:
@@ -155,7 +169,7 @@ class Route:
     def take(self) -> list[Stretch]:
         """What became known since the last call, in order."""
         out, self._now.out = self._now.out, ()
-        return list(out)
+        return [evenly(each) for each in out] if self.evens else list(out)
 
     def left(self) -> tuple[Called | Output, ...]:
         """What blocks without way behind the last one begin or end with; the caller that takes it executes it."""
@@ -308,8 +322,8 @@ class Route:
     def _check_travel(self, stretch: Stretch) -> None:
         """Every axis within its travel all along; looked at densely enough for quintics of a few degrees."""
         path = stretch.path
-        count = LOOKS * len(path.coefficients)
-        q = path.at(np.linspace(0.0, path.length, count + 1))[:, : self._machine.axes]
+        s = path.looks(LOOKS * len(path.coefficients))
+        q = path.at(s)[:, : self._machine.axes]
         low = np.array([axis.lower - TOUCH for axis in self._machine.limits])
         high = np.array([axis.upper + TOUCH for axis in self._machine.limits])
         outside = np.argwhere((q < low) | (q > high))
@@ -317,7 +331,7 @@ class Route:
             where, axis = int(outside[0][0]), int(outside[0][1])
             limits, value = self._machine.limits[axis], float(q[where][axis])
             if where and stretch.source.kind is not Interpolation.PTP and turns_more(limits):
-                raise run_out(limits, f"{100 * where / count:.0f} %")
+                raise run_out(limits, f"{100 * s[where] / path.length:.0f} %")
             word = "the path begins at" if where == 0 else "the path goes through"
             low_end, high_end, here = (from_si(each, limits.unit) for each in (limits.lower, limits.upper, value))
             what = f"{word} {here:.6g} {limits.unit}, outside {low_end:.6g} .. {high_end:.6g} {limits.unit}"

@@ -30,6 +30,11 @@ class Run:
     tools: int = 0  # columns of the path that only carry limits of a team's tools: no axis is behind them
 
     @property
+    def even(self) -> bool:
+        """The axes swing somewhere: the parameter is not the way all along."""
+        return any(stretch.even for stretch in self.stretches)
+
+    @property
     def driven(self) -> tuple[JointPath, LawLimits]:
         """What the axes get of it."""
         if not self.tools:
@@ -50,13 +55,20 @@ def progress(stretch: Stretch, u: float) -> tuple[int, float]:
     The share is that of the programmed way: in the first half of a corner it goes on to 1, in the second half it comes from 0 to
     where the next block is joined (AX-414).
     """
-    part = min(max(u / stretch.path.length, 0.0), 1.0)
+    part = min(max(_made(stretch.path, u) if stretch.even else u / stretch.path.length, 0.0), 1.0)
     begin, end = stretch.share
     if stretch.kind is Kind.MAIN:
         return stretch.block, begin + (end - begin) * part
     if part < 0.5:
         return stretch.block, begin + (1.0 - begin) * 2 * part
     return stretch.block + 1, end * (2 * part - 1)
+
+
+def _made(path: JointPath, u: float) -> float:
+    """Share of its way that is made there, or of its turning where it has no way."""
+    here, end = path.at(np.array([u, path.length]))[:, WAY:]
+    column = 0 if end[0] > 0.0 else 1
+    return float(here[column] / end[column]) if end[column] > 0.0 else u / path.length
 
 
 def runs(stretches: Iterable[Stretch], machine: Machine | Team, factors: Factors = FULL) -> list[Run]:

@@ -20,6 +20,7 @@ from motion.timing.sine_square import STEP_S, sine_square
 
 LOOKS = 8  # at each quintic of the path
 LEAST_LOOKS = 200
+SLOWER = 8  # times at most
 
 
 def shaped_law(run: Run) -> Law | None:
@@ -35,13 +36,17 @@ def shaped_law(run: Run) -> Law | None:
         law = None
     if law is None:
         return None
-    slower = slowing(run.path, run.limits, law)
-    return law if slower == 1.0 else law.slower(slower)
+    for _ in range(SLOWER):
+        slower = slowing(run.path, run.limits, law)
+        if slower == 1.0:
+            break
+        law = law.slower(slower)  # its samples fall elsewhere now, which a swing shows
+    return law
 
 
 def _alone(run: Run) -> Law | None:
     """The smallest of all limits along the path, as if it were straight."""
-    s = np.linspace(0.0, run.path.length, max(LOOKS * len(run.path.coefficients), LEAST_LOOKS) + 1)
+    s = run.path.looks(max(LOOKS * len(run.path.coefficients), LEAST_LOOKS))
     first = np.abs(run.path.at(s, 1))
     top, _, jolt = run.limits.at(s)
     with np.errstate(divide="ignore"):

@@ -3,6 +3,7 @@
 import copy
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import ClassVar
 
 from motion.paths.joints import JointPath, joint_part
 from motion.paths.together import State, repaced, rescaled
@@ -15,6 +16,8 @@ from motion.program.passing import passed
 
 class Member(Route):
     """The route of one of several.  forced: shares of the blocks before and behind that the next corner takes."""
+
+    evens: ClassVar[bool] = False  # all go by one parameter
 
     def __init__(self, machine: Machine, start: Sequence[float]) -> None:
         super().__init__(machine, start)

@@ -52,14 +52,17 @@ def jerk_limited(path: JointPath, limits: LawLimits, start: tuple[float, float, 
     return whole(jerk_limited_work(path, limits, start))
 
 
-def jerk_limited_work(path: JointPath, limits: LawLimits, start: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Work[Law]:
-    """From (s, sdot, sddot) to rest at the end of the path.  MotionError where the path cannot be run at all.
+def jerk_limited_work(
+    path: JointPath, limits: LawLimits, start: tuple[float, float, float] = (0.0, 0.0, 0.0), begin: Law | None = None
+) -> Work[Law]:
+    """From (s, sdot, sddot) to rest at the end of the path; begin: a law from rest its search begins at.  MotionError where the path cannot
+    be run at all.
 
     In slices, for a law takes about as long to make as to run.  The law is judged at 1 ms by the differences of the axis positions;
     where acceleration or jerk come out too high it is planned again with lower limits there, and if that does not help run a little
     slower as a whole.
     """
-    guess = yield from _guess(path, limits, start)
+    guess = begin.on_grid(_points(begin.duration)) if begin is not None else (yield from _guess(path, limits, start))
     yield
     tight, slow = np.ones(len(guess.s)), np.ones(len(guess.s))  # shares of the limits of jerk and of speed, point by point
     law, found, first, least, beta = guess, None, 0.0, math.inf, np.ones(len(guess.s))
@@ -181,11 +184,16 @@ def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]
         yield
     ramp = _ramp(limits)
     duration = second.duration + ramp
-    count = int(min(max(duration / STEP, FEWEST), MOST))
+    count = _points(duration)
     t = np.linspace(0.0, duration, count + 1)
     smooth = np.minimum(start[0] + second.smoothed(t, ramp), path.length)
     smooth[-1] = path.length
     return Law.sampled(smooth, float(t[1]), start)
+
+
+def _points(duration: float) -> int:
+    """Intervals of a law of so many seconds."""
+    return int(min(max(duration / STEP, FEWEST), MOST))
 
 
 def _second(path: JointPath, limits: LawLimits, start: tuple[float, float, float], count: int, *, bends: bool = False) -> Work[topp.Topp]:

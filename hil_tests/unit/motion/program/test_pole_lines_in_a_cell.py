@@ -21,12 +21,12 @@ from motion.planner.trace import route_of, trace
 from motion.program.text.reader import read
 
 CELL = load_cell(str(find_config("arm6", "cells")))
-RUN, REFUSED = 2, 1  # lines of each kind that are tried in the cell: the first that is run swings for seconds beside the pole
+RUN, REFUSED = 2, 1  # lines of each kind that are tried in the cell: the first that is run is 1e-6 m beside the pole
 
 
 def programs(machine: Machine) -> Iterator[str]:
     """A PTP to the beginning of a line of about 150 mm, and the line, 1e-6 .. 30 mm beside the pole."""
-    chance = random.Random(13)
+    chance = random.Random(11)
     while True:
         q = [math.radians(chance.uniform(*span)) for span in ((-60, 60), (0, 40), (50, 100), (-100, 100))] + [0.0, 0.3]
         along, other = (np.array([chance.gauss(0, 1) for _ in range(3)]) for _ in range(2))

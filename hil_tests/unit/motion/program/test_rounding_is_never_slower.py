@@ -80,9 +80,9 @@ def test_tiny_moves_of_an_arm_are_compared_with_few_laws(mm: float, radius: floa
     """Those that are run, and a few more: it was the law of every pair and of every leg, and those that were run once again."""
     made: list[JointPath] = []
 
-    def counted(path: JointPath, limits: LawLimits) -> Work[Law]:
+    def counted(path: JointPath, limits: LawLimits, *, begin: Law | None) -> Work[Law]:
         made.append(path)
-        return jerk_limited_work(path, limits)
+        return jerk_limited_work(path, limits, begin=begin)
 
     monkeypatch.setattr("motion.planner.law_cache.jerk_limited_work", counted)
     planned("tx60-like", f"set radius={radius}\n{steps(40, mm)}")
