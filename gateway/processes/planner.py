@@ -87,8 +87,8 @@ class PlannerProcess:
             raise MotionError(f"program {number}: {error}") from error
 
     def file(self, name: str, number: int) -> bytes:
-        """A BNR file beside the program, as it is now; raises MotionError."""
-        return read_bnr(self.plan.programs[number].path, name)
+        """A BNR file beside the program, of a stream beside the cell, as it is now; raises MotionError."""
+        return read_bnr(self.plan.programs[number].path if number in self.plan.programs else self.plan.cell.file, name)
 
     def _mask(self, number: int) -> int:
         """Axes a program moves; 0: there is no such one, which its order finds out."""

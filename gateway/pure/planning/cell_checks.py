@@ -12,7 +12,7 @@ from motion.errors import MotionError
 from motion.outputs.function import Function
 from motion.planner.block_paths import told
 from motion.planner.robot import Machine
-from motion.program.blocks import Act, Block
+from motion.program.blocks import Block
 from motion.program.errors import BlockError
 
 OUTPUTS_ARE = "programs switch RC outputs to 0 or 1, and none that axisgate itself writes (ready, drives on, in position ..)"
@@ -20,28 +20,24 @@ OUTPUTS_ARE = "programs switch RC outputs to 0 or 1, and none that axisgate itse
 
 @dataclass(frozen=True, slots=True)
 class OfCell:
-    """functions, outputs: those the cell has, and that programs may switch; mask: axes of the robot; whole: the program is one of the
-    cell and read whole, not a stream; kinematic: number of the robot in the cell."""
+    """functions, outputs: those the cell has, and that programs may switch; mask: axes of the robot; kinematic: its number in the cell."""
 
     functions: Places
     outputs: Container[int]
     measuring: Measuring
     mask: int
-    whole: bool
     kinematic: int = 1
 
     def check(self, block: Block, number: int, machine: Machine) -> None:
         """Raises BlockError."""
-        if not self.whole:
-            self._check_stream(block, number)
         for key, asked in (("until", block.until), ("wait", block.wait)):
-            if asked is not None and (not self.whole or asked.number not in range(8 * RC_BYTES)):
-                raise BlockError(f"{key}={asked.number}: an RC input is needed, in a program of the cell", block=number)
+            if asked is not None and asked.number not in range(8 * RC_BYTES):
+                raise BlockError(f"{key}={asked.number}: an RC input is needed, 0 .. {8 * RC_BYTES - 1}", block=number)
         try:
             self.measuring.check(block, self.mask, machine)
             for function in block.functions:
-                if not self.whole or block.synchron is not None:
-                    raise MotionError("functions stand in programs of the cell, outside of synchronous parts")
+                if block.synchron is not None:
+                    raise MotionError("functions stand outside of synchronous parts")
                 if isinstance(function, Function):
                     check_function(function, self.functions, self.kinematic)
         except MotionError as error:
@@ -49,23 +45,6 @@ class OfCell:
         for output in block.outputs:
             if output.number not in self.outputs or output.value not in (0.0, 1.0):
                 raise BlockError(f"output {output.number}:{output.value:g}: {OUTPUTS_ARE}", block=number)
-
-    @staticmethod
-    def _check_stream(block: Block, number: int) -> None:
-        if block.synchron is not None:
-            raise BlockError("a synchronous part is allowed only in a program of the cell", block=number)
-        if block.alteration is not None:
-            raise BlockError("an alter section is allowed only in a program of the cell", block=number)
-        if block.recorded:
-            raise BlockError("recorded is a target in programs of the cell alone", block=number)
-        if block.file is not None:
-            raise BlockError("move_file is allowed only in a program of the cell", block=number)
-
-
-def check_acts(acts: Sequence[Act], number: int, *, whole: bool) -> None:
-    """What is done at rest before a block; whole: as of OfCell.  Raises BlockError."""
-    if acts and not whole:
-        raise BlockError("sync, mach_pos and belt functions stand in a program of the cell alone", block=number)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,16 +1,19 @@
 """A program under way in the planner: everything that begins anew with the next one."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from gateway.pure.planning.parts import Measuring
+from gateway.pure.planning.parts import Coming, Measuring, apart
 from gateway.pure.planning.trial import Trial
 from motion.planner.file_plan import FilePlan
 from motion.planner.planner import Planner
-from motion.program.blocks import Block
+from motion.planner.robot import Machine
+from motion.planner.team import Team
+from motion.program.blocks import Block, Called, Output
 from motion.program.factors import FULL, Factors
 from motion.program.text.reader import Reader
 from motion.program.text.team import TeamReader
+from motion.sync.planned import BeltPlan
 
 
 @dataclass(slots=True)
@@ -34,8 +37,80 @@ class Job:
     error: str = ""  # label to go on at when the input of the part under way does not come
     last: Block | None = None  # looked at
     before: int = 0  # blocks before the part under way
+    robots: Machine | Team | None = None  # that the text names; None: nothing has asked as yet
+    under_way: Coming | None = None  # the part that has begun; None: one of blocks that simply go on
+    open: bool = False  # it has begun and takes what comes, until something else follows
+    resumed: bool = False  # it was open as it began: what its last blocks without way ask for is done at rest
+    arrived: bool = False  # the cycle has reported its end
+    riding: BeltPlan | None = None  # it leads along a belt of type 1: what its blocks are seen from there with
+    held: bool = False  # the next part is handed on whole, and is not known to its end yet
+    skipping: str = ""  # label everything is left out up to
     off: int = 0  # axes (bit n-1 = axis n) that are not commanded on, as the program was ordered
 
     def over(self) -> None:
         """It failed, or was dropped: nothing of it comes any more."""
-        self.planner, self.ended, self.lines = None, True, None
+        self.planner, self.ended, self.lines, self.held = None, True, None, False
+
+    # ---- parts of a stream -------------------------------------------------------------------------------------------------
+    @property
+    def apart(self) -> bool:
+        """What is read is looked at only, for a part to come."""
+        return self.trial.begun or self.handed
+
+    @property
+    def closed(self) -> bool:
+        """Nothing belongs to the part under way any more."""
+        return self.ended or (self.trial.begun and not self.open)
+
+    @property
+    def last_part(self) -> bool:
+        """The job ends with the part under way; of a stream one that ends with an input is answered first."""
+        asks = self.number <= 0 and self.under_way is not None and self.under_way.asks_met
+        return self.ended and not self.trial.later and not asks
+
+    def divides(self, block: Block) -> bool:
+        """Whether this block does not belong to the part under way, which is not looked at apart."""
+        altered = self.under_way is not None and self.under_way.alteration is not None
+        return not self.under_way.holds(block) if self.under_way is not None and altered else apart(block)
+
+    def close(self) -> None:
+        """Something else follows the part under way."""
+        if self.open and isinstance(self.planner, Planner):
+            self.planner.finish()
+        self.open = False
+
+    def left(self) -> tuple[Called | Output, ...]:
+        """What blocks without way have begun or ended with in a part that is run as it comes."""
+        return self.planner.left() if isinstance(self.planner, Planner) and not self.resumed else ()
+
+    def left_out(self, label: str) -> bool:
+        """A block behind an input that never came, before the label the program goes on at."""
+        if self.skipping and label == self.skipping:
+            self.skipping = ""
+        return self.skipping != ""
+
+    def skip(self, label: str) -> None:
+        """Everything up to this label is left out, what is still to come too."""
+        if not self.trial.skip(label):
+            self.skipping = label
+
+    def coming(self, unmeasured: Callable[[Coming], bool]) -> Coming | None:
+        """The next part."""
+        part = self.trial.coming(unmeasured)
+        self.skipping = self.trial.skipping or self.skipping
+        if self.skipping:
+            self.before = len(self.line_of)  # all that was read is left out
+        return part
+
+    def begins(self, part: Coming) -> None:
+        """The part is under way; the last one that is known stays open, where what comes may belong to it."""
+        self.under_way, self.riding = part, None
+        self.open = self.resumed = not self.ended and not self.trial.later and part.goes_on
+        self.trial.under_way = part
+        if self.open and part.tried is None:
+            self.trial = self.trial.anew(going_on=True)
+
+    def rests(self) -> None:
+        """Nothing is under way, and nothing known: what comes is looked at from where the axes stand."""
+        self.planner, self.under_way, self.riding, self.open, self.resumed = None, None, None, False, False
+        self.trial = self.trial.anew()

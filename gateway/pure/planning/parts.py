@@ -102,6 +102,21 @@ class Coming:
         return self.shared != [] and not (shared.asks or shared.label or self.shared[-1].ends)
 
     @property
+    def goes_on(self) -> bool:
+        """It may have begun before all its blocks are known."""
+        if self.shared:
+            return not self.shared[-1].ends
+        alone = self.engages or self.act is not None or self.point != () or self.recall != 0 or self.follows
+        return not alone and self.blocks != [] and self.blocks[-1].until is None and self.blocks[-1].file is None
+
+    @property
+    def asks_met(self) -> bool:
+        """Its block ends with an input."""
+        return any(row.until is not None for row in self.blocks) or any(
+            block is not None and block.until is not None for row in self.shared for block in row.moves
+        )
+
+    @property
     def follows(self) -> bool:
         """Run by the cycle itself, from block to block with the belt."""
         return self.tried is not None and self.tried.facts.kind is not Type.PARALLEL
@@ -142,11 +157,10 @@ class Coming:
         assert self.tried is not None
         return synchron_record(job, generation, self.tried.order)
 
-    def carried(self, machine: Machine, start: Sequence[float], engaged: float) -> tuple[Machine, Sequence[float], list[Block]]:
-        """Machine, start and blocks of a type 1 as the planner plans them: seen from the belt, which began at `engaged`."""
-        plan = self.again(machine, start)
+    def carried(self, plan: BeltPlan, engaged: float) -> tuple[Machine, Sequence[float], list[Block]]:
+        """Machine, start and blocks of a type 1 as the planner plans them: seen from the belt, which began at `engaged`.  plan: again()."""
         places = plan.seen_at(engaged)
-        planned = replace(machine, limits=tuple(reserved(machine.limits)), shares=(ACCEL, JERK))
+        planned = replace(plan.machine, limits=tuple(reserved(plan.machine.limits)), shares=(ACCEL, JERK))
         return planned, places, [plan.add(block) for block in self.blocks]
 
 

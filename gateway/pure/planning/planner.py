@@ -2,7 +2,8 @@
 
 A job is a program.  Either it comes as a stream (BEGIN, statements of the text form, FINISH as often as wanted, END), and moves as soon
 as enough is known; or it is a program of the cell (RUN), which is read whole and looked at block by block before anything of it is handed
-to the cycle (AX-322).  A fault in a block ends the job, and what was handed on before ends at rest.
+to the cycle (AX-322).  A stream takes the same statements: its parts begin as they become known, and the last one stays open for what
+belongs to it (AX-970).  A fault in a block ends the job, and what was handed on before ends at rest.
 """
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
@@ -11,7 +12,9 @@ from functools import partial
 
 from gateway.pure.cycle.path_outputs import Places
 from gateway.pure.image.records.planner import (
+    ANSWERS,
     VOID,
+    Answer,
     BlockRecord,
     MeasuringFacts,
     Part,
@@ -23,11 +26,11 @@ from gateway.pure.image.records.planner import (
     switch_record,
 )
 from gateway.pure.planning.belt_statements import act_order, act_record, belts_after, sets_type
-from gateway.pure.planning.cell_checks import Away, OfCell, check_acts
+from gateway.pure.planning.cell_checks import Away, OfCell
 from gateway.pure.planning.chain import Chain
 from gateway.pure.planning.cycle_view import ALWAYS, CycleView
 from gateway.pure.planning.job import Job
-from gateway.pure.planning.parts import Coming, Measuring, apart, ending, told
+from gateway.pure.planning.parts import Coming, Measuring, ending, told
 from gateway.pure.planning.reading import Reading
 from gateway.pure.planning.team import (
     begun_part,
@@ -55,6 +58,7 @@ from motion.program.blocks import Block
 from motion.program.errors import BlockError, TextError
 from motion.program.factors import Factors
 from motion.program.team import Kinematic, Shared
+from motion.program.text.reader import Reader
 from motion.program.text.team import TeamReader
 from motion.sync.alterable import check_alterable
 from motion.sync.belts import Type
@@ -124,8 +128,12 @@ class Programs:
         self._quiet += 1
         self._listen(records)
         if self.state.job and self._job.handed and view.parts != seen.parts:
-            self._job.measured = view.measured
-            self._go_on()
+            self._job.measured, self._job.arrived = view.measured, True
+        if self.state.job and not self._reading.under_way:  # what is half read belongs to what is there
+            if self._job.arrived:
+                self._go_on()
+            elif self._job.held:
+                self._next()
         self._plan()
         self._show()
         out = [record for record in self._out if record.job <= view.taken]  # a cycle that has not heard of the job would drop its fault
@@ -159,23 +167,22 @@ class Programs:
                 self._reading.forget()
                 self._drop()
             else:
-                self._reading.put(partial(self._heard, record, self._seen))
+                self._reading.put(partial(self._heard, record))
         while self._reading.busy:
             self._quiet = 0
             if not self._reading.go():
                 break
 
-    def _heard(self, record: BlockRecord, view: CycleView) -> Work[None]:
-        """`view`: of the turn it came in."""
+    def _heard(self, record: BlockRecord) -> Work[None]:
         if record.say is Say.BEGIN and self.state.job and not self._job.ended:
             return  # one stream at a time; whoever orders sees that its job did not begin
         if record.say in (Say.BEGIN, Say.RUN, Say.STREAM):
             self._begin(record.job)
-            self._job.off = view.off if record.say is Say.RUN else 0
+            self._job.off = self._seen.off if record.say is Say.RUN else 0
         if record.job != self.state.job:
             return
         try:
-            yield from self._obey(record, view.standing)
+            yield from self._obey(record)
         except MotionError as error:
             self._fail(error)
 
@@ -188,7 +195,7 @@ class Programs:
         self.slowing.begin()
         self.workpiece.begin()
 
-    def _obey(self, record: BlockRecord, standing: Sequence[float]) -> Work[None]:
+    def _obey(self, record: BlockRecord) -> Work[None]:
         if record.say is Say.RUN:
             order = run_of(record)
             self._job.factors = Factors(order.velocity, order.acceleration, order.acceleration)
@@ -199,18 +206,29 @@ class Programs:
             self._collect(record)
             return
         if record.text:
-            yield from self._statement(record.text, 0, standing)
-        if record.say is Say.FINISH and self._job.planner is not None:
+            yield from self._statement(record.text, 0)
+        if record.say is Say.FINISH:
+            yield from self._pause()
+        if record.say is Say.END:
+            self._job.reader.ended()
+            yield from self._behind()
+            yield from self._end()
+
+    def _pause(self) -> Work[None]:
+        """Nothing follows for the time being: the axes come to rest at the last target, and what is done at rest behind it is done."""
+        if isinstance(self._job.planner, Planner):
             yield from self._job.planner.ending()
             self._job.planner.finish()
-            self._quiet = QUIET_TURNS
-        if record.say is Say.END:
-            yield from self._end()
+        self._quiet = QUIET_TURNS
+        if self._job.reader.acts and not (isinstance(self._job.reader, Reader) and self._job.reader.inside):
+            yield from self._behind()
+            self._job.reader.acts = ()
 
     def _collect(self, record: BlockRecord) -> None:
         """Of a stream: whose it is, that it is read whole, and what it says then."""
         if record.say is Say.STREAM:
-            self._job.number, self._job.whole = -int(record.text), None
+            self._job.number = self._job.trial.program = -int(record.text)
+            self._job.whole = None
         elif record.say is Say.WHOLE:
             self._job.whole = []
         elif self._job.whole is not None and record.say is Say.LINE:
@@ -218,90 +236,137 @@ class Programs:
         elif self._job.whole is not None:
             self._job.lines, self._job.whole = enumerate(self._job.whole, 1), None
 
-    def _statement(self, text: str, line: int, standing: Sequence[float]) -> Work[None]:
+    def _statement(self, text: str, line: int) -> Work[None]:
         self._job.reader = reader_for(text, self._job.reader)
         self._job.reader.statement(text, line)
         for read in self._job.reader.take():
-            planner = self._adding(standing)
+            planner = self._adding()
             self._job.line_of.append(line)
-            whole = self._job.lines is not None
-            block = self.workpiece.placed(read, len(self._job.line_of), planner.machine, self.cell.kinematic_of)
-            check_acts(block.acts, len(self._job.line_of), whole=whole)
+            number = len(self._job.line_of)
+            block = self.workpiece.placed(read, number, planner.machine, self.cell.kinematic_of)
             for machine, own in own_blocks(planner.machine, block):
                 mask, kinematic = self.cell.mask_of(machine), self.cell.kinematic_of(machine)
-                cell = OfCell(
-                    self.cell.functions,
-                    self.cell.outputs,
-                    self._job.measuring,
-                    mask,
-                    whole=whole,
-                    kinematic=kinematic,
-                )
-                cell.check(own, len(self._job.line_of), machine)
-                self._tool.placed(len(self._job.line_of), own.tool.pose, kinematic)
-            if isinstance(block, Shared):
-                if self._job.trial.begun or block.asks:
-                    self._job.trial.together(planner, block, len(self._job.line_of), self.cell.kinematic_of)
-                else:
-                    self._add_whole(planner, block)
-            else:
-                check_alterable(block, self._job.last, len(self._job.line_of), option=kinematic in self.cell.altered)
-                self._job.last = block
-                yield from self._add(planner, block)
+                cell = OfCell(self.cell.functions, self.cell.outputs, self._job.measuring, mask, kinematic)
+                cell.check(own, number, machine)
+                self._tool.placed(number, own.tool.pose, kinematic)
+            if self._job.left_out(block.label):
+                self._job.planner = None
+                self.state = replace(self.state, block=number, passed=number)
+                continue
+            yield from self._added(planner, block, number)
             self._job.trial.armed_by(block)
 
-    def _adding(self, standing: Sequence[float]) -> Planner:
-        """What blocks are added to."""
+    def _added(self, planner: Planner, block: Block | Shared, number: int) -> Work[None]:
+        """The block goes to the part it belongs to."""
+        if isinstance(block, Block):
+            check_alterable(block, self._job.last, number, option=self.cell.kinematic_of(planner.robot) in self.cell.altered)
+            self._job.last = block
+            yield from self._add(planner, block, number)
+        elif self._job.trial.begun or block.asks:
+            self._job.close()
+            self._job.trial.together(planner, block, number, self.cell.kinematic_of)
+        else:
+            self._add_whole(planner, block)
+
+    def _adding(self) -> Planner:
+        """What blocks are added to; of blocks that are only looked at as yet, what they are looked at with."""
         planner = self._job.planner
-        if not isinstance(planner, Planner):
-            planner = self._job.planner = self._made(standing)
+        if self._job.apart or not isinstance(planner, Planner):
+            made = self._made(self._seen.standing)
+            if self._job.apart:
+                return made
+            planner = self._job.planner = made
+            self._job.before, self._job.blocks = len(self._job.line_of), 0
         return planner
 
-    def _add(self, planner: Planner, block: Block) -> Work[None]:
+    def _add(self, planner: Planner, block: Block, number: int) -> Work[None]:
         """A block that ends with an input, waits for one or goes to @MPOS, and a part on a belt, are parts of their own: where they begin
         or end is known only then.  What comes after is tried as if the part had reached its target, the belt where it was programmed."""
-        if self._job.trial.begun or apart(block):
-            yield from self._job.trial.ending(planner, block)
-            self._job.trial.add(planner, block, len(self._job.line_of), self.cell.kinematic_of(planner.robot))
+        job = self._job
+        if job.riding is not None and job.open and job.under_way is not None and job.under_way.holds(block):
+            yield from job.trial.ending(planner, block)
+            job.trial.joined(job.under_way, block)
+            assert isinstance(job.planner, Planner)
+            yield from job.planner.ending(block)
+            self._joined(job.riding.add(block))
+        elif job.trial.begun or job.divides(block):
+            yield from job.trial.ending(planner, block)
+            job.close()
+            job.trial.add(planner, block, number, self.cell.kinematic_of(planner.robot))
         else:
             yield from planner.ending(block)
-            self._add_whole(planner, block)
+            self._add_whole(planner, Coming.marked(block))
+
+    def _joined(self, block: Block) -> None:
+        """A block of the part on a belt that has begun, as seen from the belt."""
+        planner = self._job.planner
+        assert isinstance(planner, Planner)
+        try:
+            planner.add(block)
+        except BlockError as error:
+            raise told(error, self._job.before) from error
 
     def _add_whole(self, planner: Planner, block: Block | Shared) -> None:
         before, away = planner.standing, Away(self._job.off, self.cell.windows)
-        planner.add(block)
+        try:
+            planner.add(block)
+        except BlockError as error:
+            raise told(error, self._job.before) from error
         for machine, first in own_axes(planner.machine):
             own = slice(first, first + machine.axes)
             away.check(before[own], planner.standing[own], len(self._job.line_of), machine, self.cell.mask_of(machine))
 
-    def _behind(self, standing: Sequence[float]) -> Work[None]:
+    def _behind(self) -> Work[None]:
         """What is done at rest behind the last block."""
         if self._job.reader.acts:
-            yield from self._job.trial.ending(self._adding(standing))
-            self._job.trial.behind(self._adding(standing), self._job.reader.acts, len(self._job.line_of), self._job.reader.labels.label)
+            planner = self._adding()
+            yield from self._job.trial.ending(planner)
+            self._job.close()
+            self._job.trial.behind(planner, self._job.reader.acts, len(self._job.line_of), self._job.reader.labels.label)
         if any(systems := systems_of(self._job.reader)):
-            self.workpiece.behind(systems, len(self._job.line_of) + 1, self._adding(standing).machine, self.cell.kinematic_of)
+            self.workpiece.behind(systems, len(self._job.line_of) + 1, self._adding().machine, self.cell.kinematic_of)
 
     def _go_on(self) -> None:
         """A part is over, and the axes rest where it ended, or have got onto a belt: the next one begins."""
-        standing = self._seen.standing
         self._chain.begin()
-        self._job.handed, self._job.before, self._job.blocks = False, self._job.before + self._job.blocks, 0
-        if self._job.error and not self._seen.met:
-            self._job.trial.skip(self._job.error)
-        self._job.error = ""
+        job = self._job
+        job.handed, job.arrived, job.before, job.blocks = False, False, job.before + job.blocks, 0
+        self._answer()
+        if job.error and not self._seen.met:
+            job.skip(job.error)
+        job.error = ""
+        self._next()
+
+    def _answer(self) -> None:
+        """What is known of a block that ended with its input, or without it."""
+        part = self._job.under_way
+        if part is not None and part.asks_met:
+            places = tuple(self._seen.measured) if self._seen.met else ()
+            answer = Answer(self._job.before, self._seen.met, places)
+            self.state = replace(self.state, answers=(*self.state.answers, answer)[-ANSWERS:])
+
+    def _next(self) -> None:
+        """The next part that is known begins; of a stream there may be none yet, and one that is handed on whole has to be whole."""
+        job, standing = self._job, self._seen.standing
+        job.held = False
 
         def unmeasured(part: Coming) -> bool:
-            return not_measured(part, self._made(standing).machine, self._job.measured, self.cell.mask_of)
+            return not_measured(part, self._made(standing).machine, job.measured, self.cell.mask_of)
 
-        part = self._job.trial.coming(unmeasured)
+        part = job.coming(unmeasured)
         while part is not None and part.act is not None and sets_type(part.act):
             self._belts = belts_after(part.act, self._belts)  # nothing for the cycle to do
-            part = self._job.trial.coming(unmeasured)
+            part = job.coming(unmeasured)
         if part is None:
-            self._job.planner = None  # the last one was a part of the cycle's own: nothing is left to plan
+            job.rests()  # nothing is left to plan, or as yet
+            self.state = replace(self.state, block=max(job.before, self.state.block), share=1.0, passed=max(job.before, self.state.passed))
             return
-        self._job.before, self._job.error = part.number - 1, part.error
+        if part.follows and not (job.ended or job.trial.later or self._quiet > QUIET_TURNS):
+            job.trial.later.appendleft(part)
+            job.planner, job.held = None, True
+            return
+        job.before, job.error = part.number - 1, part.error
+        job.begins(part)
         try:
             self._next_part(part, standing, self._seen.engaged)
         except MotionError as error:
@@ -311,6 +376,7 @@ class Programs:
         job, generation = self.state.job, self.generation
         planner = self._made(standing)
         mask = self.cell.mask_of(machines_in(planner.machine)[part.member])
+        self.state = replace(self.state, passed=max(self.state.passed, self._job.before))
         own = part.own(mask, job, generation)
         if part.act is not None:
             order = act_order(part.act, self._belts, part.number)
@@ -336,25 +402,44 @@ class Programs:
             return
         blocks = part.blocks
         if part.tried is not None:
-            machine, start, blocks = part.carried(planner.robot, self._job.start, engaged)
+            self._job.riding = part.again(planner.robot, self._job.start)
+            machine, start, blocks = part.carried(self._job.riding, engaged)
             planner = replace(planner, machine=machine, start=start)
         rows = part.shared or blocks
         self._job.planner, self._job.blocks = planner, len(rows)
-        records = begun_part(part, rows, planner, self._job.measuring, self._job.measured, self.cell.mask_of, job, generation)
+        records = begun_part(
+            part,
+            rows,
+            planner,
+            self._job.measuring,
+            self._job.measured,
+            self.cell.mask_of,
+            job,
+            generation,
+            goes_on=self._job.open,
+        )
         self._out += [*part.begins(job, generation, self.cell.kinematic_of(machines_in(planner.machine)[0])), *records]
-        self._mark(at_rest(each) for each in planner.left())
+        if not self._job.open:
+            self._mark(at_rest(each) for each in planner.left())
 
     def _end(self) -> Work[None]:
         if isinstance(self._job.planner, Planner):
             yield from self._job.planner.ending()
             self._job.planner.finish()
-            self._job.trial.check_done(len(self._job.line_of), self._job.planner.left())
+        self._job.trial.check_done(len(self._job.line_of), self._job.left())
         self._job.ended = True
         self._quiet = QUIET_TURNS
 
+    def _robots(self) -> Machine | Team:
+        """Those the text names, or whose stream it is; raises MotionError."""
+        read, job = self._job.reader, self._job
+        if job.robots is None:
+            whose = self.cell.team_of(read.kinematics(), job.number) if isinstance(read, TeamReader) else None
+            job.robots = whose or self.cell.machine_of(read.robot if isinstance(read, Reader) else "", job.number)
+        return job.robots
+
     def _made(self, standing: Sequence[float]) -> Planner:
-        read, number = self._job.reader, self._job.number
-        machine = self.cell.team_of(read.kinematics(), number) if isinstance(read, TeamReader) else self.cell.machine_of(read.robot, number)
+        machine = self._robots()
         mask = self.cell.mask_of(machine)
         places = [standing[n] for n in range(len(standing)) if mask >> n & 1]
         return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._chain.spare, factors=self._job.factors)
@@ -365,19 +450,21 @@ class Programs:
         return self._job.lines is not None or self._reading.busy
 
     def prepare(self, standing: Sequence[float]) -> None:
-        """One more line of it, or a slice of one: its block is tried from where the one before ends, and nothing of it moves meanwhile."""
+        """One more line of it, or a slice of one: its block is tried from where the one before ends, and nothing of it moves meanwhile.
+        standing: the axes, now."""
+        self._seen = replace(self._seen, standing=standing)
         if self._job.lines is not None and not self._reading.busy:
-            self._reading.put(partial(self._line, self._job.lines, standing))
+            self._reading.put(partial(self._line, self._job.lines))
         self._reading.go()
 
-    def _line(self, lines: Iterator[tuple[int, str]], standing: Sequence[float]) -> Work[None]:
+    def _line(self, lines: Iterator[tuple[int, str]]) -> Work[None]:
         try:
             number, text = next(lines, (0, ""))
             if number:
-                yield from self._statement(text, number, standing)
+                yield from self._statement(text, number)
             else:
                 self._job.reader.ended()
-                yield from self._behind(standing)
+                yield from self._behind()
                 yield from self._end()
                 self._job.lines = None
         except MotionError as error:
@@ -439,14 +526,13 @@ class Programs:
         self._chain.forget()
         block, share = planner.place(tau)
         block = max(block, min(self._job.blocks, 1))  # a part that has begun is at its first block, whether its path is there or not
-        over = self._job.ended and not planner.open and not state.ended
-        last = over and not self._job.trial.later
-        if over and self._job.trial.later:
+        over = self._job.closed and not planner.open and not state.ended
+        last = over and self._job.last_part
+        if over and self._job.resumed and isinstance(planner, Planner):
+            self._mark(at_rest(each) for each in planner.left())
+        if over and not last:
             self._job.handed, self._job.blocks = True, planner.added
-            self._out.append(ending(self._job.trial.later[0], self._belts, state.job, self.generation))
-            if self._job.trial.later[0].inside is not None:  # what follows begins there, on the belt
-                self._job.start = planner.standing
-                self._job.trial.later.popleft()
+            self._rest(planner)
         if last:
             self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
         new, speed = len(self._out) - before, self._job.factors.velocity * self._seen.override
@@ -463,6 +549,14 @@ class Programs:
         if self.state.ended and not self._seen.moving and piece in (0, self._chain.last_id) and not new:
             self.state = replace(self.state, job=0, warning="")
             self.workpiece.reached(ALWAYS)
+
+    def _rest(self, planner: Planner | FilePlan) -> None:
+        """The part under way ends where its path does, and another one follows."""
+        later, job, generation = self._job.trial.later, self.state.job, self.generation
+        self._out.append(ending(later[0], self._belts, job, generation) if later else PieceRecord(Part.REST, job, generation))
+        if later and later[0].inside is not None:  # what follows begins there, on the belt
+            self._job.start = planner.standing
+            self._job.begins(later.popleft())
 
     def _mark(self, marks: Iterable[Mark]) -> None:
         assert self._job.planner is not None

@@ -21,6 +21,11 @@ class Reading:
         """Something is not read to its end."""
         return self._now is not None or bool(self._waiting)
 
+    @property
+    def under_way(self) -> bool:
+        """A statement is half read."""
+        return self._now is not None
+
     def put(self, work: Callable[[], Work[None]]) -> None:
         """One more; it begins when what came before is done."""
         self._waiting.append(work)

@@ -76,8 +76,10 @@ def begun_part(
     mask_of: Callable[[Machine | Team], int],
     job: int,
     generation: int,
+    *,
+    goes_on: bool = False,
 ) -> list[PieceRecord]:
-    """The blocks of a part go to the planner, what it waits for and ends with to the cycle; BlockError."""
+    """The blocks of a part go to the planner, what it waits for and ends with to the cycle; BlockError.  goes_on: others may follow."""
     machines = machines_in(planner.machine)
     places = [measured_at(measured, mask_of(machine)) for machine in machines]
 
@@ -88,7 +90,8 @@ def begun_part(
     try:
         for number, row in enumerate(rows, 1):
             planner.add(row.changed(known(number)) if isinstance(row, Shared) else known(number)(0, row))
-        planner.finish()
+        if not goes_on:
+            planner.finish()
     except BlockError as error:
         raise told(error, part.number - 1) from error
     first = [each for row in rows[:1] for each in own_blocks(planner.machine, row)]  # between two SYNC on a belt there may be none

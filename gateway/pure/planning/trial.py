@@ -72,6 +72,9 @@ class Trial:
     files: Files
     program: int = 0
     later: deque[Coming] = field(default_factory=deque)
+    under_way: Coming | None = None  # the part taken last
+    skipping: str = ""  # label that stands behind all that is known
+    going_on: bool = False  # behind a part that was open as it began: what its blocks without way ask for is its own
     _route: Route | TeamRoute | None = None  # of the blocks behind the first one that ends with an input
     _armed: dict[int, int] = field(default_factory=dict)  # channels that wait for their edge -> whose axes, of several, they store
     _moves: bool = False  # the part looked at has a way
@@ -168,7 +171,7 @@ class Trial:
             label = "" if outside(block) else block.label
             self.later.append(Coming(number, recall=block.recorded, label=label, kinematic=kinematic))
             block = replace(block, label="")
-        self.later += begun(block, number, self.belts, machine, route.standing, kinematic, before)
+        self.later += begun(block, number, self.belts, machine, route.standing, kinematic, before or self.under_way)
 
     def _file(self, part: Coming, block: Block, robots: Machine | Team) -> None:
         """MOVE_FILE: no route leads along it."""
@@ -189,13 +192,29 @@ class Trial:
             part = self.later.popleft()
             if not part.otherwise or not unmeasured(part):
                 return part
-            self.skip(part.otherwise)
+            if not self.skip(part.otherwise):
+                self.skipping = part.otherwise
         return None
 
-    def skip(self, label: str) -> None:
-        """The ERROR part of MOVE UNTIL: everything before the label is left out (rho3 L1134)."""
+    def skip(self, label: str) -> bool:
+        """The ERROR part of MOVE UNTIL: everything before the label is left out (rho3 L1134); False: it is still to come."""
         while self.later and self.later[0].label != label:
             self.later.popleft()
+        return bool(self.later)
+
+    def anew(self, *, going_on: bool = False) -> "Trial":
+        """All that was looked at is under way or over; going_on: the part under way takes what simply goes on."""
+        return Trial(self.belts, self.files, self.program, going_on=going_on, _armed=self._armed)
+
+    def joined(self, part: Coming, block: Block) -> None:
+        """One more block of the part on a belt that has begun; BlockError."""
+        assert part.tried is not None and isinstance(self._route, Route)
+        looked_at = part.tried.add(block)
+        try:
+            self._route.add(looked_at)
+            self._look(self._route)
+        except BlockError as error:
+            raise told(error, self._tried) from error
 
     def behind(self, planner: Planner, acts: Sequence[Act], blocks: int, label: str) -> None:
         """Statements behind the last block; label: in front of them."""
@@ -214,7 +233,7 @@ class Trial:
         """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
         if self._route is None:
             planner.finish()
-            self._left = planner.left()
+            self._left = () if self.going_on else planner.left()
             machine = planner.machine
             self._route = TeamRoute(machine, planner.standing) if isinstance(machine, Team) else Route(machine, planner.standing)
             self._tried = blocks

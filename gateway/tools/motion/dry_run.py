@@ -269,7 +269,7 @@ class _PartRun:
 
     def _load(self, engaged: float) -> None:
         """The path of a type 1, seen from the belt it has got onto."""
-        self._machine, start, blocks = self._part.carried(self._paper.machine, self._stands, engaged)
+        self._machine, start, blocks = self._part.carried(self._part.again(self._paper.machine, self._stands), engaged)
         path: list[Block] = []
         self._steps.append(path)
         for block in blocks:

@@ -7,7 +7,7 @@ or the mark that nothing follows.  planner region: its activity, for displays an
 import json
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 from gateway.pure.image.records.layout import F64, I32, U32, U64, Code, Layout, Yes
 from motion.execution.pieces import RECORD_SIZE, record_size
@@ -279,6 +279,18 @@ def unpack_piece(data: bytes) -> PieceRecord:
     return PieceRecord(head.part, head.job, head.generation, bytes(data[_PIECE.size : _PIECE.size + head.size]))
 
 
+class Answer(NamedTuple):
+    """About a block that ends with an input: whether it came, and where the axes of the cell were at its edge (None: not stored); m and
+    rad."""
+
+    block: int
+    met: bool
+    places: tuple[float | None, ...] = ()
+
+
+ANSWERS = 4  # kept: the newest
+
+
 @dataclass(frozen=True, slots=True)
 class PlannerState:
     """job under way (0: none), block and share of its way, blocks that wait, pieces handed on; the last fault with its block."""
@@ -300,6 +312,7 @@ class PlannerState:
     systems: tuple[tuple[int, tuple[float, float, float, float, float, float]], ...] = ()  # WC_SYSTEM of kinematics where it is not WC_UR
     tool: tuple[float, ...] = ()  # of the block under way or the last one, of kinematic 1: m, and nine floats of its rotation; (): none yet
     passed: int = 0  # blocks whose end the axes have reached
+    answers: tuple[Answer, ...] = ()  # of blocks of this job, the oldest first
     others: tuple["PlannerState", ...] = ()  # of the lanes behind the first one, in a cell of several
 
     @property
@@ -336,5 +349,6 @@ def unpack_planner(data: bytes) -> PlannerState:
         each["types"] = tuple((kind, tolerance) for kind, tolerance in each["types"])
         each["systems"] = tuple((kinematic, tuple(values)) for kinematic, values in each["systems"])
         each["tool"] = tuple(each["tool"])
+        each["answers"] = tuple(Answer(block, met, tuple(places)) for block, met, places in each["answers"])
         each["others"] = tuple(PlannerState(**other) for other in each["others"])
     return PlannerState(**fields)
