@@ -367,7 +367,8 @@ class Mover:
         """What belongs to a program beside its path: outputs, the input its part ends with, the end of a part."""
         program, stepper = self.program, self.stepper
         waits = self.start.on and self.free  # a part without way: what it does comes behind its input
-        for switch in () if waits else program.passed(sample.piece_id, stepper.within):
+        over = (program.rests or program.complete) and self.free and not program.met
+        for switch in () if waits else program.passed(sample.piece_id, stepper.within, over=over):
             if isinstance(switch, FunctionAt):
                 self._call(switch.function)
             elif isinstance(switch, SwitchAt):

@@ -54,8 +54,9 @@ class ProgramRun:
         while self.switches and self.switches[-1].piece >= entry.piece:
             self.switches.pop()
 
-    def passed(self, piece: int, after: float) -> Iterator[Entry]:
-        """Outputs whose place lies behind the set values; each comes once, also when the path is run back and forth."""
+    def passed(self, piece: int, after: float, *, over: bool = False) -> Iterator[Entry]:
+        """Outputs whose place lies behind the set values; each comes once, also when the path is run back and forth.  over: the path is run
+        to its end, and nothing more comes of it."""
         waiting = self.switches
-        while waiting and (waiting[0].piece < piece or (waiting[0].piece == piece and after >= waiting[0].after - REACHED)):
+        while waiting and (over or waiting[0].piece < piece or (waiting[0].piece == piece and after >= waiting[0].after - REACHED)):
             yield waiting.popleft()

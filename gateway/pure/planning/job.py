@@ -40,7 +40,7 @@ class Job:
     robots: Machine | Team | None = None  # that the text names; None: nothing has asked as yet
     under_way: Coming | None = None  # the part that has begun; None: one of blocks that simply go on
     open: bool = False  # it has begun and takes what comes, until something else follows
-    resumed: bool = False  # it was open as it began: what its last blocks without way ask for is done at rest
+    streams: bool = True  # its blocks move as they come; what the last ones without way ask for is done at the end of their part
     arrived: bool = False  # the cycle has reported its end
     riding: BeltPlan | None = None  # it leads along a belt of type 1: what its blocks are seen from there with
     held: bool = False  # the next part is handed on whole, and is not known to its end yet
@@ -65,7 +65,7 @@ class Job:
     @property
     def last_part(self) -> bool:
         """The job ends with the part under way; of a stream one that ends with an input is answered first."""
-        asks = self.number <= 0 and self.under_way is not None and self.under_way.asks_met
+        asks = self.streams and self.under_way is not None and self.under_way.asks_met
         return self.ended and not self.trial.later and not asks
 
     def divides(self, block: Block) -> bool:
@@ -81,7 +81,7 @@ class Job:
 
     def left(self) -> tuple[Called | Output, ...]:
         """What blocks without way have begun or ended with in a part that is run as it comes."""
-        return self.planner.left() if isinstance(self.planner, Planner) and not self.resumed else ()
+        return self.planner.left() if isinstance(self.planner, Planner) and not self.streams else ()
 
     def left_out(self, label: str) -> bool:
         """A block behind an input that never came, before the label the program goes on at."""
@@ -105,12 +105,12 @@ class Job:
     def begins(self, part: Coming) -> None:
         """The part is under way; the last one that is known stays open, where what comes may belong to it."""
         self.under_way, self.riding = part, None
-        self.open = self.resumed = not self.ended and not self.trial.later and part.goes_on
+        self.open = not self.ended and not self.trial.later and part.goes_on
         self.trial.under_way = part
         if self.open and part.tried is None:
-            self.trial = self.trial.anew(going_on=True)
+            self.trial = self.trial.anew()
 
     def rests(self) -> None:
         """Nothing is under way, and nothing known: what comes is looked at from where the axes stand."""
-        self.planner, self.under_way, self.riding, self.open, self.resumed = None, None, None, False, False
+        self.planner, self.under_way, self.riding, self.open = None, None, None, False
         self.trial = self.trial.anew()

@@ -179,6 +179,7 @@ class Programs:
         if record.say in (Say.BEGIN, Say.RUN, Say.STREAM):
             self._begin(record.job)
             self._job.off = self._seen.off if record.say is Say.RUN else 0
+            self._job.streams = self._job.trial.streams = record.say is not Say.RUN
         if record.job != self.state.job:
             return
         try:
@@ -231,6 +232,7 @@ class Programs:
             self._job.whole = None
         elif record.say is Say.WHOLE:
             self._job.whole = []
+            self._job.streams = self._job.trial.streams = False
         elif self._job.whole is not None and record.say is Say.LINE:
             self._job.whole.append(record.text)
         elif self._job.whole is not None:
@@ -528,8 +530,8 @@ class Programs:
         block = max(block, min(self._job.blocks, 1))  # a part that has begun is at its first block, whether its path is there or not
         over = self._job.closed and not planner.open and not state.ended
         last = over and self._job.last_part
-        if over and self._job.resumed and isinstance(planner, Planner):
-            self._mark(at_rest(each) for each in planner.left())
+        if over and self._job.streams and isinstance(planner, Planner):
+            self._mark(at_rest(each)._replace(piece=self._chain.spare) for each in planner.left())
         if over and not last:
             self._job.handed, self._job.blocks = True, planner.added
             self._rest(planner)

@@ -74,7 +74,7 @@ class Trial:
     later: deque[Coming] = field(default_factory=deque)
     under_way: Coming | None = None  # the part taken last
     skipping: str = ""  # label that stands behind all that is known
-    going_on: bool = False  # behind a part that was open as it began: what its blocks without way ask for is its own
+    streams: bool = False  # blocks move as they come: what the last ones without way ask for is done at the end of their part
     _route: Route | TeamRoute | None = None  # of the blocks behind the first one that ends with an input
     _armed: dict[int, int] = field(default_factory=dict)  # channels that wait for their edge -> whose axes, of several, they store
     _moves: bool = False  # the part looked at has a way
@@ -202,9 +202,9 @@ class Trial:
             self.later.popleft()
         return bool(self.later)
 
-    def anew(self, *, going_on: bool = False) -> "Trial":
-        """All that was looked at is under way or over; going_on: the part under way takes what simply goes on."""
-        return Trial(self.belts, self.files, self.program, going_on=going_on, _armed=self._armed)
+    def anew(self) -> "Trial":
+        """All that was looked at is under way or over."""
+        return Trial(self.belts, self.files, self.program, streams=self.streams, _armed=self._armed)
 
     def joined(self, part: Coming, block: Block) -> None:
         """One more block of the part on a belt that has begun; BlockError."""
@@ -233,7 +233,7 @@ class Trial:
         """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
         if self._route is None:
             planner.finish()
-            self._left = () if self.going_on else planner.left()
+            self._left = () if self.streams else planner.left()
             machine = planner.machine
             self._route = TeamRoute(machine, planner.standing) if isinstance(machine, Team) else Route(machine, planner.standing)
             self._tried = blocks
