@@ -105,7 +105,7 @@ class Job:
     def begins(self, part: Coming) -> None:
         """The part is under way; the last one that is known stays open, where what comes may belong to it."""
         self.under_way, self.riding = part, None
-        self.open = not self.ended and not self.trial.later and part.goes_on
+        self.open = part.open = not self.ended and not self.trial.later and part.goes_on
         self.trial.under_way = part
         if self.open and part.tried is None:
             self.trial = self.trial.anew()

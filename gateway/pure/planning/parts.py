@@ -75,6 +75,7 @@ class Coming:
     inside: Synchron | None = None  # where the act stands, on the belt
     kinematic: int = 1  # whose part that is, in the cell
     member: int = 0  # whose part that is, of several kinematics of the program, from 0
+    open: bool = False  # it has begun, and other blocks may follow
 
     def holds(self, block: Block) -> bool:
         """Whether the block belongs to this part."""

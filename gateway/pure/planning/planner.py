@@ -409,17 +409,7 @@ class Programs:
             planner = replace(planner, machine=machine, start=start)
         rows = part.shared or blocks
         self._job.planner, self._job.blocks = planner, len(rows)
-        records = begun_part(
-            part,
-            rows,
-            planner,
-            self._job.measuring,
-            self._job.measured,
-            self.cell.mask_of,
-            job,
-            generation,
-            goes_on=self._job.open,
-        )
+        records = begun_part(part, rows, planner, self._job.measuring, self._job.measured, self.cell.mask_of, job, generation)
         self._out += [*part.begins(job, generation, self.cell.kinematic_of(machines_in(planner.machine)[0])), *records]
         if not self._job.open:
             self._mark(at_rest(each) for each in planner.left())

@@ -76,10 +76,8 @@ def begun_part(
     mask_of: Callable[[Machine | Team], int],
     job: int,
     generation: int,
-    *,
-    goes_on: bool = False,
 ) -> list[PieceRecord]:
-    """The blocks of a part go to the planner, what it waits for and ends with to the cycle; BlockError.  goes_on: others may follow."""
+    """The blocks of a part go to the planner, what it waits for and ends with to the cycle; BlockError."""
     machines = machines_in(planner.machine)
     places = [measured_at(measured, mask_of(machine)) for machine in machines]
 
@@ -90,7 +88,7 @@ def begun_part(
     try:
         for number, row in enumerate(rows, 1):
             planner.add(row.changed(known(number)) if isinstance(row, Shared) else known(number)(0, row))
-        if not goes_on:
+        if not part.open:
             planner.finish()
     except BlockError as error:
         raise told(error, part.number - 1) from error
