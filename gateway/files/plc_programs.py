@@ -3,9 +3,11 @@
 import pathlib
 from collections.abc import Mapping
 
+from gateway.files.old_text import decoded
+
 SUFFIX = ".PLC"
 MOST = 4_000_000  # bytes of a file
-ENCODINGS = ("utf-8-sig", "cp1252", "latin-1")
+MARKED = (b"\xff\xfe", b"\xfe\xff")  # UTF-16
 
 
 class ProgramFileFault(ValueError):
@@ -32,19 +34,12 @@ def read_listing(path: pathlib.Path) -> str:
     if path.stat().st_size > MOST:
         raise ProgramFileFault(f"{path}: {path.stat().st_size} bytes, {MOST} are the most")
     data = path.read_bytes()
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return data.decode("utf-16", errors="replace")
-    if path.suffix.upper() == ".S5D" or b"\0" in data:
+    if data[:2] not in MARKED and (path.suffix.upper() == ".S5D" or b"\0" in data):
         raise ProgramFileFault(
             f"{path}: a program file of STEP 5 in its own binary form, or no text at all; "
             "in STEP 5 choose Documentation, Standard output, Blocks, print to a file (.LST) as statement list (AWL), and import that file"
         )
-    for encoding in ENCODINGS:
-        try:
-            return data.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-    raise ProgramFileFault(f"{path}: no text")
+    return decoded(data)
 
 
 def write_programs(folder: pathlib.Path, programs: Mapping[str, str]) -> list[pathlib.Path]:

@@ -5,6 +5,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from gateway.files.old_text import decoded
 from gateway.pure.languages.robotstar.memory import Source
 from gateway.pure.languages.robotstar.words import Words
 
@@ -38,7 +39,7 @@ def _files(root: Path) -> Iterator[Path]:
 
 
 def text_of(path: Path) -> str:
-    """UTF-8, else the Windows code page the old archives were written with."""
+    """A file in any code page it may have been written with."""
     try:
         with path.open("rb") as file:
             data = file.read(MOST_BYTES + 1)
@@ -46,10 +47,7 @@ def text_of(path: Path) -> str:
         raise FolderFault(f"{path}: {error.strerror}") from None
     if len(data) > MOST_BYTES:
         raise FolderFault(f"{path}: more than {MOST_BYTES} bytes; a program is smaller")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("cp1252", errors="replace")
+    return decoded(data)
 
 
 def write(folder: Path, files: Mapping[str, str]) -> None:

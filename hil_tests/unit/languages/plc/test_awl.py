@@ -225,3 +225,18 @@ def test_any_text_is_imported_or_named(text: str) -> None:
     for refused in result.refused:
         assert refused.reason
         assert refused.line <= len(text.splitlines())
+
+
+def test_a_constant_loaded_between_an_edge_and_its_timer_leaves_the_edge_alone() -> None:
+    statements = "U E 0.0;\nFP M 10.1;\nL S5T#1S;\nSV T 5;\nU T 5;\n= A 1.0;\n"
+    result = imported(f"ORGANIZATION_BLOCK OB 1\nBEGIN\n{statements}END_ORGANIZATION_BLOCK\n")
+    assert not result.refused
+    rig = Rig(sources=result.programs, start="OB1")
+    assert rig.scan("E0.0").output("A1.0"), "the edge starts it"
+    assert not rig.scan("E0.0", ticks=200).scan("E0.0").output("A1.0"), "once"
+
+
+@pytest.mark.parametrize("head", ["ORGANISATIONSBAUSTEIN OB 1   C:ANLAGEST.S5D", "BAUSTEIN#OB1", "OB 1"])
+def test_every_printed_head_of_a_block_is_one(head: str) -> None:
+    result = imported(f"{head}\n0000   :U E 0.0\n0001   := A 0.0\n0002   :BE\n")
+    assert list(result.programs) == ["OB1"] and not result.refused

@@ -7,7 +7,11 @@ from dataclasses import dataclass, field
 STEP7 = re.compile(r"^\s*(ORGANIZATION_BLOCK|FUNCTION_BLOCK|FUNCTION|BEGIN)\b", re.IGNORECASE | re.MULTILINE)
 OPENED = re.compile(r"(ORGANIZATION_BLOCK|FUNCTION_BLOCK|FUNCTION)\s+\"?([A-Z]+\s*\d+|[^\"\s:]+)", re.IGNORECASE)
 SKIPPED = re.compile(r"(DATA_BLOCK|TYPE)\b\s*(.*)", re.IGNORECASE)
-HEADER = re.compile(r"#?(?:(?:BAUSTEIN|BLOCK|BSTN)\s*[#:=]?\s*)?(OB|PB|FB|FX|SB|FC|DB|DX)\s*(\d{1,3})\b(?!\s*\.)\s*(.*)$", re.IGNORECASE)
+HEADER = re.compile(
+    r"#?(?:(?:(?:ORGANISATIONS|PROGRAMM|FUNKTIONS|SCHRITT|DATEN)?BAUSTEIN|BLOCK|BSTN)\s*[#:=]?\s*)?"
+    r"(OB|PB|FB|FX|SB|FC|DB|DX)\s*(\d{1,3})\b(?!\s*\.)\s*(.*)$",
+    re.IGNORECASE,
+)
 NOISE = re.compile(
     r"(SEGMENT|NETZWERK|NETWORK|TITLE|TITEL|VERSION|AUTHOR|AUTOR|FAMILY|FAMILIE|BLATT|PAGE|BEGIN|STANDARD|KNOW_HOW_PROTECT|LAE|LEN|BIB|LIB)\b",
     re.IGNORECASE,

@@ -32,6 +32,7 @@ CALCULATES = {
     "BTI": "DH", "BTD": "DH", "ITB": "HD", "DTB": "HD",
 }  # fmt: skip
 SHIFTS = {"SLW": "SH L", "SRW": "SH R", "SLD": "SH L", "SRD": "SH R", "RLD": "RO L", "RRD": "RO R"}
+EDGES = ("FP", "FN")  # constants that are loaded between an edge and its use leave the result alone
 NARROW = {"SLW", "KEW", "INVI", "XF", "*I", "+F", "+I", "-F", "-I", "/I", ":F"}
 REASONS = {
     "SS": "the integrated PLC has no latching switch-on delay; use a marker that holds the start",
@@ -93,7 +94,9 @@ class Translator:
         if statements and statements[-1].word == "BE" and not statements[-1].label:
             statements = statements[:-1]
         for at, statement in enumerate(statements):
-            self._next = statements[at + 1] if at + 1 < len(statements) else None
+            self._next = next(
+                (each for each in statements[at + 1 :] if statement.word not in EDGES or each.word != "L" or each.label), None
+            )
             before, self._line = len(self.lines), statement.line
             try:
                 self._statement(statement)
@@ -241,7 +244,7 @@ class Translator:
     def _use(self, word: str, operand: str) -> None:
         self._close_or()
         self._result_is_one()
-        if word in ("FP", "FN"):
+        if word in EDGES:
             self._edge(word, operand)
             return
         if word in TIMERS:
