@@ -1,4 +1,4 @@
-"""A debug adapter for BAPS2 programs: breakpoints, single step and variables in an editor, in virtual time."""
+"""A debug adapter for BAPS2 and ROBOTstar programs: breakpoints, single step and variables in an editor, in virtual time."""
 
 import argparse
 import socket
@@ -11,7 +11,9 @@ EXAMPLES = """examples:
   axisgate dap                    what an editor starts; it speaks on standard input and output
   axisgate dap --tcp 4711         for one editor that connects to a port of this machine
   axisgate dap --tcp 4711 &       in the background; it ends with the session
-launch takes: program (path of a .QLL file), feed (inputs, points and devices, as axisgate program trace takes it), stopOnEntry
+launch takes: program (path of a .QLL, .MPR, .SPR or .MAC file), stopOnEntry;
+BAPS2: feed (inputs, points and devices, as axisgate program trace takes it)
+ROBOTstar: memory (folder S:/), mode (auto, test2, test4), plc, at (a list), until, as axisgate robotstar run takes them
 exit code: 0 done, 2 the port is taken or the command line is wrong"""
 
 

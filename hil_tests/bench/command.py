@@ -1,4 +1,7 @@
-"""Measure: cycle, 3964r, emulator, drives, planner, motion, modbus, route, web, program, val3, or all (all rewrites docs/benchmarks.md)."""
+"""Measure: cycle, 3964r, emulator, drives, planner, motion, modbus, route, web, program, robotstar, val3, or all.
+
+all rewrites docs/benchmarks.md.
+"""
 
 import argparse
 import datetime
@@ -74,14 +77,14 @@ def web(arguments: argparse.Namespace) -> list[Figure]:
     return figures(arguments.seconds or SCOPE_S)
 
 
-def plc(arguments: argparse.Namespace) -> list[Figure]:
-    from hil_tests.bench.plc_bench import run
+def program(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.program_bench import run
 
     return [dict(figure) for figure in run()]
 
 
-def program(arguments: argparse.Namespace) -> list[Figure]:
-    from hil_tests.bench.program_bench import run
+def robotstar(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.robotstar_bench import run
 
     return [dict(figure) for figure in run()]
 
@@ -102,8 +105,8 @@ BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "route": route,
     "modbus": modbus,
     "web": web,
-    "plc": plc,
     "program": program,
+    "robotstar": robotstar,
     "val3": val3,
 }
 

@@ -1,4 +1,4 @@
-"""The debug adapter of `axisgate dap`: BAPS2 programs in virtual time, for an editor.  Source: Debug Adapter Protocol 1.68.
+"""The debug adapter of `axisgate dap`: programs of old controls in virtual time, for an editor.  Source: Debug Adapter Protocol 1.68.
 
 Messages are JSON behind a head `Content-Length: n`; the program runs between them.
 """
@@ -10,23 +10,37 @@ import re
 import select
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
-from gateway.files.program_memory import baps2_words, folder_memory, read_feed
-from gateway.pure.languages.baps2.debugging import DebugRun, Frame
-from gateway.pure.languages.baps2.feed import Feed, FeedFault
+from gateway.pure.languages.baps2.feed import FeedFault
 from gateway.pure.languages.base.debug import Step
 from gateway.pure.languages.base.requests import RuntimeFault
+from gateway.tools.editor.debugged import AdapterFault, Call, Debugged, Row
 
 ROUNDS = 50  # of the program between two looks for messages
 MOST_OCTETS, MOST_HEAD = 8 << 20, 4096  # of one message
 LENGTH = re.compile(rb"^content-length: *(\d{1,9})\s*$", re.IGNORECASE | re.MULTILINE)
 ABILITIES = {"supportsConfigurationDoneRequest": True, "supportsEvaluateForHovers": True, "supportsTerminateRequest": True}
-Row = dict[str, Any]
 
 
-class AdapterFault(Exception):
-    """A request cannot be answered: one sentence."""
+def _baps2(path: Path, arguments: Row) -> Debugged:
+    from gateway.tools.editor.debug_baps2 import Baps2Debugged
+
+    return Baps2Debugged(path, arguments)
+
+
+def _robotstar(path: Path, arguments: Row) -> Debugged:
+    from gateway.tools.editor.debug_robotstar import RobotstarDebugged
+
+    return RobotstarDebugged(path, arguments)
+
+
+LANGUAGES: Mapping[str, Callable[[Path, Row], Debugged]] = {".qll": _baps2, **dict.fromkeys((".mpr", ".spr", ".mac"), _robotstar)}
+
+
+def language_of(path: Path) -> Callable[[Path, Row], Debugged] | None:
+    """What runs a file."""
+    return LANGUAGES.get(path.suffix.lower())
 
 
 class Adapter:
@@ -37,12 +51,9 @@ class Adapter:
         self._inbox, self._writing = Inbox(reading), writing
         self._numbers = itertools.count(1)
         self._ids = itertools.count(1)  # of breakpoints
-        self._run: DebugRun | None = None
-        self._folder = Path()
-        self._program = ""
+        self._run: Debugged | None = None
         self._moves = self._entry = self._over = False
         self._why = "entry"
-        self._shown = 0  # events of the trace that were sent
         self._places: list[dict[str, object]] = []  # variables by reference - 1, while everything is held
 
     def serve(self) -> None:
@@ -104,30 +115,22 @@ class Adapter:
 
     # ---- the run ----------------------------------------------------------------------------------------------------------
     def _launch(self, arguments: Row) -> Row:
-        """`program`: a .QLL file, its folder is the memory; `feed`: a feed file; `stopOnEntry`."""
+        """`program`: a file, its suffix is the language; `stopOnEntry`; the rest is the language's."""
         path = Path(str(arguments["program"])).resolve()
-        if not path.is_file():
-            raise AdapterFault(f"{path}: there is no such file; program is the path of a .QLL file")
-        feed = read_feed(Path(str(arguments["feed"]))) if arguments.get("feed") else Feed()
-        self._folder, self._program = path.parent, path.stem.upper()
+        make = language_of(path)
+        if make is None or not path.is_file():
+            raise AdapterFault(f"{path}: there is no such file; program is the path of a {', '.join(sorted(LANGUAGES)).upper()} file")
         self._entry = bool(arguments.get("stopOnEntry"))
-        run = DebugRun(baps2_words(), folder_memory(self._folder, feed), feed)
-        unit, faults = run.library.unit(self._program)
-        if unit is None:
-            raise AdapterFault("; ".join(str(each) for each in faults) or f"{path.name} is no program of its folder")
-        self._run = run
+        self._run = make(path, arguments)
         return {}
 
-    def _needed(self) -> DebugRun:
+    def _needed(self) -> Debugged:
         if self._run is None:
             raise AdapterFault("launch a program first")
         return self._run
 
     def _begin(self, arguments: Row) -> Row:
-        run = self._needed()
-        run.run.begin(self._program)
-        if self._entry:
-            run.pause()
+        self._needed().begin(entry=self._entry)
         self._moves = True
         return {}
 
@@ -135,14 +138,14 @@ class Adapter:
         """Some rounds; what came of it."""
         run = self._needed()
         for _ in range(ROUNDS):
-            going = run.run.go_on()
-            if run.held() or not going:
+            going = run.go_on()
+            if run.held() is not None or not going:
                 break
-        self._trace(run)
-        if held := run.held():
+        for line in run.output():
+            self._event("output", category="stdout", output=f"{line}\n")
+        if (thread := run.held()) is not None:
             self._moves = False
             self._places.clear()
-            thread = held[0].process.number
             self._event("stopped", reason=self._why, threadId=thread, allThreadsStopped=True)
             self._why = "breakpoint"
         elif not going:
@@ -154,19 +157,9 @@ class Adapter:
             self._event("exited", exitCode=0)
             self._event("terminated")
 
-    def _trace(self, run: DebugRun) -> None:
-        """Events of the dry run as output."""
-        for event in itertools.islice(run.run.trace, self._shown, None):
-            if event["event"] == "files":
-                continue
-            facts = " ".join(f"{name}={value}" for name, value in event.items() if name not in ("t", "process", "line", "event"))
-            text = f"{event['t']:>8} s {event['process']}:{event['line']} {event['event']} {facts}".rstrip()
-            self._event("output", category="stdout", output=f"{text}\n")
-        self._shown = len(run.run.trace)
-
     def _resume(self, arguments: Row, how: Step) -> Row:
         run, number = self._needed(), int(arguments["threadId"])
-        if not run.held():
+        if run.held() is None:
             raise AdapterFault("nothing is held")
         self._why = "breakpoint" if how is Step.RUN else "step"
         run.resume(number, how)
@@ -185,47 +178,41 @@ class Adapter:
     def _breakpoints(self, arguments: Row) -> Row:
         """A line without a statement takes the next one that has one."""
         run, source = self._needed(), arguments["source"]
-        name = Path(str(source.get("path") or source.get("name"))).stem.upper()
-        lines = run.lines(name)
         wanted = [int(each["line"]) for each in arguments.get("breakpoints") or ()]
-        found = [next((line for line in lines if line >= each), None) for each in wanted]
-        run.debugger.set_breakpoints(name, [each for each in found if each is not None])
-        why = "no statement here or below" if lines else f"{name} is no program of this memory, or has errors"
+        found, why = run.breakpoints(Path(str(source.get("path") or source.get("name"))), wanted)
         rows = ({"verified": True, "line": each} if each else {"verified": False, "message": why} for each in found)
         return {"breakpoints": [{"id": next(self._ids), **row} for row in rows]}
 
     # ---- looking ----------------------------------------------------------------------------------------------------------
     def _threads(self, arguments: Row) -> Row:
-        tasks = self._run.tasks() if self._run is not None else []
-        return {"threads": [{"id": task.process.number, "name": f"{task.unit.name} ({task.kind})"} for task in tasks]}
-
-    def _frames(self) -> Iterator[tuple[int, int, Frame]]:
-        """Number, thread and frame of each."""
-        run = self._needed()
-        for task in run.tasks():
-            for depth, frame in enumerate(run.frames(task.process.number)):
-                yield task.process.number * 1000 + depth, task.process.number, frame
+        threads = self._run.threads() if self._run is not None else []
+        return {"threads": [{"id": number, "name": name} for number, name in threads]}
 
     def _stack(self, arguments: Row) -> Row:
         rows = [
-            {"id": number, "name": frame.routine, "line": frame.line, "column": 1, "source": self._source(frame.program)}
-            for number, thread, frame in self._frames()
-            if thread == int(arguments["threadId"])
+            {
+                "id": call.number,
+                "name": call.name,
+                "line": call.line,
+                "column": 1,
+                "source": {"name": call.source.name, "path": str(call.source)},
+            }
+            for call in self._needed().calls()
+            if call.thread == int(arguments["threadId"])
         ]
         return {"stackFrames": rows, "totalFrames": len(rows)}
 
-    def _source(self, program: str) -> Row:
-        path = next((each for each in self._folder.iterdir() if each.name.upper() == f"{program}.QLL"), self._folder / f"{program}.QLL")
-        return {"name": path.name, "path": str(path)}
+    def _call(self, number: object) -> Call | None:
+        return next((call for call in self._needed().calls() if call.number == number), None)
 
     def _scopes(self, arguments: Row) -> Row:
-        frame = next((frame for number, _, frame in self._frames() if number == int(arguments["frameId"])), None)
-        if frame is None:
+        call = self._call(int(arguments["frameId"]))
+        if call is None:
             raise AdapterFault("this frame is gone")
-        parts = (("Routine", frame.own), ("Program", frame.program_wide), ("Channels", self._needed().channels(frame.program)))
-        return {
-            "scopes": [{"name": name, "variablesReference": self._kept(values), "expensive": False} for name, values in parts if values]
-        }
+        rows = (
+            {"name": name, "variablesReference": self._kept(values), "expensive": False} for name, values in call.scopes.items() if values
+        )
+        return {"scopes": list(rows)}
 
     def _kept(self, values: dict[str, object]) -> int:
         self._places.append(values)
@@ -241,8 +228,9 @@ class Adapter:
     def _evaluate(self, arguments: Row) -> Row:
         """A name, in any case of letters."""
         name = str(arguments["expression"]).strip().upper()
-        frame = next((frame for number, _, frame in self._frames() if number == arguments.get("frameId")), None)
-        found = {**self._needed().channels(frame.program), **frame.program_wide, **frame.own} if frame is not None else {}
+        call = self._call(arguments.get("frameId"))
+        found = {key: value for values in reversed([*call.scopes.values()]) for key, value in values.items()} if call is not None else {}
+        found = {key.upper(): value for key, value in found.items()}
         if name not in found:
             raise AdapterFault(f"{name} has no value here")
         return {"result": shown(found[name]), "variablesReference": 0}

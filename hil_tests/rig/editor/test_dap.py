@@ -150,10 +150,32 @@ def test_the_run_prints_its_events_and_ends(editor: Editor) -> None:
     assert printed.count("out channel=1 value=1") == 3 and "PICK:10 end how=ended" in printed
 
 
+def test_a_robotstar_program_is_held_stepped_and_looked_at(editor: Editor) -> None:
+    folder = pathlib.Path(editor.program).parent
+    (folder / "SORT.MPR").write_text('1 MPR "SORT"\n2 VAR I1\n3 COPY 4, I1\n4 CALL "UP"\n5 STOP\n6 END\n')
+    (folder / "UP.SPR").write_text("SPR UP\nADD 1, I1\nEND\n")
+    editor.program = str(folder / "SORT.MPR")
+    assert editor.launched([4]) == [4]
+    thread, calls = editor.stopped()
+    assert calls == [("SORT", 4)] and editor.variables()["Global"]["I1"] == "4"
+    editor.client.step_in(thread)
+    assert editor.stopped()[1] == [("UP", 2), ("SORT", 4)]
+    editor.client.next(thread)
+    editor.stopped()
+    editor.client.evaluate("i1", editor.frames[0]["id"])
+    assert editor.until("evaluate")["body"]["result"] == "5"
+    editor.client.continue_(thread)
+    editor.until("terminated")
+
+
 def test_what_cannot_be_done_is_refused_in_a_sentence(editor: Editor) -> None:
     editor.until("initialize")
     for command, given, wanted in (
-        ("launch", {"program": "/nowhere/A.QLL"}, "/nowhere/A.QLL: there is no such file; program is the path of a .QLL file"),
+        (
+            "launch",
+            {"program": "/nowhere/A.QLL"},
+            "/nowhere/A.QLL: there is no such file; program is the path of a .MAC, .MPR, .QLL, .SPR file",
+        ),
         ("launch", {}, "program is missing"),
         ("next", {"threadId": 1}, "launch a program first"),
         ("gotoTargets", {}, "gotoTargets is not supported"),

@@ -1,6 +1,7 @@
 """Operands of a step: numbers, texts, references to variables, equates.  Source: robotstar 2.1, L947-957, L3939-3977, L4156-4198."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -62,7 +63,7 @@ _NAME = re.compile(r"[^\W\d][\w$-]*|[\w$][\w$-]*|\$[\w$-]*")
 RELATIONS = ("<>", "<=", ">=", "<", ">", "=")
 
 
-def operand(text: str, equates: "dict[str, str] | None" = None) -> Operand:
+def operand(text: str, equates: Mapping[str, str] | None = None) -> Operand:
     """Reads one operand; OperandFault with a sentence."""
     text = text.strip()
     if text.startswith('"'):
@@ -80,7 +81,7 @@ def _text(text: str) -> Text:
     return Text(text[1:-1])
 
 
-def _equate(text: str, equates: "dict[str, str]") -> Equate:
+def _equate(text: str, equates: Mapping[str, str]) -> Equate:
     name = text[1:].strip().upper()
     if name in RELATIONS or name in ("=0", "=1"):
         return Equate(name)

@@ -4,7 +4,7 @@ All faults of the text are collected; a step that cannot be read keeps its numbe
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from gateway.pure.languages.base.faults import Faults
@@ -18,6 +18,7 @@ _NUMBERED = re.compile(r"\s*S?\s*\d+\s*[.:)]?\s+(?=\S)", re.IGNORECASE)
 _WORD = re.compile(r"(?P<word>[^\W\d][\w$-]*|\d[\w$-]*)\s*(?P<unit>\[[^\]\d]*\])?\s*(?P<rest>.*)", re.DOTALL)
 _DESCRIPTOR = re.compile(r"([^\W\d][\w-]*)\s*(?:\[[^\]]*\])?\s*:(?!/)\s*")
 _ASSIGNED = re.compile(r"(_[A-Z]\w*)\s*=\s*(\S+)", re.IGNORECASE)
+_AXIS = re.compile(r"A\d+")
 _REMARK = re.compile(r"/\*.*?\*/")
 _TOKEN = re.compile(
     r'"[^"]*"?|<(?![=>])[^>]*>|\#(?:<>|<=|>=|<|>|=[01](?![\d.])|=|\w+)?|,|:(?!/)'
@@ -99,12 +100,11 @@ def _with_parameters(reading: _Reading, step: Step, rest: str) -> Step:
         if step.valid:
             reading.fault("rsv.operand", step.line, str(fault))
         return replace(step, word="" if step.valid else step.word, valid=False, slots={})
-    step = replace(step, parameters=parameters)
     if not step.valid or step.macro:
-        return step
+        return replace(step, parameters=parameters)
     if step.word == "POSITION":
-        return _position(reading, step)
-    return _placed(reading, step, GRAMMAR[step.word])
+        return _position(reading, step, parameters)
+    return _placed(reading, step, parameters, GRAMMAR[step.word])
 
 
 def _head_name(rest: str) -> str:
@@ -139,7 +139,7 @@ def _parameters(rest: str, words: Words) -> Iterator[Parameter]:
             continue
         if text == ":":
             raise OperandFault("a colon without a descriptor in front of it")
-        yield Parameter(operand(text, dict(words.equates)), descriptor, column)
+        yield Parameter(operand(text, words.equates), descriptor, column)
         descriptor, expected = "", True
     if descriptor:
         raise OperandFault(f"{descriptor}: a value is missing behind the colon")
@@ -147,10 +147,10 @@ def _parameters(rest: str, words: Words) -> Iterator[Parameter]:
         raise OperandFault("a parameter is missing behind the last comma")
 
 
-def _placed(reading: _Reading, step: Step, places: tuple[Place, ...]) -> Step:
+def _placed(reading: _Reading, step: Step, parameters: Sequence[Parameter], places: tuple[Place, ...]) -> Step:
     """Each parameter in its place: by its descriptor, an equate by its value, the rest in order."""
     slots: dict[str, Operand] = {}
-    for parameter in step.parameters:
+    for parameter in parameters:
         place = _place_of(parameter, places, slots, step.word)
         if place is None:
             if step.word in DEFINITIONS and "name" in slots:
@@ -172,7 +172,7 @@ def _placed(reading: _Reading, step: Step, places: tuple[Place, ...]) -> Step:
     if missing:
         reading.fault("rsv.parameters", step.line, f"step {step.number}: {step.word}: {', '.join(missing)} missing")
         return replace(step, valid=False, word="")
-    return replace(step, slots=slots)
+    return replace(step, parameters=tuple(parameters), slots=slots)
 
 
 def _place_of(parameter: Parameter, places: tuple[Place, ...], slots: Mapping[str, Operand], word: str) -> Place | None:
@@ -188,11 +188,11 @@ def _place_of(parameter: Parameter, places: tuple[Place, ...], slots: Mapping[st
     return next((place for place in free if place.kind != "equate"), None)
 
 
-def _position(reading: _Reading, step: Step) -> Step:
+def _position(reading: _Reading, step: Step, parameters: Sequence[Parameter]) -> Step:
     """POSITION #N, X:.., Y:.., ..: the six values, or those of the axes; or the name of a position variable."""
     slots: dict[str, Operand] = {}
     plain = list(POSITION_ELEMENTS)
-    for parameter in step.parameters:
+    for parameter in parameters:
         name = parameter.descriptor
         if isinstance(parameter.operand, Equate) and parameter.operand.name in ("N", "P"):
             name = "kind"
@@ -200,7 +200,7 @@ def _position(reading: _Reading, step: Step) -> Step:
             name = "variable" if isinstance(parameter.operand, Ref) else "name"
         elif not name:
             name = plain.pop(0) if plain else "?"
-        element = name in ("MA", "AA", "PT", "FRAME", *POSITION_ELEMENTS) or re.fullmatch(r"A\d+", name)
+        element = name in ("MA", "AA", "PT", "FRAME", *POSITION_ELEMENTS) or _AXIS.fullmatch(name)
         if name in slots or not (name in ("kind", "variable", "name") or (element and isinstance(parameter.operand, Number))):
             reading.fault(
                 "rsv.position", step.line, f"step {step.number}: POSITION: {name} is given twice, no number or does not belong here"
@@ -213,12 +213,12 @@ def _position(reading: _Reading, step: Step) -> Step:
             "rsv.position", step.line, f"step {step.number}: POSITION: {wrong}", "robotstar import --points fills in named positions"
         )
         return replace(step, valid=False, word="")
-    return replace(step, slots=slots)
+    return replace(step, parameters=tuple(parameters), slots=slots)
 
 
 def _lacking(slots: Mapping[str, Operand]) -> str:
     cartesian = [name for name in POSITION_ELEMENTS if name in slots]
-    axes = [name for name in slots if re.fullmatch(r"A\d+", name)]
+    axes = [name for name in slots if _AXIS.fullmatch(name)]
     if cartesian and len(cartesian) < 6:
         return f"{', '.join(name for name in POSITION_ELEMENTS if name not in slots)} missing"
     if cartesian or axes or ("variable" in slots and isinstance(slots["variable"], Ref)):

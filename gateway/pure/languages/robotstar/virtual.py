@@ -4,7 +4,7 @@ Pure: nothing passes but virtual time, so the same input gives the same events.
 """
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -118,6 +118,7 @@ class VirtualCell:
     plc: Plc | None = None
     start_pose: Target = field(default_factory=lambda: Target((0.0,) * 6))
     reaches: Callable[[Target, Structure | None], str] = lambda target, tool: ""  # with this tool; "" or why not
+    paused: Callable[[], bool] = lambda: False  # a debugger holds the program: time stands
     events: list[Event] = field(default_factory=list)
     image: bytearray = field(default_factory=lambda: bytearray(2048))
     drives: bool = True
@@ -331,6 +332,11 @@ class VirtualCell:
     # ---- time ------------------------------------------------------------------------------------------------------------
     def run(self, script: Iterable[Order], until: Ns | None, program: str) -> None:
         """From power-on with START at 0 until the time is over or nothing can happen any more."""
+        for _ in self.turns(script, until, program):
+            pass
+
+    def turns(self, script: Iterable[Order], until: Ns | None, program: str) -> Iterator[None]:
+        """The same, moment by moment."""
         waiting = list(script)
         end = DEFAULT_UNTIL if until is None else until
         self._powered()
@@ -343,6 +349,9 @@ class VirtualCell:
             self._scan()
             self._requests()
             due = self.robot.advance(self.now)
+            while self.paused():
+                yield
+                due = self.robot.advance(self.now)
             self._requests()
             self._fill()
             moments = [moment for moment in (due, self._plc_due, waiting[0].at if waiting else None) if moment is not None]
@@ -353,6 +362,7 @@ class VirtualCell:
                 self._last(end)
                 return
             self.now = max(min(moments), self.now)
+            yield
 
     def _last(self, end: Ns) -> None:
         """What is left of a way or a wait counts up to the end of the time."""

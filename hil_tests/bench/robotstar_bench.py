@@ -1,0 +1,125 @@
+"""ROBOTstar programs: steps a second, loading 10,000 steps, START to the first set value, an input to the output it switches; and the
+figures of the integrated PLC.
+"""
+
+import functools
+import time
+
+from gateway.files.robotstar import words
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.robotstar.checker import check
+from gateway.pure.languages.robotstar.memory import Memory, Source
+from gateway.pure.languages.robotstar.robot import MODES
+from gateway.pure.languages.robotstar.virtual import VirtualCell
+from hil_tests.bench import plc_bench
+from hil_tests.bench.figure_row import Figure, row
+from hil_tests.lab.virtual.reis_bench import ReisCell, at, main
+
+TURNS, INSIDE, LOADED, EDGES, STARTS = 500_000, 4, 10_000, 100, 10
+FAST, LOAD_S, START_MS, BIT_CYCLES = 1e6, 0.5, 100.0, 5.0
+CYCLE_MS, OUTPUT = 4.0, 2009
+LOOP = f"""MPR "P"
+VAR I1
+VAR I2
+COPY 0, I1
+LABEL "A"
+ADD 1, I1
+COPY I1, I2
+TEST #VARIABLE, I1, #<, {TURNS}, "A"
+STOP
+END
+"""
+PART = """WRITE_BIT #AUSGANG, Pegel: {0}, Byte: 1, Bit_Nr: 6
+ADD 1, I1
+TEST_BIT #EINGANG, #=1, Byte: 0, Bit_Nr: 6, Marke: "L{1}"
+POSITION #N, X:{1}, Y:0, Z:300, A:0, B:0, C:180
+LABEL "L{1}"
+"""
+FOLLOW = """LABEL "A"
+WAIT_BIT #EINGANG, 1, 0, 0, 0.0, "A"
+WRITE_BIT #AUSGANG, 1, 1, 0
+WAIT_BIT #EINGANG, 0, 0, 0, 0.0, "A"
+WRITE_BIT #AUSGANG, 0, 1, 0
+BRANCH "A\""""
+
+
+def memory_of(text: str) -> tuple[Memory, Faults]:
+    """A memory of one program."""
+    faults = Faults()
+    return Memory.read([Source("P.MPR", text)], words(), faults), faults
+
+
+def steps_s() -> float:
+    """A loop of arithmetic in virtual time."""
+    memory, _ = memory_of(LOOP)
+    cell = VirtualCell(memory, MODES["test2"])
+    began = time.perf_counter()
+    cell.run([], None, "P")
+    took = time.perf_counter() - began
+    assert cell.end("P")["variables"] == {"I1": TURNS, "I2": TURNS}
+    return TURNS * INSIDE / took
+
+
+def load_s() -> float:
+    """Reads, checks and makes ready to run."""
+    parts = "".join(PART.format(number % 2, number) for number in range(LOADED // len(PART.splitlines())))
+    text = f'MPR "P"\nVAR I1\nTOOL T\n{parts}END\n'
+    began = time.perf_counter()
+    memory, faults = memory_of(text)
+    cell = VirtualCell(memory, MODES["auto"])
+    check(memory, faults, cell.system.names())
+    assert not faults.errors and cell.select("P")
+    return time.perf_counter() - began
+
+
+def _moved(cell: ReisCell, before: tuple[float, ...]) -> bool:
+    return cell.joints[-1] != before
+
+
+def _switched(cell: ReisCell, level: bool) -> bool:
+    return bool(cell.control.flag_bytes()[OUTPUT] & 1) == level
+
+
+def start_ms() -> float:
+    """From START to the first set value that differs, the longest of some: cycles, and what all processes calculated in them."""
+    cell = ReisCell(main(f"{at(520, 0, 480)}\n{at(500, 40, 500)}\nSTOP"))
+    longest = 0.0
+    for _ in range(STARTS):
+        before, first = cell.joints[-1], len(cell.joints)
+        began = time.perf_counter()
+        run = cell.start()
+        cell.until(functools.partial(_moved, cell, before))
+        longest = max(longest, (len(cell.joints) - first) * CYCLE_MS + (time.perf_counter() - began) * 1e3)
+        cell.ends(run)
+    return longest
+
+
+def bit_cycles() -> float:
+    """From an input of the image to the output the program switches, 99 of 100."""
+    cell = ReisCell(main(FOLLOW))
+    cell.start()
+    cell.bench.run(0.1)
+    found = []
+    for edge in range(EDGES):
+        level = edge % 2 == 0
+        cell.give(0, 0, level)
+        began = len(cell.joints)
+        cell.until(functools.partial(_switched, cell, level))
+        found.append(len(cell.joints) - began)
+        cell.bench.run(0.02)
+    return sorted(found)[EDGES * 99 // 100 - 1]
+
+
+def run() -> list[Figure]:
+    """The anchor is an empty loop of Python in the same run."""
+    began = time.perf_counter()
+    for _ in range(10_000_000):
+        pass
+    anchor, beside = 10_000_000 / (time.perf_counter() - began), "turns of an empty Python loop a second"
+    return [
+        row("rsv.steps", steps_s(), "1/s", FAST, beside, anchor, at_least=True),
+        row("rsv.load", load_s(), "s", LOAD_S, beside, anchor),
+        row("rsv.start_ms", start_ms(), "ms", START_MS, beside, anchor),
+        row("rsv.bit", bit_cycles(), "cycles", BIT_CYCLES, beside, anchor),
+        *plc_bench.run(),
+    ]
