@@ -118,7 +118,7 @@ class VirtualCell:
     plc: Plc | None = None
     start_pose: Target = field(default_factory=lambda: Target((0.0,) * 6))
     reaches: Callable[[Target, Structure | None], str] = lambda target, tool: ""  # with this tool; "" or why not
-    paused: Callable[[], bool] = lambda: False  # a debugger holds the program: time stands
+    paused: Callable[[], bool] = lambda: False  # a debugger holds the program, and time with it
     events: list[Event] = field(default_factory=list)
     image: bytearray = field(default_factory=lambda: bytearray(2048))
     drives: bool = True
