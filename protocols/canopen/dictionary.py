@@ -95,13 +95,18 @@ class ObjectDictionary:
     dummies: frozenset[int] = frozenset()  # types that may stand in an RPDO as filler
     node: int | None = None  # [DeviceComissioning] of a DCF
     bit_rate: int | None = None  # bit/s, of a DCF
+    _by_index: dict[int, list[Entry]] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        for key in sorted(self.entries):
+            self._by_index.setdefault(key[0], []).append(self.entries[key])
 
     def entry(self, index: int, sub: int = 0) -> Entry | None:
         return self.entries.get((index, sub))
 
     def subs(self, index: int) -> list[Entry]:
         """All entries of an object, by sub-index."""
-        return sorted((entry for (at, _), entry in self.entries.items() if at == index), key=lambda entry: entry.sub)
+        return self._by_index.get(index, [])[:]
 
     def named(self, name: str) -> Entry | None:
         """By the name of a variable or "Object.Sub"; case does not matter."""

@@ -3,6 +3,7 @@
 Source: CiA 306-1.  A file is never refused: what cannot be used is left out, and `Fault.taken` reports it.
 """
 
+import collections
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -252,10 +253,11 @@ class _Reader:
     # -- the whole ------------------------------------------------------------------------------
 
     def _check_counts(self, objects: Mapping[int, Section]) -> None:
+        described = collections.Counter(int(match[1], 16) for name in self.sections if (match := _SUB.match(name)))
         for index, section in objects.items():
             if self.heads[index].shape not in (Shape.ARRAY, Shape.RECORD) or section.text(_COMPACT):
                 continue
-            found = sum(1 for name in self.sections if (match := _SUB.match(name)) and int(match[1], 16) == index)
+            found = described[index]
             if not found:
                 self._fault(section.line, section.name, "object without any sub-index", "left out")
                 del self.heads[index]
