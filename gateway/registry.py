@@ -451,6 +451,7 @@ CELL_CHECKS = _table(
     CellCheck("blocks", ("db", "handshake", "position")),
     CellCheck("buses", ("bus",)),
     CellCheck("rho3_can", ("rho3",), notes=3),
+    CellCheck("unused_parameters", (), notes=3),
     CellCheck("notes", (), notes=4),
     CellCheck("canopen", (), notes=5),
     CellCheck("axes", ("axis", "defaults", "plant")),

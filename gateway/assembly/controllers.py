@@ -10,6 +10,7 @@ from gateway.files.dat import DatTables, read_tables
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.controller import Controller, ControllerPoint, ControllerProcess, ProcessStep
+from gateway.pure.cell.rho3 import COUPLED
 from gateway.pure.controllers.control import Control
 from gateway.pure.controllers.reis.control import ReisControl, ReisSetup
 from gateway.pure.controllers.reis.regulator import Reference
@@ -40,7 +41,6 @@ from motion.geometry.units import from_si
 from motion.program.factors import option_byte
 from protocols.base.machine import Ns, ms
 
-COUPLED = (2, 15, 16, 19)  # P20
 PERMIT_BITS = (("chain", Permit.CHAIN), ("control", Permit.CONTROL), ("feed", Permit.FEED), ("run", Permit.RUN), ("travel", Permit.TRAVEL))
 MOVABLE = {  # field of Places -> signal of ours, or of the manual with two numbers
     "select_strobe": "STBEXPA_RCI", "selected": "PROGSEL_RCO", "select_error": "SELERR_RCO", "msd_open": "MSD_ACTI_RCO",

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from gateway.pure.cell.cell import Source
 from gateway.pure.cell.faults import Fault
-from gateway.pure.cell.rho3 import COMPONENTS
+from gateway.pure.cell.rho3 import COMPONENTS, ENDLESS
 from gateway.pure.reports.toml_lines import Path, nearest
 from gateway.registry import BUS_PROTOCOLS
 
@@ -32,7 +32,7 @@ PER_AXIS = {  # P number -> (table, key) of [[axis]], sign
 }
 BOOSTED = tuple(protocol.name for protocol in BUS_PROTOCOLS.values() if protocol.boosted)
 BLOCKS = tuple(protocol.name for protocol in BUS_PROTOCOLS.values() if protocol.blocks)
-ENDLESS, MANUAL = (3, 4), (1, 4)  # P303
+MANUAL = (1, 4)  # P303
 PULSES = {1: 16384, 2: 8192, 3: 4096}  # increments per turn (rho3 2.6, L7586-7588)
 BITRATE = {0: "1 Mbit/s", 1: "500 kbit/s", 2: "250 kbit/s", 3: "125 kbit/s"}  # P30 (rho3 2.1, L7411-7415)
 

@@ -6,12 +6,10 @@ from drivers.drives.orientation import segment_deg, segments
 from drivers.drives.reference_settings import ORIENTED
 from gateway.assembly.rho3_blocks import blocks_of
 from gateway.checks.context import Context, number
-from gateway.files.texts import read_texts
 from gateway.pure.cell.cell import Cell, IoBus, Notice, Rho3
-from gateway.pure.cell.rho3 import CONTROLLED, DOWNLOADED
 from gateway.pure.controllers.rho3.can.download import gaps, zero_offset_deg
 from gateway.pure.controllers.rho3.can.rules import BusSetup, Setup, judge
-from gateway.registry import CONTROLLERS, DRIVE_FAMILIES
+from gateway.registry import DRIVE_FAMILIES
 
 BEST_OFFSET_DEG = 90.0
 
@@ -80,21 +78,5 @@ def zero_offset_notes(cell: Cell) -> Iterator[Notice]:
             yield Notice("warning", f"axis {axis.name}", f"{text}, else the software limits of the drive may lie a turn off")
 
 
-def unused_notes(cell: Cell) -> Iterator[Notice]:
-    """P numbers that were typed in and change nothing: tuning them would have no effect."""
-    if cell.rho3 is None:
-        return
-    controlled = cell.controller is not None and CONTROLLERS[cell.controller.kind].parameters
-    texts, meanings = read_texts("check"), read_texts("rho3-parameters")
-    for name in sorted(cell.rho3.others, key=lambda name: int(name[1:])):
-        why = "unused_parameter"
-        if name in DOWNLOADED:
-            why = "" if cell.rho3.P601 else "download_off"
-        elif name in CONTROLLED:
-            why = "" if controlled else "no_controller"
-        if why:
-            yield Notice("warning", f"rho3.{name}", texts.said(why, meanings.said(name)))
-
-
 CHECKS = (parameters, downloads)
-NOTES = (orientation_notes, zero_offset_notes, unused_notes)
+NOTES = (orientation_notes, zero_offset_notes)
