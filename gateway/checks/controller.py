@@ -1,4 +1,7 @@
-"""Cross checks of [controller]: parameters, processes, points, files; faults of the DAT files line by line."""
+"""Cross checks of [controller]: parameters, processes, points, files; faults of the DAT files line by line.
+
+The languages are imported where a cell has programs: loading them takes a quarter of a check's time.
+"""
 
 import pathlib
 from collections.abc import Iterator
@@ -9,8 +12,6 @@ from gateway.assembly.integrated_plc import plc_folder
 from gateway.assembly.pic import pic_bytes
 from gateway.assembly.program_memory import memory_folder
 from gateway.checks.context import Context, number
-from gateway.files.plc_programs import ProgramFileFault, read_programs
-from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell, Notice
 from gateway.pure.cell.controller import Controller, ControllerPoint, ProcessStep
@@ -20,12 +21,6 @@ from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.fast_io import InputFault
 from gateway.pure.image.error_list import ErrorList
-from gateway.pure.languages.baps2.library import Library
-from gateway.pure.languages.base.faults import Faults
-from gateway.pure.languages.pic.cell_pic import read_pic
-from gateway.pure.languages.pic.symbols import named_in
-from gateway.pure.languages.plc.plc import Plc
-from gateway.pure.languages.plc.translation import key_of
 from gateway.registry import CONTROLLERS
 
 STEP_KEYS = ("to", "program", "output", "input", "wait_ms")
@@ -133,6 +128,9 @@ def _plc(check: Context, table: Controller) -> None:
     if not CONTROLLERS[table.kind].plc:
         check.fault(key, table.plc.start, 'the integrated PLC belongs to kind = "reis"')
         return
+    from gateway.files.plc_programs import ProgramFileFault, read_programs
+    from gateway.pure.languages.plc.translation import key_of
+
     try:
         programs = read_programs(folder)
     except (ProgramFileFault, OSError) as error:
@@ -153,6 +151,11 @@ def _pic(check: Context, table: Controller) -> None:
     if folder is None or not folder.is_dir():
         check.fault("controller.pic", table.pic, f'memory = "FOLDER" with {table.pic}.QLS is needed')
         return
+    from gateway.files.program_memory import folder_memory
+    from gateway.pure.languages.base.faults import Faults
+    from gateway.pure.languages.pic.cell_pic import read_pic
+    from gateway.pure.languages.pic.symbols import named_in
+
     memory, faults, name = folder_memory(folder), Faults(), table.pic.upper()
     if memory.text(f"{name}.QLS") is None:
         check.fault("controller.pic", table.pic, f"{table.memory} has no {name}.QLS")
@@ -243,6 +246,9 @@ def plc_programs(cell: Cell) -> Iterator[Notice]:
     folder, table = plc_folder(cell), cell.controller
     if folder is None or table is None or table.plc is None:
         return
+    from gateway.files.plc_programs import ProgramFileFault, read_programs
+    from gateway.pure.languages.plc.plc import Plc
+
     try:
         refused = Plc(read_programs(folder)).start(table.plc.start)
     except (ProgramFileFault, OSError):
@@ -263,6 +269,9 @@ def files(cell: Cell) -> Iterator[Notice]:
     known = {process.name.upper() for process in table.process}
     folder = memory_folder(cell)
     if folder is not None and folder.is_dir():
+        from gateway.files.program_memory import baps2_words, folder_memory
+        from gateway.pure.languages.baps2.library import Library
+
         library = Library(baps2_words(), folder_memory(folder))
         known |= set(library.names())
         for name in sorted(library.names()):

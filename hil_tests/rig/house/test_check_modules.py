@@ -1,4 +1,4 @@
-"""What `axisgate check` loads: neither the trajectory library nor numpy for a cell whose checks plan nothing."""
+"""What `axisgate check` loads: for a cell whose checks plan nothing neither the trajectory library nor numpy nor a language."""
 
 import json
 import subprocess
@@ -9,7 +9,7 @@ import pytest
 from gateway.cell_file.load import load_cell
 from gateway.files.find import names_in
 
-HEAVY = ("ruckig", "numpy", "pinocchio", "can", "canopen", "pymodbus", "asyncio")
+HEAVY = ("ruckig", "numpy", "pinocchio", "can", "canopen", "pymodbus", "asyncio", "gateway.pure.languages.baps2.library")
 CHECK = (
     "import json, sys; from gateway.commands.check import main; code = main([sys.argv[1]]); "
     "print(json.dumps([code, [name for name in sys.argv[2:] if name in sys.modules]]))"
@@ -35,4 +35,6 @@ def test_a_cell_without_programs_is_checked_without_planning(name: str) -> None:
 
 def test_motion_programs_bring_what_their_dry_run_needs() -> None:
     assert checked("portal") == [0, ["ruckig", "numpy"]]
-    assert checked("palletiser") == [0, ["numpy"]], "the kinematics of the robot that BAPS2 programs move"
+    assert checked("palletiser") == [0, ["numpy", "gateway.pure.languages.baps2.library"]], (
+        "the kinematics of the robot that BAPS2 programs move"
+    )
