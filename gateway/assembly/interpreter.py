@@ -102,6 +102,10 @@ class Baps2Programs:
             self.language.file_changed(name)
         return self.read(alive)
 
+    def seen(self, now: int) -> dict[str, object]:
+        """Nothing beside programs and processes."""
+        return {}
+
     def write_back(self) -> list[str]:
         """Points and files that programs have written are on the disk before anything else happens."""
         files, faults = self.memory.files, []

@@ -95,6 +95,10 @@ class RobotstarPrograms:
         self.language.replaced(Memory.read(found, words(), self._faults))
         return self.read(alive)
 
+    def seen(self, now: int) -> dict[str, object]:
+        """Nothing beside programs and processes."""
+        return {}
+
     def write_back(self) -> list[str]:
         """Values that have changed; each file has old or new values whatever happens."""
         now = time.monotonic()

@@ -54,5 +54,5 @@ def setup_of(cell: Cell, table: Val3) -> Setup:
     return Setup(
         folder, name, with_limits(written, [limits_of(axis) for axis in axes]), machine, mask_of(cell, machine), largest,
         tuple(points_of(cell.controller)) if cell.controller is not None else (), MODES.index(table.mode) + 1, table.system,
-        table.strict_priorities, table.auto_connect, epoch, round(table.watchdog_s * 1e9),
+        table.strict_priorities, table.auto_connect, epoch, round(table.watchdog_s * 1e9), table.prompts == "page",
     )  # fmt: skip

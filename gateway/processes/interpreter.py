@@ -219,6 +219,7 @@ class InterpreterProcess:
         self._reported = now
         rows = [asdict(row) for row in self.language.rows()]
         report: dict[str, object] = {"id": self.run_id, "fresh": self._fresh, "programs": self._catalogue, "processes": rows}
+        report.update(self.programs.seen(now))
         payload = pack_report(report)
         if payload != self._shown:
             self._shown = payload

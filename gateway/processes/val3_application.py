@@ -1,7 +1,7 @@
 """The application of a cell with its disk and its channels, as the interpreter process hosts it (AX-930)."""
 
 import pathlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from gateway.assembly.run import RunPlan
 from gateway.assembly.val3_application import channel_of, disk_folder, setup_of
@@ -39,6 +39,10 @@ class Val3Programs:
             return None
         self._disk, self._kept = fresh, dict(fresh.files)
         return self.read(alive)
+
+    def seen(self, now: int) -> Mapping[str, object]:
+        """State, variables, user page, popups, text page."""
+        return self.language.seen(now)
 
     def write_back(self) -> list[str]:
         """What libSave and libDelete have changed."""

@@ -43,9 +43,13 @@ class Val3Programs:
                 return hosted.start(name, source)
             case "stop":
                 return hosted.stop(name)
+            case "view":
+                return {**hosted.seen, "id": hosted.language_id, "processes": hosted.rows, "programs": hosted.programs, "run": hosted.run}
+            case "act":
+                return hosted.act(request)
             case "state":
                 return self._state(request.get("run"))
-        return {"error": f"do {request.get('do')!r}; list, start, stop, state are known"}
+        return {"error": f"do {request.get('do')!r}; list, start, stop, state, view, act are known"}
 
     def _state(self, run: object) -> dict[str, object]:
         if not isinstance(run, int):

@@ -32,6 +32,7 @@ from gateway.web.bodies import (
     Unforce,
     UnforceWord,
     User,
+    Val3Act,
 )
 from gateway.web.catalogue import found, said
 from gateway.web.endpoints import Call, Endpoint
@@ -43,6 +44,7 @@ from gateway.web.trends import LEAST_S, MOST_S
 from gateway.web.word_forces import forced_words
 
 Row = dict[str, Any]
+VAL3_PAGE = (("folder", "string"), ("name", "string"))
 PLC_STEPS = (("name", "string"), ("first", "number"))
 ALARM_FILTER = (("q", "string"), ("state", "string"), ("source", "string"), ("from", "string"), ("to", "string"))
 SEARCH = (("q", "string"), ("group", "string"), ("id", "string"))
@@ -201,6 +203,16 @@ class Api:
 
     async def plc_shown(self, call: Call) -> Row:
         return await self.live.plc.shown(call.query.get("name", "")[:256], _first(call))
+
+    async def val3_page(self, call: Call) -> Row:
+        try:
+            return await self.live.val3.page(call.query.get("folder", "")[:256], call.query.get("name", "")[:128])
+        except OSError as error:
+            raise KeyError(str(error)) from None
+
+    async def val3_act(self, call: Call) -> Row:
+        body: Val3Act = call.body
+        return await self.live.val3.act(act=body.act, what=body.what, attribute=body.attribute, value=body.value, on=body.on)
 
     async def plc_start(self, call: Call) -> Row:
         body: PlcStart = call.body
@@ -367,10 +379,12 @@ async def _nothing() -> None:
 
 
 def plc_endpoints(api: Api) -> list[Endpoint]:
-    """Of the integrated PLC."""
+    """Of the integrated PLC and of a VAL 3 application."""
     v, o, s = Role.VIEWER, Role.OPERATOR, Role.SETTER
     row = Endpoint
     return [
+        row("GET", "/api/val3/page", v, "a user page of the VAL 3 application, without scripts", api.val3_page, query=VAL3_PAGE),
+        row("POST", "/api/val3/act", o, "click, entry, answer, value, hold or connection move of it", api.val3_act, Val3Act, True),
         row("GET", "/api/plc/listing", v, "steps of a program of the integrated PLC", api.plc_listing, query=PLC_STEPS),
         row("GET", "/api/plc/shown", v, "its test display: state, VKE and accumulators behind each step", api.plc_shown, query=PLC_STEPS),
         row("POST", "/api/plc/start", o, "translate and start it, as Start PLC does", api.plc_start, PlcStart, True),

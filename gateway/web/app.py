@@ -32,7 +32,22 @@ from gateway.web.socket import Sockets
 from gateway.web.store import Store
 
 STATIC = pathlib.Path(__file__).parent / "static"
-PAGES = ("overview", "axes", "signals", "scope", "lines", "bus", "motion", "programs", "plc", "events", "cell", "emulator", "access")
+PAGES = (
+    "overview",
+    "axes",
+    "signals",
+    "scope",
+    "lines",
+    "bus",
+    "motion",
+    "programs",
+    "val3",
+    "plc",
+    "events",
+    "cell",
+    "emulator",
+    "access",
+)
 HEADERS = {
     "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; object-src 'none'; "
     "base-uri 'none'; frame-ancestors 'none'; form-action 'self'",

@@ -29,6 +29,7 @@ ORDERS: dict[str, Words] = {
     "POST /api/scope/save": ("kept the recording as {name}", "Aufzeichnung als {name} aufbewahrt"),
     "POST /api/program/start": ("started program {name}", "Programm {name} gestartet"),
     "POST /api/program/stop": ("stopped program {name}", "Programm {name} gestoppt"),
+    "POST /api/val3/act": ("VAL 3: {act} {what} {value}", "VAL 3: {act} {what} {value}"),
     "POST /api/plc/start": ("started PLC program {name}", "SPS-Programm {name} gestartet"),
     "POST /api/plc/stop": ("stopped the PLC", "SPS gestoppt"),
     "POST /api/plc/ack": ("acknowledged the message of the PLC", "Meldung der SPS quittiert"),

@@ -44,6 +44,16 @@ class ProgramName(Body):
     name: Annotated[str, Field(min_length=1, max_length=128, pattern=r"^[^\x00-\x1f]+$")]
 
 
+class Val3Act(Body):
+    """What an operator does with a VAL 3 application."""
+
+    act: Literal["event", "enter", "answer", "set", "connect", "hold"]
+    what: Annotated[str, Field(max_length=128)] = ""  # object of the user page, or variable
+    attribute: Annotated[str, Field(max_length=64)] = "value"
+    value: Annotated[str, Field(max_length=256)] = ""
+    on: bool = False
+
+
 class PlcStart(Body):
     """A program of the integrated PLC; empty: its start program."""
 

@@ -52,6 +52,7 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
         "evidence": evidence(plan),
         "faults": plant.known(),
         "programs": language.words if language is not None else "",
+        "val3": cell.val3 is not None,
         "plc": cell.controller is not None and cell.controller.plc is not None,
         "robot": {"kind": skeleton.kind, "reach": skeleton.reach, "why": skeleton.why, "model": cell.robot[0].model if cell.robot else ""},
     }

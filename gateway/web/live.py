@@ -30,6 +30,7 @@ from gateway.web.programs import ProgramView
 from gateway.web.scope import Scope
 from gateway.web.skeleton import Skeleton
 from gateway.web.trends import Trends
+from gateway.web.val3_view import Val3View
 
 TICK_S = 0.1
 TREND_TICKS = 10  # one look a second, whether somebody watches or not
@@ -76,6 +77,7 @@ class Live:
         self.skeleton = Skeleton(plan.cell)
         self.programs = ProgramView(plan.cell, desk)
         self.plc = PlcView(plan.cell, desk)
+        self.val3 = Val3View(plan.cell, desk)
         self.processes: Row = {}
         self.head = "null"
         self.values: Row = {}  # of everything watched
@@ -91,6 +93,7 @@ class Live:
             "bus": Topic(self._bus, 5),
             "motion": Topic(self._motion),
             "programs": Topic(self.programs.look, 2),
+            "val3": Topic(self.val3.look, 2),
             "plc": Topic(self.plc.look, 3),
             "events": Topic(self._events, 3),
             "emulator": Topic(self._emulator, 5),

@@ -33,7 +33,7 @@ PLAIN = {
 }
 CALLED_BY_NAME = re.compile(
     r"(?:_do|action|on|watch|visit|f)_\w+|_recv_internal|_missing_|reducer_override|data_received|get_user|"
-    r"(?:pause|resume)_writing|get_buffer|buffer_updated|handle_\w+_upgrade"
+    r"(?:pause|resume)_writing|get_buffer|buffer_updated|handle_\w+_upgrade|handle_(?:starttag|endtag|data)"
 )
 
 

@@ -42,6 +42,7 @@ class Val3:
     mode: Literal["manual", "test", "local", "remote"] = "remote"
     system: str = ""  # getVersion("system"): s8.1cs9_B123, s7.9
     auto_connect: bool = False  # autoConnectMove as an application starts
+    prompts: Literal["answered", "page"] = "answered"  # at once with OK or CANCEL, or by the operator on the page VAL 3
     watchdog_s: Annotated[float, Ge(0.0), Le(3600.0), Unit("s")] = 0.0  # val3WatchdogPeriod; 0: there is none, wdgRefresh is error 45
     strict_priorities: bool = False  # a priority for each operator, as the tables of the manual list them
     channel: tuple[Val3Channel, ...] = ()

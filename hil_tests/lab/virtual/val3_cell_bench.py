@@ -142,7 +142,7 @@ class Val3Cell:
         if port is not None:
             rows = [asdict(row) for row in self.language.rows()]
             programs = [asdict(row) for row in self.language.catalogue()]
-            report = {"id": port.identity, "fresh": self.fresh, "programs": programs, "processes": rows}
+            report = {"id": port.identity, "fresh": self.fresh, "programs": programs, "processes": rows, **self.language.seen(now)}
         self.hosted.report(unpack_report(pack_report(report)), alive=port is not None)
         while port is not None and port.said:
             self.hosted.hear(unpack_facts(port.said.popleft()), now)

@@ -18,6 +18,9 @@ from protocols.base.machine import Ns, ms
 OWN_SOURCE = 92  # number of the command source that an application is
 NOT_MOVED = 150
 RESULTS = 64
+ORDERS = 200  # waiting for the interpreter
+MOST_TEXT = 256
+SEEN = ("val3", "variables", "shown", "popups", "screen")
 PATIENCE = ms(1_000)  # between two requests for control that are refused
 GONE = "the interpreter ended"
 
@@ -64,6 +67,7 @@ class HostedApplication:
     rows: list[dict[str, object]] = field(default_factory=list)
     results: dict[int, tuple[str, int, str, str]] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)  # standing errors of the cell
+    seen: dict[str, object] = field(default_factory=dict)  # for the dashboard
     run: int = 0  # under way
     source: int = 0  # command source it moves as
     _runs: int = 0
@@ -93,6 +97,26 @@ class HostedApplication:
                 self._begin_by_itself()
         self.programs = _rows(report.get("programs")) if identity else []
         self.rows = _rows(report.get("processes")) if identity else []
+        self.seen = {key: report[key] for key in SEEN if key in report} if identity else {}
+
+    def act(self, request: Mapping[str, object]) -> dict[str, object]:
+        """An operator's click, entry, answer, value; those of `do` = connect and hold are the PLC's too."""
+        if not self.run:
+            return {"error": "no application runs"}
+        if len(self.orders) >= ORDERS:
+            return {"error": "too many at once; try again"}
+        wish = self.control.application
+        match request.get("act"):
+            case "connect":
+                wish.move = True
+            case "hold":
+                wish.hold = bool(request.get("on"))
+            case "event" | "enter" | "answer" | "set":
+                facts = {key: str(request.get(key, ""))[:MOST_TEXT] for key in ("act", "what", "value", "attribute")}
+                self.orders.append({"do": "act", **facts})
+            case other:
+                return {"error": f"act {other!r}; event, enter, answer, set, connect, hold are known"}
+        return {"ok": True}
 
     def _begin_by_itself(self) -> None:
         if self.programs:

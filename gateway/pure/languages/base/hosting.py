@@ -171,5 +171,8 @@ class Programs(Protocol):
     def refresh(self, alive: Callable[[], None]) -> list[str] | None:
         """Before a program starts: files that were put there since; None: none was."""
 
+    def seen(self, now: Ns) -> Mapping[str, object]:
+        """Of the language's own, for the dashboard: lists by name."""
+
     def write_back(self) -> list[str]:
         """What programs have written is on the disk."""

@@ -42,12 +42,13 @@ def f_user_page(own: Instance, name: str) -> float:
     if own.machine.disk.read(f"{start}interface/{name}.html") is None:
         return -1.0
     own.machine.note(f"user page {name}", "PAGE")
-    own.machine.pages.load(name)
+    own.machine.pages.load(name, own.loaded.app.path)
     return 0.0
 
 
 def f_user_page_none(own: Instance) -> float:
     """s7: the text page."""
+    own.machine.pages.current = ""
     return 0.0
 
 
@@ -83,31 +84,36 @@ def f_page_set(own: Instance, page: str, name: str, attribute: str, value: objec
     own.machine.pages.put(page, name, attribute, value)
 
 
-def _answer(own: Instance, text: str, otherwise: str) -> Generator[Ns | None, None, str]:
+def _answer(own: Instance, text: str, otherwise: str, kind: str) -> Generator[Ns | None, None, str]:
     """The operator's answer; `otherwise` at once where a run has no operator."""
     machine = own.machine
     machine.popup(text)
-    while machine.operator and not machine.answers:
-        yield None
+    asked = (text, kind)
+    try:
+        while machine.operator and not machine.answers:
+            machine.prompt = machine.prompt or asked
+            yield None
+    finally:
+        machine.prompt = None if machine.prompt is asked else machine.prompt
     return machine.answers.pop(0) if machine.answers else otherwise
 
 
 def f_user_page_alert(own: Instance, text: str) -> Waiting:
     """Until OK."""
-    yield from _answer(own, text, "ok")
+    yield from _answer(own, text, "ok", "alert")
     return None
 
 
 def f_user_page_confirm(own: Instance, text: str) -> Waiting:
     """OK true, CANCEL false."""
-    answer = yield from _answer(own, text, "ok")
+    answer = yield from _answer(own, text, "ok", "confirm")
     return not answer.lower().startswith("cancel")
 
 
 def f_user_page_prompt(own: Instance, text: str, entry: Place) -> Waiting:
     """OK true and the entry, CANCEL false; an entry that is no number is asked for again."""
     while True:
-        answer = yield from _answer(own, text, "cancel")
+        answer = yield from _answer(own, text, "cancel", "prompt")
         word, separator, given = answer.partition(":")
         if word.lower() == "cancel":
             return False
@@ -225,8 +231,13 @@ def _entered(own: Instance) -> Generator[Ns | None, None, tuple[float, str | Non
     """Key that ended an entry, and what was entered; Esc at once where a run has no operator."""
     machine = own.machine
     yield machine.now
-    while machine.operator and not machine.answers:
-        yield None
+    asked = ("", "prompt")
+    try:
+        while machine.operator and not machine.answers:
+            machine.prompt = machine.prompt or asked
+            yield None
+    finally:
+        machine.prompt = None if machine.prompt is asked else machine.prompt
     word, separator, text = (machine.answers.pop(0) if machine.answers else "cancel").partition(":")
     return (KEY_ESC, None) if word.lower() == "cancel" else (KEY_RETURN, text if separator else "")
 

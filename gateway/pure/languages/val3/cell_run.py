@@ -14,6 +14,7 @@ from gateway.pure.languages.base.requests import Ns, RuntimeFault
 from gateway.pure.languages.val3.cell_io import CellIo
 from gateway.pure.languages.val3.cell_moves import CellMoves
 from gateway.pure.languages.val3.cell_robot import CellRobot
+from gateway.pure.languages.val3.cell_view import POPUPS, act, seen
 from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.languages.val3.errors import TEXTS
 from gateway.pure.languages.val3.instance import Instance
@@ -28,6 +29,7 @@ from motion.robot import Robot
 LINE_NS = 1_000  # of a line
 SLICE_NS = 500_000  # of a call of turn
 BEHIND_NS = 4_000_000  # time that is left out when the machine is late
+LOOK_NS = 200_000_000
 LINES = 10  # of the log, to the journal, in one turn
 
 
@@ -48,6 +50,7 @@ class Setup:
     auto_connect: bool = False
     epoch: Ns = 0  # clock of the host at which the date of a virtual run begins
     watchdog_ns: Ns = 0  # 0: there is none
+    operator: bool = False  # prompts wait for an answer of the dashboard
 
 
 @dataclass(eq=False)
@@ -68,6 +71,9 @@ class CellRun:
     _moves: CellMoves | None = None
     _robot: CellRobot = field(default_factory=CellRobot)
     _io: CellIo = field(default_factory=CellIo)
+    _popups: list[str] = field(default_factory=list)
+    _seen: Mapping[str, object] = field(default_factory=dict)
+    _look: Ns = 0  # at which it is made again
 
     def __post_init__(self) -> None:
         setup = self.setup
@@ -108,7 +114,8 @@ class CellRun:
         moves.stack.auto_connect = setup.auto_connect
         machine = Machine(self.disk(), moves, LINE_NS, self._robot, setup.strict)
         machine.io, machine.sio = self._io, self.sio()
-        machine.pages.io = self._io
+        machine.pages.io, machine.operator = self._io, setup.operator
+        self._popups.clear()
         machine.epoch = now - setup.epoch
         own = machine.instance(setup.folder, setup.name, "")
         if own is None or not machine.start(own):
@@ -158,6 +165,9 @@ class CellRun:
                 self._robot.button = bool(order["on"])
             case "connect" if self._moves is not None:
                 self._moves.confirm()
+            case "act" if self.machine is not None and self.own is not None:
+                if words := act(self.machine, self.own, order):
+                    self._said(words)
             case "io":
                 self._io.state(str(order["name"]), int(order["status"]))
 
@@ -192,6 +202,7 @@ class CellRun:
         popups, machine.popups = machine.popups, []
         for text in popups[:LINES]:
             self._said(f"popup: {text}")
+        self._popups = [*self._popups, *popups][-POPUPS:]
         faults = "; ".join(_fault_of(task) for task in machine.tasks if task.status > RUNNING)
         if faults != self._faults:
             self._faults = faults
@@ -215,6 +226,14 @@ class CellRun:
             self.port.tell("faults", text="")
         self.port.over(self.run, how, error, place)
         self.machine, self.own, self.run = None, None, 0
+
+    def seen(self, now: Ns) -> Mapping[str, object]:
+        """For the dashboard, five times a second."""
+        if self.machine is None or self.own is None:
+            self._seen, self._look = {}, 0
+        elif now >= self._look:
+            self._seen, self._look = seen(self.machine, self.own, self._popups), now + LOOK_NS
+        return self._seen
 
     def rows(self) -> Sequence[ProcessRow]:
         """The tasks, those with errors first."""

@@ -82,6 +82,7 @@ class Controller:
         self.pages = PageBoard(self.io)
         self.operator = False  # prompts wait for an answer; without an operator they are answered at once
         self.answers: list[str] = []
+        self.prompt: tuple[str, str] | None = None  # text and kind of the one that waits for its answer
         self.tasks: list[Task] = []
         self.current: Task | None = None
         self.log: list[str] = []

@@ -60,14 +60,15 @@ class PageBoard:
 
     io: VirtualIo
     current: str = ""
+    folder: str = ""  # on the disk, of the application that shows it
     bindings: list[Binding] = field(default_factory=list)
     reactions: list[Reaction] = field(default_factory=list)
     fixed: dict[tuple[str, str, str], str] = field(default_factory=dict)
 
     # ---- instructions ------------------------------------------------------------------------------------------------------
-    def load(self, page: str) -> None:
+    def load(self, page: str, folder: str = "") -> None:
         """userPage: what is read once is read now."""
-        self.current = page
+        self.current, self.folder = page, folder
         for binding in self.bindings:
             if binding.page == page and binding.direction in ("r1", "rw1"):
                 self._once(binding)

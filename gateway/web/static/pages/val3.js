@@ -1,0 +1,118 @@
+// The VAL 3 application of a cell: state, start and stop, tasks, variables, popups, prompts, text page, user page.
+import { Table, chip, grey, h, mark, put, text } from "../dom.js";
+
+const KEPT = /^(innerHTML|textContent|value|className|selectedIndex|options|src|href|dataset\.\w+|style\.\w+)$/;
+
+export function mount(root, { t, get, post, unable }) {
+  const state = h("span", { class: "chip", id: "val3-state" });
+  const facts = h("p", { class: "soft small", id: "val3-facts" });
+  const start = h("button", { type: "button", id: "val3-start", onclick: () => post("/api/program/start", { name }, "The program is started") }, t("Start"));
+  const stop = h("button", { type: "button", id: "val3-stop", onclick: () => post("/api/program/stop", { name }, "The program is stopped") }, t("Stop"));
+  const hold = h("button", { type: "button", id: "val3-hold", onclick: () => act({ act: "hold", on: !seen.hold }) });
+  const connect = h("button", { type: "button", id: "val3-connect", onclick: () => act({ act: "connect" }) }, t("Connection move"));
+  const gone = h("p", { class: "badq", id: "val3-gone", role: "status" });
+  const ask = h("form", { class: "card", id: "val3-prompt", hidden: true, onsubmit: (event) => { event.preventDefault(); answer(seen.kind === "prompt" ? `ok:${entry.value}` : "ok"); } });
+  const question = h("p", {});
+  const entry = h("input", { id: "val3-entry", "aria-label": t("entry"), maxlength: "128" });
+  const cancel = h("button", { type: "button", id: "val3-cancel", onclick: () => answer("cancel") }, t("Cancel"));
+  ask.append(question, entry, h("button", { type: "submit", id: "val3-ok" }, "OK"), cancel);
+  const screen = h("pre", { id: "val3-screen", "aria-label": t("Text page") });
+  const popups = h("ul", { id: "val3-popups" });
+  const frame = h("iframe", { id: "val3-page", sandbox: "allow-same-origin", title: t("User page"), style: "width:100%;height:26rem;border:0;background:#fff", hidden: true });
+  const variable = h("input", { id: "val3-name", "aria-label": t("variable"), placeholder: "nCount, sPart[2]", size: "14" });
+  const value = h("input", { id: "val3-value", "aria-label": t("value"), size: "10" });
+  const write = h("button", { type: "button", id: "val3-write", onclick: () => act({ act: "set", what: variable.value, value: value.value }) }, t("Write"));
+  let name = "";
+  let seen = {};
+  let page = "";
+  const act = (order) => post("/api/val3/act", order, "");
+  const answer = (words) => { entry.value = ""; act({ act: "answer", value: words }); };
+  const tasks = new Table([
+    { title: t("task"), cell: text((row) => row.task) },
+    { title: t("program"), cell: text((row) => row.program) },
+    { title: t("line"), n: true, cell: text((row) => row.line) },
+    { title: t("state"), free: true, cell: (row, td) => {
+      const kind = row.error ? "bad" : row.state === "running" ? "good" : "";
+      const box = td.firstElementChild || td.appendChild(chip(kind, t(row.state)));
+      mark(box, `chip ${kind}`); put(box, row.error || t(row.state));
+    } },
+  ], (row) => row.task, { label: t("Tasks") });
+  const variables = new Table([
+    { title: t("variable"), cell: (row, td) => { const link = td.firstElementChild || td.appendChild(h("button", { type: "button", class: "value", onclick: () => { variable.value = row[0]; value.focus(); } })); put(link, row[0]); } },
+    { title: t("type"), cell: text((row) => row[1]) },
+    { title: t("value"), free: true, cell: text((row) => row[2]) },
+  ], (row) => row[0], { tall: true, label: t("Variables") });
+
+  // ---- user page: attributes are put where they belong, texts as texts; scripts neither load nor run in the frame
+  async function load(wanted, folder) {
+    page = wanted;
+    frame.hidden = !wanted;
+    if (!wanted) return;
+    try {
+      const told = await get(`/api/val3/page?folder=${encodeURIComponent(folder)}&name=${encodeURIComponent(wanted)}`);
+      if (wanted === page) { frame.onload = listen; frame.srcdoc = told.html; }
+    } catch (error) { frame.hidden = true; put(gone, t(error.message)); }
+  }
+  function listen() {
+    const inside = frame.contentDocument;
+    if (!inside) return;
+    const id = (event) => event.target?.closest?.("[id]")?.id;
+    const send = (kind) => (event) => { const what = id(event); if (what && !unable("operator")) act({ act: "event", what, value: kind }); };
+    for (const kind of ["click", "mousedown", "mouseup"]) inside.addEventListener(kind, send(kind));
+    inside.addEventListener("touchstart", send("mousedown"), { passive: true });
+    inside.addEventListener("touchend", send("mouseup"), { passive: true });
+    inside.addEventListener("keydown", (event) => { if (event.key === "Enter" && event.target?.tagName === "BUTTON") return; if (event.key === " " && !event.repeat) send("mousedown")(event); });
+    inside.addEventListener("change", (event) => { const what = id(event); if (what && !unable("operator")) act({ act: "enter", what, attribute: "value", value: String(event.target.value) }); });
+    inside.addEventListener("submit", (event) => event.preventDefault());
+    draw(seen.shown || []);
+  }
+  function draw(rows) {
+    const inside = frame.contentDocument;
+    if (!inside || !page) return;
+    for (const [what, attribute, words] of rows) {
+      const element = inside.getElementById(what);
+      if (!element || !KEPT.test(attribute) || inside.activeElement === element) continue;
+      const [group, inner] = attribute.split(".");
+      if (group === "innerHTML" || group === "textContent") put(element, words);
+      else if (group === "style") element.style[inner] = words;
+      else if (group === "dataset") element.dataset[inner] = words;
+      else if (group === "options") { if (element.dataset.options !== words) { element.dataset.options = words; element.replaceChildren(...words.split(",").map((each) => { const option = inside.createElement("option"); option.textContent = each; return option; })); } }
+      else if (group === "src" || group === "href") { if (words.startsWith("#") || words.startsWith("data:image/")) element.setAttribute(group, words); }
+      else if (String(element[group]) !== words) element[group] = group === "selectedIndex" ? Number(words) : words;
+    }
+  }
+
+  root.append(h("div", { class: "grid" },
+    h("section", { class: "card w5" }, h("div", { class: "bar" }, h("h2", { style: "margin:0", id: "val3-application" }, "VAL 3"), state, start, stop, hold, connect), gone, facts, ask, tasks.element, h("h2", {}, t("Popups")), popups, h("h2", {}, t("Text page")), screen),
+    h("section", { class: "card w7" }, frame, h("h2", {}, t("Variables")), h("div", { class: "bar" }, variable, value, write), variables.element)));
+  return {
+    update(told) {
+      if (!told) return;
+      put(gone, told.gone || (told.id ? "" : t("The interpreter does not run.")));
+      if (told.gone) return;
+      name = told.programs[0]?.name || "";
+      seen = { ...(told.val3?.[0] || {}), shown: told.shown };
+      const fault = told.programs[0]?.fault || "";
+      const wrong = told.processes.some((row) => row.error);
+      put(document.getElementById("val3-application"), name || "VAL 3");
+      mark(state, `chip ${fault || wrong ? "bad" : told.run ? "good" : ""}`);
+      put(state, fault ? `${t("faults")}: ${fault}` : told.run ? t("running") : t("can run"));
+      grey(start, unable("operator") || (fault ? t("The program has errors.") : told.run ? t("running") : ""));
+      grey(stop, unable("operator") || (told.run ? "" : t("No application runs.")));
+      put(hold, seen.hold ? t("Go on") : t("Hold"));
+      for (const button of [hold, write]) grey(button, unable("operator") || (told.run ? "" : t("No application runs.")));
+      grey(connect, unable("operator") || (seen.connect ? "" : t("No connection move waits.")));
+      put(facts, told.run && seen.mode ? `${t("mode")} ${t(seen.mode)}, ${t("monitor speed")} ${Math.round(seen.speed)} %, ${t("move")} ${seen.move}, ${seen.powered ? t("powered") : t("no power")}` : "");
+      ask.hidden = !seen.kind;
+      put(question, seen.prompt || t("An entry is expected."));
+      entry.hidden = seen.kind !== "prompt";
+      cancel.hidden = seen.kind === "alert";
+      put(screen, [seen.title, ...(told.screen || [])].filter((line) => line !== undefined).join("\n"));
+      popups.replaceChildren(...(told.popups || []).map((words) => h("li", {}, words)));
+      tasks.update(told.processes);
+      variables.update(told.variables || []);
+      if ((seen.page || "") !== page) load(seen.page || "", seen.folder || "");
+      else draw(told.shown || []);
+    },
+  };
+}

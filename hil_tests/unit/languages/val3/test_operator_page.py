@@ -1,0 +1,147 @@
+"""The operator of an application in a cell: state, variables, user page, prompts (AX-993)."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from gateway.web.val3_pages import clean, page_of
+from hil_tests.lab.virtual.val3_cell_bench import Val3Cell
+from hil_tests.unit.languages.val3.apps import App, datum, value
+
+PAGE = '<html><body><p id="count">0</p><button id="go">Go</button><input id="wish"></body></html>'
+DATA = datum("nCount", "num") + datum("bGo", "bool") + datum("nWish", "num", values=value(value=7)) + datum("sName", "string")
+DATA += datum("bYes", "bool") + datum("bSure", "bool")
+START = """userPageBind("menu","count","innerHTML",nCount,1,"r",1)
+userPageBind("menu","wish","value",nWish,1,"rw",1)
+userPageBindClick("menu","go",bGo)
+userPage("menu")
+popUpMsg("ready")
+title("Menu")
+put("press go")
+wait(bGo)
+nCount=nWish
+bSure=userPageConfirm("Sure?")
+bYes=userPagePrompt("Name?",sName)
+wait(nCount==99)"""
+
+
+def cell(*, operator: bool) -> Val3Cell:
+    """The application runs and has shown its page."""
+    files = App("menu", DATA, {"start": START}).files() | {"menu/interface/menu.html": PAGE.encode()}
+    made = Val3Cell(files, "menu")
+    made.language.setup = replace(made.language.setup, operator=operator)
+    made.start()
+    made.until(lambda: state(made).get("page") == "menu")
+    return made
+
+
+def state(made: Val3Cell) -> dict[str, Any]:
+    """As the page is told."""
+    rows = made.programs.answer({"do": "view"}, 0).get("val3")
+    return rows[0] if isinstance(rows, list) and rows else {}
+
+
+def seen(made: Val3Cell, what: str) -> list[Any]:
+    found = made.programs.answer({"do": "view"}, 0).get(what)
+    return found if isinstance(found, list) else []
+
+
+def act(made: Val3Cell, **facts: object) -> dict[str, object]:
+    return made.programs.answer({"do": "act", **facts}, 0)
+
+
+@pytest.mark.requirement("VAL-UI-01", by="gateway.pure.languages.val3.cell_view:seen")
+def test_a_user_page_shows_and_sets_variables_and_prompts_wait() -> None:
+    made = cell(operator=True)
+    found = state(made)
+    assert (found["mode"], found["folder"], found["title"], found["kind"]) == ("remote", "menu", "Menu", "")
+    assert seen(made, "popups") == ["ready"] and seen(made, "screen") == ["press go"]
+    assert ["count", "innerHTML", "0"] in seen(made, "shown") and ["wish", "value", "7"] in seen(made, "shown")
+    assert ["nWish", "num", "7"] in seen(made, "variables")
+    assert act(made, act="enter", what="wish", value="12") == {"ok": True}
+    made.until(lambda: ["wish", "value", "12"] in seen(made, "shown"))
+    act(made, act="event", what="go", value="click")
+    made.until(lambda: state(made)["kind"] == "confirm")
+    assert state(made)["prompt"] == "Sure?" and made.value("nCount") == 12
+    act(made, act="answer", value="ok")
+    made.until(lambda: state(made)["kind"] == "prompt")
+    act(made, act="answer", value="ok:Box 4")
+    made.until(lambda: state(made)["kind"] == "")
+    assert (made.value("sName"), made.value("bYes"), made.value("bSure")) == ("Box 4", True, True)
+    run = made.hosted.run
+    act(made, act="set", what="nCount", value="99")
+    assert made.ends(run)[0] == "ended" and seen(made, "val3") == []
+
+
+def test_without_an_operator_prompts_are_answered_at_once() -> None:
+    made = cell(operator=False)
+    act(made, act="event", what="go", value="click")
+    made.until(lambda: made.value("bSure") is True)
+    made.bench.run(0.1)
+    assert (made.value("bYes"), state(made)["kind"]) == (False, "")
+
+
+def test_hold_and_what_is_refused() -> None:
+    made = cell(operator=True)
+    act(made, act="hold", on=True)
+    made.until(lambda: state(made)["hold"] is True)
+    act(made, act="hold", on=False)
+    made.until(lambda: state(made)["hold"] is False)
+    for facts, words in (
+        ({"act": "set", "what": "nothing", "value": "1"}, "there is no global of that name"),
+        ({"act": "set", "what": "nCount", "value": "many"}, "a number, true or false is expected"),
+        ({"act": "enter", "what": "count", "value": "5"}, "is not taken"),
+        ({"act": "answer", "value": "ok"}, "no prompt waits"),
+        ({"act": "event", "what": "go", "value": "hover"}, "there are mouseup, mousedown, click"),
+    ):
+        act(made, **facts)
+        made.bench.run(0.05)
+        assert any(words in each for each in made.words), words
+    assert "error" in act(made, act="jump") and made.value("nCount") == 0
+    for _ in range(10_000):
+        answer = act(made, act="event", what="go", value="mouseup")
+    assert answer == {"error": "too many at once; try again"} and len(made.hosted.orders) <= 200
+
+
+def test_an_application_that_does_not_run_is_not_operated() -> None:
+    made = Val3Cell(App("menu", DATA, {"start": START}).files(), "menu")
+    assert act(made, act="connect") == {"error": "no application runs"} and state(made) == {}
+
+
+@pytest.mark.parametrize(
+    ("given", "kept"),
+    [
+        ('<p id="a" onclick="x()">1 &lt; 2</p>', '<p id="a">1 &lt; 2</p>'),
+        ("<script>alert(1)</script><b>x</b>", "<b>x</b>"),
+        ("<SCRIPT src=//evil></SCRIPT>y", "y"),
+        ('<a href="https://elsewhere/">z</a><a href="#top">t</a>', '<a>z</a><a href="#top">t</a>'),
+        ('<a href="java&#115;cript:x()">z</a>', "<a>z</a>"),
+        ('<img src="http://elsewhere/a.png"><img src="a.png">', '<img><img src="data:image/png;base64,aW1n">'),
+        ('<img src="../secret.png">', "<img>"),
+        ('<div style="background:url(http://x)">d</div>', '<div style="">d</div>'),
+        ("<style>@import 'http://x'; p{}</style>", "<style></style>"),
+        ("<style>p{color:red}</style>", "<style>p{color:red}</style>"),
+        ('<link rel="stylesheet" href="s.css"><link rel="stylesheet" href="http://x/s.css">', "<style>p{}</style>"),
+        ('<iframe srcdoc="<script>1</script>">i</iframe><object data="x">o</object>q', "q"),
+        ("<svg onload=x()><script>1</script></svg>r", "r"),
+        ('<meta http-equiv="refresh" content="0;url=http://x"><base href="http://x">s', "s"),
+        ("<form action='http://x'><input name='n' value='\"'></form>", '<form><input name="n" value="&quot;"></form>'),
+        ("<!-- a --><script", "&lt;script"),
+    ],
+)
+def test_a_page_is_cleaned(given: str, kept: str) -> None:
+    files = {"a.png": b"img", "s.css": b"p{}"}
+    assert clean(given, files.get) == kept
+
+
+def test_a_page_is_read_from_its_interface_folder_only(tmp_path: Any) -> None:
+    interface = tmp_path / "usrapp" / "app" / "interface"
+    interface.mkdir(parents=True)
+    (interface / "menu.html").write_text('<img src="a.png"><img src="../../../x.png">')
+    (interface / "a.png").write_bytes(b"img")
+    (tmp_path / "x.png").write_bytes(b"no")
+    (tmp_path / "x.html").write_text("no")
+    assert page_of(tmp_path / "usrapp", "app", "menu") == '<img src="data:image/png;base64,aW1n"><img>'
+    assert page_of(tmp_path / "usrapp", "app", "../../../x") is None and page_of(tmp_path / "usrapp", "../..", "x") is None
+    assert page_of(tmp_path / "usrapp", "app", "none") is None
