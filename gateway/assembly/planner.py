@@ -32,6 +32,7 @@ def lane_programs_of(
         cell_programs(cell, machine_of, text_of, team_of),
         masks,
         lambda number: moved_by(number) if number > 0 else by_robot[-number - 1],
+        [robot.name or robot.kinematics for robot in cell.robot] if len(masks) > 1 else (),
     )
 
 

@@ -289,6 +289,15 @@ class CommandDispatcher:
             self._end(move, CommandState.ABORTED, Reason.ABANDONED)
             self._moves.remove(move)
 
+    def _moved_by(self, mask: int, span: int) -> str:
+        """What has the lanes (`span`) of these axes, and which of the axes; "": what moves was not ordered."""
+        move = next(iter(self._moves_of(span)), None)
+        if move is None:
+            return ""
+        names = ", ".join(axis.name for n, axis in enumerate(self.axes) if (mask & move.mask or move.mask) >> n & 1)
+        what = move.what or Code(move.code).name.lower().replace("_", " ")
+        return f"{names}: {what} of command source {move.door} is under way"
+
     def _moves_of(self, axes: int) -> list[Job]:
         """Moves of the lanes with some of these axes."""
         return [move for move in self._moves if move.span & axes]
@@ -393,7 +402,7 @@ class CommandDispatcher:
     def order_stream(self, door: int, robot: int, mask: int) -> Job:
         """The interpreter wants to move a robot (its number, from 1) in the name of a command source: blocks of a language follow one by
         one, the planner judges each as it comes."""
-        job = Job(self._next, door, Code.PROGRAM, mask=mask, quiet=True)
+        job = Job(self._next, door, Code.PROGRAM, mask=mask, quiet=True, what=f"a stream of robot {robot}")
         self._next += 1
         state = self.door(door)
         state.last = state.by_code[Code.PROGRAM] = job
@@ -419,7 +428,7 @@ class CommandDispatcher:
         if number not in self.programs:
             known = ", ".join(f"{n} {program.name}" for n, program in sorted(self.programs.items())) or "none"
             raise Refusal(Reason.PROGRAM_UNKNOWN, f"{number}; this cell has {known}")
-        job.mask = self.programs[number].mask
+        job.mask, job.what = self.programs[number].mask, f"program {number} {self.programs[number].name}"
         job.span = cell.span(job.mask)
         self.control.demand(job.door, job.span)
         self._may_move(cell, self._in_loop(job))
@@ -429,7 +438,7 @@ class CommandDispatcher:
     def _begin(self, job: Job, order: ProgramOrder) -> None:
         """The order to the cycle, and to the planner."""
         if self._moves_of(job.span):
-            raise Refusal(Reason.BUSY)
+            raise Refusal(Reason.BUSY, self._moved_by(job.mask, job.span))
         if self.planner is None:
             raise Refusal(Reason.NOT_READY, "the planner process does not run")
         self._moving(job)
@@ -494,7 +503,8 @@ class CommandDispatcher:
         self._may_enable(cell)
         motion = cell.motion_of(cell.span(mask))
         if idle and motion is not Motion.IDLE:
-            raise Refusal(Reason.BUSY, "resume or abandon the stopped move first" if motion is Motion.STOPPED else "")
+            stopped = motion is Motion.STOPPED
+            raise Refusal(Reason.BUSY, "resume or abandon the stopped move first" if stopped else self._moved_by(mask, cell.span(mask)))
         if not cell.permits & Permit.FEED:
             raise Refusal(Reason.FEED_NOT_ALLOWED)
         if not cell.permits & Permit.TRAVEL:

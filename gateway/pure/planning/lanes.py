@@ -16,11 +16,12 @@ REMEMBERED = 64  # jobs whose lane is known: one that ends says so within a few 
 
 
 class LanePrograms:
-    """`masks`: axes (bit n-1 = axis n) of each lane; `moved_by`: of a program by its number, of robot n by -n."""
+    """`masks`: axes (bit n-1 = axis n) of each lane; `moved_by`: of a program by its number, of robot n by -n; `names`: of the kinematics
+    of the lanes, as far as a lane has one."""
 
-    def __init__(self, cell: CellPrograms, masks: Sequence[int], moved_by: Callable[[int], int]) -> None:
+    def __init__(self, cell: CellPrograms, masks: Sequence[int], moved_by: Callable[[int], int], names: Sequence[str] = ()) -> None:
         self.cell = cell
-        self.lanes = [Programs(cell) for _ in masks]
+        self.lanes = [Programs(cell, name) for _, name in zip(masks, (*names, *[""] * len(masks)), strict=False)]
         self._masks, self._moved_by = masks, moved_by
         self._lane_of: dict[int, int] = {}  # job -> lane
         self._share_systems()

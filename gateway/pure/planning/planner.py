@@ -94,8 +94,9 @@ class CellPrograms:
 class Programs:
     """What the robots of a run are moved by."""
 
-    def __init__(self, cell: CellPrograms) -> None:
-        self.cell = cell
+    def __init__(self, cell: CellPrograms, lane: str = "") -> None:
+        """lane: name of its kinematic, in a cell where each moves for itself."""
+        self.cell, self._lane = cell, f"{lane}: " if lane else ""
         self.slowing = Slowing()  # sentences about blocks that have begun
         self.workpiece = CellSystems()
         self.state = PlannerState()
@@ -482,7 +483,7 @@ class Programs:
     def _fail(self, error: MotionError) -> None:
         block, code = (error.block, error.code) if isinstance(error, BlockError) else (0, 0)
         line = self._job.line_of[block - 1] if 0 < block <= len(self._job.line_of) else 0
-        words = f"line {line}: {error}" if line and not isinstance(error, TextError) else str(error)
+        words = self._lane + (f"line {line}: {error}" if line and not isinstance(error, TextError) else str(error))
         job = self.state.job
         self.state = replace(
             self.state, failed_job=job, fault=words, fault_block=block, fault_code=code, job=0, ended=True, waiting=0, warning=""

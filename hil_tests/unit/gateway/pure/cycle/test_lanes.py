@@ -57,7 +57,9 @@ def test_a_single_move_of_one_goes_beside_a_program_of_the_other(lanes: Lanes) -
 def test_a_lane_is_busy_for_its_own_orders_alone_and_its_owner_is_named(lanes: Lanes) -> None:
     lanes.order(1, 1)
     lanes.bench.run(0.3)
-    assert lanes.order(1, 1).reason is Reason.BUSY
+    again = lanes.order(1, 1)
+    assert again.reason is Reason.BUSY and again.detail.endswith(": program 1 1 of command source 1 is under way"), again.detail
+    assert again.detail.startswith(", ".join(axis.name for axis in lanes.cell.axis[:6])), "the axes that both would move"
     other = lanes.order(2, 1)
     assert (other.reason, other.detail) == (Reason.NOT_OWNER, "command source 1")
     whole = lanes.give(3, Code.REQUEST_CONTROL)
@@ -100,6 +102,7 @@ def test_a_program_that_is_refused_leaves_the_other_lane_alone(lanes: Lanes) -> 
     first, wrong = lanes.order(1, 1), lanes.order(2, 4)
     lanes.bench.settle(wrong)
     assert (wrong.state, wrong.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT) and "S1" in wrong.detail
+    assert wrong.detail.startswith("scara: "), "the lane, and then the block"
     assert lanes.bench.settle(first).state is CommandState.DONE
 
 
