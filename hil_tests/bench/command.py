@@ -1,4 +1,4 @@
-"""Measure: cycle, 3964r, emulator, drives, planner, motion, modbus, route, web, program, robotstar, val3, or all.
+"""Measure: cycle, 3964r, emulator, drives, planner, motion, lanes, modbus, route, web, program, robotstar, val3, or all.
 
 all rewrites docs/benchmarks.md.
 """
@@ -59,6 +59,12 @@ def motion(arguments: argparse.Namespace) -> list[Figure]:
     return [dict(figure) for figure in run()]
 
 
+def lanes(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.lanes_bench import run
+
+    return [dict(figure) for figure in run()]
+
+
 def route(arguments: argparse.Namespace) -> list[Figure]:
     from hil_tests.bench.route_bench import BLOCKS, ROUNDS, figures
 
@@ -102,6 +108,7 @@ BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "drives": drives,
     "planner": planner,
     "motion": motion,
+    "lanes": lanes,
     "route": route,
     "modbus": modbus,
     "web": web,
