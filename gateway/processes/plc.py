@@ -235,6 +235,8 @@ class PlcProcess:
             case "bits":
                 at, mask = int(order["byte"]), int(order["mask"])
                 self.plc.set_marker(at, self.plc.data.memory[at] & ~mask | int(order["bits"]) & mask)
+            case "output":
+                self.plc.robot_output(int(order["byte"]), int(order["mask"]), int(order["bits"]))
             case "start":
                 self._read_sources()
                 self._start(str(order["name"]) or self.table.start)

@@ -1,5 +1,6 @@
 """docs/guide/robotstar-cell.md: its ten minutes with real processes: palletise, stop, jog, resume, force a marker (AX-940)."""
 
+import contextlib
 import json
 import pathlib
 import re
@@ -23,6 +24,19 @@ CELLS = pathlib.Path(configs.__file__).parent / "cells"
 GUIDE = (ROOT / "docs" / "guide" / "robotstar-cell.md").read_text(encoding="utf-8").partition("## In your cell")[0]
 COMMANDS = [line.strip() for block in re.findall(r"```sh\n(.*?)```", GUIDE, re.DOTALL) for line in block.split("\n") if line.strip()]
 PATIENCE_S = 120.0
+BITS = """MPR "BITS"
+SCHR_BIT #MERKER, Pegel: 1, Byte: 40, Bit: 0
+WARTE_BIT #MERKER, Pegel: 1, Byte: 41, Bit: 0, Max_Zeit: 60.0, Marke: "SPAET"
+SCHR_BIT #AUSGANG, Pegel: 1, Byte: 2, Bit: 0
+WARTE_BIT #AUSGANG, Pegel: 1, Byte: 2, Bit: 1, Max_Zeit: 60.0, Marke: "SPAET"
+KOPIERE Quelle: 77, Ziel_Var: _SPS[54]
+WARTE_BIT #MERKER, Pegel: 1, Byte: 216, Bit: 6, Max_Zeit: 60.0, Marke: "SPAET"
+KOPIERE Quelle: 1, Ziel_Var: _SPS[56]
+MARKE "SPAET"
+STOP
+ENDE
+"""
+ANSWERS = "U M40.0\n= M41.0\nU A2.0\n= A2.1\nLD M212\nTD M216\nEND\n"
 pytestmark = pytest.mark.timeout(COMES_UP_S + 6 * PATIENCE_S)
 
 
@@ -31,6 +45,10 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellRun]:
     folder = tmp_path_factory.mktemp("reis")
     shutil.copytree(CELLS / "reis-palletiser", folder / "reis-palletiser")
     shutil.copy(CELLS / "reis-palletiser.toml", folder)
+    memory = folder / "reis-palletiser"
+    (memory / "BITS.MPR").write_text(BITS)
+    plc = memory / "PLC" / "MAIN.PLC"
+    plc.write_text(plc.read_text().removesuffix("END\n") + ANSWERS)
     with running_cell(str(folder / "reis-palletiser.toml"), "palrobot", plc=False) as run:
         yield run
 
@@ -107,6 +125,15 @@ def test_palletise_stop_jog_resume_and_force_a_marker(run: CellRun) -> None:
     memory = pathlib.Path(person.file).parent / "reis-palletiser"
     person.waits(lambda: "ITOTAL = 7" in (memory / "PATTERN1.PAL.VAL").read_text(), "its values are kept")
     assert (memory / "GRIP.SPR.VAL").read_text() == "I_PICKED = 1\n"
+
+
+def test_robot_and_plc_answer_each_other_by_markers_and_outputs(run: CellRun) -> None:
+    person = Person(run)
+    told = json.loads(person.types("axisgate program run reis-palletiser BITS --ready", "--json"))
+    assert told["how"] == "ended", told
+    with contextlib.closing(ToolClient(run.name)) as tool:
+        assert [tool.ask("get", address=f"MB {byte}")["value"] for byte in (41, 212, 216, 220)] == [1, 77, 77, 1], "no wait was too late"
+        assert tool.ask("get", address="MB 2010")["value"] == 3, "A2.0 of the robot, A2.1 of the PLC"
 
 
 def test_modes_keys_and_a_dead_interpreter(run: CellRun) -> None:

@@ -198,6 +198,8 @@ class ReisControl:
             if byte >= OUTPUTS:
                 for bit in (bit for bit in range(8) if mask >> bit & 1):
                     self.shared.by_robot(bool(bits >> bit & 1), byte - OUTPUTS, bit)
+                if self.plc is not None:
+                    self.plc.robot_output(byte - OUTPUTS, mask, bits)
             elif self.plc is not None:
                 self.plc.write_bits(byte, mask, bits)
             else:
@@ -206,6 +208,12 @@ class ReisControl:
         except IoFault as fault:
             return str(fault)
         return ""
+
+    def robot_puts(self, byte: int, bit: int, level: bool) -> None:
+        """One output; IoFault where it is the PLC's, or there is none."""
+        self.shared.by_robot(level, byte, bit)
+        if self.plc is not None:
+            self.plc.robot_output(byte, 1 << bit, level << bit)
 
     def message(self, number: int, words: str, now: Ns) -> None:
         """An error of the robot program: in the list, in M944 and M1021.0."""
@@ -381,7 +389,7 @@ class ReisControl:
         """WRITE_BIT of the robot's program, a key or the mode; KeyError for anything else, ValueError where the value does not fit."""
         match name.split("."):
             case ["reis", "output", byte, bit]:
-                self.shared.by_robot(bool(value), _number(name, byte), _number(name, bit))
+                self.robot_puts(_number(name, byte), _number(name, bit), bool(value))
             case ["reis", *rest] if self.setup.programs:
                 self.robot.keys.put(".".join(rest), value)
             case _:

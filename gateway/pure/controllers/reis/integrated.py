@@ -25,12 +25,17 @@ class IntegratedPlc:
     shown: dict[str, Fact] | None = None  # the message that is not acknowledged
     fresh: bool = False  # a report has come since the control looked
     _was_on: bool = False
+    _robots: bytearray = field(default_factory=lambda: bytearray(AREA))  # outputs as the robot program wrote them last
 
     def take(self, report: PlcReport, *, alive: bool) -> None:
         """What the process has published."""
         if self.alive and not alive:
             self.told.append("the PLC process is gone: its outputs are 0 until it is back")
+        begun = report.id != self.report.id
         self.report, self.alive, self.fresh = report, alive, True
+        for byte, bits in enumerate(self._robots if begun else b""):
+            if bits:  # a process that begins knows none of them
+                self.orders.append({"do": "output", "byte": byte, "mask": bits, "bits": bits})
 
     def hear(self, facts: dict[str, Fact]) -> None:
         """A message of the PLC."""
@@ -47,7 +52,10 @@ class IntegratedPlc:
     def released(self) -> bool:
         """True once when the PLC has stopped: all outputs become 0."""
         before, self._was_on = self._was_on, self.on
-        return before and not self.on
+        stopped = before and not self.on
+        if stopped and self.alive:
+            self._robots = bytearray(AREA)
+        return stopped
 
     def outputs(self) -> Mapping[tuple[int, int], bool]:
         """Output bits the last whole scan wrote."""
@@ -76,6 +84,11 @@ class IntegratedPlc:
         shown = bytearray(self.report.markers)
         shown[byte] = shown[byte] & ~mask | bits & mask
         self.report = replace(self.report, markers=bytes(shown))
+
+    def robot_output(self, byte: int, mask: int, bits: int) -> None:
+        """Output bits the robot program has written: the PLC program sees them from its next scan on."""
+        self._robots[byte] = self._robots[byte] & ~mask | bits & mask
+        self.orders.append({"do": "output", "byte": byte, "mask": mask, "bits": bits})
 
     def set_marker(self, marker: MarkerOperand, value: int) -> None:
         """A marker by hand, between two scans."""

@@ -171,6 +171,12 @@ class Plc:
         """Mask of the output bits that the last scan wrote; the others are the robot program's (L2274)."""
         return bytes(self.data.written)
 
+    def robot_output(self, byte: int, mask: int, bits: int) -> None:
+        """Output bits as the robot program wrote them; those of the last scan remain the PLC's (L2274)."""
+        mask &= ~self.data.written[byte]
+        memory, at = self.data.memory, OUTPUTS + byte
+        memory[at] = memory[at] & ~mask & 0xFF | bits & mask
+
     def marker(self, byte: int) -> int:
         """M `byte`."""
         return self.data.memory[_checked(byte, 1)]
