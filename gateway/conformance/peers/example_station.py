@@ -36,6 +36,17 @@ def server(rtu: str = "no", kind: str = "good") -> Device:
     return Device(rtu == "yes", wrong)
 
 
+def booster(kind: str = "good") -> object:
+    """A SERVODYN booster, module 1; kind: an id of `axisgate conformance mutants servodyn`, such as half-way."""
+    from gateway.conformance.peers import servodyn
+    from gateway.conformance.peers.boosters import Booster
+
+    makers: dict[str, Callable[[], object]] = {mutant.id: mutant.make for mutant in servodyn.MUTANTS} | {"good": Booster}
+    if kind not in makers:
+        raise ValueError(f"kind {kind}: there are {', '.join(makers)}")
+    return makers[kind]()
+
+
 def drive(kind: str = "good") -> object:
     """A CiA 402 drive, node 1; kind: an id of `axisgate conformance mutants canopen-301` or `cia402`, such as no-sync."""
     from gateway.conformance.peers import canopen301, cia402

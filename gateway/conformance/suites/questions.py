@@ -21,6 +21,7 @@ LINE_KEYS = _keys("profile priority times layer block_check missing_db db words 
 MODBUS_KEYS = _keys("times unit missing_unit answer_ms", "touch.holding touch.coils known.input known.holding known.coil known.discrete")
 CANOPEN_KEYS = _keys("node eds answer_ms boot_ms cycle_ms", "touch.objects touch.store touch.node")
 DRIVE_KEYS = CANOPEN_KEYS | _keys("speed way", "touch.motion")
+BOOSTER_KEYS = _keys("module layout cycle_ms boot_ms answer_ms way", "touch.motion touch.store")
 
 LINE = (
     Question("profile", "text", "link profile of the station (axisgate line probe -h lists them)", "Profil der Station"),
@@ -83,4 +84,9 @@ DRIVE = (
     Question("limits", "bool", "software position limits (607Dh)", "Software-Endlagen (607Dh)"),
     Question("window", "bool", "position window (6067h)", "Positionsfenster (6067h)"),
     Question("period", "bool", "interpolation time period (60C2h)", "Interpolationszeit (60C2h)"),
+)
+BOOSTER = (
+    Question("module", "whole", "module number, 1 to 6", "Modulnummer, 1 bis 6"),
+    Question("parameters", "bool", "takes drive parameters over the bus (AX-266)", "nimmt Antriebsparameter über den Bus (AX-266)"),
+    Question("life", "bool", "watches the life counter", "überwacht den Lebenszähler"),
 )

@@ -8,7 +8,19 @@ from typing import Any, cast
 from gateway.conformance.framework.base import Tester
 from gateway.conformance.framework.run import Session
 from gateway.conformance.suites.opening import Opened
-from gateway.conformance.suites.questions import CANOPEN, CANOPEN_KEYS, DRIVE, DRIVE_KEYS, LINE, LINE_KEYS, MODBUS, MODBUS_KEYS, Question
+from gateway.conformance.suites.questions import (
+    BOOSTER,
+    BOOSTER_KEYS,
+    CANOPEN,
+    CANOPEN_KEYS,
+    DRIVE,
+    DRIVE_KEYS,
+    LINE,
+    LINE_KEYS,
+    MODBUS,
+    MODBUS_KEYS,
+    Question,
+)
 from gateway.pure.conformance.purpose import Purpose
 
 
@@ -95,6 +107,12 @@ def _cia402() -> Sequence[Purpose[Tester]]:
     return _generic(power.PWR, faults.FLT, modes.MOD, modes.POS, modes.VEL, faults.OPT, modes.HOM, modes.CYC, supply.SUP)
 
 
+def _servodyn() -> Sequence[Purpose[Tester]]:
+    from gateway.conformance.suites.servodyn import cycle, faults, motion, power
+
+    return _generic(cycle.CYC, power.PWR, faults.FLT, motion.MOV, motion.PAR, power.SUP)
+
+
 def _line(rk512: bool) -> Callable[[Opened], Session]:
     def make(opened: Opened) -> Session:
         from gateway.conformance.suites.line_session import LineSession
@@ -126,6 +144,12 @@ def _drive(opened: Opened) -> Session:
     from gateway.conformance.suites.cia402.session import open_drive
 
     return cast(Session, open_drive(opened))
+
+
+def _booster(opened: Opened) -> Session:
+    from gateway.conformance.suites.servodyn.session import BoosterSession
+
+    return cast(Session, BoosterSession(opened))
 
 
 SUITES: dict[str, Suite] = {
@@ -197,6 +221,18 @@ SUITES: dict[str, Suite] = {
             DRIVE,
             "gateway.conformance.peers.cia402",
             DRIVE_KEYS,
+            True,
+        ),
+        Suite(
+            "servodyn",
+            "1.0",
+            "SERVODYN booster, axisgate's layout",
+            "SERVODYN-Verstärker, Belegung von axisgate",
+            _servodyn,
+            _booster,
+            BOOSTER,
+            "gateway.conformance.peers.servodyn",
+            BOOSTER_KEYS,
             True,
         ),
     )

@@ -7,4 +7,5 @@ SCORES: dict[str, tuple[int, int]] = {
     "modbus-rtu": (54, 54),
     "cia402": (72, 72),
     "canopen-301": (95, 95),
+    "servodyn": (55, 55),
 }

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from gateway.conformance.framework.frame_wire import VirtualFrames
 from gateway.conformance.framework.machine import Guarded, GuardedFrames
 from gateway.conformance.framework.power import Supply
-from gateway.conformance.suites.can.node import NodeTester
+from gateway.conformance.suites.can.tester import CanTester
 from gateway.conformance.suites.line import LineTester
 from gateway.conformance.suites.modbus.tester import ModbusTester
 from gateway.conformance.suites.opening import Opened
@@ -91,7 +91,7 @@ def modbus_supply(opened: Opened, tester: ModbusTester, switched: Callable[[], N
     return Supply(act, _wait, opened.back)
 
 
-def node_supply(opened: Opened, tester: NodeTester) -> Supply | None:
+def frame_supply(opened: Opened, tester: CanTester) -> Supply | None:
     """The bus remains."""
     wire = tester.wire
     if not isinstance(wire, VirtualFrames):

@@ -7,7 +7,7 @@ from gateway.conformance.framework.bench_file import BadFile, Bench
 from gateway.conformance.suites.can.blocks import block_upload
 from gateway.conformance.suites.can.node import DEVICE_TYPE, HEARTBEAT, NodeSetup, NodeTester
 from gateway.conformance.suites.opening import Opened
-from gateway.conformance.suites.supply import node_supply
+from gateway.conformance.suites.supply import frame_supply
 from gateway.pure.conformance.verdict import Ended
 from protocols.base.machine import Ns, ms
 from protocols.canopen import cob_id as cobid
@@ -76,7 +76,7 @@ class NodeSession:
         if self._node is None:
             self._find()
         self.setup.pics = pics
-        tester.supply = node_supply(self._opened, tester)
+        tester.supply = frame_supply(self._opened, tester)
         pics["power"] = tester.supply is not None
         self.setup.remotes = tester.wire.simulated
         if not self._answers():

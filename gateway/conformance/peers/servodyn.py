@@ -1,0 +1,389 @@
+"""SERVODYN: axisgate's emulated booster with one fault each, and correct boosters unlike it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from drivers.emulator.servo.settings import ServoSettings
+from drivers.emulator.servodyn.axis import Fault, State
+from gateway.conformance.peers.boosters import CYCLE_MS, QUICK, Answered, Booster, Heard, Late, Raw, Told, Tune, codec
+from gateway.conformance.peers.stations import Mutant, Variant
+from protocols.base.machine import Frame, Ns, ms
+from protocols.servodyn.codec import ActualValue, SetValue
+from protocols.servodyn.parameters import Answer, Status
+from protocols.servodyn.plan import SYNC_ID
+
+LINK: dict[str, object] = {"cycle_ms": CYCLE_MS}
+CYCLE: Ns = ms(CYCLE_MS)
+PAUSE: Ns = ms(20)
+Row = tuple[str, str, tuple[str, ...], Callable[[], object]]
+ACT, SET = codec().actual_id(1), codec().set_id(1)
+
+
+def _row(name: str, what: str, expects: str, make: Callable[[], object]) -> Row:
+    return name, what, tuple(f"SERVO_{one}" for one in expects.split()), make
+
+
+def _told(name: str, what: str, expects: str, told: Told) -> Row:
+    return _row(name, what, expects, lambda: Booster(told))
+
+
+def _heard(name: str, what: str, expects: str, heard: Heard) -> Row:
+    return _row(name, what, expects, lambda: Booster(heard=heard))
+
+
+def _says(name: str, what: str, expects: str, says: Raw) -> Row:
+    return _row(name, what, expects, lambda: Booster(says=says))
+
+
+def _hears(name: str, what: str, expects: str, hears: Raw) -> Row:
+    return _row(name, what, expects, lambda: Booster(hears=hears))
+
+
+def _answers(name: str, what: str, expects: str, answered: Answered) -> Row:
+    return _row(name, what, expects, lambda: Booster(answered=answered))
+
+
+def _tuned(name: str, what: str, expects: str, tune: Tune) -> Row:
+    return _row(name, what, expects, lambda: Booster(tune=tune))
+
+
+def _always(**bits: object) -> Told:
+    return lambda booster, value: value._replace(**bits)  # type: ignore[arg-type]  # names and kinds of ActualValue
+
+
+def _only_actual(change: Callable[[Booster, Frame], Sequence[Frame]]) -> Raw:
+    return lambda booster, frame: change(booster, frame) if frame.identifier == ACT else [frame]
+
+
+# ---- parts
+def _every(count: int) -> Told:
+    """One of so many actual values is lost."""
+
+    def told(booster: Booster, value: ActualValue) -> ActualValue | None:
+        booster.tally += 1
+        return None if booster.tally % count == 0 else value
+
+    return told
+
+
+def _not_by_itself(booster: Booster, frame: Frame) -> Sequence[Frame]:
+    """A fault is reported with the next SYNC only."""
+    return [frame] if booster.tally == booster.now else []
+
+
+def _marks_sync(booster: Booster, frame: Frame) -> Sequence[Frame]:
+    if frame.identifier == SYNC_ID:
+        booster.tally = booster.now
+    return [frame]
+
+
+def _supervision(cycles: float) -> Tune:
+    def tune(booster: Booster) -> None:
+        booster.slave.supervision_ns = round(cycles * CYCLE)
+
+    return tune
+
+
+def _also_idle(booster: Booster, frame: Frame) -> Sequence[Frame]:
+    """A set value is answered as well."""
+    if frame.identifier == SET and len(frame.data) == 8:
+        seat = booster.slave._seats[0]
+        booster.slave._send(seat, seat.axis.actual())
+    return [frame]
+
+
+def _fills_up(booster: Booster, frame: Frame) -> Sequence[Frame]:
+    return [frame._replace(data=frame.data.ljust(8, b"\0"))] if frame.identifier == SET else [frame]
+
+
+def _any_module(booster: Booster, frame: Frame) -> Sequence[Frame]:
+    return [frame._replace(identifier=SET)] if frame.identifier in range(210, 261, 10) else [frame]
+
+
+def _enable_is_on(booster: Booster, value: SetValue) -> SetValue:
+    return value._replace(drive_on=value.drive_on or value.enable)
+
+
+def _on_is_enable(booster: Booster, value: SetValue) -> SetValue:
+    return value._replace(enable=value.enable or value.drive_on)
+
+
+def _latches(name: str) -> Heard:
+    """What was set once stays set."""
+
+    def heard(booster: Booster, value: SetValue) -> SetValue:
+        booster.tally = booster.tally or int(getattr(value, name))
+        return value._replace(**{name: bool(booster.tally)})
+
+    return heard
+
+
+def _life_counts(booster: Booster, value: SetValue) -> SetValue:
+    booster.tally += 1
+    return value._replace(life=booster.tally & 0xFF)
+
+
+def _half(booster: Booster, value: SetValue) -> SetValue:
+    if booster.kept is None or not value.enable:
+        booster.tally = value.position_inc
+        booster.kept = None if not value.enable else booster.axis.actual()
+    return value._replace(position_inc=booster.tally + (value.position_inc - booster.tally) // 2)
+
+
+def _forwards_only(booster: Booster, value: SetValue) -> SetValue:
+    if not value.enable:
+        booster.tally = value.position_inc
+    booster.tally = max(booster.tally, value.position_inc)
+    return value._replace(position_inc=booster.tally)
+
+
+def _no_jump(booster: Booster) -> None:
+    """Goes wherever it is sent, with a window without end."""
+    booster.axis.settings = booster.axis.parameters.factory = replace(booster.axis.settings, following_error_rad=9000.0)
+    booster.axis.servo.retune(booster.axis.settings)
+
+
+def _frozen(booster: Booster, value: ActualValue) -> ActualValue:
+    booster.kept = booster.kept or value
+    return value._replace(position_inc=booster.kept.position_inc)
+
+
+def _drifts(booster: Booster, value: ActualValue) -> ActualValue:
+    booster.tally += 3
+    return value._replace(position_inc=value.position_inc + booster.tally)
+
+
+def _reset_by_level(booster: Booster, value: SetValue) -> SetValue:
+    if booster.axis.state is State.FAULT and value.fault_reset:
+        booster.axis._set = booster.axis._set._replace(fault_reset=False)
+    return value
+
+
+def _reset_by_itself(booster: Booster, value: SetValue) -> SetValue:
+    if booster.axis.state is State.FAULT:
+        booster.axis._reset()
+    return value
+
+
+def _reset_by_off(booster: Booster, value: SetValue) -> SetValue:
+    if booster.axis.state is State.FAULT and not value.drive_on:
+        booster.axis._reset()
+    return value
+
+
+def _brake_by_request(booster: Booster, value: ActualValue) -> ActualValue:
+    return value._replace(brake_open=value.brake_open or booster.axis._set.brake_open)
+
+
+def _brake_in_fault(booster: Booster, value: ActualValue) -> ActualValue:
+    return value._replace(brake_open=value.brake_open or value.fault)
+
+
+def _own_codes(booster: Booster, value: ActualValue) -> ActualValue:
+    return value._replace(fault_code=value.fault_code + 100 if value.fault_code else 0)
+
+
+def _takes(status: Status) -> Answered:
+    """What it refuses with this status it calls taken."""
+    return lambda booster, answer: answer._replace(status=Status.TAKEN) if answer.status is status else answer
+
+
+def _no_sequence(booster: Booster, answer: Answer) -> Answer:
+    return answer._replace(sequence=answer.sequence if answer.number == 56 else 0)
+
+
+def _restarts(booster: Booster, value: SetValue) -> SetValue:
+    booster.axis._may_switch_on = True
+    return value
+
+
+def _never_resets(booster: Booster, value: SetValue) -> SetValue:
+    return value._replace(fault_reset=False)
+
+
+def _idle_is_fault(booster: Booster, frame: Frame) -> Sequence[Frame]:
+    if frame.identifier == SYNC_ID:
+        if booster.axis.state is State.READY and booster.now - booster.last_sync > 3 * CYCLE:
+            booster.axis.fail(Fault.SYNC_LOST)
+            booster.axis.faulted_at.clear()
+        booster.last_sync = booster.now
+    return [frame]
+
+
+def _keeps_on(booster: Booster) -> None:
+    """A lost SYNC does not stop it."""
+    booster.slave.supervision_ns = 1 << 60
+
+
+def _wrong_way(booster: Booster, value: SetValue) -> SetValue:
+    if not value.enable:
+        booster.tally = value.position_inc
+    return value._replace(position_inc=2 * booster.tally - value.position_inc)
+
+
+def _falls_back(booster: Booster, value: ActualValue) -> ActualValue:
+    """Without a new set value it reports the position of long ago."""
+    booster.kept = booster.kept or value
+    return value._replace(position_inc=booster.kept.position_inc) if booster.tally else value
+
+
+def _no_set_value(booster: Booster, frame: Frame) -> Sequence[Frame]:
+    """A SYNC without a set value since the last one: enable counts as taken back."""
+    if frame.identifier == SET:
+        booster.tally = 1
+    elif frame.identifier == SYNC_ID:
+        if not booster.tally and booster.axis.state is State.ENABLED:
+            booster.axis._stop()
+        booster.tally = 0
+    return [frame]
+
+
+def _dead_after(count: int) -> Raw:
+    def hears(booster: Booster, frame: Frame) -> Sequence[Frame]:
+        if frame.identifier == SYNC_ID:
+            booster.tally = booster.tally + 1 if booster.now - booster.last_sync < PAUSE else 1
+            booster.last_sync = booster.now
+        return [frame] if booster.tally < count else []
+
+    return hears
+
+
+class SelfStarting(Booster):
+    """Drive on counts at once when its supply returns."""
+
+    def power(self, on: bool, now: Ns) -> None:
+        super().power(on, now)
+        self.axis._may_switch_on = True
+        self.axis._set = SetValue()
+
+
+class TellsLate(Booster):
+    """A fault is reported with the next SYNC only."""
+
+    def __init__(self) -> None:
+        super().__init__(says=_only_actual(_not_by_itself), hears=_marks_sync)
+
+
+class SpeaksWithoutSupply(Booster):
+    """Its logic has another supply: it sends on."""
+
+    def power(self, on: bool, now: Ns) -> None:
+        """Nothing happens."""
+
+
+ROWS: tuple[Row, ...] = (
+    _hears("silent", "never answers", "CYC_BV_01", lambda booster, frame: []),
+    _says("seven-bytes", "actual values of seven bytes", "CYC_BV_01", _only_actual(lambda b, f: [f._replace(data=f.data[:7])])),
+    _says("twice", "two actual values for a SYNC", "CYC_BV_01", _only_actual(lambda booster, frame: [frame, frame])),
+    _says("other-module", "sends as module 2", "CYC_BV_01", _only_actual(lambda b, f: [f._replace(identifier=f.identifier + 10)])),
+    _told("every-50th", "each 50th actual value is lost", "CYC_TI_01", _every(50)),
+    _row("late", "its actual value comes 3.5 ms after SYNC", "CYC_TI_01 CYC_BV_01", lambda: Late(ms(3.5))),
+    _hears("answers-set", "answers a set value", "CYC_BO_02", _also_idle),
+    _hears("tires", "silent after 1900 SYNCs without pause", "CYC_ST_01", _dead_after(1900)),
+    _says("strange", "something on 105", "CYC_BV_06", _only_actual(lambda b, f: [f, Frame(105, b"\1")])),
+    _told("never-ready", "ready is never set", "CYC_BV_04", _always(ready=False)),
+    _told("always-power", "power on is always set", "CYC_BV_04", _always(power_on=True)),
+    _told("brake-open", "the brake is always shown open", "CYC_BV_04", _always(brake_open=True)),
+    _told("always-enabled", "enabled is always set", "CYC_BV_04", _always(enabled=True)),
+    _told("always-code", "a fault code without fault", "CYC_BV_04", lambda b, v: v._replace(fault_code=v.fault_code or 7)),
+    _told("drifts", "its position drifts", "CYC_BV_05", _drifts),
+    _hears("short-taken", "takes a set value of seven bytes", "CYC_BI_01", _fills_up),
+    _hears("any-module", "takes the set values of all modules", "CYC_BI_02", _any_module),
+    _heard("no-power", "drive on does nothing", "PWR_BV_01", lambda b, v: v._replace(drive_on=False)),
+    _told("power-hidden", "power on is never set", "PWR_BV_01", _always(power_on=False)),
+    _heard("on-is-enable", "drive on is taken for enable as well", "PWR_BV_01", _on_is_enable),
+    _heard("no-enable", "enable does nothing", "PWR_BV_02", lambda b, v: v._replace(enable=False)),
+    _told("brake-closed", "the brake is never shown open", "PWR_BV_02", _always(brake_open=False)),
+    _heard("enable-stays", "enable cannot be taken back", "PWR_BV_03", _latches("enable")),
+    _heard("on-stays", "drive on cannot be taken back", "PWR_BV_01", _latches("drive_on")),
+    _told("ready-goes", "ready goes with power on", "PWR_BV_01", lambda b, v: v._replace(ready=v.ready and not v.power_on)),
+    _heard("enable-is-on", "enable is taken for drive on as well", "PWR_BI_01 PWR_BV_04", _enable_is_on),
+    _told(
+        "brake-by-request",
+        "the request opens the brake",
+        "PWR_BI_02",
+        _brake_by_request,
+    ),
+    _tuned("no-supervision", "does not watch SYNC and life counter", "FLT_BV_01 FLT_BV_02", _keeps_on),
+    _tuned("supervision-early", "a fault after 1.4 cycles", "FLT_BV_01 FLT_BO_01 FLT_BO_02", _supervision(1.4)),
+    _tuned("supervision-late", "a fault after 4 cycles", "FLT_BV_01", _supervision(4)),
+    _row(
+        "tells-late",
+        "a fault is reported with the next SYNC",
+        "FLT_BV_01",
+        TellsLate,
+    ),
+    _heard("life-ignored", "the life counter does not count", "FLT_BV_02", _life_counts),
+    _told("no-fault-bit", "the fault bit is never set", "FLT_BV_01", _always(fault=False)),
+    _told("ready-in-fault", "ready in fault", "FLT_BV_01", lambda b, v: v._replace(ready=v.ready or v.fault)),
+    _tuned("jumps", "follows a set position that jumps", "FLT_BV_03", _no_jump),
+    _heard("never-resets", "a fault cannot be reset", "FLT_BV_01", _never_resets),
+    _heard("reset-by-itself", "a fault ends by itself", "FLT_BI_01", _reset_by_itself),
+    _heard("reset-by-off", "drive on taken back ends the fault", "FLT_BI_01", _reset_by_off),
+    _heard("reset-by-level", "a held reset ends the fault", "FLT_BI_02", _reset_by_level),
+    _heard("restarts", "after a reset drive on counts at once", "FLT_BI_03", _restarts),
+    _hears("idle-fault", "a lost SYNC without power is a fault", "FLT_BO_03", _idle_is_fault),
+    _told("brake-forgotten", "the brake is shown open after a fault", "FLT_BV_05", _brake_in_fault),
+    _heard("half-way", "goes half the way", "MOV_BV_01", _half),
+    _heard("forwards-only", "does not go backwards", "MOV_BV_02", _forwards_only),
+    _heard("wrong-way", "goes the other way", "MOV_BV_01", _wrong_way),
+    _told("frozen", "its position never changes", "MOV_BV_01", _frozen),
+    _hears("lets-go", "control ends where one set value is missing", "MOV_BV_04", _no_set_value),
+    _answers("par-silent", "does not answer known parameters", "PAR_BV_01", lambda b, a: a if a.number == 56 else None),
+    _answers("par-sequence", "the sequence is always 0", "PAR_BV_01", _no_sequence),
+    _answers("par-value", "answers with 0", "PAR_BV_01", lambda b, a: a._replace(value=0.0)),
+    _answers(
+        "par-any-number",
+        "every number is known",
+        "PAR_BI_01",
+        _takes(Status.UNKNOWN),
+    ),
+    _answers(
+        "par-any-value",
+        "every value is taken",
+        "PAR_BI_02",
+        _takes(Status.RANGE),
+    ),
+    _answers(
+        "par-with-power",
+        "takes parameters with power on",
+        "PAR_BO_01",
+        _takes(Status.DRIVES_ON),
+    ),
+    _row("starts-itself", "power is on again when its supply returns", "SUP_RC_01", SelfStarting),
+    _row("speaks-without-supply", "sends on without supply", "SUP_RC_01", SpeaksWithoutSupply),
+)
+MUTANTS = tuple(Mutant(name, what, expects, make, {**LINK, "module": 1}, {}) for name, what, expects, make in ROWS)
+
+
+def _good(name: str, what: str, make: Callable[[], object], link: dict[str, object] | None = None, **pics: object) -> Variant:
+    return Variant(name, what, make, LINK if link is None else link, dict(pics))
+
+
+def _servo(**changes: float | bool) -> Callable[[], object]:
+    settings: ServoSettings = replace(QUICK, **changes)  # type: ignore[arg-type]  # names and kinds of ServoSettings
+    return lambda: Booster(settings=settings)
+
+
+def _chatty(booster: Booster, frame: Frame) -> Sequence[Frame]:
+    """Another module speaks as well."""
+    return [frame, Frame(codec().actual_id(4), bytes(8))] if frame.identifier == ACT else [frame]
+
+
+VARIANTS = (
+    _good("plain", "as emulated", Booster),
+    _good("late", "its actual value comes 1.5 ms after SYNC", lambda: Late(ms(1.5))),
+    _good("chatty", "another module speaks as well", lambda: Booster(says=_chatty)),
+    _good("module-3", "module 3", lambda: Booster(module=3)),
+    _good("no-brake", "no brake", _servo(brake=False)),
+    _good("heavy", "five times the load", _servo(load_inertia_kgm2=0.006)),
+    _good("slow-charge", "power takes two seconds, booting one", _servo(charge_s=2.0, boot_s=1.0)),
+    _good("gravity", "a vertical axis", _servo(gravity_nm=2.0)),
+    _good("no-parameters", "no parameters over the bus", lambda: Booster(hears=lambda b, f: [] if f.identifier == 310 else [f])),
+    _good(
+        "other-codes",
+        "fault codes of its own",
+        lambda: Booster(_own_codes),
+    ),
+    _good("warns", "the warning bit is always set", lambda: Booster(lambda b, v: v._replace(warning=True))),
+)

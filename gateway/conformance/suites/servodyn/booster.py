@@ -1,0 +1,191 @@
+"""The tester's side of a SERVODYN bus: SYNC and set values in their phase, one actual value for each SYNC (AX-001)."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+
+from gateway.conformance.framework.base import hexed
+from gateway.conformance.framework.frame_wire import FrameWire
+from gateway.conformance.suites.can.tester import CanTester, shown
+from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive
+from protocols.base.errors import DecodeError
+from protocols.base.machine import Frame, Ns, ms
+from protocols.servodyn.codec import SYNC, ActualValue, Codec, SetValue
+from protocols.servodyn.parameters import Answer, Request, answer_id, decode_answer, encode_request
+
+LONG = ms(8000)
+ACTUAL = "one actual value"
+
+
+@dataclass(slots=True)
+class BoosterSetup:
+    """What is known of the booster and the bench."""
+
+    codec: Codec
+    module: int = 1
+    cycle: Ns = ms(4)  # P5
+    wait: Ns = ms(200)  # a parameter's answer
+    boot: Ns = ms(10_000)
+    way: int = 2000  # increments of a motion
+    pics: Mapping[str, object] = field(default_factory=dict)
+
+
+class BoosterTester(CanTester):
+    """One module."""
+
+    def __init__(self, connect: Callable[[], FrameWire], setup: BoosterSetup, witness: Callable[[], Ns] = lambda: 0) -> None:
+        super().__init__(connect, witness)
+        self.setup = setup
+        self.value = SetValue()
+        self.last: ActualValue | None = None
+        self.life_runs = True
+        self._grid: Ns = 0
+        self._sequence = 0
+
+    @property
+    def actual_id(self) -> int:
+        return self.setup.codec.actual_id(self.setup.module)
+
+    # ---- the cycle
+    def give(self, **changes: object) -> None:
+        """From here on the set values hold this."""
+        self.value = self.value._replace(**changes)  # type: ignore[arg-type]  # names and kinds of SetValue
+
+    def read(self, frame: Frame) -> ActualValue:
+        try:
+            return self.setup.codec.decode_actual(frame)[1]
+        except DecodeError as error:
+            raise Fail(f"an actual value that cannot be: {error}", "8 bytes as in the layout", hexed(frame.data)) from error
+
+    def sync(self) -> None:
+        """On the grid, one cycle after the one before."""
+        self._grid = max(self._grid + self.setup.cycle, self.now())
+        self.pause(self._grid - self.now())
+        self.drain()
+        self.say(SYNC.identifier)
+
+    def say_set(self) -> None:
+        if self.life_runs:
+            self.value = self.value._replace(life=(self.value.life + 1) & 0xFF)
+        frame = self.setup.codec.encode_set(self.setup.module, self.value)
+        self.say_on(frame.identifier, frame.data)
+
+    def answered(self) -> ActualValue:
+        """Judged: the actual value of the SYNC just sent, within its cycle."""
+        start = self.asked_at
+        frame = self.hear((self.actual_id,), self.setup.cycle * 3 // 4 + self.uncertainty())
+        if frame is None:
+            raise Fail("no actual value after SYNC", f"{ACTUAL} on {self.actual_id} within a cycle", "nothing")
+        self.last = self.read(frame)
+        self.answered_after = self.answered_at - start
+        return self.last
+
+    answered_after: Ns = 0
+
+    def turn(self, count: int = 1, with_set: bool = True) -> ActualValue:
+        """So many cycles; without control the set position follows the actual one."""
+        found = None
+        for _ in range(count):
+            self.sync()
+            found = self.answered()
+            if not found.enabled:
+                self.give(position_inc=found.position_inc, speed_rpm=0)
+            if with_set:
+                self.say_set()
+        assert found is not None, "at least one cycle"
+        return found
+
+    def until(self, good: Callable[[ActualValue], bool], what: str, limit: Ns = LONG) -> ActualValue:
+        """Judged: it becomes so in time."""
+        begin = self.now()
+        while not good(found := self.turn()):
+            if self.now() - begin > limit:
+                raise Fail(f"{what}: not within {limit / 1e6:.0f} ms: {words(found)}", what, words(found))
+        return found
+
+    def stays(self, good: Callable[[ActualValue], bool], what: str, time: Ns = ms(300)) -> None:
+        begin = self.now()
+        while self.now() - begin < time:
+            if not good(found := self.turn()):
+                raise Fail(f"{what}: {words(found)}", what, words(found))
+
+    # ---- states
+    def rest(self) -> None:
+        """Without power and fault: where every case begins and ends."""
+        self.life_runs = True
+        self.give(enable=False, drive_on=False, fault_reset=False, brake_open=False)
+        self.until(lambda found: not found.enabled and not found.power_on, "no power")
+        self.turn(2)
+        for _ in range(3):
+            if not self.turn().fault:
+                break
+            self.give(fault_reset=True)
+            self.turn(3)
+            self.give(fault_reset=False)
+            self.turn(3)
+        self.until(lambda found: found.ready and not found.fault, "ready without fault")
+
+    @contextmanager
+    def powered(self, enabled: bool = False) -> Iterator[None]:
+        """Power on, and under control, meanwhile."""
+        try:
+            with self.given():
+                self.rest()
+                self.give(drive_on=True)
+                self.until(lambda found: found.power_on, "power on")
+                if enabled:
+                    self.give(enable=True)
+                    self.until(lambda found: found.enabled, "enabled")
+            yield
+        finally:
+            with suppress(Ended):
+                self.give(enable=False)
+                self.until(lambda found: not found.enabled, "stops")
+            with suppress(Ended):
+                self.rest()
+
+    def move(self, way: int, cycles: int = 200) -> None:
+        """Along a straight line, then a moment of rest."""
+        start = self.value.position_inc
+        for at in range(1, cycles + 1):
+            self.give(position_inc=start + way * at // cycles)
+            self.turn()
+        self.turn(100)
+
+    def spontaneous(self, time: Ns) -> list[tuple[Ns, ActualValue]]:
+        """What comes without SYNC."""
+        return [(frame.stamp_ns, self.read(frame)) for frame in self.pause(time) if frame.identifier == self.actual_id]
+
+    # ---- parameters
+    def ask(self, number: int, value: bool | int | float) -> Answer:
+        """Judged: an answer to this request."""
+        self._sequence = self._sequence + 1 & 0xFF
+        frame = encode_request(self.setup.module, Request(number, value, self._sequence))
+        self.drain()
+        self.say(frame.identifier, frame.data)
+        got = self.hear((answer_id(self.setup.module),), self.setup.wait)
+        if got is None:
+            raise Fail(f"no answer to parameter {number}", f"an answer on {answer_id(self.setup.module)}", "nothing")
+        try:
+            answer = decode_answer(got)[1]
+        except DecodeError as error:
+            raise Fail(f"an answer that cannot be: {error}", "8 bytes: number, status, sequence, value", shown(got)) from error
+        if (answer.number, answer.sequence) != (number, self._sequence):
+            wanted = f"number {number}, sequence {self._sequence}"
+            raise Fail(f"another request is answered: number {answer.number}, sequence {answer.sequence}", wanted, shown(got))
+        return answer
+
+    def alive(self) -> None:
+        """The suite's postamble: at rest, one actual value for a SYNC."""
+        try:
+            self.rest()
+        except Inconclusive as ended:
+            raise Fail(ended.reason, ended.expected, ended.got) from ended
+
+
+def words(found: ActualValue | None) -> str:
+    """An actual value for a reader."""
+    if found is None:
+        return "nothing"
+    flags = [name for name in ActualValue._fields[:8] if getattr(found, name)]
+    return f"{', '.join(flags) or 'no bit'}; fault {found.fault_code}, position {found.position_inc}, torque {found.torque_permille}"
