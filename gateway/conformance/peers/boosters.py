@@ -29,15 +29,15 @@ def codec() -> Codec:
 
 
 class Booster:
-    """told: what becomes of an actual value, heard: of a set value, answered: of a parameter's answer; says and hears: of frames."""
+    """Changes: actual (values it sends), sets (values it gets), answered (parameters), out and into (frames), tune (once)."""
 
     def __init__(
         self,
-        told: Told | None = None,
-        heard: Heard | None = None,
+        actual: Told | None = None,
+        sets: Heard | None = None,
         answered: Answered | None = None,
-        says: Raw | None = None,
-        hears: Raw | None = None,
+        out: Raw | None = None,
+        into: Raw | None = None,
         tune: Tune | None = None,
         settings: ServoSettings = QUICK,
         module: int = MODULE,
@@ -45,7 +45,7 @@ class Booster:
         self.slave = ServodynSlave(BusSettings(CYCLE_MS, 1, {module: settings}), codec())
         self.module, self.now, self.last_sync, self.tally = module, 0, 0, 0
         self.kept: ActualValue | None = None
-        self._told, self._heard, self._answered, self._says, self._hears = told, heard, answered, says, hears
+        self._actual, self._sets, self._answered, self._out, self._into = actual, sets, answered, out, into
         if tune is not None:
             tune(self)
 
@@ -58,19 +58,19 @@ class Booster:
         self.now = now
         for identifier, data in frames:
             frame = Frame(identifier, data, now)
-            for one in self._hears(self, frame) if self._hears is not None else (frame,):
+            for one in self._into(self, frame) if self._into is not None else (frame,):
                 changed = self._changed(one._replace(stamp_ns=now))
                 if changed is not None:
                     self.slave.receive([changed], now)
 
     def _changed(self, frame: Frame) -> Frame | None:
-        if self._heard is None or frame.identifier != codec().set_id(self.module):
+        if self._sets is None or frame.identifier != codec().set_id(self.module):
             return frame
         try:
             _, value = codec().decode_set(frame)
         except DecodeError:
             return frame
-        found = self._heard(self, value)
+        found = self._sets(self, value)
         return None if found is None else codec().encode_set(self.module, found)._replace(stamp_ns=frame.stamp_ns)
 
     def wake(self, now: Ns) -> None:
@@ -86,12 +86,12 @@ class Booster:
         for frame in self.slave.take_output():
             changed = self._spoken(frame)
             if changed is not None:
-                found += self._says(self, changed) if self._says is not None else [changed]
+                found += self._out(self, changed) if self._out is not None else [changed]
         return [(frame.identifier, frame.data) for frame in found]
 
     def _spoken(self, frame: Frame) -> Frame | None:
-        if self._told is not None and frame.identifier == codec().actual_id(self.module):
-            value = self._told(self, codec().decode_actual(frame)[1])
+        if self._actual is not None and frame.identifier == codec().actual_id(self.module):
+            value = self._actual(self, codec().decode_actual(frame)[1])
             return None if value is None else codec().encode_actual(self.module, value)
         if self._answered is not None and frame.identifier == answer_id(self.module):
             answer = self._answered(self, decode_answer(frame)[1])

@@ -173,6 +173,14 @@ class FirstOnly(Tables):
         return super().write_words(address, list(values)[:1])
 
 
+class FillBits(Tables):
+    """Several coils at once: the bits that fill the last byte are written as well."""
+
+    def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None:
+        filled = [*values, *[False] * (-len(values) % 8)] if len(values) > 1 else values
+        return super().write_bits(address, filled)
+
+
 class FirstCoils(Tables):
     def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None:
         return super().write_bits(address, list(values)[:8])
@@ -346,7 +354,7 @@ ROWS: tuple[Row, ...] = (
     _answers(
         "exception-without-bit",
         "refuses FC 41h with function 00",
-        ["FUN_BI_01"],
+        ["FUN_BI_04", "FUN_BI_01"],
         lambda device, asked, said: b"\x80" + said[1:] if asked[0] == 0x41 else said,
     ),
     _answers("unknown-is-04", "refuses unknown functions with 04", ["FUN_BI_01"], _number(1, 4, (0x41, 9, 0x64, 0x6E))),
@@ -403,6 +411,7 @@ ROWS: tuple[Row, ...] = (
     _tables("reversed", "writes the last register first", ["CON_BV_16"], Reversed),
     _tables("reversed-coils", "writes the last coil first", ["CON_BV_15"], ReversedCoils),
     _tables("first-only", "FC 16 writes the first register only", ["CON_BV_16"], FirstOnly),
+    _tables("fill-bits", "FC 15 writes the bits that fill its last byte", ["CON_BV_25"], FillBits),
     _tables("first-coils", "FC 15 writes eight coils at most", ["CON_BV_15"], FirstCoils),
     _tables("next-too", "writes the next register as well", ["CON_BV_18"], NextToo),
     _tables("next-coil", "writes the next coil as well", ["CON_BV_24"], NextCoil),

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 from drivers.emulator.servo.settings import ServoSettings
 from drivers.emulator.servodyn.axis import Fault, State
@@ -28,15 +29,15 @@ def _told(name: str, what: str, expects: str, told: Told) -> Row:
 
 
 def _heard(name: str, what: str, expects: str, heard: Heard) -> Row:
-    return _row(name, what, expects, lambda: Booster(heard=heard))
+    return _row(name, what, expects, lambda: Booster(sets=heard))
 
 
 def _says(name: str, what: str, expects: str, says: Raw) -> Row:
-    return _row(name, what, expects, lambda: Booster(says=says))
+    return _row(name, what, expects, lambda: Booster(out=says))
 
 
 def _hears(name: str, what: str, expects: str, hears: Raw) -> Row:
-    return _row(name, what, expects, lambda: Booster(hears=hears))
+    return _row(name, what, expects, lambda: Booster(into=hears))
 
 
 def _answers(name: str, what: str, expects: str, answered: Answered) -> Row:
@@ -47,8 +48,8 @@ def _tuned(name: str, what: str, expects: str, tune: Tune) -> Row:
     return _row(name, what, expects, lambda: Booster(tune=tune))
 
 
-def _always(**bits: object) -> Told:
-    return lambda booster, value: value._replace(**bits)  # type: ignore[arg-type]  # names and kinds of ActualValue
+def _always(**bits: Any) -> Told:
+    return lambda booster, value: value._replace(**bits)
 
 
 def _only_actual(change: Callable[[Booster, Frame], Sequence[Frame]]) -> Raw:
@@ -221,12 +222,6 @@ def _wrong_way(booster: Booster, value: SetValue) -> SetValue:
     return value._replace(position_inc=2 * booster.tally - value.position_inc)
 
 
-def _falls_back(booster: Booster, value: ActualValue) -> ActualValue:
-    """Without a new set value it reports the position of long ago."""
-    booster.kept = booster.kept or value
-    return value._replace(position_inc=booster.kept.position_inc) if booster.tally else value
-
-
 def _no_set_value(booster: Booster, frame: Frame) -> Sequence[Frame]:
     """A SYNC without a set value since the last one: enable counts as taken back."""
     if frame.identifier == SET:
@@ -261,7 +256,7 @@ class TellsLate(Booster):
     """A fault is reported with the next SYNC only."""
 
     def __init__(self) -> None:
-        super().__init__(says=_only_actual(_not_by_itself), hears=_marks_sync)
+        super().__init__(out=_only_actual(_not_by_itself), into=_marks_sync)
 
 
 class SpeaksWithoutSupply(Booster):
@@ -360,8 +355,8 @@ def _good(name: str, what: str, make: Callable[[], object], link: dict[str, obje
     return Variant(name, what, make, LINK if link is None else link, dict(pics))
 
 
-def _servo(**changes: float | bool) -> Callable[[], object]:
-    settings: ServoSettings = replace(QUICK, **changes)  # type: ignore[arg-type]  # names and kinds of ServoSettings
+def _servo(**changes: Any) -> Callable[[], object]:
+    settings: ServoSettings = replace(QUICK, **changes)
     return lambda: Booster(settings=settings)
 
 
@@ -373,13 +368,13 @@ def _chatty(booster: Booster, frame: Frame) -> Sequence[Frame]:
 VARIANTS = (
     _good("plain", "as emulated", Booster),
     _good("late", "its actual value comes 1.5 ms after SYNC", lambda: Late(ms(1.5))),
-    _good("chatty", "another module speaks as well", lambda: Booster(says=_chatty)),
+    _good("chatty", "another module speaks as well", lambda: Booster(out=_chatty)),
     _good("module-3", "module 3", lambda: Booster(module=3)),
     _good("no-brake", "no brake", _servo(brake=False)),
     _good("heavy", "five times the load", _servo(load_inertia_kgm2=0.006)),
     _good("slow-charge", "power takes two seconds, booting one", _servo(charge_s=2.0, boot_s=1.0)),
     _good("gravity", "a vertical axis", _servo(gravity_nm=2.0)),
-    _good("no-parameters", "no parameters over the bus", lambda: Booster(hears=lambda b, f: [] if f.identifier == 310 else [f])),
+    _good("no-parameters", "no parameters over the bus", lambda: Booster(into=lambda b, f: [] if f.identifier == 310 else [f])),
     _good(
         "other-codes",
         "fault codes of its own",

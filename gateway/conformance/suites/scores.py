@@ -3,8 +3,8 @@
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (73, 73),
     "rk512": (57, 57),
-    "modbus-tcp": (57, 57),
-    "modbus-rtu": (54, 54),
+    "modbus-tcp": (58, 58),
+    "modbus-rtu": (55, 55),
     "cia402": (72, 72),
     "canopen-301": (95, 95),
     "servodyn": (55, 55),

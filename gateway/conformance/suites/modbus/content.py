@@ -101,7 +101,7 @@ def _register_writes(p: Purposes[ModbusTester]) -> None:
         condition=("write_holding", "fc16"),
     )
     def several(t: ModbusTester) -> None:
-        at, count = _run(t.setup.holding, 100)
+        at, count = _run(t.setup.holding, 123)
         with _kept(t, 3, at, count):
             for size in sorted({1, min(2, count), count}):
                 values = pattern(size)
@@ -214,6 +214,10 @@ def _writes_in_one_request(p: Purposes[ModbusTester], first: tuple[str, ...]) ->
                 raise Fail("FC 23: badly built answer", f"17h, byte count {2 * count}, data", t.words(got))
             _same(list(struct.unpack(f">{count}H", got[2:])), values, "what FC 23 read")
             _same(t.registers(3, at, count), values, "what FC 23 wrote")
+            half = count // 2
+            if half:
+                got = t.normal(struct.pack(f">BHHHHB{half}H", 23, at + half, half, at, half, 2 * half, *[0x5A00] * half), "FC 23")
+                _same(list(struct.unpack(f">{half}H", got[2 : 2 + 2 * half])), values[half : 2 * half], "what FC 23 read beside its write")
 
 
 def _many_writes(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
@@ -261,6 +265,24 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
                 data = number.to_bytes((size + 7) // 8, "little")
                 t.echo(struct.pack(">BHHB", 15, at, size, len(data)) + data, 5, f"FC 15, {size} coils")
                 _same(t.bits(1, at, size), bits, f"{size} coils from {at}")
+
+    @p.case(
+        "BV_25",
+        "FC 15 changes the coils it names and no other: bits that fill its last byte do not count",
+        "FC 15 ändert nur die genannten Spulen: Füllbits des letzten Bytes zählen nicht",
+        clause="V1.1b3, 6.11",
+        condition=("write_coils", "fc15", "fc5"),
+        preamble=first,
+    )
+    def fill(t: ModbusTester) -> None:
+        at, count = _run(t.setup.coils, 16)
+        with _kept(t, 1, at, count):
+            for size in sorted({1, min(3, count), min(9, count)}):
+                with t.given():
+                    write_back(t, 1, at, [1] * count)
+                length = (size + 7) // 8
+                t.echo(struct.pack(">BHHB", 15, at, size, length) + bytes(length), 5, f"FC 15, {size} coils")
+                _same(t.bits(1, at, count), [0] * size + [1] * (count - size), f"{count} coils after {size} were written")
 
     @p.case(
         "BV_24",

@@ -147,6 +147,17 @@ def missing_unit(t: ModbusTester) -> None:
         raise Warn(f"unit {t.setup.missing}: {t.words(got)}", "silence, exception 0Ah or 0Bh", t.words(got))
 
 
+@TCP.case(
+    "BV_10",
+    "units 0 and 255: what answers carries the unit that was asked",
+    "Geräte 0 und 255: eine Antwort trägt das gefragte Gerät",
+    clause="TCP guide, 4.4.2.3",
+)
+def other_units(t: ModbusTester) -> None:
+    for unit in (0, 255):
+        t.ask(readable_request(t), unit=unit, judge=True)
+
+
 @TCP.case("RC_01", "garbage does not stop the server", "Unsinn hält den Server nicht an")
 def garbage(t: ModbusTester) -> None:
     for noise in (b"GET / HTTP/1.0\r\n\r\n", b"\xff" * 300, bytes(range(256))):

@@ -18,7 +18,7 @@ GERMAN = {1: "Spulen", 2: "diskrete Eingänge", 3: "Halteregister", 4: "Eingangs
 def _collect(prefix: str) -> Purposes[ModbusTester]:
     found = Purposes[ModbusTester](f"{prefix}_FUN", "server", "V1.1b3, 6")
     basic = f"{prefix}_FUN_BV_01"
-    _basic(found)
+    _basic(found, basic)
     for function in TABLES:
         reading = Reading(found, basic, f"{prefix}_FUN_BV_{10 * function}", function)
         _reads(reading)
@@ -33,7 +33,7 @@ def _collect(prefix: str) -> Purposes[ModbusTester]:
     return found
 
 
-def _basic(p: Purposes[ModbusTester]) -> None:
+def _basic(p: Purposes[ModbusTester], basic: str) -> None:
     @p.case(
         "BV_01",
         "a request is answered, with its own header and function",
@@ -47,6 +47,18 @@ def _basic(p: Purposes[ModbusTester]) -> None:
         got = t.ask(struct.pack(">BHH", function, t.setup.base.get(function, 0), 1), judge=True)
         if not got:
             raise Fail(f"FC {function}: {t.words(got)}", "an answer", t.words(got))
+
+    @p.case(
+        "BI_04",
+        "an exception has the header of its request, and the function with the top bit set",
+        "eine Exception trägt den Kopf ihrer Anfrage und die Funktion mit gesetztem höchsten Bit",
+        preamble=(basic,),
+        clause="V1.1b3, 7; TCP guide, 3.1.3",
+        beside=CROSS,
+    )
+    def refused(t: ModbusTester) -> None:
+        function = next(iter(t.setup.base), 3)
+        t.ask(struct.pack(">BHH", function, t.setup.base.get(function, 0), 0), judge=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +131,16 @@ def _refused_reads(reading: Reading) -> None:
     refusal(3, "a range beyond address 65535", "ein Bereich über Adresse 65535", struct.pack(">BHH", function, 0xFFFF, 2), 2, (3,))
 
 
+def _end(t: ModbusTester, function: int, low: int) -> int:
+    """The last address that can be read, where the table has no gap."""
+    high = 0x10000
+    while high - low > 1:
+        middle = (low + high) // 2
+        got = t.ask(struct.pack(">BHH", function, middle, 1))
+        low, high = (middle, high) if got and not got[0] & 0x80 else (low, middle)
+    return low
+
+
 def _misread(reading: Reading) -> None:
     function, number = reading.function, reading.number
 
@@ -127,9 +149,14 @@ def _misread(reading: Reading) -> None:
     )
     def partly(t: ModbusTester) -> None:
         base, span = t.setup.base[function], t.setup.span[function]
-        if span >= reading.most or base + span > 0xFFFF:
-            raise NotApplicable("the end of the table was not found")
-        lived = t.exception(struct.pack(">BHH", function, base, span + 1), 2, f"FC {function}: one more than there are", (3,))
+        if span >= reading.most:
+            end = _end(t, function, base + span - 1)
+            start, count = end, 2
+        else:
+            end, start, count = base + span - 1, base, span + 1
+        if end >= 0xFFFF:
+            raise NotApplicable("the table has no end")
+        lived = t.exception(struct.pack(">BHH", function, start, count), 2, f"FC {function}: one more than there are", (3,))
         if lived is not None:
             raise Warn(f"FC {function}: one more than there are is refused with {lived:02X}h", "02h", f"{lived:02X}h")
 

@@ -212,7 +212,7 @@ class ModbusTester(Tester):
 
     def exception(self, pdu: bytes, code: int, what: str, others: tuple[int, ...] = ()) -> int | None:
         """Refused with this exception, or one of the others (which is returned); None: with the right one."""
-        got = self.ask(pdu, judge=True)
+        got = self.ask(pdu)
         if len(got) == 2 and got[0] & 0x80:
             if got[1] == code:
                 return None

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from typing import Any
 
 from gateway.conformance.framework.base import hexed
 from gateway.conformance.framework.frame_wire import FrameWire
@@ -47,9 +48,9 @@ class BoosterTester(CanTester):
         return self.setup.codec.actual_id(self.setup.module)
 
     # ---- the cycle
-    def give(self, **changes: object) -> None:
+    def give(self, **changes: Any) -> None:
         """From here on the set values hold this."""
-        self.value = self.value._replace(**changes)  # type: ignore[arg-type]  # names and kinds of SetValue
+        self.value = self.value._replace(**changes)
 
     def read(self, frame: Frame) -> ActualValue:
         try:

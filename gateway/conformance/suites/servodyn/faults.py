@@ -51,7 +51,7 @@ def sync_lost(t: BoosterTester) -> None:
 
 @FLT.case(
     "BV_02",
-    "a life counter that stands is a fault",
+    "an unchanged life counter is a fault",
     "ein stehender Lebenszähler ist ein Fehler",
     condition=("life",),
     beside=Particulars(limits="within 4 x P5"),
@@ -61,7 +61,7 @@ def life_lost(t: BoosterTester) -> None:
         t.life_runs = False
         found = t.turn(6)
         t.life_runs = True
-        coded(found, LIFE_LOST, "a life counter that stands")
+        coded(found, LIFE_LOST, "an unchanged life counter")
 
 
 @FLT.case(
