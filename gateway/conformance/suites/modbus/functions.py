@@ -59,6 +59,7 @@ def _basic(p: Purposes[ModbusTester], basic: str) -> None:
     def refused(t: ModbusTester) -> None:
         function = next(iter(t.setup.base), 3)
         t.ask(struct.pack(">BHH", function, t.setup.base.get(function, 0), 0), judge=True)
+        t.ask(b"\x41", judge=True)  # a function that is not offered
 
 
 @dataclass(frozen=True, slots=True)
