@@ -112,7 +112,7 @@ def test_a_pic_that_comes_back_has_its_flags_and_counters() -> None:
     assert cell.control.flag_bytes()[50] == 0 and not cell.control.image.input(464), "flags that others write reach the program"
 
 
-@pytest.mark.requirement("RHO-PLC-38", by="gateway.pure.controllers.rho3.signals.control:RhoControl.step")
+@pytest.mark.requirement("RHO-PLC-38", by="gateway.pure.controllers.rho3.signals.pic:PicLink.fails")
 def test_a_scan_without_an_end_stops_the_pic_and_opens_ready() -> None:
     cell = with_pic(one("WAIT 1"), "USER_1_RCI = 1 AGAIN: IF I88.1 THEN JUMP AGAIN")
     ready(cell)
