@@ -223,6 +223,7 @@ class ProgramCell:
             tuple(from_si(axis.set, own.unit) for own, axis in axes),
             tuple(from_si(axis.measured, own.unit) if state.measured_mask >> n & 1 else None for n, (own, axis) in enumerate(axes)),
             paths_of(planner, state),
+            tuple(from_si(axis.actual, own.unit) for own, axis in axes),
         )
         orders, self.hosted.orders = self.hosted.orders, []
         for order in (unpack_facts(pack_facts(each)) for each in orders):

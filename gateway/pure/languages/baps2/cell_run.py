@@ -27,7 +27,7 @@ EARLY = 1_000  # the same inputs, read while the block is prepared
 OUTPUTS = (*range(1, USER + 1), *range(FIRST_MULTI, FIRST_MULTI + MULTI))
 DRY_NS = 100_000_000  # with nothing to do for so long the order is given back
 OWN_RUNS = 1 << 20  # runs that programs start themselves
-POSSIBLE = (4, 16, 41, 46)  # special functions
+POSSIBLE = (4, 16, 29, 30, 31, 41, 43, 44, 46)  # special functions
 WAITS = {
     "MoveTo": "the blocks before", "ReadInput": "the end of a movement", "Dwell": "a time", "WaitFor": "a condition",
     "ReadDevice": "a device", "Branches": "its branches", "Drain": "the end of a movement", "Enter": "a semaphore",
@@ -110,6 +110,7 @@ class CellRun(Control):
             moved = any(number in self._numbers_of(task) for task in self.tasks.values())
             if not moved:  # process start: factors of the kinematic are 1.0 again (L2707-2719)
                 self.lane(name).factors.clear()
+                self.lane(name).measured = None
 
     @staticmethod
     def _numbers_of(task: Task) -> tuple[int, ...]:
@@ -264,6 +265,7 @@ class CellRun(Control):
             if not block.stretch.over:
                 return False
             block.met = self.port.view.path_of(block.stretch.robot).met
+            self.lane(block.kinematic).measured = None  # what the cycle has measured is newer
         return True
 
     def _hand_on(self, task: Task) -> None:
@@ -372,10 +374,6 @@ class CellRun(Control):
             return PENDING
         return None
 
-    def input(self, channel: int) -> int | float:
-        """Value of an input now."""
-        return self.signal(channel, self.now)
-
     def signal(self, channel: int, now: int) -> int | float:
         """Value of an input as the control has it; a runtime error where there is none."""
         number, seen = channel % EARLY, self.port.view.channels
@@ -411,10 +409,17 @@ class CellRun(Control):
         """Set joints of a kinematic now."""
         return self._robot(kinematic).own(self.port.view.set)
 
+    def actual(self, kinematic: str) -> tuple[float, ...]:
+        """As its drives report."""
+        return self._robot(kinematic).own(self.port.view.actual)
+
     def position(self, task: Task, kinematic: str, name: str) -> tuple[float, ...]:
         """POS, @POS, @MPOS now."""
         robot = self._robot(kinematic)
         if name == "@MPOS":
+            flying = self.lane(kinematic).measured
+            if flying is not None:
+                return flying
             found = self.port.view.measured[robot.first : robot.first + robot.size]
             if any(each is None for each in found):
                 raise fault(200)

@@ -92,6 +92,10 @@ class Control(ABC):
     def where(self, kinematic: str) -> tuple[float, ...]:
         """Joints of a kinematic now."""
 
+    def actual(self, kinematic: str) -> tuple[float, ...]:
+        """Without a lag, unless drives report it."""
+        return self.where(kinematic)
+
     @abstractmethod
     def world(self, kinematic: str, joints: tuple[float, ...]) -> tuple[float, ...]:
         """World coordinates of joints, in original coordinates."""

@@ -59,6 +59,9 @@ class Machine(Protocol):
     def where(self, kinematic: str) -> tuple[float, ...]:
         """Joints of a kinematic now."""
 
+    def actual(self, kinematic: str) -> tuple[float, ...]:
+        """Joints of a kinematic as they are measured now."""
+
     def belt(self, channel: int) -> float:
         """Counter of a belt in mm."""
 

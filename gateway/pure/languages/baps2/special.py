@@ -131,7 +131,7 @@ class Specials:
             value = int(self._machine.signal(channel, self._machine.now))
             if not each.done and value != each.was and value == each.edge:
                 each.done = True
-                self._machine.lane(each.kinematic).measured = self._machine.where(each.kinematic)
+                self._machine.lane(each.kinematic).measured = self._machine.actual(each.kinematic)
             each.was = value
         for kinematic, record in self._records.items():
             if record.running:
@@ -163,7 +163,7 @@ class Specials:
             raise fault(90, str(index))
         joints = record.points[-index]
         _set(values[2], joints)
-        _set(values[3], to_workpiece(lane.frame, joints))
+        _set(values[3], to_workpiece(lane.frame, self._machine.world(name, joints)))
 
     def _logic(self, task: Task, number: int, values: tuple[object, ...]) -> None:
         """IOL and PPO: a negative number resets the function and issues the value at once (L4210-4245)."""
