@@ -25,7 +25,7 @@ from motion.timing.slices import Work, whole
 Array = NDArray[np.float64]
 STEP_S = 1e-3
 SHARE = 0.9  # of the accelerations
-WIDTH = 1.8  # times acceleration / jerk of the slowest axis
+WIDTH = 1.2  # times acceleration / jerk of the slowest axis (AX-961)
 POINTS = (200, 1600)  # of the grid over s
 A_STRETCH = 8  # places for each polynomial of the path, if there is room
 FINER = 4  # looks at the tool in an interval of the grid

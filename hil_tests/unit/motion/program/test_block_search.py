@@ -7,10 +7,12 @@ import pytest
 
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.cell import Motion
-from hil_tests.lab.cells.arms import Array
+from hil_tests.lab.cells.arms import Array, robot, shares
+from hil_tests.lab.cells.arms import run as executed
 from hil_tests.lab.virtual.belt_bench import CELL
 from hil_tests.lab.virtual.planned_bench import Planned, ServodynRobot, off_segment
 from hil_tests.unit.motion.program.close import same_program
+from motion.planner.arm import Arm
 from motion.program.errors import TextFaults
 from motion.program.text.reader import read
 from motion.program.text.writer import write
@@ -81,3 +83,14 @@ def test_it_holds_from_the_statement_on_and_is_written_again() -> None:
 def test_what_is_no_number_of_blocks_is_told(line: str) -> None:
     with pytest.raises(TextFaults, match=r"line 5: block_search: .* 1 \.\. 11 blocks"):
         read(HEAD + line)
+
+
+@pytest.mark.parametrize("search", ["5", "11"])
+def test_ends_of_the_path_that_move_on_keep_the_jerk(search: str) -> None:
+    machine = robot("portal")
+    program = read("\n".join([HEAD.rstrip(), f"block_search {search}", *LINES]))
+    arm = Arm(machine, program.start, 1e-3)
+    for block in program.blocks:
+        arm.add(block)
+    arm.finish()
+    assert max(shares(machine, executed(arm, limit_s=20.0), 1e-3)) <= 1.05

@@ -129,6 +129,13 @@ def test_corners_that_become_known_while_the_axes_run(name: str) -> None:
     assert fed(name, f"set radius=0.3\n{text}") < 0.99 * stops
 
 
+@pytest.mark.parametrize(("name", "most"), [("portal", 1.09), ("tx60-like", 1.2)])
+def test_longer_moves_that_become_known_while_the_axes_run(name: str, most: float) -> None:
+    """They took 1.12 and 1.28 times as long as stops: what a corner asks for was kept too far around it."""
+    text = steps(20, 10.0)
+    assert fed(name, f"set radius=1\n{text}") <= most * planned(name, text)
+
+
 def test_a_row_of_more_stretches_than_a_law_spans() -> None:
     text = steps(200, 1.0)
     assert planned("portal", f"set radius=0.05\n{text}") <= planned("portal", text) + 0.02

@@ -54,6 +54,7 @@ move left linear pose 100 0 0 0 0 0 and right ptp joints 100 0 0 0
 move left linear pose 400 0 0 0 0 0 path=10 blend=off and right linear pose 400 0 0 0 0 0 path=20
 """
 WHOLE = "AXISGATE_WHOLE_CURVE" in os.environ  # `make soak`
+LESS_TIME = 1.0 if WHOLE else 0.25  # a quarter has more pieces than stay as they are (commit.PLENTY), too
 STEP_S = 20e-3
 HEAD = "robot portal\naxes mm mm mm\nstart 0 0 0\n"
 ARC = """robot tx60-like
@@ -230,6 +231,9 @@ def test_what_would_take_endless_is_told_and_no_law_is_tried() -> None:
         assert len(faults) == 1 and "s without a stop is too long" in str(faults[0]), text
 
 
+LINES = 200 if WHOLE else 140  # with their corners more than one law spans (planner.WINDOW)
+
+
 def rounded_lines(count: int) -> str:
     """Lines of 20 .. 170 mm in a box, as fast as the axes go, with radii of 10 mm."""
     chance, (x, y, z) = random.Random(3), (0.0, 0.0, 0.0)
@@ -244,7 +248,7 @@ def rounded_lines(count: int) -> str:
 
 @pytest.mark.timeout(900)
 def test_many_rounded_lines_known_at_once_are_handed_on_in_parts_as_those_known_one_by_one() -> None:
-    program, machine = read(rounded_lines(200)), robot("tx60-like")
+    program, machine = read(rounded_lines(LINES)), robot("tx60-like")
     assert sections_of(program, machine, ())[1] == []
     planner = Planner(machine, program.start)
     for block in program.blocks:
@@ -255,13 +259,13 @@ def test_many_rounded_lines_known_at_once_are_handed_on_in_parts_as_those_known_
         pieces += made
         tau = max(planner.end - 0.5 * planner.ahead_s, tau)
     pieces += planner.plan(planner.end, hurry=True)
-    assert not planner.open and planner.place(planner.end) == (200, 1.0)
-    assert sum(piece.duration for piece in pieces) > 15.0
+    assert not planner.open and planner.place(planner.end) == (LINES, 1.0)
+    assert sum(piece.duration for piece in pieces) > 0.075 * LINES
 
 
 def test_three_minutes_of_curve_pass_check_and_planner_and_their_law_is_made_in_slices() -> None:
     """One slice took half of the work, seconds in which the planner showed no life."""
-    machine, text = robot("portal"), "robot portal\nangles rho3\naxes mm mm mm deg\nstart 300 100 50 0\nset path=2.77\n"
+    machine, text = robot("portal"), f"robot portal\nangles rho3\naxes mm mm mm deg\nstart 300 100 50 0\nset path={2.77 / LESS_TIME}\n"
     program = read(f"{text}circular via pose 450 250 60 0 0 0 to pose 300 400 70 0 0 0\n")
     found = route_of(program, machine)
     assert not found.faults and not too_long(found.stretches, machine)
@@ -274,11 +278,11 @@ def test_three_minutes_of_curve_pass_check_and_planner_and_their_law_is_made_in_
         begin = time.process_time()
         done = planner.work()
         spent.append(time.process_time() - begin)
-    assert planner.take() and 170.0 < planner.end < 200.0
+    assert planner.take() and 170.0 < planner.end / LESS_TIME < 200.0
     assert max(spent) < 0.15 * sum(spent)
 
 
-CURVE = ARC.replace("path=12", "path=2.05")  # three minutes of an arm
+CURVE = ARC.replace("path=12", f"path={2.05 / LESS_TIME}")  # three minutes of an arm
 
 
 def test_three_minutes_of_curve_of_an_arm_are_planned_in_short_slices() -> None:
@@ -292,8 +296,8 @@ def test_three_minutes_of_curve_of_an_arm_are_planned_in_short_slices() -> None:
             done = planner.work()
             spent.append(time.process_time() - begin)
         planner.take()
-    assert planner.end > 180.0
-    assert max(spent) < 0.1 * sum(spent) and len(spent) > 120, "a look at all samples of a phase was one slice: there were 53"
+    assert planner.end > 180.0 * LESS_TIME
+    assert max(spent) < 0.1 * sum(spent) and len(spent) > 65, "a look at all samples of a phase was one slice"
 
 
 @pytest.mark.timeout(1200)
@@ -327,6 +331,6 @@ def test_what_check_says_of_three_minutes_of_curve_of_an_arm_is_what_a_cell_does
     rows = [stepper.step().q]
     while stepper.state is not State.IDLE:
         rows.append(stepper.step().q)
-    assert 180.0 < len(rows) * STEP_S < 215.0
+    assert len(handed) > PLENTY / 4 and 180.0 < len(rows) * STEP_S / LESS_TIME < 215.0
     tip = cell.machine.forward(rows[-1]).position
     assert tip == pytest.approx((0.35, 0.15, 0.2), abs=1e-5)
