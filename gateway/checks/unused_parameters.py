@@ -22,7 +22,7 @@ def given(params: Rho3) -> list[str]:
 
 
 def why_unused(cell: Cell, params: Rho3, name: str) -> str:
-    """Name of the sentence that says it; empty: it acts."""
+    """Why: name of the sentence in configs/texts/check.toml; empty: it acts."""
     controlled = cell.controller is not None and CONTROLLERS[cell.controller.kind].parameters
     boosted = any(BUS_PROTOCOLS[bus.protocol].boosted for bus in cell.bus)
     reasons = (
