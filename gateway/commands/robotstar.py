@@ -1,27 +1,40 @@
-"""Programs of a Reis ROBOTstar V: check a memory, run a program in virtual time, import printed listings."""
+"""Programs of a Reis ROBOTstar V: check a memory, run a program in virtual time, import printed listings;
+list a memory, protect, delete, rename and copy its programs."""
 
 import argparse
+import dataclasses
 import json
 import sys
 from pathlib import Path
 
 from gateway.files.robots import RobotFaults, load_robot
 from gateway.files.robotstar import FolderFault, sources, text_of, words, write
+from gateway.files.robotstar_directory import copy, delete, entries, protect, rename
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.robotstar.checker import check
 from gateway.pure.languages.robotstar.listing import PointFault, import_listing, points_of
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.pure.languages.robotstar.plc_link import PlcLink, check_plc
+from gateway.pure.languages.robotstar.protection import Protected
 from gateway.pure.languages.robotstar.reach import reach_of
 from gateway.pure.languages.robotstar.robot import MODES
 from gateway.pure.languages.robotstar.virtual import NS, OrderFault, VirtualCell, orders
 from gateway.runtime.exit_codes import Exit
 
+DIRECTORY = {"list": (), "protect": ("program", "letters"), "delete": ("program",), "rename": ("program", "to"), "copy": ("program", "to")}
+WORDS = {
+    "program": "its name, with .MPR, .SPR .. where several have it",
+    "letters": "locked ones of L delete, A execute, E edit, S structure, U rename; - for none",
+    "to": "the new name",
+}
 EXAMPLES = """examples:
   axisgate robotstar check memory                                  all faults of a folder of programs, with file and line
   axisgate robotstar run memory --program PALTEST --virtual        AUTO in virtual time, START at 0
   axisgate robotstar run memory --program P --virtual --mode test1 --at "1 START" --at "2 F2" --until 10 --json
   axisgate robotstar import listing.txt --points points.csv        a printed listing as programs of a memory
+  axisgate robotstar list memory                                   type, length, date, protection L/A/E/S/U and Var of each program
+  axisgate robotstar protect memory PALTEST LS                     locks deletion and structure; "-" releases all letters
+  axisgate robotstar copy memory PALTEST PALOLD                    also rename; delete memory PALOLD
 exit code: 0 done, 1 faults or an error of the program, 2 nothing to read or a wrong option"""
 
 
@@ -29,12 +42,17 @@ def main(argv: list[str]) -> int:
     parser = argparse.ArgumentParser(
         "axisgate robotstar", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parts = parser.add_subparsers(dest="part", required=True, metavar="check|run|import")
+    parts = parser.add_subparsers(dest="part", required=True, metavar="check|run|import|list|protect|delete|rename|copy")
     for name, add in (("check", _check_options), ("run", _run_options), ("import", _import_options)):
         add(parts.add_parser(name, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter))
+    for name, more in DIRECTORY.items():
+        _directory_options(parts.add_parser(name, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter), more)
     options = parser.parse_args(argv)
     try:
-        return {"check": _check, "run": _run, "import": _import}[options.part](options)
+        return {"check": _check, "run": _run, "import": _import, "list": _list}.get(options.part, _directory)(options)
+    except Protected as fault:
+        print(f"axisgate robotstar: {fault}", file=sys.stderr)
+        return Exit.FINDING
     except (FolderFault, OrderFault, PointFault, RobotFaults, FileNotFoundError) as fault:
         print(f"axisgate robotstar: {fault}", file=sys.stderr)
         return Exit.INVALID
@@ -62,6 +80,40 @@ def _import_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--points", type=Path, metavar="CSV", help="name,X,Y,Z,A,B,C[,Frame,A7..] of the positions")
     parser.add_argument("--to", type=Path, metavar="FOLDER", help="writes the programs there; otherwise they are printed")
     parser.add_argument("--json", action="store_true")
+
+
+def _directory_options(parser: argparse.ArgumentParser, more: tuple[str, ...]) -> None:
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="the memory")
+    for name in more:
+        parser.add_argument(name, metavar=name.upper(), help=WORDS[name])
+    parser.add_argument("--json", action="store_true")
+
+
+def _list(options: argparse.Namespace) -> int:
+    """The directory as the control shows it."""
+    found = entries(options.folder)
+    if options.json:
+        print(json.dumps([dataclasses.asdict(each) for each in found], indent=1, ensure_ascii=False))
+    for each in found if not options.json else ():
+        print(f"{each.name:24} {each.kind:5} {each.length:>8} {each.changed} {each.protection} {'Var' if each.variables else ''}".rstrip())
+    return Exit.OK
+
+
+def _directory(options: argparse.Namespace) -> int:
+    """protect, delete, rename, copy."""
+    folder, name = options.folder, options.program
+    match options.part:
+        case "protect":
+            done = protect(folder, name, options.letters)
+        case "delete":
+            delete(folder, name)
+            done = "deleted"
+        case "rename":
+            done = rename(folder, name, options.to)
+        case _:
+            done = copy(folder, name, options.to)
+    print(json.dumps({"done": done}) if options.json else f"{name}: {done}")
+    return Exit.OK
 
 
 def _seconds(text: str) -> float:

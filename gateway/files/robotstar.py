@@ -7,9 +7,11 @@ from pathlib import Path
 
 from gateway.files.old_text import decoded
 from gateway.pure.languages.robotstar.memory import Source
+from gateway.pure.languages.robotstar.protection import Protected, letters_of
 from gateway.pure.languages.robotstar.words import Words
 
 MOST_BYTES = 4_000_000  # of a program
+LOCKS = ".protection"  # file with the locked letters of programs
 KEPT = ".VAL"  # suffix of a file with values that outlive power-off
 
 
@@ -28,7 +30,37 @@ def sources(folder: str) -> list[Source]:
     root = Path(folder)
     if not root.is_dir():
         raise FolderFault(f"{folder} is no folder; name the folder that holds the programs (NAME.MPR, NAME.SPR, ..)")
-    return [Source(path.relative_to(root).as_posix(), text_of(path)) for path in _files(root)]
+    locks = locks_of(root)
+    files = [(path.relative_to(root).as_posix(), path) for path in _files(root)]
+    return [Source(name, text_of(path), locks.get(name, "")) for name, path in files]
+
+
+def locks_of(root: Path) -> dict[str, str]:
+    """Locked letters by file, as the hidden file of the memory has them: a file a line.  FolderFault."""
+    path = root / LOCKS
+    if not path.exists():
+        return {}
+    found: dict[str, str] = {}
+    for line in text_of(path).splitlines():
+        name, equals, letters = line.rpartition("=")
+        try:
+            found[name.strip()] = letters_of(letters)
+        except Protected as fault:
+            raise FolderFault(f"{path}: {fault}") from fault
+        if not equals:
+            raise FolderFault(f"{path}: {line!r} has no '='; a line is NAME.MPR = LS")
+    return found
+
+
+def write_locks(root: Path, locks: Mapping[str, str]) -> None:
+    """The file as a whole."""
+    text = "".join(f"{name} = {letters}\n" for name, letters in sorted(locks.items()) if letters)
+    fresh = root / f"{LOCKS}.new"
+    try:
+        fresh.write_text(text, encoding="utf-8")
+        fresh.replace(root / LOCKS)
+    except OSError as error:
+        raise FolderFault(f"{fresh}: {error.strerror}") from None
 
 
 def _files(root: Path) -> Iterator[Path]:

@@ -8,8 +8,10 @@ from dataclasses import dataclass, field
 
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import SourceFile
+from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.operands import Number, Operand, Ref, Text
 from gateway.pure.languages.robotstar.program import DEFINITIONS, KINDS, Program, Step
+from gateway.pure.languages.robotstar.protection import DELETE, EXECUTE, shown
 from gateway.pure.languages.robotstar.reader import read_program
 from gateway.pure.languages.robotstar.values import ELEMENTS, Cell, Structure, Variable, made
 from gateway.pure.languages.robotstar.words import Words
@@ -23,10 +25,11 @@ DEFAULT_TOOL = "T"  # printed everywhere without a definition
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """One file of the memory: path below the root with `/`, its text."""
+    """One file of the memory: path below the root with `/`, its text, the letters of its protection that are locked."""
 
     path: str
     text: str
+    locked: str = ""
 
 
 @dataclass(slots=True)
@@ -71,6 +74,9 @@ class Memory:
         program = read_program(place, name, kind.upper(), self.words, faults, directory)
         if any(each.key == program.key and each.kind != "PLC" for each in self.programs.get(name.upper(), [])):
             faults.error("rsv.program_twice", place.at(1), f"{program.key}: there are two programs of this name")
+        program.locked = source.locked
+        if EXECUTE in source.locked:
+            program.refused.append((1, f"{program.name} is protected against execution ({shown(source.locked)})"))
         self.add(program, faults)
 
     def add(self, program: Program, faults: Faults | None = None) -> None:
@@ -84,7 +90,9 @@ class Memory:
                     self._define(program, step, faults)
 
     def remove(self, program: Program) -> None:
-        """Deletes a program and what it defines."""
+        """Deletes a program and what it defines; StepFault where it is protected."""
+        if DELETE in program.locked:
+            raise StepFault(f"program {program.name} is protected against deletion")
         self.version += 1
         self.programs[program.name.upper()].remove(program)
         self.locals.pop(program.key, None)

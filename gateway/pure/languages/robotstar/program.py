@@ -43,6 +43,7 @@ class Program:
     directory: str = ""
     file: str = ""
     labels: dict[str, int] = field(default_factory=dict)  # name -> step number
+    locked: str = ""  # letters of its protection
     refused: list[tuple[int, str]] = field(default_factory=list)  # (line, fault) of what keeps it from running
 
     @property

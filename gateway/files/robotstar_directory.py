@@ -1,0 +1,103 @@
+"""The directory of a ROBOTstar memory on disk: what it shows, and what its keys do: protect, delete, rename, copy.  Source: robotstar 1.2,
+1.3, L1033-1146; AX-1001."""
+
+import datetime
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from gateway.files.robotstar import KEPT, FolderFault, locks_of, sources, words, write_locks
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.robotstar.memory import Memory
+from gateway.pure.languages.robotstar.program import DEFINITIONS
+from gateway.pure.languages.robotstar.protection import DELETE, RENAME, demand, letters_of, shown
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One program or directory.  `variables`: definitions are in it."""
+
+    name: str
+    kind: str
+    length: int
+    changed: str
+    protection: str
+    variables: bool
+
+
+def entries(folder: Path) -> list[Entry]:
+    """All of a memory, by name, digits before letters; directories as <DIR>.  FolderFault."""
+    locks, found = locks_of(folder), []
+    memory = Memory.read(sources(str(folder)), words(), Faults())
+    defining = {each.file for each in memory.all() if any(step.valid and step.word in DEFINITIONS for step in each.steps)}
+    for source in sources(str(folder)):
+        path, (name, _, kind) = folder / source.path, source.path.rpartition(".")
+        found.append(
+            Entry(name, kind.upper(), path.stat().st_size, _time(path), shown(locks.get(source.path, "")), source.path in defining)
+        )
+    for path in folder.rglob("*"):
+        relative = path.relative_to(folder).as_posix()
+        if path.is_dir() and not any(part.startswith(".") for part in relative.split("/")):
+            found.append(Entry(relative, "<DIR>", 0, _time(path), shown(""), any(each.startswith(f"{relative}/") for each in defining)))
+    return sorted(found, key=lambda each: (each.name.upper(), each.kind))
+
+
+def _time(path: Path) -> str:
+    return datetime.datetime.fromtimestamp(path.stat().st_mtime).strftime("%d.%m.%Y %H:%M")
+
+
+def protect(folder: Path, name: str, letters: str) -> str:
+    """Locks these letters of a program and releases the others; what the directory shows then.  FolderFault, Protected."""
+    file, locked = _file(folder, name), letters_of(letters)
+    write_locks(folder, {**locks_of(folder), file: locked})
+    return shown(locked)
+
+
+def delete(folder: Path, name: str) -> None:
+    """A program with its values.  FolderFault, Protected."""
+    file, locks = _file(folder, name), locks_of(folder)
+    demand(file, locks.pop(file, ""), DELETE)
+    (folder / file).unlink()
+    (folder / f"{file}{KEPT}").unlink(missing_ok=True)
+    write_locks(folder, locks)
+
+
+def rename(folder: Path, name: str, to: str) -> str:
+    """Its head and its values go along; the file it has then.  FolderFault, Protected."""
+    file, locks = _file(folder, name), locks_of(folder)
+    demand(file, locks.get(file, ""), RENAME)
+    new = _copied(folder, file, to)
+    write_locks(folder, {**{each: letters for each, letters in locks.items() if each != file}, new: locks.get(file, "")})
+    (folder / file).unlink()
+    (folder / f"{file}{KEPT}").unlink(missing_ok=True)
+    return new
+
+
+def copy(folder: Path, name: str, to: str) -> str:
+    """With its values; always allowed (L1064), the copy is not protected.  FolderFault."""
+    return _copied(folder, _file(folder, name), to)
+
+
+def _copied(folder: Path, file: str, to: str) -> str:
+    directory, _, old = file.rpartition("/")
+    plain, _, kind = old.rpartition(".")
+    name = to.strip().removesuffix(f".{kind}")
+    new = f"{directory}/{name}.{kind}" if directory else f"{name}.{kind}"
+    if not name or "/" in name or name.startswith(".") or any(each.path.upper() == new.upper() for each in sources(str(folder))):
+        raise FolderFault(f"{to}: a program of this name is there, or the name has a '/' or none")
+    text = next(each.text for each in sources(str(folder)) if each.path == file)
+    head, line, rest = text.partition("\n")
+    (folder / new).write_text(head.replace(plain, name, 1) + line + rest, encoding="utf-8", newline="")
+    if (folder / f"{file}{KEPT}").exists():
+        shutil.copyfile(folder / f"{file}{KEPT}", folder / f"{new}{KEPT}")
+    return new
+
+
+def _file(folder: Path, name: str) -> str:
+    """The file of a program by its name, with or without its kind."""
+    wanted = name.upper()
+    found = [each.path for each in sources(str(folder)) if wanted in (each.path.upper(), each.path.upper().rpartition(".")[0])]
+    if len(found) != 1:
+        why = "several programs have this name: add .MPR, .SPR .." if found else f"there is no such program in {folder}"
+        raise FolderFault(f"{name}: {why}")
+    return found[0]
