@@ -58,6 +58,7 @@ class PlannerProcess:
             self.programs.follows(unpack_planner(said))
         self._told: dict[int, tuple[int, str]] = {}  # lane -> fault in the journal
         self._stop = False
+        self._gaps = 0  # statements lost so far
 
     def machine(self, name: str, number: int) -> Machine:
         """The cell's robot, which a program names or not, or the one of a stream; raises MotionError."""
@@ -117,6 +118,7 @@ class PlannerProcess:
         records = [unpack_block(data) for _, data in self.blocks.take(TAKEN)]
         if self.lines is not None:
             records += [unpack_block(data) for _, data in self.lines.take(TAKEN)]  # behind the order that begins their stream
+        self._look_for_gaps()
         while time.monotonic_ns() - now < WORKING_NS and self.programs.prepare(state, self.count):
             pass
         while time.monotonic_ns() - now < WORKING_NS and self.programs.work():
@@ -128,6 +130,13 @@ class PlannerProcess:
         for record in pieces:
             self.pieces.put(pack_piece(record, self.pieces.size))
         self.region.beat(time.monotonic_ns())
+
+    def _look_for_gaps(self) -> None:
+        """A writer that came round has taken statements from us: the streams they may have belonged to are over."""
+        gaps = self.blocks.gaps + (self.lines.gaps if self.lines is not None else 0)
+        if gaps > self._gaps:
+            self.programs.lost(gaps - self._gaps)
+        self._gaps = gaps
 
     def _tell(self, state: PlannerState) -> None:
         for lane, own in enumerate((state, *state.others)):

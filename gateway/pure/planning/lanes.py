@@ -60,6 +60,11 @@ class LanePrograms:
             made += follow(lane, heard[number], state, count, state.lanes[number] if number < len(state.lanes) else None)
         return made
 
+    def lost(self, count: int) -> None:
+        """Statements that did not come; whose they were is not known."""
+        for lane in self.lanes:
+            lane.lost(count)
+
     def _lane(self, record: BlockRecord) -> int:
         if record.say in (Say.RUN, Say.STREAM):
             mask = self._moved_by(run_of(record).number if record.say is Say.RUN else -int(record.text))

@@ -13,6 +13,7 @@ from functools import partial
 from gateway.pure.cycle.path_outputs import Places
 from gateway.pure.image.records.planner import (
     ANSWERS,
+    BLOCKS,
     VOID,
     Answer,
     BlockRecord,
@@ -491,6 +492,11 @@ class Programs:
         self._job.over()
         self._reading.stop()
         self._out.append(PieceRecord(Part.FAULT, job, self.generation))
+
+    def lost(self, count: int) -> None:
+        """So many statements did not come: what follows them is not what was meant, and a stream is over."""
+        if self.state.job and self._job.streams and not self._job.ended:
+            self._fail(MotionError(f"{count} statements of the stream are lost: more than {BLOCKS} came ahead of the planner"))
 
     def _drop(self) -> None:
         self._job.over()

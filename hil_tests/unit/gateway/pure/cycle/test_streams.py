@@ -177,6 +177,17 @@ def test_a_block_that_cannot_be_ends_the_stream_with_words_and_the_axes_rest_on_
     assert (y, z) == (100.0, 50.0) and bench.at()[0] <= 120.0
 
 
+def test_a_stream_of_which_statements_are_lost_ends_with_their_number_on_its_path(bench: StreamBench) -> None:
+    fresh(bench).say("linear pose 200 100 50 0 0 0 path=60", finish=False)
+    bench.until(lambda s: s.axes[0].set > 0.13)
+    bench.programs.lost(7)
+    bench.say("linear pose 200 300 50 0 0 0")
+    job = bench.finished(bench.job)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.PROGRAM_FAULT)
+    assert "7 statements of the stream are lost" in job.detail
+    assert bench.at()[1:] == (100.0, 50.0, 0.0) and bench.at()[0] <= 200.0
+
+
 def test_a_stop_holds_a_stream_on_its_path_and_resume_goes_on(bench: StreamBench) -> None:
     fresh(bench).say("linear pose 200 100 50 0 0 0 path=60", "linear pose 200 150 50 0 0 0")
     bench.until(lambda s: s.axes[0].set > 0.13)
