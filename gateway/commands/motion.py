@@ -13,6 +13,7 @@ from gateway.assembly.alter import altered
 from gateway.assembly.belts import belt_facts
 from gateway.assembly.programs import bnr_files, machine_of_cell, numbers_by_axis, robot_meant, team_meant
 from gateway.commands.motion_run import main as run
+from gateway.commands.motion_stream import main as stream
 from gateway.files.find import ConfigNotFound, find_config, read_text
 from gateway.files.robots import RobotFaults, load_robot
 from gateway.pure.cell.cell import Cell
@@ -43,13 +44,14 @@ EXAMPLES = """examples:
   axisgate motion check mine.txt --robot tx60-like --json   another robot than the program names; findings as JSON
   axisgate motion plot pick.txt --cell portal --belt-speed 150   in a cell: its limits, blocks on its belts at 150 mm/s
   axisgate motion run scara 1 --sim                         program 1 of a cell, on its emulated drives (motion run -h)
+  axisgate motion stream scara moves.txt --sim              statements that move as they come (motion stream -h)
 PROGRAM is a file, or the name of a shipped one (configs/programs); the text form is described in docs/guide/motion-programs.md.
 exit code: 0 can be run, 1 a finding, 2 the program, its text or the robot is invalid"""
 
 
 def main(argv: list[str]) -> int:
-    if argv[:1] == ["run"]:
-        return run(argv[1:])
+    if argv[:1] in (["run"], ["stream"]):
+        return (run if argv[0] == "run" else stream)(argv[1:])
     parser = argparse.ArgumentParser(
         "axisgate motion", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -5,13 +5,12 @@ import contextlib
 import json
 import sys
 import time
-from collections.abc import Iterator
 
-from gateway.assembly.run import slug_of
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.records.cell import Motion
-from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
+from gateway.tools.client import Row, ToolClient, ToolError, mask_of
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.motion.ready import client_of, reference
 
 EXAMPLES = """examples:
   axisgate motion run scara 1 --sim                 a shipped cell: drives on, referenced, program 1, all emulated
@@ -44,7 +43,7 @@ def main(argv: list[str]) -> int:
         print(f"axisgate motion run: {options.program}: no such program in {options.cell}; there is {known}", file=sys.stderr)
         return USAGE
     try:
-        with _client(options, cell) as client:
+        with client_of(options, cell) as client:
             try:
                 found = play(client, cell, number, options)
             except ToolError as error:
@@ -65,17 +64,6 @@ def number_of(cell: Cell, word: str) -> int | None:
     return next((each.number for each in cell.program if word in (str(each.number), each.name)), None)
 
 
-@contextlib.contextmanager
-def _client(options: argparse.Namespace, cell: Cell) -> Iterator[ToolClient]:
-    if options.sim:
-        with simulated(options.cell) as (client, _):
-            client.wait_ready()
-            yield client
-    else:
-        with running(options.name or slug_of(cell)) as client:
-            yield client
-
-
 def play(client: ToolClient, cell: Cell, number: int, options: argparse.Namespace) -> Row:
     """Order it and stay until it is over; the axes are left at rest whatever happens."""
     name = next(each.name for each in cell.program if each.number == number)
@@ -85,7 +73,7 @@ def play(client: ToolClient, cell: Cell, number: int, options: argparse.Namespac
         if options.sim or options.ready:
             client.take_over()
             client.command("enable", every)
-            _reference(client, cell)
+            reference(client, cell)
         began = time.monotonic()
         answer = client.ask("tool", code="program", mask=number, velocity=options.speed / 100, acceleration=options.accel / 100)
         try:
@@ -93,7 +81,7 @@ def play(client: ToolClient, cell: Cell, number: int, options: argparse.Namespac
                 time.sleep(POLL_S)
                 answer = client.ask("job", job=answer["job"])
         except KeyboardInterrupt:
-            answer = _stopped(client, answer)
+            answer = stopped(client, answer)
         seconds = time.monotonic() - began
     finally:
         with contextlib.suppress(ToolError):
@@ -103,13 +91,7 @@ def play(client: ToolClient, cell: Cell, number: int, options: argparse.Namespac
     return _told(client, number, name, answer, seconds)
 
 
-def _reference(client: ToolClient, cell: Cell) -> None:
-    searched = mask_of(cell, [axis.name for axis in cell.axis if axis.home.by != "none"])
-    if searched:
-        client.command("reference", searched, timeout_s=120.0)
-
-
-def _stopped(client: ToolClient, answer: Row) -> Row:
+def stopped(client: ToolClient, answer: Row) -> Row:
     """Ctrl-C: on the path, and the rest is dropped; a program that was only being prepared is over with the stop."""
     client.command("stop")
     if int(str(client.ask("axes")["motion"])) == Motion.STOPPED:

@@ -40,6 +40,12 @@ class PlannerLink:
             assert self._blocks is not None  # the office refuses programs where there is no planner
             self._blocks.put(pack_block(run_record(order)))
 
+    def say(self, records: Sequence[BlockRecord]) -> None:
+        """Statements of streams."""
+        for record in records:
+            assert self._blocks is not None
+            self._blocks.put(pack_block(record))
+
     def end(self, jobs: Sequence[int]) -> None:
         """Nothing follows for these any more: their interpreter is gone."""
         for job in jobs:

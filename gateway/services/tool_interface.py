@@ -19,13 +19,14 @@ from gateway.registry import CONTROLLERS
 from gateway.services.canopen import CanopenServices
 from gateway.services.context import RunContext
 from gateway.services.shared_image import SharedImage
+from gateway.services.tool_streams import ToolStreams
 from protocols.base.machine import Ns, ms
 
 TOOL_DOOR = 90
 SILENCE: Ns = ms(1000)
 ENABLING_BITS, ENABLING_BYTE = range(24, 29), 3
 PERMIT_BYTES = (AUTO_MN >> 3, ENABLING_BYTE)
-LIFE = ("alive", "tool", "sdo", "permit")  # requests that show that the connection in control lives
+LIFE = ("alive", "tool", "sdo", "permit", "stream")  # requests that show that the connection in control lives
 MOST_SDO, TICKETS_KEPT = 8, 64  # SDO requests under way at a time, each in a thread; answers that wait to be fetched
 
 
@@ -49,6 +50,7 @@ class ToolInterface:
         self._jobs: dict[int, Job] = {}
         self._tickets: dict[int, dict[str, object]] = {}
         self._under_way, self._sdo_lock, self._next_ticket = 0, threading.Lock(), 1
+        self._streams = ToolStreams(office)
         self._holder: object | None = None  # connection in control
         self._permitting: tuple[object, Ns] | None = None  # connection that set the enabling inputs, last heard
         self._leaving = False  # the one in control is gone: control ends as soon as the axes rest
@@ -106,7 +108,7 @@ class ToolInterface:
     def answer(self, request: dict[str, object], connection: object = "") -> dict[str, object] | None:
         """None: not for this part.  KeyError, ValueError: reported to the tool as an error."""
         operation = request.get("op")
-        if operation not in ("alive", "leave", "tool", "job", "axes", "sdo", "ticket", "permit", "programs"):
+        if operation not in ("alive", "leave", "tool", "job", "axes", "sdo", "ticket", "permit", "programs", "stream"):
             return None
         if self._permitting is not None and self._permitting[0] is connection:
             self._permitting = (connection, self._run.clock())
@@ -131,7 +133,7 @@ class ToolInterface:
             case "programs":
                 return self._programs()
             case _:
-                return self._axes()
+                return self._stream(request, connection) if operation == "stream" else self._axes()
 
     def _command(self, request: dict[str, object], connection: object) -> dict[str, object]:
         targets = request.get("targets") or []
@@ -216,6 +218,27 @@ class ToolInterface:
             "running": state.job,
             **way,
         }
+
+    def _stream(self, request: dict[str, object], connection: object) -> dict[str, object]:
+        """A stream of blocks of this connection: begin, say, look."""
+        if request.get("do") == "begin":
+            mask, robot = int(str(request["mask"])), int(str(request.get("robot", 1)))
+            try:
+                self._demand(Code.PROGRAM, connection)
+            except Refusal as refusal:
+                return _told(self._office.refuse(self._door, Code.PROGRAM, refusal.reason, refusal.detail))
+            job = self._office.order_stream(self._door, robot, mask)
+            self._jobs[job.id] = job
+            self._streams.begin(job)
+        else:
+            job = self._jobs[int(str(request["job"]))]
+            if request.get("do") == "say":
+                if self._holder is not connection:
+                    raise ValueError("not owner: the connection that began the stream says its blocks")
+                lines = request.get("lines")
+                self._streams.say(job, [str(line) for line in lines] if isinstance(lines, list) else [], str(request.get("then", "")))
+        self._image.pass_on()
+        return {"job": job.id, **_told(job), **self._streams.answer(job)}
 
     def _permit(self, connection: object) -> dict[str, object]:
         if not self._run.plan.simulated:

@@ -6,6 +6,7 @@ without a fresh command.
 
 import json
 import os
+import pathlib
 import signal
 import time
 from collections.abc import Iterator
@@ -13,7 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from gateway.commands import motion_run
+from gateway.commands import motion_run, motion_stream
 from gateway.pure.image.reasons import Reason
 from gateway.pure.image.records.cell import AxisFlag, Motion
 from hil_tests.lab.partners.plc2 import ABANDON, ABORTED, ACCEPTED, DISABLE, DONE, ENABLE, OVERRIDE, REFUSED, RELEASE, RESUME, RUNNING, STOP
@@ -119,6 +120,24 @@ def test_a_tool_runs_a_program_when_it_has_control_and_is_told_why_not(home: Pro
     assert motion_run.main([cell, "p2", "--name", name, "--json", "--speed", "90"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert (told["state"], told["program"]) == ("DONE", 2) and told["axes"]["A3"] == pytest.approx(-220.0, abs=0.5)
+
+
+def test_a_tool_says_a_stream_and_hears_of_each_block(home: ProgramRun, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cell, name, moves = home.run.cell, home.run.name, tmp_path / "moves.txt"
+    home.probe(False)
+    moves.write_text(
+        f"angles rho3\naxes deg deg mm deg\nptp joints 3 90 -200 0\nptp joints 6 90 -200 0 until={PROBE}\n\nptp rel joints 1 0 0 0\n"
+    )
+    assert motion_stream.main([cell, str(moves), "--name", name]) == 1 and "NOT_OWNER" in capsys.readouterr().err
+    assert home.command(RELEASE).state == DONE
+    assert motion_stream.main([cell, str(moves), "--name", name, "--robot", "2"]) == 2
+    assert motion_stream.main([cell, str(moves), "--name", name]) == 0
+    told = capsys.readouterr().out.splitlines()
+    assert "block 2: not met" in told and told[-1] == "done"
+    assert home.state().axes[0].set == pytest.approx(np.radians(7.0), abs=1e-9)
+    moves.write_text("axes deg deg mm deg\nptp joints 5 90 -200 0\nptp joints 9000 90 -200 0\n")
+    assert motion_stream.main([cell, str(moves), "--name", name]) == 1
+    assert "block 2, axis A1: target 9000 deg" in capsys.readouterr().out
 
 
 def test_an_input_ends_a_block_on_its_path_and_the_next_one_begins_there(home: ProgramRun) -> None:
