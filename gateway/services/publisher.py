@@ -57,7 +57,8 @@ class Publisher(Part):
         for order in self._office.take_orders():
             self._orders.put(pack_order(order, self._piece_size))
         self._planner.order(self._office.take_programs())
-        self._planner.say(self._office.take_said())
+        self._planner.say(self._image.statements)
+        self._image.statements.clear()
 
     def _events(self) -> None:
         language, refusals = self._run.cell.cell.language, self._cell_values.refusals

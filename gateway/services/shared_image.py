@@ -10,6 +10,7 @@ from typing import Protocol
 from gateway.pure.controllers.control import Control
 from gateway.pure.controllers.rho3.signals.coupling import Coupled
 from gateway.pure.image.records.cell import RC_BYTES, CellState, InputImage, Quality, get_bit, set_bit, unpack_inputs
+from gateway.pure.image.records.planner import BlockRecord
 from gateway.pure.routes.addresses import Place, put_at
 from gateway.services.forces import Forces
 from protocols.base.machine import Ns
@@ -46,6 +47,7 @@ class SharedImage:
         self.forces = Forces()
         self.state = CellState()  # as the cycle published it last
         self.coupled: Coupled | None = None  # bit coupling of a control that has one
+        self.statements: list[BlockRecord] = []  # of streams, for the planner behind its orders
         self.changed = False  # an RC input was written since the cycle was given them last
         self.goes_on: Callable[[], None] = _nothing  # set by the process
         self.cycle_lives: Callable[[], bool] = _yes  # what the cycle published is no older than it may be; set by the process

@@ -50,7 +50,7 @@ class ToolInterface:
         self._jobs: dict[int, Job] = {}
         self._tickets: dict[int, dict[str, object]] = {}
         self._under_way, self._sdo_lock, self._next_ticket = 0, threading.Lock(), 1
-        self._streams = ToolStreams(office)
+        self._streams = ToolStreams(office, image.statements)
         self._holder: object | None = None  # connection in control
         self._permitting: tuple[object, Ns] | None = None  # connection that set the enabling inputs, last heard
         self._leaving = False  # the one in control is gone: control ends as soon as the axes rest
@@ -234,7 +234,7 @@ class ToolInterface:
             job = self._jobs[int(str(request["job"]))]
             if request.get("do") == "say":
                 if self._holder is not connection:
-                    raise ValueError("not owner: the connection that began the stream says its blocks")
+                    raise ValueError("not owner: the connection that began the stream sends its blocks")
                 lines = request.get("lines")
                 self._streams.say(job, [str(line) for line in lines] if isinstance(lines, list) else [], str(request.get("then", "")))
         self._image.pass_on()

@@ -14,8 +14,9 @@ THEN = {"": None, "finish": Say.FINISH, "end": Say.END}
 class ToolStreams:
     """One at a time of each lane."""
 
-    def __init__(self, office: CommandDispatcher) -> None:
-        self._office = office
+    def __init__(self, office: CommandDispatcher, statements: list[BlockRecord]) -> None:
+        """statements: what goes to the planner behind its orders."""
+        self._office, self._statements = office, statements
         self._said: dict[int, int] = {}  # job -> blocks
 
     def begin(self, job: Job) -> None:
@@ -36,11 +37,10 @@ class ToolStreams:
         if waiting + blocks > AHEAD:
             raise ValueError(f"{waiting} blocks wait, {AHEAD} may: say more when some of them are over")
         self._said[job.id] = self._said.get(job.id, 0) + blocks
-        for line in lines:
-            self._office.say(BlockRecord(Say.LINE, job.id, line))
+        self._statements += [BlockRecord(Say.LINE, job.id, line) for line in lines]
         mark = THEN[then]
         if mark is not None:
-            self._office.say(BlockRecord(mark, job.id))
+            self._statements.append(BlockRecord(mark, job.id))
 
     def _state(self, job: Job) -> PlannerState:
         planner = self._office.planner

@@ -18,7 +18,7 @@ from gateway.pure.arbitration.ownership import NOBODY, Ownership
 from gateway.pure.image.belt_texts import belt_words
 from gateway.pure.image.reasons import CommandState, Reason, Refusal
 from gateway.pure.image.records.cell import EVERY_AXIS, AxisFlag, CellState, Motion, Order, OrderRecord, Permit
-from gateway.pure.image.records.planner import BlockRecord, PlannerState, ProgramFacts, ProgramOrder, function_words
+from gateway.pure.image.records.planner import PlannerState, ProgramFacts, ProgramOrder, function_words
 from protocols.base.machine import Ns, ms
 
 ENABLE_PATIENCE = ms(5_000)  # brake, power and enabling of six drives take well under 2 s
@@ -53,7 +53,6 @@ class CommandDispatcher:
         self._open: list[Job] = []
         self._orders: list[OrderRecord] = []
         self._programs: list[ProgramOrder] = []
-        self._said: list[BlockRecord] = []
         self._events: list[DispatcherEvent] = []
         self._first_try = False
         self._moves: list[Job] = []  # moves and reference runs that axes are on: one at most of each lane
@@ -97,15 +96,6 @@ class CommandDispatcher:
         """For the planner, since the last call; to be handed over after take_orders()."""
         programs, self._programs = self._programs, []
         return programs
-
-    def say(self, record: BlockRecord) -> None:
-        """Of a stream a command source writes itself."""
-        self._said.append(record)
-
-    def take_said(self) -> list[BlockRecord]:
-        """For the planner, since the last call; to be handed over after take_programs()."""
-        said, self._said = self._said, []
-        return said
 
     def take_events(self) -> list[DispatcherEvent]:
         """Events since the last call."""
