@@ -31,6 +31,20 @@ class Framed(Device):
         return found
 
 
+class ExceptionUnit(Device):
+    """Its exceptions carry unit 0."""
+
+    def framed(self, said: bytes) -> bytes:
+        return said[:6] + b"\0" + said[7:] if len(said) == 9 and said[7] & 0x80 else said
+
+
+class OtherUnitZero(Device):
+    """What is asked of unit 0 is answered as unit 1."""
+
+    def framed(self, said: bytes) -> bytes:
+        return said[:6] + b"\1" + said[7:] if said[6:7] == b"\0" else said
+
+
 class LowTransaction(Device):
     """Eight bits of the transaction come back."""
 
@@ -104,6 +118,8 @@ MORE: tuple[Row, ...] = (
     ("protocol", "protocol identifier 1 in its answers", ("FUN_BV_01",), lambda rtu: Framed(1)),
     ("length", "a length one too long", ("FUN_BV_01",), lambda rtu: Framed(2)),
     ("unit", "answers with another unit", ("FUN_BV_01",), lambda rtu: Framed(3)),
+    ("exception-unit", "its exceptions carry unit 0", ("FUN_BI_04",), lambda rtu: ExceptionUnit(False)),
+    ("unit-0-as-1", "answers unit 0 as unit 1", ("TCP_BV_10",), lambda rtu: OtherUnitZero(False, any_unit=True)),
     ("low-transaction", "eight bits of the transaction come back", ("FUN_BV_01", "TCP_BV_01"), lambda rtu: LowTransaction(False)),
     ("one-of-ten", "answers the first of several requests", ("TCP_BV_02",), lambda rtu: OneOfTen(False, late=1_000_000)),
     ("whole-only", "a request must come in one piece", ("TCP_BV_03",), lambda rtu: WholeOnly(False)),

@@ -7,6 +7,7 @@ from typing import Any
 from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.stations import (
     DLE,
+    NAK,
     STX,
     AnswersLate,
     Built,
@@ -479,6 +480,42 @@ class _Never(NeverDoubles, Built):
     """Sends a DLE of its data once."""
 
 
+class EverySecondStx(Built):
+    """One STX of two is not heard."""
+
+    _heard = b""
+    _count = 0
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        self._heard = data
+        return super().receive(data, now)
+
+    def take_output(self) -> bytes:
+        output = super().take_output()
+        if self._heard == STX and output == DLE:
+            self._count += 1
+            if self._count % 2:
+                fresh_link(self, LOW)
+                return b""
+        return output
+
+
+class NakOpens(Built):
+    """NAK in idle makes it send STX, and nothing after it."""
+
+    _opens = False
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        idle = self.link.deadline() is None and not self.link.pending
+        self._opens = data == NAK and idle
+        return super().receive(data, now)
+
+    def take_output(self) -> bytes:
+        output = super().take_output()
+        opens, self._opens = self._opens, False
+        return output or (STX if opens else b"")
+
+
 class _Drops(DropsItsJob, Built):
     pass
 
@@ -569,6 +606,8 @@ MUTANTS = (
     _mutant(
         "dead-after-power", "does not work after a power failure", ["3964R_SUP_RC_01"], lambda: Powered(lambda: Built(RHO3, LOW), False)
     ),
+    _mutant("every-second-stx", "answers one STX of two", [f"{R}BV_01"], lambda: EverySecondStx(RHO3, LOW)),
+    _mutant("nak-opens", "answers NAK in idle with STX, and sends nothing", [f"{R}BO_02"], lambda: NakOpens(RHO3, LOW)),
     _mutant("extra-character", "a carriage return behind its block", [f"{S}BV_02"], lambda: Built(says=_extra)),
 )
 

@@ -149,7 +149,8 @@ class LineTester(Tester):
                 return
             if got != Char.STX or not idle:
                 self.fail(after, got, f"silence for {how_long / 1e6:.0f} ms")
-            self.serve()
+            if self.serve() is None:
+                self.fail(after, got, f"silence for {how_long / 1e6:.0f} ms, or a whole block: its STX is followed by none")
             end = max(end, self.mark + self.tolerance)
 
     # ---- the station's own traffic

@@ -1,9 +1,9 @@
 """How many of its faulty devices each suite finds, as last recorded by `axisgate conformance mutants SUITE`: (killed, mutants)."""
 
 SCORES: dict[str, tuple[int, int]] = {
-    "3964r": (73, 73),
+    "3964r": (75, 75),
     "rk512": (57, 57),
-    "modbus-tcp": (58, 58),
+    "modbus-tcp": (60, 60),
     "modbus-rtu": (55, 55),
     "cia402": (72, 72),
     "canopen-301": (95, 95),

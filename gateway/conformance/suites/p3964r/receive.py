@@ -5,7 +5,7 @@ Blocks begin with 55h, never with 00 or FF: to an RK512 station they are no tele
 
 import random
 
-from gateway.conformance.suites.line import DLE, NAK, STX, LineTester, named
+from gateway.conformance.suites.line import BETWEEN, DLE, NAK, STX, LineTester, named
 from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Disturbed, Fail, NotApplicable, Warn
 from protocols.base.machine import Damage, ms
@@ -29,16 +29,18 @@ def text(size: int) -> bytes:
 # ---- valid behaviour
 @RCV.case(
     "BV_01",
-    "STX in idle is answered with DLE within QVZ",
-    "STX in Ruhe wird innerhalb QVZ mit DLE beantwortet",
+    "each STX in idle is answered with DLE within QVZ",
+    "jedes STX in Ruhe wird innerhalb QVZ mit DLE beantwortet",
     requirements=("RHO-SER-01",),
     preamble=(),
     beside=Particulars(limits="QVZ of the profile + 20 ms + one character", postamble=False),
 )
 def connection(t: LineTester) -> None:
-    t.open()
-    t.say(wire_block(t.harmless, t.profile.block_check))
-    t.answer(t.profile.ack_delay)
+    for _ in range(3):  # one that answers each second STX only is found here
+        t.open()
+        t.say(wire_block(t.harmless, t.profile.block_check))
+        t.answer(t.profile.ack_delay)
+        t.settle(BETWEEN)
 
 
 @RCV.case(
