@@ -1,4 +1,4 @@
-"""Measure: cycle, 3964r, emulator, drives, planner, motion, lanes, modbus, route, web, program, robotstar, val3, or all.
+"""Measure: cycle, 3964r, emulator, drives, planner, motion, lanes, modbus, route, web, program, robotstar, val3, conformance, or all.
 
 all rewrites docs/benchmarks.md.
 """
@@ -101,6 +101,12 @@ def val3(arguments: argparse.Namespace) -> list[Figure]:
     return [dict(figure) for figure in run()]
 
 
+def conformance(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench.conformance_bench import run
+
+    return [dict(figure) for figure in run()]
+
+
 BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "cycle": cycle,
     "3964r": p3964r,
@@ -115,6 +121,7 @@ BENCHES: dict[str, Callable[[argparse.Namespace], list[Figure]]] = {
     "program": program,
     "robotstar": robotstar,
     "val3": val3,
+    "conformance": conformance,
 }
 
 
