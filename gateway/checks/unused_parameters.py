@@ -16,7 +16,7 @@ BLOCKS = frozenset(("P30", "P31", "P32"))
 
 
 def given(params: Rho3) -> list[str]:
-    """In the order of their numbers; one that says what holds without it is none."""
+    """In the order of their numbers, without those that set the default."""
     own = [each.name for each in fields(params) if each.name.startswith("P") and getattr(params, each.name) != each.default]
     return sorted((*own, *params.others), key=lambda name: int(name[1:]))
 
