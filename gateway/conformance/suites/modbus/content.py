@@ -74,6 +74,7 @@ def _collect(prefix: str) -> Purposes[ModbusTester]:
     _writes_in_one_request(p, first)
     _many_writes(p, first)
     _coils(p, prefix, basic)
+    _fill_bits(p, (basic, f"{prefix}_CON_BV_05"))
     _tables(p)
     return p
 
@@ -267,24 +268,6 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
                 _same(t.bits(1, at, size), bits, f"{size} coils from {at}")
 
     @p.case(
-        "BV_25",
-        "FC 15 changes the coils it names and no other: bits that fill its last byte do not count",
-        "FC 15 ändert nur die genannten Spulen: Füllbits des letzten Bytes zählen nicht",
-        clause="V1.1b3, 6.11",
-        condition=("write_coils", "fc15", "fc5"),
-        preamble=first,
-    )
-    def fill(t: ModbusTester) -> None:
-        at, count = _run(t.setup.coils, 16)
-        with _kept(t, 1, at, count):
-            for size in sorted({1, min(3, count), min(9, count)}):
-                with t.given():
-                    write_back(t, 1, at, [1] * count)
-                length = (size + 7) // 8
-                t.echo(struct.pack(">BHHB", 15, at, size, length) + bytes(length), 5, f"FC 15, {size} coils")
-                _same(t.bits(1, at, count), [0] * size + [1] * (count - size), f"{count} coils after {size} were written")
-
-    @p.case(
         "BV_24",
         "each coil has its own bit, and unused bits of the last byte are 0",
         "jede Spule hat ihr Bit, freie Bits des letzten Bytes sind 0",
@@ -308,6 +291,26 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
             for off in range(count):
                 t.echo(struct.pack(">BHH", 5, at + off, 0), 5, "FC 5")
                 _same(t.bits(1, at, count), [0] * (off + 1) + [1] * (count - off - 1), f"{count} coils after {at + off} went off")
+
+
+def _fill_bits(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
+    @p.case(
+        "BV_25",
+        "FC 15 changes the coils it names and no other: bits that fill its last byte do not count",
+        "FC 15 ändert nur die genannten Spulen: Füllbits des letzten Bytes zählen nicht",
+        clause="V1.1b3, 6.11",
+        condition=("write_coils", "fc15", "fc5"),
+        preamble=first,
+    )
+    def fill(t: ModbusTester) -> None:
+        at, count = _run(t.setup.coils, 16)
+        with _kept(t, 1, at, count):
+            for size in sorted({1, min(3, count), min(9, count)}):
+                with t.given():
+                    write_back(t, 1, at, [1] * count)
+                length = (size + 7) // 8
+                t.echo(struct.pack(">BHHB", 15, at, size, length) + bytes(length), 5, f"FC 15, {size} coils")
+                _same(t.bits(1, at, count), [0] * size + [1] * (count - size), f"{count} coils after {size} were written")
 
 
 def _tables(p: Purposes[ModbusTester]) -> None:
