@@ -10,6 +10,7 @@ from collections.abc import Generator
 import hypothesis
 import pytest
 
+from gateway.cycle.native.servo import use_servo
 from hil_tests.host import CLAIMS as RIGS_CLAIMS
 from hil_tests.host import REPORTS as RIGS_REPORTS
 from hil_tests.host import Host
@@ -26,6 +27,7 @@ from hil_tests.rig.uml.lane import CLAIMS, REPORTS, GuestLane
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # hundreds of processes start in a run: each would compile axisgate anew
 sys.dont_write_bytecode = False
 one_thread()  # before any test module loads numpy
+use_servo()  # emulated axes in virtual time are half of what the pure tests compute
 hypothesis.settings.register_profile("untimed", deadline=None, suppress_health_check=(hypothesis.HealthCheck.too_slow,))
 hypothesis.settings.load_profile("untimed")  # a host may take a processor away for longer than any deadline
 

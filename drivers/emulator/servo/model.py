@@ -10,6 +10,7 @@ cost more than the arithmetic.  `substeps` divides the integration step without 
 
 from enum import IntEnum
 from math import exp, inf, pi, sin
+from typing import ClassVar, Protocol
 
 from drivers.emulator.servo.settings import INC_PER_TURN, ServoSettings
 
@@ -155,8 +156,16 @@ def run(s: list[float], c: tuple[float, ...], step: int, n: int, substeps: int) 
     return n, trip
 
 
+class Steps(Protocol):
+    """What `run` does."""
+
+    def __call__(self, s: list[float], c: tuple[float, ...], step: int, n: int, substeps: int, /) -> tuple[int, int]: ...
+
+
 class Servo:
     """The state of one axis and what may be done to it.  `step` counts from power-up of the bus."""
+
+    steps: ClassVar[Steps] = staticmethod(run)  # or the same in C (AX-1020)
 
     def __init__(self, settings: ServoSettings, seed: int = 1, substeps: int = 1) -> None:
         self.settings, self.step = settings, 0
@@ -183,7 +192,7 @@ class Servo:
         n = step - self.step
         if n <= 0:
             return Trip.NONE
-        left, trip = run(self._state, self._constants, self.step, n, self._substeps)
+        left, trip = self.steps(self._state, self._constants, self.step, n, self._substeps)
         self.step = step - left
         return Trip(trip) if trip else Trip.NONE
 
@@ -191,7 +200,7 @@ class Servo:
         """Runs ahead on a copy, so that the answer to the next SYNC is nearly ready; forgotten when anything is changed before."""
         if self._ahead is None and step > self.step:
             ahead = self._state[:]
-            _, trip = run(ahead, self._constants, self.step, step - self.step, self._substeps)
+            _, trip = self.steps(ahead, self._constants, self.step, step - self.step, self._substeps)
             if not trip:
                 self._ahead, self._ahead_step = ahead, step
 

@@ -13,7 +13,7 @@ import sysconfig
 from types import ModuleType
 
 FOLDER = pathlib.Path(__file__).parent
-PARTS = ("axes", "telegrams", "memory", "alarm", "foresight")
+PARTS = ("axes", "telegrams", "memory", "alarm", "foresight", "servo")
 HEADER = "slots.h"
 PYTHON_ONLY = "AXISGATE_PYTHON_CYCLE"  # any value but 0: the twins run, built or not
 

@@ -31,6 +31,7 @@ from drivers.emulator.wire.mixed_bus import BothFamilies
 from drivers.emulator.wire.stretched_time import NAP_NS, StretchedTime
 from drivers.ports.base import CanPort, PortError
 from drivers.ports.can.remote_frames import open_can_with_remotes
+from gateway.cycle.native.servo import use_servo
 from gateway.files.dbc import load_servodyn
 from gateway.files.find import find_config
 from gateway.runtime.realtime import die_with_parent, go_realtime
@@ -346,6 +347,7 @@ def main(argv: list[str] | None = None) -> int:
     options = arguments(argv)
     if options.die_with_parent:
         die_with_parent()
+    use_servo()
     try:
         slave, belts = load(options), belts_from(options.belts)
     except SettingsError as error:
