@@ -74,7 +74,12 @@ class Chain:
     @property
     def full(self) -> bool:
         """As many pieces wait as may."""
-        return sum(number > self._at for number in self._begins) >= AHEAD
+        return self.ahead >= AHEAD
+
+    @property
+    def ahead(self) -> int:
+        """Pieces that are not run yet."""
+        return sum(number > self._at for number in self._begins)
 
     def forget(self) -> None:
         """Those the cycle has left behind."""

@@ -52,7 +52,7 @@ from motion.errors import MotionError
 from motion.execution.timed import encode_timed
 from motion.planner.file_plan import FilePlan
 from motion.planner.marks import Mark, at_rest
-from motion.planner.planner import Planner
+from motion.planner.planner import LEAD_S, Planner
 from motion.planner.robot import Machine
 from motion.planner.team import Team
 from motion.program.blocks import Block
@@ -66,6 +66,7 @@ from motion.sync.belts import Type
 from motion.sync.facts import BeltFacts
 from motion.timing.slices import Work
 
+CARRIED_S = 0.003  # a piece takes so long through the ring; a new tail has about as many as the one that it replaces
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
 
 
@@ -569,6 +570,8 @@ class Programs:
         if self._chain.full:
             return
         job = self.state.job
+        if self._job.streams and isinstance(planner, Planner):  # a new tail counts when all of it is there
+            planner.lead_s = LEAD_S + CARRIED_S * self._chain.ahead
         planner.begin(tau, hurry=self._quiet > QUIET_TURNS)
         planner.work()
         pieces = planner.take()
