@@ -58,7 +58,7 @@ class LineLayer:
     name: str
     words: str  # as texts call it
     source: "Callable[[], Callable[..., BaseSource]]"  # its command source
-    played: bool = True  # `run` plays it
+    commands: bool = True  # it is a command source
     blocks: bool = False  # [[db]] are served by number, with jobs of RK512
     first: bool = False  # the usual one: blocks without a line are of the only line of this layer
     telegrams: bool = False  # [[telegram]] belong to it; a quiet partner is no loss
@@ -106,7 +106,7 @@ LINE_LAYERS = _table(
     LineLayer(
         "buep64", "BUEP64", _blocks_source, blocks=True, kinds="D", profile="bosch-buep64", dialect=_buep64_dialect, failure=_buep64_failure
     ),
-    LineLayer("program", "program", _blocks_source, played=False),  # a program owns the line,
+    LineLayer("program", "program", _blocks_source, commands=False),  # programs of the old control own the line
 )
 
 
@@ -299,6 +299,10 @@ def _memory_of(language: str) -> "Callable[[Cell], bool]":
 
 
 def _baps2_programs(plan: "RunPlan", port: "Port") -> "Programs":
+    if any(line.program for line in plan.cell.line):
+        from gateway.processes.baps2_lines import LinePrograms
+
+        return LinePrograms(plan, port)
     from gateway.assembly.interpreter import Baps2Programs
 
     return Baps2Programs(plan, port)

@@ -31,7 +31,7 @@ from gateway.pure.image.records.cell import (
 )
 from gateway.pure.recording import messages
 from gateway.pure.scope.records import SCOPE_LAYOUT, SCOPE_RECORDS, scope_bytes
-from gateway.registry import language_in
+from gateway.registry import LINE_LAYERS, language_in
 from gateway.runtime import state_folder as statefolder
 from gateway.runtime.regions import create_region, create_ring
 from motion.execution.pieces import record_size
@@ -159,7 +159,9 @@ def plan_run(
     doors = tuple(
         CommandSource(n + 1, name, kind)
         for n, (name, kind) in enumerate(
-            [(x.name, "line") for x in cell.line] + [(x.name, "modbus") for x in cell.modbus if x.role == "server"] + own_sources(cell)
+            [(x.name, "line") for x in cell.line if LINE_LAYERS[x.layer].commands]
+            + [(x.name, "modbus") for x in cell.modbus if x.role == "server"]
+            + own_sources(cell)
         )
     )
     binds, cables = modbus_ports(cell, slug, simulated, modbus_port, baud)

@@ -2,7 +2,7 @@
 
 from gateway.assembly.data_block_signals import rc_place
 from gateway.assembly.pic import own_sources
-from gateway.checks.context import Context, near, twice
+from gateway.checks.context import Context, near, program_lines, twice
 from gateway.pure.cell.cell import Line
 from gateway.pure.image.addresses import AddressFault, DataWord, Direction, RcBit, parse
 from protocols.p3964r.profiles import NETWORK, PROFILES
@@ -97,7 +97,7 @@ def _same(at: str, address: DataWord) -> bool:
 
 def rc_inputs(check: Context) -> None:
     """Every RC input byte has one owning command source; assumed inputs are enabling inputs."""
-    doors = check.known["line"] | check.known["modbus"] | {name for name, _ in own_sources(check.cell)}
+    doors = (check.known["line"] - program_lines(check.cell)) | check.known["modbus"] | {name for name, _ in own_sources(check.cell)}
     for byte, door in check.cell.rc_inputs.owner.items():
         if byte > 127:
             check.fault("rc_inputs.owner", byte, "", "0..127", "PIC byte")

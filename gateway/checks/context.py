@@ -32,6 +32,11 @@ class Context:
         return True
 
 
+def program_lines(cell: Cell) -> set[str]:
+    """Lines that belong to programs: they are no command source."""
+    return {line.name for line in cell.line if line.program}
+
+
 def near(word: str, known: Iterable[str], most: int = 1) -> str:
     """A hint naming the closest spellings, at most so many, or nothing."""
     found = difflib.get_close_matches(word, list(known), n=most, cutoff=0.6)

@@ -11,7 +11,7 @@ from gateway.assembly.data_block_signals import signals_of
 from gateway.assembly.integrated_plc import plc_folder
 from gateway.assembly.pic import pic_bytes
 from gateway.assembly.program_memory import memory_folder
-from gateway.checks.context import Context, number
+from gateway.checks.context import Context, number, program_lines
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell, Notice
 from gateway.pure.cell.controller import Controller, ControllerPoint, ProcessStep
@@ -80,7 +80,7 @@ def controller(check: Context) -> None:
         check.fault("controller.process", table.process[0].name, 'processes belong to kind = "rho3"')
     if table.point and not CONTROLLERS[table.kind].points:
         check.fault("controller.point", table.point[0].name, 'points belong to kind = "val3"')
-    if table.door and table.door not in check.known["line"] | check.known["modbus"]:
+    if table.door and table.door not in (check.known["line"] - program_lines(check.cell)) | check.known["modbus"]:
         check.fault("controller.door", table.door, "no such command source")
     _memory(check, table)
     _plc(check, table)

@@ -8,7 +8,7 @@ from gateway.checks.context import Context, number
 from gateway.pure.cell.cell import Cell, Db, Line, Notice, Times
 from gateway.pure.lines.line_profiles import link_profile
 from gateway.pure.reports.transfer_times import character_ms, job_ms
-from gateway.registry import LINE_LAYERS
+from gateway.registry import CONTROLLERS, LINE_LAYERS
 from protocols.p3964r.profiles import NETWORK, PROFILES, Profile, least_char_delay
 from protocols.rk512.dialects import Dialect
 
@@ -177,6 +177,30 @@ def _reachable(check: Context, line: Line) -> None:
     check.fault(f"db.{fastest.block.number}.every_ms", fastest.block.every_ms, hint, "", "ms")
 
 
+def program_units(check: Context) -> None:
+    """Units of programs: the line is theirs alone, the cell runs BAPS2 programs, and each unit is on one line."""
+    owners: dict[str, str] = {}
+    for line in check.cell.line:
+        key = f"line.{line.name}"
+        if LINE_LAYERS[line.layer].commands:
+            if line.program:
+                check.fault(f"{key}.program", line.program[0].device, 'units of programs need layer = "program" on their line')
+            continue
+        if not line.program:
+            check.fault(f"{key}.layer", line.layer, 'the line has no unit: add [[line.program]] with device = "V24_1"')
+        if not runs_baps2(check.cell):
+            check.fault(f"{key}.layer", line.layer, 'units belong to BAPS2 programs: [controller] kind = "rho3" with memory')
+        for unit in line.program:
+            if unit.device in owners:
+                check.fault(f"{key}.program", unit.device, f"the unit is on line {owners[unit.device]} already")
+            owners.setdefault(unit.device, line.name)
+
+
+def runs_baps2(cell: Cell) -> bool:
+    """Whether programs with READ and WRITE run in it."""
+    return cell.controller is not None and bool(cell.controller.memory) and CONTROLLERS[cell.controller.kind].parameters
+
+
 # ---- notes
 def fixed_times(cell: Cell) -> Iterator[Notice]:
     """Times set otherwise than the station has them, where that station cannot be set."""
@@ -225,5 +249,5 @@ def flags(cell: Cell) -> Iterator[Notice]:
             yield Notice("warning", f"line {line.name}", text)
 
 
-CHECKS = (times, types, own_jobs)
+CHECKS = (times, types, own_jobs, program_units)
 NOTES = (fixed_times, amounts, flags)

@@ -3,9 +3,7 @@
 from collections.abc import Iterator
 
 from gateway.pure.cell.cell import PLANNED_KINEMATICS, Cell
-from gateway.registry import DRIVE_FAMILIES, LINE_LAYERS
-
-PLAYED_LAYERS = tuple(layer.name for layer in LINE_LAYERS.values() if layer.played)
+from gateway.registry import DRIVE_FAMILIES
 
 
 def not_playable(cell: Cell) -> list[str]:
@@ -20,7 +18,6 @@ def not_playable(cell: Cell) -> list[str]:
 def _choices(cell: Cell) -> Iterator[tuple[str, str | int, tuple[str | int, ...]]]:
     """(key, chosen value, values this version plays) wherever the file's shape allows more than runs."""
     for line in cell.line:
-        yield f"line.{line.name}.layer", line.layer, PLAYED_LAYERS
         yield (
             f"line.{line.name}.port",
             line.port.split(":")[0],

@@ -93,6 +93,17 @@ class Supervision:
 
 
 @dataclass(frozen=True, slots=True)
+class ProgramUnit:
+    """[[line.program]]: a unit that programs of the old control READ and WRITE on this line (AX-1021)."""
+
+    device: Literal["V24_1", "V24_2", "V24_3", "V24_4"]
+    procedure: Literal["3964R", "text", "echo"] = "3964R"  # 8, 5 and 2 of mode 9.1
+    format: Annotated[str, Pattern(f"^(|({BAUDS}) [78][NEO][12])$", '"9600 8E1": baud, bits, parity, stop')] = ""  # as the line
+    output_timeout_ms: Annotated[int, Ge(0), Le(65535), Unit("ms")] = 10_000  # of a text; 0: not watched
+    input_timeout_ms: Annotated[int | None, Ge(1), Le(3_600_000), Unit("ms")] = None  # a READ waits for ever
+
+
+@dataclass(frozen=True, slots=True)
 class Line:
     """[[line]]: a serial line to a PLC or host."""
 
@@ -112,6 +123,7 @@ class Line:
     times: Times = Times()
     choices: Choices = Choices()
     supervision: Supervision = Supervision()
+    program: tuple[ProgramUnit, ...] = ()
 
     @property
     def baud(self) -> int:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI, MULTI, Fact
 from gateway.pure.languages.baps2 import demands, lines
+from gateway.pure.languages.baps2.cell_devices import CellDevices, SerialUnits, fault_of
 from gateway.pure.languages.baps2.control import Control
 from gateway.pure.languages.baps2.errors import TEXTS, fault
 from gateway.pure.languages.baps2.feed import Feed, UnitFeed
@@ -58,7 +59,12 @@ class CellRun(Control):
         self._read: dict[int, set[tuple[int, int]]] = {}  # process -> places that have read in this turn
         self._starting = 0
         self.pic: CellPic | None = None  # scanned beside the programs
+        self.serial: SerialUnits | None = None  # see `connect`
         self._systems: dict[int, tuple[float, ...]] = {}  # ticket of a stretch -> workpiece system as told
+
+    def connect(self, serial: SerialUnits) -> None:
+        """The units V24_1 to V24_4 are on lines of the cell; before anything runs."""
+        self.serial, self.units = serial, CellDevices(self, serial)
 
     # ---- from outside
 
@@ -179,6 +185,7 @@ class CellRun(Control):
         self.now = now
         self._round += 1
         self._read.clear()
+        self._lines_turn()
         self.paths.look()
         for lane, robot in ((self.lanes[name], self._robot(name)) for name in self.lanes):
             lane.position = robot.own(self.port.view.set)
@@ -188,6 +195,13 @@ class CellRun(Control):
             busy = self.scheduler.run(now) == now
         self._settle()
         return busy
+
+    def _lines_turn(self) -> None:
+        """What has come on the lines; a fault of an interface ends its program."""
+        for failed in self.serial.turn(self.port.view.channels.inputs) if self.serial is not None else ():
+            task = self.tasks.get(failed.number)
+            if task is not None:
+                self.scheduler.fail(task.process, fault_of(failed.unit, failed.condition, failed.words), self.now)
 
     def _woken(self) -> bool:
         return any(task.process.state is ProcessState.WAITING for task in self.tasks.values())
@@ -456,6 +470,8 @@ class CellRun(Control):
             task.root.branch_fault = failed, process.line
         super().ended(process, now)
         self._read.pop(process.number, None)
+        if isinstance(self.units, CellDevices):
+            self.units.ended(task, aborted=failed is not None or bool(task.how))
         if task.root is not None:
             return
         line = process.line

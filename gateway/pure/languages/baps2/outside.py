@@ -67,8 +67,9 @@ class Outside:
                 raise fault(220, "the program names no components")
             request = demands.ReadDevice(request.unit, request.base, sizes[0], request.count)
         name, is_device = self.place(task, request.unit)
-        if not is_device:
-            return self._read_file(task, name, request)
+        return self._read_device(task, name, request) if is_device else self._read_file(task, name, request)
+
+    def _read_device(self, task: Task, name: str, request: demands.ReadDevice) -> object:
         device = self._device(task, name)
         if device is None:
             return None
@@ -85,8 +86,9 @@ class Outside:
 
     def _write(self, task: Task, request: demands.WriteDevice) -> object:
         name, is_device = self.place(task, request.unit)
-        if not is_device:
-            return self._write_file(task, name, request)
+        return self._write_device(task, name, request) if is_device else self._write_file(task, name, request)
+
+    def _write_device(self, task: Task, name: str, request: demands.WriteDevice) -> object:
         device = self._device(task, name)
         if device is None:
             return None
