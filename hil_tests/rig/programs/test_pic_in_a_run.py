@@ -70,6 +70,9 @@ class Buttons:
     def programs(self) -> bool:
         return bool(self.ask("process", do="list")["programs"])
 
+    def running(self) -> bool:
+        return bool(self.ask("process", do="list")["processes"])
+
     def on(self) -> bool:
         return all(axis.flags & 1 for axis in self.run.state().axes)
 
@@ -90,4 +93,9 @@ def test_a_cell_that_its_pic_runs_alone(tmp_path: pathlib.Path) -> None:
         until(lambda: not buttons.on(), "without a PIC nothing is enabled")
         until(lambda: run.processes()["interpreter"]["pid"] not in (None, dead) and buttons.alive(), "it is back")
         assert buttons.reads("M 40.0")
+        time.sleep(1.0)
+        assert not buttons.on() and not buttons.running(), "wired inputs that are still 1 switch nothing on and start nothing"
+        buttons.wire(0, value=False)
+        buttons.wire(0)
+        until(buttons.on, "a fresh edge switches the drives on")
         run.forgive("interpreter")

@@ -19,7 +19,7 @@ from hil_tests.purity import ROOT
 
 CELLS = pathlib.Path(configs.__file__).parent / "cells"
 GUIDE = (ROOT / "docs" / "guide" / "val3-in-a-cell.md").read_text(encoding="utf-8").partition("## Inputs and outputs")[0]
-COMMANDS = re.findall(r"^    (axisgate .*)$", GUIDE, re.MULTILINE)
+COMMANDS = re.findall(r"^    (axisgate .*)$", GUIDE.partition("## Check")[2], re.MULTILINE)  # hil_tests/unit has the import of a card
 STATUS = re.findall(r"^    ((?:program|task) .*)$", GUIDE, re.MULTILINE)
 PATIENCE_S = 150.0
 PLAYS = 3

@@ -1,16 +1,14 @@
 """What the process of the integrated PLC and the services share (AX-900): regions of the PLC and its test display, one of the robot's
 markers, two rings."""
 
-import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
-from gateway.pure.image.records.layout import U32, U64, Code, Layout, Yes
+from gateway.pure.image.records.layout import I32, U32, U64, Code, Layout, Yes
 
 MARKERS, AREA, CELLS, CELL = 1968, 40, 32, 10  # bytes of markers, of outputs; timers and counters and bytes of each
 ORDERS = 256
-STEP = struct.Struct("=I??ii")  # of the test display: step, state of its operand, VKE, ACCU1, ACCU2
 MOST_STEPS, NAME_BYTES = 4_000, 256  # steps beyond are not displayed
 Markers = Annotated[bytes, Code(f"{MARKERS}s")]
 Outputs = Annotated[bytes, Code(f"{AREA}s")]
@@ -39,6 +37,20 @@ class RobotSide:
 
 
 @dataclass(frozen=True, slots=True)
+class StepShown:
+    """Behind one step of the test display: state of its operand, VKE, accumulators."""
+
+    step: U32
+    status: Yes
+    result: Yes
+    accu1: I32
+    accu2: I32
+
+
+_STEP = Layout(StepShown)
+
+
+@dataclass(frozen=True, slots=True)
 class PlcShown:
     """The test display behind a scan (robotstar 5.7).  `name`: program, empty: it is off; `text`: check sum of the source that runs;
     `rows`: the steps that were executed."""
@@ -47,28 +59,18 @@ class PlcShown:
     text: U32 = 0
     scans: U64 = 0
     count: U32 = 0
-    rows: Annotated[bytes, Code(f"{MOST_STEPS * STEP.size}s")] = b""
-
-
-class StepShown(NamedTuple):
-    """Behind one step."""
-
-    step: int
-    status: bool
-    result: bool
-    accu1: int
-    accu2: int
+    rows: Annotated[bytes, Code(f"{MOST_STEPS * _STEP.size}s")] = b""
 
 
 def shown_of(name: str, text: int, scans: int, steps: Mapping[int, tuple[bool, bool, int, int]]) -> PlcShown:
     """A display; steps by their number."""
-    rows = [STEP.pack(step, *values) for step, values in sorted(steps.items())[:MOST_STEPS]]
+    rows = [_STEP.pack(StepShown(step, *values)) for step, values in sorted(steps.items())[:MOST_STEPS]]
     return PlcShown(name.encode()[:NAME_BYTES], text, scans, len(rows), b"".join(rows))
 
 
 def steps_of(shown: PlcShown) -> list[StepShown]:
     """The steps that were executed."""
-    return [StepShown(*row) for row in STEP.iter_unpack(shown.rows[: shown.count * STEP.size])]
+    return [_STEP.unpack(shown.rows[at : at + _STEP.size]) for at in range(0, shown.count * _STEP.size, _STEP.size)]
 
 
 _PLC, _ROBOT, _SHOWN = Layout(PlcReport, "plc/1"), Layout(RobotSide, "plc-robot/1"), Layout(PlcShown, "plc-shown/1")

@@ -53,7 +53,7 @@ def test_in_a_corner_the_end_of_the_block_is_its_middle() -> None:
 
 
 def test_a_tail_that_is_planned_anew_has_its_outputs_once() -> None:
-    made = planner("linear pose 300 0 0 0 0 0 radius=20 out=1:1@250", "linear pose 300 300 0 0 0 0 radius=20 out=2:1")
+    made = planner("linear pose 300 0 0 0 0 0 radius=60 out=1:1@250", "linear pose 300 300 0 0 0 0 radius=60 out=2:1")
     pieces = {piece.id: piece for piece in made.plan(0.0, hurry=True)}
     marks = made.take_marks()
     reader = Reader()

@@ -1,6 +1,6 @@
 """The PIC of the interpreter as the control has it: its outputs, flags, timers and counters (AX-981).  Pure."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 
 from gateway.pure.controllers.pic_image import PicImage
 from gateway.pure.controllers.rho3.signals.timers import TimersAndCounters
@@ -10,6 +10,7 @@ from protocols.base.machine import Ns
 
 FIRST_WIRED, WIRED = 88, 8  # digital inputs I88.0 to I95.7 (L11190)
 NAME = "rho3.pic.input"
+OFF_NS = 500_000_000  # drives without their enabling inputs are off by then
 
 
 class PicLink:
@@ -73,3 +74,32 @@ def _bit(name: str) -> int:
 
 def _numbers(text: Fact) -> list[int]:
     return [int(each) for each in str(text).split(",")]
+
+
+class FreshEdges:
+    """Of a PIC that comes back: its bytes stay 0 until the drives are off, and what acts with a rising edge has to fall first (AX-981)."""
+
+    def __init__(self, edges: Collection[int]) -> None:
+        """edges: RC inputs."""
+        self._edges = tuple(edges)
+        self._held: set[int] = set()  # have not fallen yet
+        self._scanned = self._lost = False
+        self._until: Ns | None = None
+
+    def lost(self) -> None:
+        """The one that scanned is gone; before the first scan there was none."""
+        self._lost, self._until = self._scanned, None
+
+    def passed(self, outputs: bytes, now: Ns) -> bytes | None:
+        """O0 to O127 as they act; None: not yet."""
+        self._scanned = True
+        if self._lost:
+            self._until = now + OFF_NS if self._until is None else self._until
+            if now < self._until:
+                return None
+            self._lost, self._held = False, set(self._edges)
+        self._held = {bit for bit in self._held if outputs[bit >> 3] >> (bit & 7) & 1}
+        acting = bytearray(outputs)
+        for bit in self._held:
+            acting[bit >> 3] &= ~(1 << (bit & 7))
+        return bytes(acting)
