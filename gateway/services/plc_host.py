@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 from gateway.pure.controllers.reis.control import ReisControl
 from gateway.pure.controllers.reis.integrated import IntegratedPlc
@@ -121,7 +121,7 @@ class PlcHost:
             self._seen.looked_ns = now
         if not on or shown is None:
             return {"on": False, "why": "" if self.plc.on else "the PLC does not run", "rows": []}
-        rows = [row for row in steps_of(shown) if row.step >= first][:MOST_ROWS]
+        rows = [astuple(row) for row in steps_of(shown) if row.step >= first][:MOST_ROWS]
         return {"on": True, "why": "", "text": shown.text, "scans": shown.scans, "rows": rows}
 
     def _watch(self, name: str) -> None:
