@@ -178,7 +178,7 @@ def _reachable(check: Context, line: Line) -> None:
 
 
 def program_units(check: Context) -> None:
-    """Units of programs: the line is theirs alone, the cell runs BAPS2 programs, and each unit is on one line."""
+    """A line with units of programs has nothing else, the cell runs BAPS2 programs, and each unit is on one line."""
     owners: dict[str, str] = {}
     for line in check.cell.line:
         key = f"line.{line.name}"

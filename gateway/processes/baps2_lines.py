@@ -22,7 +22,7 @@ class LinePrograms(Baps2Programs):
         self.language.connect(self._lines.units)
 
     def seen(self, now: int) -> dict[str, object]:
-        """Nothing of its own; tells of lines meanwhile."""
+        """Nothing of its own; lines that come and go are reported meanwhile."""
         for name, why in self._lines.reasons().items():
             if why != self._told.get(name, NOT_YET):
                 self._told[name] = why
