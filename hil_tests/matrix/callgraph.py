@@ -1,14 +1,15 @@
 """Which functions of the product a root reaches, read from the sources: nothing is imported, nothing runs.
 
 A name leads to what the module binds it to, through imports.  An attribute leads to the methods of that name of every class that
-reached code makes or hands on (a class that is only named in an annotation, a pattern, isinstance or except is not made).  What is
-assembled from texts at run time is not seen.
+reached code makes or hands on (a class that is only named in an annotation, a pattern, isinstance or except is not made).  Names that are
+put together at run time are not seen but for those that are declared: `assembled`.
 """
 
 import ast
 import pathlib
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 from hil_tests.matrix.catalogue import OURS, ROOT
 
@@ -41,9 +42,16 @@ class Module:
 
 
 class CallGraph:
-    """All sources of the product."""
+    """All sources of the product.  assembled: function -> (module, prefix) of functions, or of methods of a class (module, Class.prefix),
+    that it calls by names it puts together."""
 
-    def __init__(self, root: pathlib.Path = ROOT, packages: Collection[str] = OURS) -> None:
+    def __init__(
+        self,
+        root: pathlib.Path = ROOT,
+        packages: Collection[str] = OURS,
+        assembled: Mapping[str, Sequence[tuple[str, str]]] = MappingProxyType({}),
+    ) -> None:
+        self.assembled = assembled
         self.modules: dict[str, Module] = {}
         for path in sorted(path for package in packages for path in (root / package).rglob("*.py")):
             parts = path.relative_to(root).with_suffix("").parts
@@ -125,6 +133,10 @@ class _Walk:
         if module is None or node is None or name in self.seen or self.barred(module_name):
             return
         self.seen.add(name)
+        for other, prefix in self.graph.assembled.get(name, ()):
+            for each in self.graph.modules[other].nodes:
+                if each.startswith(prefix):
+                    self.take(other, each)
         self.load(module)
         self.open.append(node)
         for method, full in node.methods.items():

@@ -14,12 +14,25 @@ PROCESSES = ("gateway.processes.", "gateway.cycle.", "gateway.services.", "gatew
 COMMANDS = "gateway.commands."
 PLANNER = "gateway.processes.planner"  # serves motion programs and nothing else
 PROGRAMS = "motion.program"
+VAL3 = "gateway.pure.languages.val3"
+ASSEMBLED = {  # what programs of a language call is found by its name when they run
+    f"{VAL3}.machine:Machine._names": (
+        *((f"{VAL3}.{module}", "") for module in ("numbers", "strings", "arrays")),
+        *(
+            (f"{VAL3}.builtin_{module}", prefix)
+            for module in ("geometry", "io", "libraries", "moves", "pages", "robot", "tasks")
+            for prefix in ("f_", "trsf_product", "trsf_inverse", "joint_sum", "joint_difference")
+        ),
+    ),
+    f"{VAL3}.translate:ProgramTranslator._statement": ((f"{VAL3}.translate", "ProgramTranslator._do_"),),
+    "gateway.pure.languages.baps2.translation:Unit.load": (("gateway.pure.languages.baps2.values", ""),),
+}
 
 
 @functools.cache
 def kinds() -> Mapping[str, str]:
     """Of everything the product defines, by "module:qualname": one of KINDS."""
-    graph = CallGraph()
+    graph = CallGraph(assembled=ASSEMBLED)
     mains = {name: f"{name}:main" for name, module in graph.modules.items() if "main" in module.nodes}
     processes = [main for name, main in mains.items() if name.startswith(PROCESSES)]
     commands = [main for name, main in mains.items() if name.startswith(COMMANDS)]

@@ -80,8 +80,30 @@ def test_a_barred_module_is_not_entered(graph: CallGraph) -> None:
     assert not any(name.startswith("app.parts:") for name in graph.reached(["app.start:main"], lambda module: module == "app.parts"))
 
 
-def test_of_the_product_the_cycle_is_a_cells_a_text_word_a_programs_and_the_devices_v24_are_api_only() -> None:
+def test_names_put_together_at_run_time_are_followed_where_they_are_declared(tmp_path: pathlib.Path, graph: CallGraph) -> None:
+    declared = CallGraph(tmp_path, ("app",), {"app.start:later": (("app.parts", "lone"), ("app.parts", "Machine.sil"))})
+    assert {"app.parts:lonely", "app.parts:Machine.silent"} <= declared.reached(["app.start:main"])
+    assert "app.parts:DEAD" not in declared.reached(["app.start:main"])
+    assert "app.parts:Machine.silent" not in declared.reached(["app.parts:takes"]), "only with what puts them together"
+
+
+def test_every_declared_name_is_one_of_the_product() -> None:
+    graph = CallGraph()
+    for function, found in reach.ASSEMBLED.items():
+        module, _, name = function.partition(":")
+        assert name in graph.modules[module].nodes
+        assert [
+            (other, prefix) for other, prefix in found if other not in graph.modules or (not prefix and not graph.modules[other].nodes)
+        ] == []
+    prefixes = {prefix for found in reach.ASSEMBLED.values() for _, prefix in found if prefix}
+    named = {name for found in reach.ASSEMBLED.values() for other, _ in found for name in graph.modules[other].nodes}
+    assert [prefix for prefix in prefixes if not any(name.startswith(prefix) for name in named)] == []
+
+
+def test_of_the_product_the_cycle_a_serial_unit_and_a_built_in_are_a_cells_and_assess_a_command() -> None:
     kinds = reach.kinds()
+    assert kinds["gateway.pure.controllers.rho3.serial.manager:LineManager.read"] == "cell"
+    assert kinds["gateway.pure.languages.val3.strings:f_to_string"] == "cell"
     assert kinds["gateway.pure.cycle.core:CycleLogic._drive"] == "cell"
     assert kinds["gateway.commands.assess:main"] == "command"
     assert kinds["gateway.processes.planner:main"] == "program"
