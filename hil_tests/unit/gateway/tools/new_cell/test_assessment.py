@@ -84,15 +84,15 @@ def test_every_reason_of_every_answer_has_its_german() -> None:
 
 
 def test_nothing_is_promised_that_no_cell_can_do() -> None:
-    """Rows that nothing but the API reaches: sio, transparent output; what no part does: access levels, pages of VAL 3."""
+    """Rows that nothing but the API reaches: transparent output; what no part does: access levels, alter of VAL 3."""
     said = {key: str(read_texts("assess").said(f"r.control.{key}")) for key in ("rho3", "reis", "val3")}
     assert "transparent output to the pendant only as a Python API" in said["rho3"]
-    assert "no access levels" in said["reis"] and "user pages and alter only in virtual time" in said["val3"]
+    assert "no access levels" in said["reis"] and "alter only in virtual time" in said["val3"]
 
 
 def test_programs_are_judged_by_the_control_they_were_written_for() -> None:
     """What runs in a cell is named with the command that checks it; what does not says so."""
-    expected = {"rho3": ("axisgate program check", "runs no PIC program"), "reis": ("axisgate robotstar check", "axisgate plc check")}
+    expected = {"rho3": ("axisgate program check", "Intel-hex files"), "reis": ("axisgate robotstar check", "axisgate plc check")}
     expected["val3"] = ("axisgate val3 check", "runs no program of the control's own PLC")
     for control in ("rho3", "reis", "val3", "other"):
         reasons = {reason.key: reason.text for reason in assess(GOOD | {"control": control, "baps": "yes", "pic": "yes"})}
