@@ -39,7 +39,7 @@ AGAIN_P5_MS = (16, 32, 32, 32)  # of the repetitions
 MOST_AGAIN = 35  # modules, of some forty; more than these is no matter of the machine
 BESIDE_NAME, TOGETHER_NAME, ALONE_NAME = "beside", "together", "first"  # of the plays, in this order
 SHARERS = 2  # processes of the first two: they share the modules as they come to them
-WHY_AGAIN = {TOGETHER_NAME: "failed beside the pure tests; again by two at a time", ALONE_NAME: "failed beside another module; again alone"}
+WHY_AGAIN = {TOGETHER_NAME: "failed beside the pure tests; again by two at a time", ALONE_NAME: "failed beside others; again alone"}
 POLL_S = 0.2
 ENDS_S = 60.0
 
