@@ -23,7 +23,7 @@ from hil_tests.matrix.catalogue import MarkError, resolve
 from hil_tests.matrix.marks import claims_of, function_id
 from hil_tests.matrix.mutant import VARIANTS, MutantError, mutated
 from hil_tests.matrix.small import MOST, Small, small_mutants
-from hil_tests.matrix.verdicts import Pair, Trial, fingerprint, save_pairs
+from hil_tests.matrix.verdicts import Pair, Trial, fingerprint, load_pairs, save_pairs
 from hil_tests.purity import GUARDED_FOLDERS
 
 if TYPE_CHECKING:
@@ -43,8 +43,8 @@ class Hang(BaseException):
 class Mutants:
     """Replaces the running of a test by: once sound, then once for each function and variant."""
 
-    def __init__(self, target: pathlib.Path, sample: str | None) -> None:
-        self._target, self._sample = target, sample
+    def __init__(self, target: pathlib.Path, sample: str | None, known: pathlib.Path | None = None) -> None:
+        self._target, self._sample, self._known = target, sample, known
         self._raised: list[BaseException] = []
         self._chosen: set[tuple[str, str]] | None = None  # None: all of them
         self._found: dict[tuple[str, str], dict[str, str]] = {}
@@ -55,13 +55,17 @@ class Mutants:
 
     @pytest.hookimpl(trylast=True)
     def pytest_collection_modifyitems(self, config: pytest.Config, items: list[pytest.Item]) -> None:
-        """COUNT:SEED, so many pairs by lot: tests that have none of them are not run."""
-        if self._sample is None:
+        """COUNT:SEED, so many pairs by lot; or those without a current verdict.  Tests that have none of them are not run."""
+        if self._sample is None and self._known is None:
             return
-        count, seed = map(int, self._sample.split(":"))
         pairs = {function_id(item.nodeid): _pairs(item) for item in items}
-        every = sorted({pair for some in pairs.values() for pair in some})
-        self._chosen = set(random.Random(seed).sample(every, min(count, len(every))))
+        every = {pair for some in pairs.values() for pair in some}
+        if self._known is not None:
+            every -= {(pair.test, pair.by) for pair in load_pairs(self._known) if not pair.unjudged}
+        if self._sample is not None:
+            count, seed = map(int, self._sample.split(":"))
+            every = set(random.Random(seed).sample(sorted(every), min(count, len(every))))
+        self._chosen = every
         left = [item for item in items if not self._chosen.isdisjoint(pairs[function_id(item.nodeid)])]
         config.hook.pytest_deselected(items=[item for item in items if item not in left])
         items[:] = left
@@ -230,10 +234,12 @@ def quick_hypothesis() -> None:
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--mutants", metavar="FILE", help="break each `by` function in turn and write here how the tests took it")
     parser.addoption("--mutants-sample", metavar="COUNT:SEED", help="only so many pairs of test and function, drawn by lot")
+    parser.addoption("--mutants-known", metavar="FILE", help="not the pairs whose verdict, of these very files, stands in it")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     strict_raises()
     quick_hypothesis()
-    mutants = Mutants(pathlib.Path(config.getoption("--mutants")), config.getoption("--mutants-sample"))
+    target, known = pathlib.Path(config.getoption("--mutants")), config.getoption("--mutants-known")
+    mutants = Mutants(target, config.getoption("--mutants-sample"), pathlib.Path(known) if known else None)
     config.pluginmanager.register(mutants, "axisgate-mutants")

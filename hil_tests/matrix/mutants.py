@@ -3,6 +3,7 @@
 python -m hil_tests.matrix.mutants                       all pairs of test and function; hours
 python -m hil_tests.matrix.mutants -k EXPRESSION         those of some tests, as pytest's -k
 python -m hil_tests.matrix.mutants --sample 60 --seed 7  so many, drawn by lot
+python -m hil_tests.matrix.mutants --missing             those without a recorded verdict of these files: a whole run goes on
 python -m hil_tests.matrix.mutants --page                docs/proof.md again out of what is recorded
 
 Writes build/matrix/mutants.json, completes build/coverage-matrix.json and writes docs/proof.md.  A run of a part leaves what is
@@ -15,6 +16,7 @@ import os
 import pathlib
 import subprocess
 import sys
+from collections.abc import Sequence
 
 from gateway.cycle.native.built import PYTHON_ONLY  # what is broken is Python: its twins in C would not notice
 from hil_tests.matrix import proof, verdicts
@@ -33,14 +35,18 @@ def main() -> int:
     )
     parser.add_argument("--sample", type=int, metavar="COUNT", help="only so many pairs of test and function, drawn by lot")
     parser.add_argument("--seed", type=int, default=0, help="of the lot (0)")
+    parser.add_argument("--missing", action="store_true", help="only pairs without a recorded verdict of these files; may be interrupted")
+    parser.add_argument("--only", default="hil_tests", metavar="FOLDER", help="only tests of this folder (hil_tests)")
     parser.add_argument("--page", action="store_true", help="run nothing; write docs/proof.md out of what is recorded")
     arguments = parser.parse_args()
     if arguments.sample is not None and arguments.sample < 1:
         parser.error(f"--sample {arguments.sample}: at least 1 pair")
     run: list[Pair] = []
     if not arguments.page:
-        code = judge(arguments.k, f"{arguments.sample}:{arguments.seed}" if arguments.sample else None)
-        if code not in (0, 5):
+        lot = ["--mutants-sample", f"{arguments.sample}:{arguments.seed}"] if arguments.sample else []
+        chosen = [arguments.only, *lot, *(["--mutants-known", str(verdicts.MUTANTS)] if arguments.missing else [])]
+        code = judge(arguments.k, chosen)
+        if code not in (0, 2, 5):  # 2: interrupted; what was judged counts
             return 3
         run = verdicts.load_pairs(THIS_RUN) + (verdicts.load_pairs(GUEST_RESULTS) if GUEST_RESULTS.exists() else [])
         kept = {(pair.test, pair.by): pair for pair in [*verdicts.load_pairs(), *run]}
@@ -53,21 +59,24 @@ def main() -> int:
     return tell(pairs if arguments.page else run)
 
 
-def judge(expression: str, sample: str | None) -> int:
+def judge(expression: str, chosen: Sequence[str]) -> int:
     """pytest's exit code; what it found is in THIS_RUN and GUEST_RESULTS."""
     for path in (THIS_RUN, GUEST_RESULTS):
         path.unlink(missing_ok=True)
-    command = order("requirement and not vcan", expression, THIS_RUN, sample)
-    code = subprocess.run(command, cwd=ROOT, check=False, env={**os.environ, lane.ON_HOST: "1", PYTHON_ONLY: "1"}).returncode
-    if sample is None:  # a lot is drawn among the tests of this machine
+    command = order("requirement and not vcan", expression, THIS_RUN, chosen)
+    running = subprocess.Popen(command, cwd=ROOT, env={**os.environ, lane.ON_HOST: "1", PYTHON_ONLY: "1"})
+    try:
+        code = running.wait()
+    except KeyboardInterrupt:
+        code = running.wait()  # the terminal interrupts it as well; it writes down what it has judged
+    if code == 0 and "--mutants-sample" not in chosen:  # a lot is drawn among the tests of this machine
         add_guest(expression)
     return code
 
 
-def order(marks: str, expression: str, target: pathlib.Path, sample: str | None = None) -> list[str]:
+def order(marks: str, expression: str, target: pathlib.Path, chosen: Sequence[str] = ("hil_tests",)) -> list[str]:
     plug_in = ["-p", "hil_tests.matrix.mutant_plugin", "--mutants", str(target), "-o", "timeout=0", "-p", "no:cacheprovider"]
-    lot = ["--mutants-sample", sample] if sample else []
-    return [sys.executable, "-m", "pytest", "hil_tests", "-q", "-m", marks, "-k", expression, *plug_in, *lot]
+    return [sys.executable, "-m", "pytest", *chosen, "-q", "-m", marks, "-k", expression, *plug_in]
 
 
 def add_guest(expression: str) -> None:

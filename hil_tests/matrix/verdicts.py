@@ -59,6 +59,11 @@ class Pair:
         return self.verdict == "killed"
 
     @property
+    def unjudged(self) -> bool:
+        """The sound test did not pass, so nothing is known of its mutants."""
+        return self.raised.startswith("not run")
+
+    @property
     def verdict(self) -> str:
         """An exception that runs through the test proves nothing: of mutants that do not raise the test must have seen one.
 

@@ -3,6 +3,7 @@
 import ast
 import asyncio
 import os
+import pathlib
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -10,10 +11,11 @@ from collections.abc import Callable, Iterator, Sequence
 import pytest
 
 from gateway.pure.controllers.rho3.functions.display import Display
-from hil_tests.matrix.catalogue import MarkError, claim, resolve
+from hil_tests.matrix.catalogue import ROOT, MarkError, claim, resolve
 from hil_tests.matrix.mutant import MutantError, broken, default_of, mutated
 from hil_tests.matrix.mutant_plugin import lines_run
 from hil_tests.matrix.small import places, small_mutants
+from hil_tests.matrix.verdicts import load_pairs, save_pairs
 from protocols.base.machine import ms  # an import made before the mutant: it must meet it all the same
 
 MS = "protocols.base.machine:ms"
@@ -213,3 +215,22 @@ def test_a_mark_that_cannot_be_counted_is_refused_in_words(ids: tuple[str, ...],
 
 def test_a_mark_may_name_several_functions() -> None:
     assert claim(("RHO-SER-01",), {"by": (MS, MS)}).by == (MS, MS)
+
+
+def test_a_pair_with_a_verdict_of_these_files_is_not_judged_again(tmp_path: pathlib.Path) -> None:
+    """A whole run takes hours: it goes on where it was interrupted."""
+    chosen = "hil_tests/requirements/p3964r/test_block_check_vectors.py"
+    first, second = tmp_path / "first.json", tmp_path / "second.json"
+
+    def judge(target: pathlib.Path, *known: str) -> str:
+        plug_in = ["-p", "hil_tests.matrix.mutant_plugin", "--mutants", str(target), "-p", "no:cacheprovider"]
+        command = [sys.executable, "-m", "pytest", chosen, "-q", "-m", "requirement", *plug_in, *known]
+        return subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT).stdout
+
+    judge(first)
+    pairs = load_pairs(first)
+    assert pairs and not any(pair.unjudged for pair in pairs)
+    assert "deselected" in judge(second, "--mutants-known", str(first)) and not load_pairs(second)
+    save_pairs(pairs[1:], first)
+    judge(second, "--mutants-known", str(first))
+    assert [(pair.test, pair.by) for pair in load_pairs(second)] == [(pairs[0].test, pairs[0].by)]
