@@ -162,7 +162,6 @@ MODULES: Mapping[str, str] = {  # module in the id -> module today
     "gateway.pure.val3_sio.variable": "gateway.pure.controllers.val3.sio.variable",
     "gateway.pure.values": "gateway.pure.image.named_values",
     "motion.conventions": "motion.geometry.conventions",
-    "motion.displacement": "motion.geometry.displacement",
     "motion.files.movefile": "motion.files.move_file",
     "motion.follower": "motion.execution.follower",
     "motion.frames": "motion.geometry.frames",

@@ -1,6 +1,7 @@
 """The integrated PLC of a Reis in a running cell: robotstar 5.2, 5.4, 5.5, L2263, L2314-2396, L2749-2791; AX-900."""
 
 import contextlib
+import functools
 import json
 import pathlib
 import shutil
@@ -68,10 +69,12 @@ def plant(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Plant]:
     folder = tmp_path_factory.mktemp("reis")
     file = cell_copy("reis-plc", folder)
     shutil.copytree(pathlib.Path(find_config("reis-plc", "cells")).parent / "reis-plc", folder / "reis-plc")
+    file.write_text(file.read_text().replace("owner  = { ", 'owner  = { "2" = "plc", '))  # RC input 23 is AUTO
     programs = folder / "reis-plc" / "PLC"
     (programs / "PLCMSG_CNF.PLC").write_text(HEAVY)
     (programs / "BAD.PLC").write_text("U E0.0\nV E1.1\nEND\n")
     (programs / "OFF.PLC").write_text("U E0.5\nSP GOOD,0\nL 80000009H\nTD M948\nM GOOD\nEND\n")
+    (programs / "TOGGLE.PLC").write_text("L M10\nZV ACCU,1\nT M10\nU E0.0\n= A0.7\nEND\n")
     (programs / "LONG.PLC").write_text("U E0.0\nM AGAIN\nSP AGAIN\nEND\n")
     with (
         running_cell(str(file), "reisplc", plc=False) as run,
@@ -113,6 +116,7 @@ def test_a_command_source_writes_markers_between_two_scans_and_no_outputs(plant:
     assert plant.outputs() == []
 
 
+@pytest.mark.requirement("RSV-PLC-39", by=PROCESS + "_show")
 def test_the_test_display_shows_each_step_of_a_program_that_runs(plant: Plant, capsys: pytest.CaptureFixture[str]) -> None:
     plant.inputs(0)
     until(lambda: plant.marker(1968) == 1, "the input is read")
@@ -159,12 +163,40 @@ def test_killed_it_comes_back_with_the_copy_that_ran_its_markers_and_outputs_0_m
     assert any("goes on with the program that ran" in entry["text"] for entry in plant.run.journal("plc"))
 
 
+@pytest.mark.requirement("RSV-PLC-29", by=PROCESS + "_start")
 def test_a_refused_start_leaves_the_program_that_runs(plant: Plant, capsys: pytest.CaptureFixture[str]) -> None:
     plant.inputs(0, 1)
     until(lambda: plant.outputs() == [0], "conveyor")
     plant.plc("start", "BAD")
     until(lambda: any("BAD step 2" in entry["text"] for entry in plant.run.journal("plc")), "program and step of the fault")
     assert plant.state() == "RUN" and plant.outputs() == [0]
+
+
+@pytest.mark.requirement("RSV-PLC-30", by=PROCESS + "_read_sources")
+def test_an_edited_source_counts_from_the_next_start_on(plant: Plant) -> None:
+    plant.plc("start", "TOGGLE")
+    plant.inputs(0)
+    until(lambda: plant.outputs() == [7], "the program of before the edit runs")
+    source = plant.file.parent / "reis-plc" / "PLC" / "TOGGLE.PLC"
+    source.write_text("U E0.0\n= A0.6\nUN E0.0\n= A0.7\nEND\n")
+    scans = plant.tool.ask("plc", do="status")["scans"]
+    until(lambda: plant.tool.ask("plc", do="status")["scans"] != scans, "scans since the edit")
+    assert plant.outputs() == [7]
+    plant.plc("start", "TOGGLE")
+    until(lambda: plant.outputs() == [6], "the edited program runs")
+    assert plant.plc("stop") == 0
+    until(lambda: plant.outputs() == [], "stopped")
+
+
+@pytest.mark.requirement("RSV-PLC-01", by=PROCESS + "turn")
+def test_it_runs_in_hand_and_in_auto(plant: Plant) -> None:
+    (plant.file.parent / "reis-plc" / "PLC" / "TOGGLE.PLC").write_text("L M10\nZV ACCU,1\nT M10\nEND\n")
+    plant.plc("start", "TOGGLE")
+    for auto, mode in ((False, 0x01), (True, 0x03)):
+        assert not plant.client.write_coil(23, auto).isError()
+        until(functools.partial(lambda mode: plant.marker(1022) == mode, mode), f"main mode {mode:02X}")
+        before = plant.marker(10)
+        until(functools.partial(lambda before: plant.marker(10) != before, before), "M10 keeps changing")
 
 
 @pytest.mark.requirement("RSV-PLC-05", by=PROCESS + "_more")

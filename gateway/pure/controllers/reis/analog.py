@@ -12,21 +12,9 @@ def volts_of(marker: int) -> float:
     return marker * VOLTS / FULL
 
 
-def marker_of(volts: float) -> int:
-    """The nearest marker; IoFault beyond -10..+10 V."""
-    if not -VOLTS <= volts <= VOLTS:
-        raise IoFault(f"{volts} V: -10.0..+10.0 V")
-    return round(volts * FULL / VOLTS)
-
-
 def ana_inp(markers: Markers, channel: int) -> float:
     """ANA_INP channel: volts at input 1..24."""
     return volts_of(markers.number(_at(ANALOG_INPUTS, channel), 2))
-
-
-def ana_outp(markers: Markers, volts: float, channel: int) -> None:
-    """ANA_OUTP volts, channel: IoFault and nothing written when out of range."""
-    markers.set_number(_at(ANALOG_OUTPUTS, channel), marker_of(volts), 2)
 
 
 def output_volts(markers: Markers, channel: int) -> float:

@@ -7,7 +7,7 @@ from gateway.pure.languages.robotstar.control_steps import NS, equate_of
 from gateway.pure.languages.robotstar.faults import UNSET, WRONG_TYPES, StepFault
 from gateway.pure.languages.robotstar.machine import Go, Machine, Op
 from gateway.pure.languages.robotstar.operands import Operand
-from gateway.pure.languages.robotstar.path import CARTESIAN, Target
+from gateway.pure.languages.robotstar.path import CARTESIAN, PathState, Target
 from gateway.pure.languages.robotstar.program import Step
 from gateway.pure.languages.robotstar.values import AXES, Structure
 
@@ -91,11 +91,15 @@ def position(machine: Machine, step: Step, following: int) -> Op:
 
 def go(machine: Machine, programmed: Target, following: int) -> int:
     """Asks for the way to a position."""
-    path = machine.path
+    return machine.ask(way(machine.path, programmed, machine.world.planned(), machine.tool, machine.simulated), following)
+
+
+def way(path: PathState, programmed: Target, planned: Target, tool: Structure | None = None, simulated: bool = False) -> Go:
+    """To a position, from where the robot is once all before it is reached; StepFault with the number of a path error."""
     target, mode, settings = path.shifted(programmed), path.mode, dict(path.values)
-    seconds = path.accept(target, machine.world.planned(), not machine.simulated)
-    approximates = not machine.simulated and settings["FLYBY"] == 1 and mode != "SPLINE"
-    return machine.ask(Go(target, mode, round(seconds * NS), settings, machine.tool, path.auxiliary, approximates), following)
+    seconds = path.accept(target, planned, not simulated)
+    approximates = not simulated and settings["FLYBY"] == 1 and mode != "SPLINE"
+    return Go(target, mode, round(seconds * NS), settings, tool, path.auxiliary, approximates)
 
 
 def _give_relation(machine: Machine, programmed: Target) -> None:

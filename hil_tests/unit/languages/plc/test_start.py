@@ -78,7 +78,7 @@ def test_the_start_program_is_made_of_path_and_name() -> None:
     assert rig.scan("E0.0").output("A0.0")
 
 
-@pytest.mark.requirement("RSV-PLC-29", "RSV-PLC-30", by=f"{PLC}.start")
+@pytest.mark.requirement("RSV-PLC-29", "RSV-PLC-30", by=PLC + ".start")
 def test_the_copy_runs_until_a_start_without_faults() -> None:
     rig = Rig("U E0.0\n= A0.0")
     rig.sources["MAIN"] = "PLC MAIN\nU(\nU E0.1\nEND"
@@ -92,7 +92,7 @@ def test_the_copy_runs_until_a_start_without_faults() -> None:
     assert rig.scan("E0.1").output("A0.0")
 
 
-@pytest.mark.requirement("RSV-PLC-04", by=f"{PLC}._period")
+@pytest.mark.requirement("RSV-PLC-04", by=PLC + "._period")
 def test_a_load_of_commands_a_period() -> None:
     text = "L M100\nZV ACCU,1\nT M100\n" + "U E0.0\n" * 96 + "= A0.0"
     rig = Rig(text, settings=Settings(load=20))
@@ -101,7 +101,7 @@ def test_a_load_of_commands_a_period() -> None:
     assert not Rig(text, settings=Settings(load=0)).runs
 
 
-@pytest.mark.requirement("RSV-PLC-05", by=f"{PLC}._fail")
+@pytest.mark.requirement("RSV-PLC-05", by=PLC + "._fail")
 @pytest.mark.parametrize("load", [None, 20])
 def test_an_endless_loop_stops_the_plc_the_drives_and_the_outputs(load: int | None) -> None:
     rig = Rig("U E0.0\n= A0.0\nU E0.1\nM L\nSP L,1", settings=Settings(load=load))
@@ -174,7 +174,7 @@ def ordered(rig: Rig, order: int, *parameters: int) -> list[tuple[str, int | Non
     return [(message.text, message.number, message.kind) for message in rig.plc.take_messages()]
 
 
-@pytest.mark.requirement("RSV-PLC-32", by=f"{PLC}._end_of_scan")
+@pytest.mark.requirement("RSV-PLC-32", by=PLC + "._end_of_scan")
 def test_clear_text_and_standard_messages() -> None:
     rig = messenger()
     assert ordered(rig, 0x80000005, 7) == [("text 7", 5, "message")]
@@ -208,7 +208,7 @@ def test_faulty_texts_refuse_the_start(line: str) -> None:
     assert len(rig.refused) == 1
 
 
-@pytest.mark.requirement("RSV-PLC-39", by=f"{PLC}.display")
+@pytest.mark.requirement("RSV-PLC-39", by=PLC + ".display")
 def test_the_test_display_shows_what_ran_as_long_as_source_and_copy_agree() -> None:
     rig = Rig("U E0.0\nSP L,1\nL 5\nL 6\nM L\nU E0.0\n= A0.0")
     assert rig.plc.watch("MAIN")
@@ -227,7 +227,7 @@ def test_the_test_display_shows_what_ran_as_long_as_source_and_copy_agree() -> N
     assert rig.plc.watch("MAIN")
 
 
-@pytest.mark.requirement("RSV-PLC-01", by=f"{PLC}.scan")
+@pytest.mark.requirement("RSV-PLC-01", by=PLC + ".scan")
 def test_the_plc_cycles_and_says_which_outputs_it_wrote() -> None:
     rig = Rig("UN M10.0\n= M10.0\nU E0.0\nS A1.0\n= A2.3")
     assert [rig.scan().plc.bit(10, 0) for _ in range(4)] == [True, False, True, False]

@@ -227,11 +227,59 @@ def test_path_errors(body: str, number: int) -> None:
     assert (ran.message()["number"], ran.message()["class"], ran.state) == (number, "path", "error")
 
 
+@pytest.mark.requirement("RSV-MOT-22", by="gateway.pure.languages.robotstar.motion_steps:relative")
+@pytest.mark.requirement("RSV-MOT-23", by="gateway.pure.languages.robotstar.motion_steps:_give_relation")
 def test_displacement() -> None:
     text = f"TOOL T\n{AT.format(10)}\nCALC_REL V1\n{AT.format(4)}\n{AT.format(7)}"
     text += f"\nRELATIVE V1\n{AT.format(7)}\nRELATIVE Vector: _VNULL\n{AT.format(9)}"
     ran = run({"P.MPR": text, "V.MPR": "VAR V1"})
     assert [target[0] for target in ran.targets()] == [10, 7, 13, 9]
+
+
+def test_relative_adds_the_vector_to_each_position_anew_until_vnull() -> None:
+    text = f"TOOL T\nRELATIVE V1\n{AT.format(100)}\n{AT.format(100)}\nRELATIVE V2\n{AT.format(100)}\nRELATIVE _VNULL\n{AT.format(100)}"
+    values = "VAR V1, X:10, Y:0, Z:0, A:0, B:0, C:0\nVAR V2, X:0, Y:5, Z:0, A:0, B:0, C:90"
+    ran = run({"P.MPR": text, "V.MPR": values})
+    assert ran.targets() == [(110, 0, 0), (110, 0, 0), (100, 5, 0), (100, 0, 0)]
+    refused = run({"P.MPR": "TOOL T\nRELATIVE V1", "V.MPR": "VAR V1"})
+    assert refused.texts() == ["Variable not initialized!"]
+
+
+def test_calc_rel_gives_actual_minus_programmed_and_the_robot_stays() -> None:
+    place = "POSITION #N, X:{}, Y:{}, Z:{}, A:0, B:0, C:0"
+    text = f"TOOL T\n{place.format(10, 20, 30)}\nCALC_REL V1\n{place.format(1, 2, 3)}\nSTOP"
+    ran = run({"P.MPR": text, "V.MPR": "VAR V1"})
+    assert ran.targets() == [(10, 20, 30)]
+    assert [ran.value(f"V1.{name}") for name in ("X", "Y", "Z")] == [9, 18, 27]
+    framed = run({"P.MPR": text.replace("Z:3,", "Z:3, Frame:2,"), "V.MPR": "VAR V1"})
+    assert "frame" in str(framed.texts()[0])
+
+
+@pytest.mark.requirement("RSV-MOT-19", by="gateway.pure.languages.robotstar.system:System.names")
+def test_l2043_the_table_of_defaults_as_a_program_reads_and_changes_it() -> None:
+    table = {
+        "_IDEF_MOVMOD": 0, "_IDEF_FLYFLG": 0, "_RDEF_VEL_CP": 10.0, "_IDEF_ACC_CP": 50, "_IDEF_VELPTP": 20, "_IDEF_ACCPTP": 50,
+        "_RDEF_PATH_R": 1.0, "_RDEF_PATH_D": 0.0, "_RDEF_PATH_T": 0.0, "_IDEF_VFLY_S": 100, "_IDEF_VFLY_O": 0, "_IDEF_VCRC_O": 100,
+        "_IDEF_SPLTEN": 100, "_IDEF_ORITEN": 100, "_IDEF_ORIWGT": 100, "_IDEF_ORICRC": 100, "_IDEF_ACCTIM": 25,
+    }  # fmt: skip
+    plain = {"_IV_FLYBY_S": 100, "_IV_FLYBY_O": 0, "_IV_CIRCHP_O": 100, "_ISPL_TENS": 100, "_IORI_TENS": 100, "_IACC_TIME": 25}
+    copies = "\n".join(f"COPY {name}, {name[1]}_V[{place}]" for place, name in enumerate((*table, *plain), 1))
+    ran = run({"P.MPR": copies, "V.MPR": "VAR I_V[30]\nVAR R_V[30]"})
+    found = [ran.value(f"{name[1]}_V[{place}]") for place, name in enumerate((*table, *plain), 1)]
+    assert found == [*table.values(), *plain.values()]
+    places = "\n".join(f"{AT.format(x)}" for x in (10, 20))
+    slow = run({"P.MPR": f"TOOL T\nMOVE_MODE #LINEAR\n{places}"})
+    first, second = (float(str(at)) for at, _ in slow.when("target"))
+    assert second - first == pytest.approx(1.0, abs=0.02), "BAHN_GESCHW 10 mm/s where the program names none"
+
+
+@pytest.mark.requirement("RSV-IO-06", by="gateway.pure.languages.robotstar.control_steps:analog_output")
+def test_an_analog_output_takes_10_volts_and_no_more() -> None:
+    ran = run({"P.MPR": "ANA_OUTP 5.0,1\nANA_OUTP -10.0,24\nCOPY 10.5,R1\nANA_OUTP R1,1\nANA_OUTP 1.0,2", "V.MPR": "VAR R1"})
+    outputs = [int.from_bytes(ran.cell.image[place : place + 2], "little", signed=True) for place in range(1920, 1968, 2)]
+    assert outputs == [16384, *[0] * 22, -32767]
+    assert ran.texts() == ["voltage 10.5 is outside -10 .. 10"] and ran.step == 5
+    assert run({"P.MPR": "ANA_OUTP 10.5,1"}).faults == ["step 2: ANA_OUTP: voltage 10.5 is outside -10 .. 10"]
 
 
 def test_position_variables() -> None:

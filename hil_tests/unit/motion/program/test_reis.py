@@ -1,15 +1,15 @@
-"""ROBOTstar V, parameters of the path control: defaults, ranges, modality, path errors."""
-
-import dataclasses
+"""ROBOTstar V, parameters of the path control: machine data, path errors, what is modal."""
 
 import pytest
 
-from motion.errors import MotionError
+from gateway.pure.languages.robotstar.faults import StepFault
+from hil_tests.lab.cells.reis_path import Path, fault
 from motion.geometry.conventions import VAL3
 from motion.program.blocks import Interpolation, JointTarget, PoseTarget, Turning
 from motion.program.errors import BlockError
-from motion.program.reis import MachineData, Mode, Parameters, Path
+from motion.program.reis import MachineData
 
+PATH = "gateway.pure.languages.robotstar.path:PathState."
 START = PoseTarget(VAL3.pose((0, 0, 0, 0, 0, 0)))
 
 
@@ -17,34 +17,12 @@ def at(x: float, y: float = 0.0, rz: float = 0.0) -> PoseTarget:
     return PoseTarget(VAL3.pose((x, y, 0, 0, 0, rz)))
 
 
-def linear(**values: float | bool) -> Path:
+def linear(**values: float) -> Path:
     path = Path(START)
-    path.set("BEWEG_ART", Mode.LINEAR)
+    path.set("BEWEG_ART", "LINEAR")
     for name, value in values.items():
         path.set(name, value)
     return path
-
-
-def fault(path: Path) -> tuple[int, int]:
-    """(number, block) of the path error; (0, 0): none."""
-    try:
-        path.blocks()
-    except BlockError as error:
-        return error.code, error.block
-    return 0, 0
-
-
-@pytest.mark.requirement("RSV-MOT-19", by="motion.program.reis:Path.standing")
-def test_l2043_the_table_of_defaults() -> None:
-    standing = Path(START).standing()
-    assert isinstance(standing, Parameters)
-    values = dataclasses.asdict(standing)
-    expected = {
-        "BEWEG_ART": Mode.PTP, "UEBERSCHL": False, "BAHN_GESCHW": 10.0, "BAHN_BESCHL": 50, "PTP_GESCHW": 20, "PTP_BESCHL": 50,
-        "BAHN_RADIUS": 1.0, "BAHN_DISTANZ": 0.0, "BAHN_ZEIT": 0.0, "IV_FLYBY_S": 100, "IV_FLYBY_O": 0, "IV_CIRCHP_O": 100,
-        "ISPL_TENS": 100, "IORI_TENS": 100, "IORI_WEIGHT": 100, "IORI_CIRCHP": 100, "IACC_TIME": 25,
-    }  # fmt: skip
-    assert values == expected
 
 
 @pytest.mark.requirement("RSV-MOT-21", by="motion.program.reis:check_machine_data")
@@ -61,91 +39,68 @@ def test_machine_data_outside_their_range_are_error_650() -> None:
     MachineData(RAPPR_FACT_MAX=0.499, RDELTA_OV_MAX=1.0, RSYNC_WEIGHT=0.0, RSYNC_MIN_PHASE=0.5)
 
 
-@pytest.mark.requirement("RSV-MOT-06", by="motion.program.reis:Path._even_circle")
+@pytest.mark.requirement("RSV-MOT-06", by=PATH + "set_mode")
 def test_an_odd_number_of_circle_positions_is_an_error_at_the_change_of_mode() -> None:
     path = Path(START)
-    path.set("BEWEG_ART", Mode.ZIRK_MIN_ORI)
+    path.set("BEWEG_ART", "ZIRK_MIN_ORI")
     for x, y in ((10, 10), (20, 0), (30, 10)):
         path.position(at(x, y))
-    with pytest.raises(BlockError, match="3 positions"):
-        path.set("BEWEG_ART", Mode.LINEAR)
+    with pytest.raises(StepFault, match="an even number of positions"):
+        path.set("BEWEG_ART", "LINEAR")
     path.position(at(40, 0))
-    path.set("BEWEG_ART", Mode.LINEAR)
+    path.set("BEWEG_ART", "LINEAR")
     path.position(at(50, 0))
     first, second, line = path.blocks()
     assert first.kind is second.kind is Interpolation.CIRCULAR and line.kind is Interpolation.LINEAR
-    assert (first.via, first.target) == (at(10, 10), at(20, 0)) and (second.via, second.target) == (at(30, 10), at(40, 0))
+    places = [target.pose.position for target in (first.via, first.target, second.via, second.target) if isinstance(target, PoseTarget)]
+    assert places == [pytest.approx((x / 1e3, y / 1e3, 0)) for x, y in ((10, 10), (20, 0), (30, 10), (40, 0))]
     assert first.turning is Turning.LEAST
 
 
-def test_a_program_that_ends_after_an_auxiliary_point_is_an_error_too() -> None:
-    path = Path(START)
-    path.set("BEWEG_ART", Mode.ZIRK_BAHN_ORI)
-    path.position(at(10, 10))
-    with pytest.raises(BlockError, match="end point is missing"):
-        path.blocks()
-
-
-@pytest.mark.requirement("RSV-MOT-13", by="motion.program.reis:Path._check_orientation_weights")
+@pytest.mark.requirement("RSV-MOT-13", by=PATH + "_check_weight")
 def test_orientation_weight_twice_in_a_row_is_path_error_903() -> None:
     path = linear()
     path.position(at(10))
     path.set("IORI_WEIGHT", 0)
-    path.position(at(20))
-    path.position(at(30))
+    assert fault(path, at(20), at(30)) == 0
     path.set("IORI_WEIGHT", 50)
-    path.position(at(40))
-    assert fault(path) == (0, 0), "not modal: 100 in between"
+    assert fault(path, at(40)) == 0, "not modal: 100 in between"
     path.set("IORI_WEIGHT", 0)
-    path.position(at(50))
-    assert fault(path) == (903, 5)
+    assert fault(path, at(50)) == 903
 
 
 def test_a_weighted_auxiliary_point_next_to_a_weighted_point_is_903_too() -> None:
     path = linear()
     path.set("IORI_WEIGHT", 0)
     path.position(at(10))
-    path.set("BEWEG_ART", Mode.ZIRK_MIN_ORI)
+    path.set("BEWEG_ART", "ZIRK_MIN_ORI")
     path.set("IORI_CIRCHP", 50)
-    path.position(at(20, 10))
-    path.position(at(30))
-    assert fault(path) == (903, 2)
+    assert fault(path, at(20, 10)) == 903
 
 
-@pytest.mark.requirement("RSV-MOT-16", by="motion.program.reis:_check_alone")
+@pytest.mark.requirement("RSV-MOT-16", by=PATH + "_check")
 def test_an_orientation_only_path_without_bahn_zeit_is_path_error_622() -> None:
-    path = linear()
-    path.position(at(10))
-    path.position(at(10, 0, 30))
-    assert fault(path) == (622, 2)
+    assert fault(linear(), at(10), at(10, 0, 30)) == 622
     timed = linear()
     timed.position(at(10))
     timed.set("BAHN_ZEIT", 2.0)
-    timed.position(at(10, 0, 30))
-    assert fault(timed) == (0, 0)
+    assert fault(timed, at(10, 0, 30)) == 0
     assert [block.pace.time for block in timed.blocks()] == [None, 2.0]
 
 
-@pytest.mark.requirement("RSV-MOT-17", by="motion.program.reis:check_path")
+@pytest.mark.requirement("RSV-MOT-17", by=PATH + "_check")
 def test_approximation_faults_620_102_621_623_624() -> None:
-    twice = linear(UEBERSCHL=True)
-    twice.position(at(10))
-    twice.position(at(10))
-    assert fault(twice) == (620, 2)
-    without = linear(UEBERSCHL=True, BAHN_RADIUS=0, BAHN_DISTANZ=0)
-    without.position(at(10))
-    assert fault(without) == (102, 1)
-    turning = linear(UEBERSCHL=True)
+    assert fault(linear(UEBERSCHL=1), at(10), at(10)) == 620
+    assert fault(linear(UEBERSCHL=1, BAHN_RADIUS=0, BAHN_DISTANZ=0), at(10)) == 102
+    turning = linear(UEBERSCHL=1)
     turning.set("BAHN_ZEIT", 1.0)
-    turning.position(at(0, 0, 30))
-    assert fault(turning) == (621, 1)
+    assert fault(turning, at(0, 0, 30)) == 621
     for target, code in ((at(10), 623), (at(10, 0, 30), 624)):
-        following = linear(UEBERSCHL=True)
+        following = linear(UEBERSCHL=1)
         following.position(at(10))
-        following.set("UEBERSCHL", False)
+        following.set("UEBERSCHL", 0)
         following.set("BAHN_ZEIT", 1.0)
-        following.position(target)
-        assert fault(following) == (code, 1)
+        assert fault(following, target) == code
 
 
 def test_bahn_zeit_wins_over_speed_and_is_not_modal() -> None:
@@ -159,16 +114,16 @@ def test_bahn_zeit_wins_over_speed_and_is_not_modal() -> None:
 
 
 def test_distance_goes_out_beside_the_radius_and_spline_ignores_both() -> None:
-    path = linear(UEBERSCHL=True, BAHN_RADIUS=10, BAHN_DISTANZ=3, IV_FLYBY_S=50)
+    path = linear(UEBERSCHL=1, BAHN_RADIUS=10, BAHN_DISTANZ=3, IV_FLYBY_S=50)
     path.position(at(100))
-    path.set("BEWEG_ART", Mode.SPLINE)
+    path.set("BEWEG_ART", "SPLINE")
     path.position(at(200))
     rounded, curve = path.blocks()
     assert (rounded.blend.leave, rounded.blend.distance, rounded.blend.share, rounded.blend.flyby) == (0.01, 0.003, 0.4, 0.5)
     assert curve.blend.leave == curve.blend.distance == 0.0
 
 
-def test_ptp_runs_with_the_lead_axis_and_joint_targets_are_told_apart_by_rs_ax_eps() -> None:
+def test_ptp_runs_with_the_lead_axis() -> None:
     path = Path(JointTarget((0.0, 0.0)))
     path.set("PTP_GESCHW", 50)
     path.position(JointTarget((1.0, 0.5)))
@@ -180,5 +135,5 @@ def test_ptp_runs_with_the_lead_axis_and_joint_targets_are_told_apart_by_rs_ax_e
     ("name", "value"), [("IV_FLYBY_S", 101), ("IACC_TIME", 51), ("BAHN_RADIUS", -1), ("PTP_GESCHW", 0), ("BAHN_GESCHW", float("nan"))]
 )
 def test_values_outside_their_range_are_refused(name: str, value: float) -> None:
-    with pytest.raises(MotionError, match=name):
+    with pytest.raises(StepFault, match="is outside"):
         linear(**{name: value})

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from hil_tests.lab.cells.arms import Array, at, off_line, portal, robot, run
+from hil_tests.lab.cells.reis_path import Path
 from motion.geometry.conventions import VAL3
 from motion.geometry.frames import Pose
 from motion.geometry.orientation import angle_between
 from motion.planner.arm import Arm
 from motion.planner.route import Route, Stretch
 from motion.program.blocks import PoseTarget
-from motion.program.reis import Mode, Path
 
 P = 2e-3
 HOME = (0.0, math.radians(30), math.radians(90), 0.0, math.radians(60), 0.0)
@@ -33,7 +33,7 @@ def poses(rows: Array) -> list[Pose]:
 @pytest.mark.requirement("RSV-MOT-03", by=("motion.planner.block_paths:_line", "motion.planner.joint_path:joint_path_of"))
 def test_linear_keeps_the_tool_of_an_arm_on_the_line_and_turns_it_steadily() -> None:
     path = Path(PoseTarget(beside(0)))
-    path.set("BEWEG_ART", Mode.LINEAR)
+    path.set("BEWEG_ART", "LINEAR")
     path.set("BAHN_GESCHW", 400)
     end = beside(-60, 180, 40, 40)
     path.position(PoseTarget(end))
@@ -66,7 +66,7 @@ POINTS = ((60.0, 0.0), (100.0, 70.0), (180.0, 70.0), (240.0, 0.0))
 def swing(tension: float) -> float:
     """m by which a spline over 4 points leaves its chords; it meets all of them."""
     path = Path(at(0))
-    for name, value in (("BEWEG_ART", Mode.SPLINE), ("ISPL_TENS", tension), ("BAHN_GESCHW", 200)):
+    for name, value in (("BEWEG_ART", "SPLINE"), ("ISPL_TENS", tension), ("BAHN_GESCHW", 200)):
         path.set(name, value)
     for x, y in POINTS:
         path.position(at(x, y))
@@ -81,20 +81,20 @@ def swing(tension: float) -> float:
     return most
 
 
-@pytest.mark.requirement("RSV-MOT-11", by=("motion.planner.spline_rows:curve_of", "motion.program.reis:Path._block"))
+@pytest.mark.requirement("RSV-MOT-11", by=("motion.planner.spline_rows:curve_of", "gateway.pure.languages.robotstar.lines:line"))
 def test_ispl_tens_0_50_100_swings_out_in_that_order_through_the_same_four_points() -> None:
     none, half, full = (swing(tension) for tension in (0, 50, 100))
     assert none < 0.05 * full and none < half < full
     assert full > 1e-3
 
 
-@pytest.mark.requirement("RSV-MOT-12", by=("motion.planner.spline_rows:curve_of", "motion.program.reis:Path.position"))
+@pytest.mark.requirement("RSV-MOT-12", by=("motion.planner.spline_rows:curve_of", "gateway.pure.languages.robotstar.lines:line"))
 def test_iori_weight_0_before_p2_ignores_its_orientation_alone_and_p3_is_met() -> None:
     targets = (beside(-20, 50, 0, 10), beside(-40, 100, 0, 60), beside(-20, 150, 0, -10), beside(0, 200, 0, 0))
 
     def ends(weighted: bool) -> list[Pose]:
         path = Path(PoseTarget(beside(0)))
-        path.set("BEWEG_ART", Mode.SPLINE)
+        path.set("BEWEG_ART", "SPLINE")
         for number, target in enumerate(targets, 1):
             if weighted and number == 2:
                 path.set("IORI_WEIGHT", 0)

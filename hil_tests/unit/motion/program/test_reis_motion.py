@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hil_tests.lab.cells.arms import Array, at, differences, portal, robot, run, tool_speed
+from hil_tests.lab.cells.reis_path import Path
 from motion.geometry.conventions import VAL3
 from motion.geometry.limits import limits_from
 from motion.kinematics.identity import Identity
@@ -14,7 +15,6 @@ from motion.planner.robot import Machine
 from motion.planner.route import Route
 from motion.program.blocks import Interpolation, JointTarget, PoseTarget
 from motion.program.errors import BlockError
-from motion.program.reis import MachineData, Mode, Path
 
 P = 2e-3
 START = at(0)
@@ -43,10 +43,10 @@ def test_ptp_geschw_50_is_half_the_speed_of_the_axis_with_the_largest_travel() -
     assert peaks[1] == pytest.approx(100.0 * 40 / 90, rel=2e-3), "the other one only keeps up: 74 % of its own limit"
 
 
-@pytest.mark.requirement("RSV-MOT-04", by="motion.program.reis:Path._pace")
+@pytest.mark.requirement("RSV-MOT-04", by="gateway.pure.languages.robotstar.lines:_speeds")
 def test_bahn_geschw_100_and_50_percent_of_2000_give_ramps_of_1000_and_a_steady_100() -> None:
-    path = Path(START, MachineData(RACC_MAX=2000.0))
-    for name, value in (("BEWEG_ART", Mode.LINEAR), ("BAHN_GESCHW", 100), ("BAHN_BESCHL", 50)):
+    path = Path(START)
+    for name, value in (("BEWEG_ART", "LINEAR"), ("BAHN_GESCHW", 100), ("BAHN_BESCHL", 50)):
         path.set(name, value)
     path.position(at(150))
     rows = moved(path, portal(jerk=5e6), (0.0, 0.0, 0.0))
@@ -60,7 +60,7 @@ def test_bahn_geschw_100_and_50_percent_of_2000_give_ramps_of_1000_and_a_steady_
 @pytest.mark.requirement("RSV-MOT-14", by="motion.planner.given_times:time_given")
 def test_bahn_zeit_4_takes_4_s_and_the_next_move_has_its_speed_again() -> None:
     path = Path(START)
-    for name, value in (("BEWEG_ART", Mode.LINEAR), ("BAHN_GESCHW", 200), ("BAHN_ZEIT", 4.0)):
+    for name, value in (("BEWEG_ART", "LINEAR"), ("BAHN_GESCHW", 200), ("BAHN_ZEIT", 4.0)):
         path.set(name, value)
     path.position(at(100))
     path.position(at(100, 100))
@@ -77,7 +77,7 @@ def test_bahn_zeit_4_takes_4_s_and_the_next_move_has_its_speed_again() -> None:
 def test_bahn_zeit_10_goes_up_for_the_share_of_iacc_time_stays_and_goes_down_for_it_again() -> None:
     for share, steady in ((20, 6.0), (50, 0.0)):
         path = Path(START)
-        for name, value in (("BEWEG_ART", Mode.LINEAR), ("IACC_TIME", share), ("BAHN_ZEIT", 10.0)):
+        for name, value in (("BEWEG_ART", "LINEAR"), ("IACC_TIME", share), ("BAHN_ZEIT", 10.0)):
             path.set(name, value)
         path.position(at(200))
         period = 5 * P
@@ -94,7 +94,7 @@ def test_bahn_zeit_10_goes_up_for_the_share_of_iacc_time_stays_and_goes_down_for
         assert speed[down] == pytest.approx(top * (10.0 - t[down]) / ramp, abs=0.02 * top), "evenly down"
 
 
-@pytest.mark.requirement("RSV-MOT-01", by="motion.program.reis:Path.blocks")
+@pytest.mark.requirement("RSV-MOT-01", by="gateway.pure.languages.robotstar.lines:line")
 def test_without_a_motion_command_two_positions_are_joint_synchronous_moves() -> None:
     limits = tuple(limits_from(f"A{n}", "deg", lower=-180, upper=180, speed=60.0 + 40 * n, accel=500, jerk=20_000) for n in range(3))
     path = Path(JointTarget((0.0, 0.0, 0.0)))
@@ -110,16 +110,16 @@ def test_without_a_motion_command_two_positions_are_joint_synchronous_moves() ->
         assert np.ptp(shares, axis=1) == pytest.approx(np.zeros(len(leg)), abs=1e-8), "all axes start and end together"
 
 
-@pytest.mark.requirement("RSV-MOT-05", by="motion.program.reis:Path.position")
+@pytest.mark.requirement("RSV-MOT-05", by="gateway.pure.languages.robotstar.lines:line")
 @pytest.mark.requirement("RSV-MOT-05", by="motion.planner.block_paths:_arc")
 def test_zirk_makes_an_arc_of_each_two_positions_and_ptp_ends_it() -> None:
     path = Path(START)
-    path.set("BEWEG_ART", Mode.ZIRK_MIN_ORI)
+    path.set("BEWEG_ART", "ZIRK_MIN_ORI")
     path.set("BAHN_GESCHW", 300)
     d, e, f, g = (100.0, 100.0), (200.0, 0.0), (250.0, -80.0), (400.0, -100.0)
     for x, y in (d, e, f, g):
         path.position(at(x, y))
-    path.set("BEWEG_ART", Mode.PTP)
+    path.set("BEWEG_ART", "PTP")
     path.position(at(0, 50))
     assert [block.kind for block in path.blocks()] == [Interpolation.CIRCULAR] * 2 + [Interpolation.PTP]
     rows = moved(path, portal(), (0.0, 0.0, 0.0))[:, :2] * 1e3
@@ -144,8 +144,8 @@ def circle(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float
 
 def rounded(first_speed: float = 100.0, second_speed: float = 100.0, **values: float) -> tuple[Array, Array]:
     """Places (mm) and speeds (mm/s) of a right angle at (100, 0)."""
-    path = Path(START, MachineData(RACC_MAX=20_000.0))
-    path.set("BEWEG_ART", Mode.LINEAR)
+    path = Path(START)
+    path.set("BEWEG_ART", "LINEAR")
     for name, value in {"BAHN_BESCHL": 100.0, "UEBERSCHL": True, **values}.items():
         path.set(name, value)
     path.set("BAHN_GESCHW", first_speed)
@@ -176,7 +176,7 @@ def test_iv_flyby_s_0_rests_once_in_the_middle_of_the_rounded_corner_and_goes_on
 
 
 @pytest.mark.requirement("RSV-MOT-08", by="motion.planner.route:Route._leave")
-@pytest.mark.requirement("RSV-MOT-08", "RSV-MOT-09", by="motion.program.reis:Path._blend")
+@pytest.mark.requirement("RSV-MOT-08", "RSV-MOT-09", by="gateway.pure.languages.robotstar.lines:_passed")
 def test_bahn_radius_10_leaves_10_mm_before_and_rejoins_10_mm_after_and_bahn_distanz_has_priority() -> None:
     corner = np.array([100.0, 0.0])
 
@@ -194,13 +194,13 @@ def test_bahn_radius_10_leaves_10_mm_before_and_rejoins_10_mm_after_and_bahn_dis
     assert before > 10.5 and behind > 10.5
 
 
-@pytest.mark.requirement("RSV-MOT-10", by=("motion.program.reis:Path._blend", "motion.planner.spline_rows:curve_of"))
+@pytest.mark.requirement("RSV-MOT-10", by=("gateway.pure.languages.robotstar.lines:_passed", "motion.planner.spline_rows:curve_of"))
 def test_a_spline_goes_through_its_points_whatever_bahn_radius_says() -> None:
     points = ((40.0, 30.0), (80.0, -10.0), (130.0, 20.0), (170.0, 0.0))
 
     def way(radius: float, rounding: bool) -> Array:
         path = Path(START)
-        for name, value in (("BEWEG_ART", Mode.SPLINE), ("UEBERSCHL", rounding), ("BAHN_RADIUS", radius), ("BAHN_GESCHW", 200)):
+        for name, value in (("BEWEG_ART", "SPLINE"), ("UEBERSCHL", rounding), ("BAHN_RADIUS", radius), ("BAHN_GESCHW", 200)):
             path.set(name, value)
         for x, y in points:
             path.position(at(x, y))
@@ -224,7 +224,7 @@ def test_an_additional_axis_that_cannot_keep_the_time_is_706_and_one_of_the_arm_
 
     def fault(extra: float, seconds: float) -> tuple[int, str]:
         path = Path(START)
-        path.set("BEWEG_ART", Mode.LINEAR)
+        path.set("BEWEG_ART", "LINEAR")
         path.set("BAHN_ZEIT", seconds)
         path.position(PoseTarget(at(100).pose, extra=(extra,)))
         route = Route(machine, (0.0, 0.0, 0.0, 0.0))
@@ -245,7 +245,7 @@ def test_an_additional_axis_keeps_step_with_the_path() -> None:
     own = portal()
     machine = Machine(own.kinematics, (*own.limits, limits_from("E1", "mm", lower=0, upper=1000, speed=500, accel=5000, jerk=200_000)))
     path = Path(START)
-    for name, value in (("BEWEG_ART", Mode.LINEAR), ("BAHN_GESCHW", 300), ("UEBERSCHL", True), ("BAHN_RADIUS", 10)):
+    for name, value in (("BEWEG_ART", "LINEAR"), ("BAHN_GESCHW", 300), ("UEBERSCHL", True), ("BAHN_RADIUS", 10)):
         path.set(name, value)
     for target, extra in ((at(100), 0.05), (at(100, 100), 0.2)):
         path.position(PoseTarget(target.pose, extra=(extra,)))
@@ -260,7 +260,7 @@ def test_the_same_program_runs_on_the_six_axis_arm() -> None:
     start = (0.0, math.radians(30), math.radians(90), 0.0, math.radians(60), 0.0)
     x, y, z, a, b, c = VAL3.values(machine.kinematics.forward(start))
     path = Path(PoseTarget(machine.kinematics.forward(start)))
-    for name, value in (("BEWEG_ART", Mode.LINEAR), ("BAHN_GESCHW", 250), ("UEBERSCHL", True), ("BAHN_DISTANZ", 3)):
+    for name, value in (("BEWEG_ART", "LINEAR"), ("BAHN_GESCHW", 250), ("UEBERSCHL", True), ("BAHN_DISTANZ", 3)):
         path.set(name, value)
     path.position(PoseTarget(VAL3.pose((x, y + 60, z, a, b, c))))
     path.position(PoseTarget(VAL3.pose((x - 60, y + 60, z, a, b, c))))
