@@ -23,6 +23,7 @@ RESERVED: Mapping[str, tuple[str, ...]] = {  # line kinds whose shape is kept fr
     "types": ("P", "B", "S"),
 }
 UNKNOWN_KEY = "unexpected_keyword_argument"
+BEYOND = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 _KINDS = {
     "int_type": "a whole number", "int_from_float": "a whole number", "float_type": "a number", "bool_type": "true or false",
     "string_type": 'a text in "quotes"', "tuple_type": "a list [ .. ]", "dict_type": "a table", "dataclass_type": "a table",
@@ -90,7 +91,9 @@ def _fault(file: str, raw: Mapping[str, Any], places: dict[Path, int], detail: E
         hint = _header_hint(path, value)
     elif kind == "string_too_short":
         span, hint = "a text", "must not be empty"
-    elif kind not in ("greater_than", "greater_than_equal", "less_than", "less_than_equal", "string_pattern_mismatch"):
+    elif kind in BEYOND:
+        hint = column.why if column else ""
+    elif kind != "string_pattern_mismatch":
         hint = detail["msg"]
     if path[:2] == ("robot", 0) and ("robot", 0) not in places:
         path = ("robot", *path[2:])  # one table [robot]

@@ -157,7 +157,9 @@ class _Loader:
             for kind in ("line", "bus", "axis", "modbus", "telegram")
         }
         blocks = frozenset(str(each.get("number")) for each in _tables(self.raw.get("db")))
-        return {**known, "db": blocks, "axis": known["axis"] | {str(each.get("name")) for each in _tables(raw.get("axis"))}}
+        params = self.raw.get("rho3")
+        given = frozenset(key for key, value in params.items() if value) if isinstance(params, dict) else frozenset()
+        return {**known, "rho3": given, "db": blocks, "axis": known["axis"] | {str(each.get("name")) for each in _tables(raw.get("axis"))}}
 
     def _line(self, key: str) -> int | None:
         return line_of(self.raw, self.places, key)

@@ -1,5 +1,6 @@
 """[rho3] P5, P15, P30..P32 and P401 of a cell, judged as the old control would judge them at its start-up (rho3 2.1 to 2.4)."""
 
+import dataclasses
 from collections.abc import Iterator
 
 from drivers.drives.orientation import segment_deg, segments
@@ -9,9 +10,10 @@ from gateway.checks.context import Context, number
 from gateway.pure.cell.cell import Cell, IoBus, Notice, Rho3
 from gateway.pure.controllers.rho3.can.download import gaps, zero_offset_deg
 from gateway.pure.controllers.rho3.can.rules import BusSetup, Setup, judge
-from gateway.registry import DRIVE_FAMILIES
+from gateway.registry import BUS_PROTOCOLS, DRIVE_FAMILIES
 
 BEST_OFFSET_DEG = 90.0
+CARRIER = 'protocol = "rho3-io"'
 
 
 def setup_of(cell: Cell, params: Rho3) -> Setup:
@@ -33,9 +35,40 @@ def parameters(check: Context) -> None:
     params = check.cell.rho3
     if params is None:
         return
-    for found in judge(setup_of(check.cell, params)):
-        code = f" ({found.code} {found.text})" if found.code else ""
+    setup = setup_of(check.cell, params)
+    if _faulty(check, params):  # of the blocks only those are known that have no fault of their own
+        setup = dataclasses.replace(setup, buses=tuple(BusSetup(bus.axes) for bus in setup.buses))
+    for found in judge(setup):
+        code = f"; the rho 3 shows {found.code} {found.text}, system error {found.system_error}" if found.code else ""
         check.fault(f"rho3.{found.parameter}", found.value, found.hint + code)
+
+
+def _faulty(check: Context, params: Rho3) -> bool:
+    """Whether one of P30 to P32 was left out for a fault of a value."""
+    given = {"P30": params.P30, "P31": params.P31, "P32": params.P32}
+    return any(name in check.known["rho3"] and not value for name, value in given.items())
+
+
+def carriers(check: Context) -> None:
+    """Blocks of bus n are exchanged on the n-th [[bus]], which has to be there and to carry such blocks."""
+    params = check.cell.rho3
+    if params is None or check.known["bus"] - {bus.name for bus in check.cell.bus}:  # a bus with a fault has no number
+        return
+    buses = check.cell.bus
+    named = {block.bus: "P32" for block in params.P32} | {block.bus: "P31" for block in params.P31}
+    for bus in sorted(named):
+        hint = ""
+        if bus > len(buses):
+            hint = f"bus {bus} of the P list is [[bus]] number {bus} of this file, which has {len(buses)}; add it with {CARRIER}"
+        elif not _carries(buses[bus - 1].protocol):
+            speaks = f'bus {buses[bus - 1].name} speaks "{buses[bus - 1].protocol}", which carries no blocks of P31 and P32'
+            hint = f"{speaks}; give them a [[bus]] with {CARRIER}"
+        if hint:
+            check.fault(f"rho3.{named[bus]}", f"bus = {bus}", hint)
+
+
+def _carries(protocol: str) -> bool:
+    return BUS_PROTOCOLS[protocol].blocks or BUS_PROTOCOLS[protocol].boosted
 
 
 def downloads(check: Context) -> None:
@@ -78,5 +111,5 @@ def zero_offset_notes(cell: Cell) -> Iterator[Notice]:
             yield Notice("warning", f"axis {axis.name}", f"{text}, else the software limits of the drive may lie a turn off")
 
 
-CHECKS = (parameters, downloads)
+CHECKS = (parameters, carriers, downloads)
 NOTES = (orientation_notes, zero_offset_notes)

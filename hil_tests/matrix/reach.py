@@ -7,6 +7,7 @@ import functools
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
+from gateway.registry import CELL_CHECKS
 from hil_tests.matrix.callgraph import CallGraph
 
 KINDS = ("cell", "program", "command", "API only")
@@ -25,6 +26,10 @@ ASSEMBLED = {  # what programs of a language call is found by its name when they
         ),
     ),
     f"{VAL3}.translate:ProgramTranslator._statement": ((f"{VAL3}.translate", "ProgramTranslator._do_"),),
+    **{  # the registry's rows name modules, which are imported by that name
+        f"gateway.checks:{function}": tuple((f"gateway.checks.{name}", table) for name in CELL_CHECKS)
+        for function, table in (("cross_faults", "CHECKS"), ("notices", "NOTES"))
+    },
     "gateway.pure.languages.baps2.translation:Unit.load": (("gateway.pure.languages.baps2.values", ""),),
 }
 

@@ -13,7 +13,7 @@ from typing import Annotated, Literal, get_args, get_origin
 
 import annotated_types as ranges
 
-from gateway.pure.cell.marks import Loaded, Pattern, Unit
+from gateway.pure.cell.marks import Loaded, Pattern, Unit, Why
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +34,11 @@ class Column:
     @property
     def unit(self) -> str:
         return next((mark.text for mark in self.marks if isinstance(mark, Unit)), "")
+
+    @property
+    def why(self) -> str:
+        """What is behind the range."""
+        return next((mark.text for mark in self.marks if isinstance(mark, Why)), "")
 
     @property
     def range(self) -> str:

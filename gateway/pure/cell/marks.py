@@ -25,6 +25,13 @@ class Unit:
 
 
 @dataclass(frozen=True, slots=True)
+class Why:
+    """What is behind the range of a value: the hint of a fault beyond it."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Pattern:
     """The form of a text, and the words that describe it."""
 

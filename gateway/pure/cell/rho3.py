@@ -6,8 +6,9 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le, MaxLen, MinLen
 
-from gateway.pure.cell.marks import Loaded, Unit, frozen
+from gateway.pure.cell.marks import Loaded, Unit, Why, frozen
 
+OVERFLOW = "more do not fit a bus without axes either; the rho 3 shows 3732 CAN DP overflow, system error 149"
 ParamValue = bool | int | float | str | tuple["ParamValue", ...] | Mapping[str, "ParamValue"]
 
 
@@ -15,9 +16,9 @@ ParamValue = bool | int | float | str | tuple["ParamValue", ...] | Mapping[str, 
 class IoBus:
     """One entry of P30: digital I/O blocks of a bus; baud 0..3 = 1 Mbit/s, 500, 250, 125 kbit/s."""
 
-    inputs: Annotated[int, Ge(0), Le(5), Unit("blocks")] = 0
-    outputs: Annotated[int, Ge(0), Le(4), Unit("blocks")] = 0
-    baud: Annotated[int, Ge(0), Le(3)] = 0
+    inputs: Annotated[int, Ge(0), Le(5), Unit("blocks"), Why(OVERFLOW)] = 0
+    outputs: Annotated[int, Ge(0), Le(4), Unit("blocks"), Why(OVERFLOW)] = 0
+    baud: Annotated[int, Ge(0), Le(3), Why("0 = 1 Mbit/s, 1 = 500 kbit/s, 2 = 250 kbit/s, 3 = 125 kbit/s")] = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +67,7 @@ class Rho3:
     """[rho3]: machine parameters as printed; the ones the gateway uses are attributes, other legal numbers are kept."""
 
     P2: Annotated[int, Ge(0), Le(15)] = 0
-    P5: Annotated[int | None, Ge(2), Le(32), Unit("ms")] = None  # clock, ms
+    P5: Annotated[int | None, Ge(2), Le(32), Unit("ms"), Why("boosters on CAN take no clock above 32 ms")] = None  # clock, ms
     P9: Annotated[int, Ge(1), Le(1000), Unit("ms")] = 40  # strobe of coded outputs, ms
     P15: tuple[Annotated[int, Ge(0), Le(20)], ...] = ()
     P20: Annotated[int | None, Ge(0), Le(99)] = None

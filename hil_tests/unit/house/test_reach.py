@@ -106,6 +106,7 @@ def test_of_the_product_the_cycle_a_serial_unit_and_a_built_in_are_a_cells_and_a
     assert kinds["gateway.pure.languages.val3.strings:f_to_string"] == "cell"
     assert kinds["gateway.pure.cycle.core:CycleLogic._drive"] == "cell"
     assert kinds["gateway.commands.assess:main"] == "command"
+    assert kinds["gateway.pure.controllers.rho3.can.rules:judge"] == "command"  # through a row of the registry
     assert kinds["gateway.processes.planner:main"] == "program"
     assert "test" not in " ".join(set(kinds.values()))
 

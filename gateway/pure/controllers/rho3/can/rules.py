@@ -121,7 +121,7 @@ def _rate(number: int, bus: BusSetup) -> Iterator[Finding]:
         codes = ", ".join(f"{code} = {rate.kbit_s} kbit/s" for code, rate in RATES.items())
         yield Finding(0, "no such bit rate", "P30", f"baud = {bus.baud}", codes)
     elif bus.axes and bus.baud:
-        hint = f"bus {number} carries axes: 1 Mbit/s, baud = 0 (system error 150 on the rho 3)"
+        hint = f"bus {number} carries axes: 1 Mbit/s, baud = 0"
         yield Finding(BAUD, TEXTS[BAUD], "P30", f"baud = {bus.baud}", hint)
 
 
@@ -137,9 +137,7 @@ def _overflow(number: int, bus: BusSetup) -> Iterator[Finding]:
             continue
         left = room(bus.axes)
         bytes_left = left.inputs if side is Side.INPUT else left.outputs
-        hint = (
-            f"{bus.axes} axes on bus {number} leave {bytes_left} bytes of {side.word}s: {table(side)}; use the other bus (system error 149)"
-        )
+        hint = f"{bus.axes} axes on bus {number} leave {bytes_left} bytes of {side.word}s; bytes by axes: {table(side)}; use the other bus"
         yield Finding(OVERFLOW, TEXTS[OVERFLOW], "P30", f"{count} {side.word} blocks", hint)
 
 
@@ -147,7 +145,7 @@ def _undefined(number: int, bus: BusSetup) -> Iterator[Finding]:
     for side in Side:
         count, here = bus.announced(side), len(bus.blocks(side))
         if here != count:
-            hint = f"P30 announces {count} {side.word} blocks on bus {number} (system error 151 on the rho 3)"
+            hint = f"P30 announces {count} {side.word} blocks on bus {number}"
             code = UNDEFINED if here < count else 0
             yield Finding(code, TEXTS[UNDEFINED] if code else "more blocks than P30 announces", side.value, f"{here} blocks", hint)
         for block in bus.blocks(side):

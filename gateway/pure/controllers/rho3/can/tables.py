@@ -80,5 +80,5 @@ def kbit_s(baud: int) -> int:
 
 
 def table(side: Side) -> str:
-    """The limits of one direction in a sentence, as `axisgate check` prints them."""
-    return ", ".join(f"{axes} axes {free.inputs if side is Side.INPUT else free.outputs}" for axes, free in ROOM.items()) + " bytes"
+    """The limits of one direction, axes -> bytes, as `axisgate check` prints them."""
+    return ", ".join(f"{axes} -> {free.inputs if side is Side.INPUT else free.outputs}" for axes, free in ROOM.items())

@@ -1,8 +1,12 @@
 """rho 3 Releases part 5, 6.2 to 6.14.1: how much digital I/O fits beside axes, which bit rates and clocks the control starts with."""
 
+import pathlib
+import re
+
 import pytest
 
 from gateway.cell_file.load import CellFaults, load_cell
+from gateway.commands import check
 from gateway.files.find import find_config, read_text
 from gateway.pure.controllers.rho3.can.rules import Block, BusSetup, Finding, Setup, judge
 from gateway.pure.controllers.rho3.can.tables import RATES, fits, kbit_s
@@ -101,7 +105,7 @@ def test_boards_identifiers_and_bytes_that_cannot_be() -> None:
     ("old", "new", "key", "said"),
     [
         ("{ inputs = 0, outputs = 0, baud = 0 }", "{ inputs = 1, outputs = 0, baud = 0 }", "rho3.P30", "3732 CAN DP overflow"),
-        ("{ inputs = 0, outputs = 0, baud = 0 }", "{ inputs = 1, outputs = 0, baud = 0 }", "rho3.P30", "3 axes 16, 2 axes 24, 1 axes 32"),
+        ("{ inputs = 0, outputs = 0, baud = 0 }", "{ inputs = 1, outputs = 0, baud = 0 }", "rho3.P30", "3 -> 16, 2 -> 24, 1 -> 32"),
         ("{ inputs = 0, outputs = 0, baud = 0 }", "{ inputs = 0, outputs = 0, baud = 1 }", "rho3.P30", "3733 CAN incorr. BAUDR."),
         ("inputs = 2, outputs = 2", "inputs = 3, outputs = 2", "rho3.P31", "3734 CAN I/O block undef."),
         ("P5   = 8 ", "P5   = 30", "rho3.P5", "at most 26 ms without an additional SERVO-i"),
@@ -117,6 +121,69 @@ def test_check_explains_with_the_table_and_the_old_number(old: str, new: str, ke
     except CellFaults as faults:
         told = [str(fault) for fault in faults.faults if fault.key == key]
     assert any(said in line for line in told), told
+
+
+BUS_2 = "{ inputs = 2, outputs = 2, baud = 1 }"
+BUS_1 = "{ inputs = 0, outputs = 0, baud = 0 }"
+REFUSED = [  # what is typed instead of what, and what `axisgate check` prints: number, text and system error of the manual (L7489-7500)
+    (BUS_1, "{ inputs = 0, outputs = 1, baud = 0 }", "rho3.P30", "the rho 3 shows 3732 CAN DP overflow, system error 149"),
+    (BUS_2, "{ inputs = 6, outputs = 2, baud = 1 }", "rho3.P30[1].inputs", "3732 CAN DP overflow, system error 149"),
+    (BUS_2, "{ inputs = 2, outputs = 5, baud = 1 }", "rho3.P30[1].outputs", "3732 CAN DP overflow, system error 149"),
+    (BUS_1, "{ inputs = 0, outputs = 0, baud = 3 }", "rho3.P30", "the rho 3 shows 3733 CAN incorr. BAUDR., system error 150"),
+    (BUS_2, "{ inputs = 2, outputs = 2, baud = 4 }", "rho3.P30[1].baud", "1 = 500 kbit/s, 2 = 250 kbit/s, 3 = 125 kbit/s"),
+    (BUS_2, "{ inputs = 2, outputs = 3, baud = 1 }", "rho3.P32", "the rho 3 shows 3734 CAN I/O block undef., system error 151"),
+    ("start = 88, length = 8, id = 541", "start = 124, length = 8, id = 541", "rho3.P31", "3734 CAN I/O block undef., system error 151"),
+    ("P5   = 8 ", "P5   = 33", "rho3.P5", "boosters on CAN take no clock above 32 ms"),
+    ("P5   = 8 ", "P5   = 27", "rho3.P5", "at most 26 ms without an additional SERVO-i in P15"),
+]
+
+
+def checked(capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path, *changes: tuple[str, str], language: str = "en") -> list[str]:
+    """The errors that `axisgate check` prints of rho3-servodyn, changed so."""
+    text = read_text(find_config("rho3-servodyn", "cells"))
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    (tmp_path / "cell.toml").write_text(text)
+    code = check.main([str(tmp_path / "cell.toml"), "--language", language])
+    printed = capsys.readouterr().out
+    assert code == (2 if changes else 0)
+    return [line.partition("cell.toml:")[2] for line in printed.splitlines() if ": rho3." in line]
+
+
+@pytest.mark.parametrize(("old", "new", "key", "said"), REFUSED)
+def test_the_command_refuses_each_with_what_the_old_control_shows(
+    old: str, new: str, key: str, said: str, capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path
+) -> None:
+    lines = checked(capsys, tmp_path, (old, new))
+    assert [line for line in lines if f": {key} = " in line and said in line], lines
+    assert len(lines) == 1 or new.startswith("{ inputs = 0, outputs = 1")  # whose block is not defined either
+
+
+@pytest.mark.parametrize("old, new", [(old, new) for old, new, *_ in REFUSED])
+def test_each_is_said_in_german(old: str, new: str, capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path) -> None:
+    english, german = (checked(capsys, tmp_path, (old, new), language=language)[0] for language in ("en", "de"))
+    assert english != german
+    assert not re.search(r"\b(the|with|at most|leave|shows|announces|without|take|more|of)\b", german), german
+
+
+@pytest.mark.parametrize("code, rate", [*enumerate(["1 Mbit/s", "500 kbit/s", "250 kbit/s", "125 kbit/s"])])
+def test_the_bus_of_a_cell_runs_at_the_rate_of_p30(code: int, rate: str) -> None:
+    text = read_text(find_config("rho3-servodyn", "cells")).replace(BUS_2, BUS_2.replace("baud = 1", f"baud = {code}"))
+    assert [bus.bitrate for bus in load_cell("cell.toml", text).bus] == ["1 Mbit/s", rate]
+
+
+def test_blocks_of_a_bus_that_the_cell_lacks_or_that_carries_none_are_refused(
+    capsys: pytest.CaptureFixture[str], tmp_path: pathlib.Path
+) -> None:
+    """Nothing would ever be exchanged there."""
+    text = read_text(find_config("rho3-servodyn", "cells"))
+    second = text[text.index('[[bus]]\nname     = "io"') : text.index("[robot]")]
+    (line,) = checked(capsys, tmp_path, (second, ""))
+    assert ": rho3.P31 = bus = 2: bus 2 of the P list is [[bus]] number 2 of this file, which has 1; add it" in line
+    (line,) = checked(capsys, tmp_path, ('protocol = "rho3-io"', 'protocol = "canopen"'))
+    assert 'rho3.P31 = bus = 2: bus io speaks "canopen", which carries no blocks of P31 and P32; give them a [[bus]]' in line
+    assert checked(capsys, tmp_path) == []
 
 
 def test_a_finding_without_a_number_has_no_system_error() -> None:
