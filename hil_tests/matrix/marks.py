@@ -28,8 +28,8 @@ class Marks:
     def __init__(self, target: str | None) -> None:
         self._target = pathlib.Path(target) if target else None
         self._tree = record.tree() if target else ""  # as it is before anything runs
-        self._claims: dict[str, list[Claim]] = {}
-        self._outcome: dict[str, str] = {}
+        self._claims: dict[tuple[str, Claim], list[str]] = {}  # test function and claim -> tests that carry it
+        self._outcome: dict[str, str] = {}  # of each test
 
     def pytest_itemcollected(self, item: pytest.Item) -> None:
         """`-k RHO-SER-01` selects by row."""
@@ -42,10 +42,9 @@ class Marks:
         if self._target is None:
             return
         for item in items:
-            try:
-                self._claims[function_id(item.nodeid)] = claims_of(item)
-            except MarkError:
-                self._claims[function_id(item.nodeid)] = []  # its set-up fails with the reason
+            with contextlib.suppress(MarkError):  # its set-up fails with the reason
+                for one in claims_of(item):  # a parameter may carry claims of its own
+                    self._claims.setdefault((function_id(item.nodeid), one), []).append(item.nodeid)
 
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
         try:
@@ -55,14 +54,15 @@ class Marks:
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         if report.when == "call" or report.outcome != "passed":
-            name = function_id(report.nodeid)
+            name = report.nodeid
             self._outcome[name] = max(self._outcome.get(name, "none"), report.outcome, key=RANK.index)
 
     def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
         if self._target is None:
             return
         results = [
-            Result(name, claim.ids, claim.by, self._outcome.get(name, "none")) for name, claims in self._claims.items() for claim in claims
+            Result(name, claim.ids, claim.by, max((self._outcome.get(test, "none") for test in tests), key=RANK.index))
+            for (name, claim), tests in self._claims.items()
         ]
         ended = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
         record.save(self._target, self._tree, ended and everything(session.config), results)

@@ -69,6 +69,20 @@ def test_without_a_mark():
     assert True
 """
 
+OF_PARAMETERS = """
+import pytest
+from protocols.base.machine import ms
+BY = "protocols.base.machine:ms"
+
+@pytest.mark.requirement("RHO-SER-03", by=BY)
+@pytest.mark.parametrize("count", [
+    pytest.param(1, marks=pytest.mark.requirement("RHO-SER-01", by=BY)),
+    pytest.param(2, marks=pytest.mark.requirement("RHO-SER-02", by=BY)),
+])
+def test_of_two_parameters_with_a_row_each(count):
+    assert ms(count) == 1_000_000
+"""
+
 
 PLUG_IN = ("-p", "hil_tests.matrix.mutant_plugin", "-p", "no:timeout")
 
@@ -147,6 +161,12 @@ def test_the_matrix_run_tells_ids_and_outcomes_and_fails_a_wrong_mark(folder: pa
         check=False,
     )
     assert "RHO-NONE-99: no row of docs/requirements has this id" in text.stdout  # ... and fails its test
+
+
+def test_a_row_that_one_parameter_claims_is_judged_by_that_parameter(folder: pathlib.Path) -> None:
+    (folder / "test_sample.py").write_text(OF_PARAMETERS)
+    outcome = {str(line["ids"]): line["outcome"] for line in run_pytest(folder, "--matrix")}
+    assert outcome == {"['RHO-SER-01']": "passed", "['RHO-SER-02']": "failed", "['RHO-SER-03']": "failed"}
 
 
 def test_the_matrix_is_made_of_the_last_run_of_this_tree(

@@ -1,6 +1,5 @@
 """The worked examples of the manual, as applications on a disk: through files, checker and scheduler to the values the manual prints."""
 
-import functools
 import pathlib
 import tomllib
 from typing import Any
@@ -38,7 +37,6 @@ def application(name: str, expected: dict[str, object]) -> pathlib.Path:
     return named[0]
 
 
-@functools.cache
 def result_of(name: str) -> tuple[dict[str, object], Machine]:
     """Globals, tasks, moves and the rest of one run."""
     expected = golden(name)
