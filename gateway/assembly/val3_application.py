@@ -11,10 +11,12 @@ from gateway.files.find import beside
 from gateway.files.robots import load_robot
 from gateway.files.val3_disk import place_of
 from gateway.pure.cell.cell import Cell
-from gateway.pure.cell.val3 import MODES, Val3, Val3Channel
+from gateway.pure.cell.val3 import MODES, Val3, Val3Channel, Val3UserIo
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
+from gateway.pure.languages.val3.boards import UserBoards, user_boards
 from gateway.pure.languages.val3.cell_run import Setup
 from gateway.pure.languages.val3.dates import START
+from gateway.pure.languages.val3.robot_state import NO_DATA, Service
 from motion.robot import with_limits
 
 KINDS = {"serial": Kind.SERIAL, "client": Kind.TCP_CLIENT, "server": Kind.TCP_SERVER, "udp": Kind.UDP}
@@ -42,6 +44,20 @@ def channel_of(row: Val3Channel) -> Channel:
     )  # fmt: skip
 
 
+def boards_of(table: Val3) -> UserBoards | None:
+    """None: inputs and outputs act at once."""
+    if table.user_io is None and not table.board:
+        return None
+    refresh = table.user_io or Val3UserIo()
+    return user_boards(refresh.mode, max(refresh.ratio, 1), {board.name: board.refresh_us for board in table.board})
+
+
+def service_of(table: Val3) -> Service:
+    """Nothing tests the brakes of a cell by itself: without data brakeTest answers -14."""
+    given = table.service
+    return Service(given.brakes or (NO_DATA,), given.brake_position, given.hibernate, given.wake)
+
+
 def setup_of(cell: Cell, table: Val3) -> Setup:
     """All that the interpreter needs; MotionError, DiskUnreadable: `check` has refused it before."""
     folder, name = application_place(cell, table)
@@ -55,4 +71,6 @@ def setup_of(cell: Cell, table: Val3) -> Setup:
         folder, name, with_limits(written, [limits_of(axis) for axis in axes]), machine, mask_of(cell, machine), largest,
         tuple(points_of(cell.controller)) if cell.controller is not None else (), MODES.index(table.mode) + 1, table.system,
         table.strict_priorities, table.auto_connect, epoch, round(table.watchdog_s * 1e9), table.prompts == "page",
+        boards_of(table), service_of(table), table.current_profile, {each.name: each.password for each in table.profile},
+        {each.name: each.joints for each in table.reference}, {each.name: each.text for each in table.licence}, table.options,
     )  # fmt: skip

@@ -36,6 +36,7 @@ def application(check: Context) -> None:
         check.fault("val3", table.application, f"an application needs a cell of one [robot], this one has {len(cell.robot) or 'none'}")
         return
     _channels(check, table)
+    _data(check, table)
     try:
         machines_of_cell(cell)
     except MotionError as error:
@@ -55,6 +56,33 @@ def _channels(check: Context, table: Val3) -> None:
             check.fault(f"val3.channel.{row.name}", row.kind, fault)
         if any(other.name.lower() == row.name.lower() for other in table.channel[:index]):
             check.fault(f"val3.channel.{row.name}", row.name, "two channels of one name")
+
+
+def _data(check: Context, table: Val3) -> None:
+    """Boards, brakes, profiles and references are those of this cell."""
+    assert check.cell.controller is not None
+    known = sorted({point.board.name.lower() for point in points_of(check.cell.controller)})
+    for board in table.board:
+        if board.name.lower() not in known:
+            check.fault(f"val3.board.{board.name}", board.name, f"no [[controller.point]] is on this board; there are {', '.join(known)}")
+    axes = _axes(check.cell)
+    for key, values in (("service.brakes", table.service.brakes), ("service.brake_position", table.service.brake_position)):
+        if values and len(values) != axes:
+            check.fault(f"val3.{key}", str(len(values)), f"one value for each of {axes} axes of the robot is expected")
+    for row in table.reference:
+        if len(row.joints) != axes:
+            check.fault(f"val3.reference.{row.name}", str(len(row.joints)), f"one value for each of {axes} axes of the robot is expected")
+    names = {"default", "staubli", *(row.name for row in table.profile)}
+    if table.current_profile not in names:
+        check.fault("val3.current_profile", table.current_profile, f"no [[val3.profile]] has it; there are {', '.join(sorted(names))}")
+
+
+def _axes(cell: Cell) -> int:
+    """Axes of the one robot; 0 where it cannot be made."""
+    try:
+        return machines_of_cell(cell)[0].axes
+    except MotionError:
+        return 0
 
 
 def _loaded(cell: Cell, table: Val3) -> Loaded:

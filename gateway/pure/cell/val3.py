@@ -33,6 +33,56 @@ class Val3Channel:
 
 
 @dataclass(frozen=True, slots=True)
+class Val3UserIo:
+    """[val3.user_io]: how user boards are refreshed, as cell.cfx has it (AX-1060)."""
+
+    mode: Literal["default", "noJitter"] = "default"
+    ratio: Annotated[int, Ge(-1), Le(250)] = -1  # system cycles of 4 ms from one refresh to the next; -1 and 0: each
+
+
+@dataclass(frozen=True, slots=True)
+class Val3Board:
+    """[[val3.board]]: a user board whose refresh takes time."""
+
+    name: Annotated[str, MinLen(1)]
+    refresh_us: Annotated[float, Ge(0.0), Le(1e6), Unit("us")]
+
+
+@dataclass(frozen=True, slots=True)
+class Val3Service:
+    """[val3.service]: what brakeTest, hibernateRobot and wakeUpRobot answer (AX-1061)."""
+
+    brakes: tuple[Annotated[int, Ge(0), Le(2)], ...] = ()  # of each axis: 0 holds, 1 not tested, 2 does not hold; none: no data
+    brake_position: tuple[float, ...] = ()  # in which brakeTest is made, in deg and mm; none: in any
+    hibernate: Annotated[int, Ge(-4), Le(0)] = -1  # 0, -1 not supported, -2 safety board, -4 encoders
+    wake: Annotated[int, Ge(-3), Le(0)] = 0  # 0, -1 not supported, -2 encoders, -3 safety board
+
+
+@dataclass(frozen=True, slots=True)
+class Val3Profile:
+    """[[val3.profile]]: a user profile beside "default", for setProfile."""
+
+    name: Annotated[str, MinLen(1)]
+    password: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Val3Licence:
+    """[[val3.licence]]: an OEM licence, for getLicence."""
+
+    name: Annotated[str, MinLen(1)]
+    text: str = "enabled"
+
+
+@dataclass(frozen=True, slots=True)
+class Val3Reference:
+    """[[val3.reference]]: a joint reference, for getJntRef."""
+
+    name: Annotated[str, MinLen(1)]
+    joints: tuple[float, ...]  # in deg and mm
+
+
+@dataclass(frozen=True, slots=True)
 class Val3:
     """[val3]."""
 
@@ -45,4 +95,12 @@ class Val3:
     prompts: Literal["answered", "page"] = "answered"  # at once with OK or CANCEL, or by the operator on the page VAL 3
     watchdog_s: Annotated[float, Ge(0.0), Le(3600.0), Unit("s")] = 0.0  # val3WatchdogPeriod; 0: there is none, wdgRefresh is error 45
     strict_priorities: bool = False  # a priority for each operator, as the tables of the manual list them
+    current_profile: str = "default"  # getProfile as the controller starts
+    options: tuple[str, ...] = ()  # licences that getVersion(name) calls enabled
     channel: tuple[Val3Channel, ...] = ()
+    board: tuple[Val3Board, ...] = ()
+    profile: tuple[Val3Profile, ...] = ()
+    reference: tuple[Val3Reference, ...] = ()
+    licence: tuple[Val3Licence, ...] = ()
+    user_io: Val3UserIo | None = None
+    service: Val3Service = Val3Service()

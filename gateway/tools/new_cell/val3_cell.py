@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.val3.card import Card, CardChannel
@@ -137,9 +137,20 @@ def _head(parts: Parts) -> str:
         f"system      = {quoted(parts.system)}",
         f"autostart   = {str(bool(parts.card.start)).lower()}",
         *([f"watchdog_s  = {seconds:g}"] if seconds > 0 else []),
+        *_user_io(settings),
         "",
     ]
     return "\n".join(lines)
+
+
+def _user_io(settings: Mapping[str, str]) -> list[str]:
+    """[val3.user_io]: mode and ratio of the user boards, where the card has them."""
+    found = {key.rpartition(".")[2].lower(): value for key, value in settings.items() if key.lower().startswith("userio")}
+    if not found:
+        return []
+    mode = "noJitter" if found.get("mode", "").lower() == "nojitter" else "default"
+    ratio = re.fullmatch(r"(\d+)(?:\.0*)?", found.get("cyclicratio", ""))
+    return ["\n[val3.user_io]", f'mode  = "{mode}"', f"ratio = {min(max(int(ratio[1]), 1), 250) if ratio else -1}"]
 
 
 _SHOWN = ("initWorkingMode", "monitorSpeed", "maxStartMonitorSpeed", "maxManuCartSpeed", "cpuExtPowerSupply", "serialNumber")

@@ -1,13 +1,13 @@
 """Instructions on the robot itself.  Source: VAL 3 reference 8 and 11-13, L4163-4470, L6062-6597."""
 
 import math
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
-from gateway.pure.languages.val3.robot_state import REMOTE
+from gateway.pure.languages.val3.robot_state import NO_DATA, REMOTE
 from gateway.pure.languages.val3.values import Container, DioV, Grid, JointV, ToolV, TrsfV
 from gateway.pure.languages.val3.virtual_io import last_name
 from motion.kinematics.arm6 import Arm6
@@ -15,6 +15,9 @@ from motion.kinematics.dh import default_dh
 
 Waiting = Generator[Ns | None, None, object]
 FAST = ("fin0", "fin1")
+BRAKE_NS: Ns = 100_000_000  # test of one brake
+BRAKE_FAILED, KILLED = 2, -13
+BRAKE_NEAR = 0.1  # degrees or mm from the position of the brake test
 
 
 def f_disable_power(own: Instance) -> Waiting:
@@ -97,13 +100,14 @@ def f_get_jnt_ref(own: Instance, name: str) -> JointV:
 
 
 def f_hibernate_robot(own: Instance) -> float:
-    """-3 while power is on, else -1: a virtual arm has no encoders to switch off."""
-    return -3.0 if own.machine.robot.powered else -1.0
+    """-3 while power is on, else what the drives and the safety board answer."""
+    robot = own.machine.robot
+    return -3.0 if robot.powered else float(robot.service.hibernate)
 
 
 def f_wake_up_robot(own: Instance) -> float:
-    """0: it is awake."""
-    return 0.0
+    """What the encoders and the safety board answer; 0 without hibernateRobot, too."""
+    return float(own.machine.robot.service.wake)
 
 
 def f_has_cpu_ext_power_supply(own: Instance) -> bool:
@@ -115,19 +119,41 @@ def f_prepare_cpu_shutdown(own: Instance) -> None:
     """Nothing is open."""
 
 
-def f_brake_test(own: Instance, status: Place) -> float:
-    """-1 not remote, -2 moving, -5 powered; else all brakes hold."""
+def f_brake_test(own: Instance, status: Place) -> Waiting:
+    """0 all brakes hold, 1 one does not, below 0 the procedure failed; what the axes that were not tested have is that code."""
     machine = own.machine
-    if len(status[0]) - status[1] < machine.axes:
-        raise Rte(70, f"{machine.axes} elements are needed")
+    values, first, axes = status[0], status[1], machine.axes
+    if len(values) - first < axes:
+        raise Rte(70, f"{axes} elements are needed")
+    results = machine.robot.service.brakes or (0,) * axes
+    tested, code = 0, KILLED
+    try:
+        while tested < axes and not (code := _no_brake_test(own, results)):
+            end, code = machine.now + BRAKE_NS, KILLED
+            while machine.now < end:
+                yield end
+            values[first + tested] = float(results[tested])
+            tested += 1
+    finally:  # also where the task is killed
+        values[first + tested : first + axes] = [float(code)] * (axes - tested)
+    return float(code) if tested < axes else float(any(result == BRAKE_FAILED for result in results))
+
+
+def _no_brake_test(own: Instance, results: Sequence[int]) -> int:
+    """-1 not remote, -2 moving, -3 not in its position, -5 powered, -14 no data; 0: it can be made."""
+    machine = own.machine
     if machine.robot.mode != REMOTE:
-        return -1.0
+        return -1
     if machine.arm is not None and not machine.moves.resting:
-        return -2.0
+        return -2
     if machine.robot.powered:
-        return -5.0
-    status[0][status[1] : status[1] + machine.axes] = [0.0] * machine.axes
-    return 0.0
+        return -5
+    place = machine.robot.service.brake_position
+    if machine.arm is not None and any(abs(a - b) > BRAKE_NEAR for a, b in zip(place, machine.moves.joints(), strict=False)):
+        return -3
+    if len(results) < machine.axes or min(results) < 0:
+        return NO_DATA
+    return 0
 
 
 def f_set_latch(own: Instance, source: DioV) -> None:

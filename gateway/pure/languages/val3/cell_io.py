@@ -42,6 +42,7 @@ class CellIo(VirtualIo):
     _by_link: dict[str, CellPoint | None] = field(default_factory=dict)
     _seen: Channels | None = None
     _written: dict[str, float] = field(default_factory=dict)  # not yet in the image
+    _going: dict[str, float] = field(default_factory=dict)  # with the next refresh of the user boards
 
     def __post_init__(self) -> None:
         self._system = IoSystem(self._image, self.owned)
@@ -60,13 +61,17 @@ class CellIo(VirtualIo):
             own, value = self.points[point.path.lower()], raw / point.steps if point.steps else float(raw)
             if self._written.get(point.name, value) == value:
                 self._written.pop(point.name, None)
-                own.value = value
+                self.arrive(own, value)
 
     def state(self, name: str, status: int) -> None:
         """ioStatus of a point, as the services have it; a write that a lock holds back is seen as it is."""
         point = next((each for each in self.owned if each.name == name), None)
         if point is not None:
-            self.points[point.path.lower()].status = Status(status)
+            own = self.points[point.path.lower()]
+            if id(own) in self._lost:
+                self._lost[id(own)] = (own, Status(status))
+            else:
+                own.status = Status(status)
             self._written.pop(name, None)
             self._seen = None
 
@@ -105,4 +110,14 @@ class CellIo(VirtualIo):
             value = round(value * point.steps) / point.steps
         if before.value != value:
             before.value = self._written[point.name] = value
-            self.put(point.name, value)
+            if self.waits(before):
+                self._coming.pop(id(before), None)
+                self._going[point.name] = value
+            else:
+                self.put(point.name, value)
+
+    def hand_on(self) -> None:
+        """Outputs of user boards go to the image."""
+        for name, value in self._going.items():
+            self.put(name, value)
+        self._going.clear()

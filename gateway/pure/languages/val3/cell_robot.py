@@ -27,7 +27,7 @@ class CellRobot(RobotState):
         on = self.held and self.axes & ~view.enabled == 0
         if on:
             self.dead_watch = False
-        self.powered = on and not self.watchdog_broken
+        self.powered = on and not self.watchdog_broken and not self.reboot
         self.estop = OPEN if not view.chain or self.dead_watch else 0
         self.speed = 100.0 * view.override
         self.hold = self.button or view.motion is Motion.STOPPED
@@ -38,7 +38,7 @@ class CellRobot(RobotState):
 
     def enable(self) -> bool:
         """enablePower: only in remote mode; the drives need their time."""
-        if self.mode != REMOTE or (self.estop == OPEN and not self.dead_watch) or self.watchdog_broken:
+        if self.mode != REMOTE or (self.estop == OPEN and not self.dead_watch) or self.watchdog_broken or self.reboot:
             return False
         if self.watchdog_ns > 0 and self.watchdog_until is None:
             return False
@@ -48,6 +48,12 @@ class CellRobot(RobotState):
     def disable(self) -> None:
         """disablePower."""
         self._power(on=False)
+
+    def overrun(self) -> None:
+        """The arm stops and loses its power."""
+        if not self.reboot:
+            self._power(on=False)
+        super().overrun()
 
     def tick(self, now: Ns) -> None:
         """An expired watchdog stops the robot."""

@@ -5,12 +5,13 @@ the application, not made up for.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from gateway.pure.controllers.val3.io.system import Point as CellPoint
 from gateway.pure.image.records.interpreter import Fact
 from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
+from gateway.pure.languages.val3.boards import UserBoards
 from gateway.pure.languages.val3.cell_io import CellIo
 from gateway.pure.languages.val3.cell_moves import CellMoves
 from gateway.pure.languages.val3.cell_robot import CellRobot
@@ -20,7 +21,7 @@ from gateway.pure.languages.val3.errors import TEXTS
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.loader import Loader, family_of_arm
 from gateway.pure.languages.val3.machine import Machine
-from gateway.pure.languages.val3.robot_state import REMOTE
+from gateway.pure.languages.val3.robot_state import REMOTE, Service
 from gateway.pure.languages.val3.tasks import RUNNING, SUSPENDED, Task
 from gateway.pure.languages.val3.virtual_sio import VirtualSio
 from motion.planner.robot import Machine as RobotMachine
@@ -51,6 +52,13 @@ class Setup:
     epoch: Ns = 0  # clock of the host at which the date of a virtual run begins
     watchdog_ns: Ns = 0  # 0: there is none
     operator: bool = False  # prompts wait for an answer of the dashboard
+    boards: UserBoards | None = None
+    service: Service = field(default_factory=Service)
+    profile: str = "default"
+    profiles: Mapping[str, str] = field(default_factory=dict)  # beside it: name -> password
+    references: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    licences: Mapping[str, str] = field(default_factory=dict)
+    options: tuple[str, ...] = ()
 
 
 @dataclass(eq=False)
@@ -77,8 +85,10 @@ class CellRun:
 
     def __post_init__(self) -> None:
         setup = self.setup
-        self._robot = CellRobot(port=self.port, axes=setup.axes, mode=setup.mode, arm_type=setup.robot.name)
-        self._io = CellIo(owned=setup.points, put=lambda name, value: self.port.tell("put", name=name, value=value))
+        self._robot = CellRobot(port=self.port, axes=setup.axes, mode=setup.mode, arm_type=setup.robot.name, profile=setup.profile)
+        self._robot.service, self._robot.components = setup.service, dict.fromkeys((name.lower() for name in setup.options), "enabled")
+        boards = replace(setup.boards) if setup.boards is not None else None
+        self._io = CellIo(owned=setup.points, put=lambda name, value: self.port.tell("put", name=name, value=value), boards=boards)
 
     # ---- from outside
     def read(self) -> list[str]:
@@ -115,6 +125,7 @@ class CellRun:
         machine = Machine(self.disk(), moves, LINE_NS, self._robot, setup.strict)
         machine.io, machine.sio = self._io, self.sio()
         machine.pages.io, machine.operator = self._io, setup.operator
+        machine.references, machine.licences, machine.profiles = setup.references, setup.licences, {"default": "", **setup.profiles}
         self._popups.clear()
         machine.epoch = now - setup.epoch
         own = machine.instance(setup.folder, setup.name, "")

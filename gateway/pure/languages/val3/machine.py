@@ -192,6 +192,9 @@ class Machine(Controller):
         self._logged = 0
         self.sio.now = self.clock
         self.robot.tick(self.clock)
+        if not self.io.refresh() and not self.robot.reboot:
+            self.robot.overrun()
+            self.note("overrun of the synchro task: user boards take longer than the system cycle; start the controller again", "SYS")
         if self.moves_or_none is not None:
             moves = self.moves_or_none
             moves.blocked = not self.robot.moving_allowed

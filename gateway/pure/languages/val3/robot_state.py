@@ -8,6 +8,17 @@ from gateway.pure.languages.val3.errors import Rte
 MANUAL, TEST, LOCAL, REMOTE = 1, 2, 3, 4
 SAFE_RESTART, SS1, SS2 = 1, 2, 3  # esStatus (L4246-4257)
 POWER_UP_NS: Ns = 0
+NO_DATA = -14  # brakeTest: its data are missing
+
+
+@dataclass(slots=True)
+class Service:
+    """What the drives and the safety board answer (AX-1061).  brakes: of each axis, a code below 0 for the whole, none: all hold."""
+
+    brakes: tuple[int, ...] = ()
+    brake_position: tuple[float, ...] = ()  # in which brakeTest is made; none: in any
+    hibernate: int = -1
+    wake: int = 0
 
 
 @dataclass(slots=True)
@@ -28,6 +39,8 @@ class RobotState:
     watchdog_until: Ns | None = None
     watchdog_broken: bool = False
     components: dict[str, str] = field(default_factory=dict)
+    service: Service = field(default_factory=Service)
+    reboot: bool = False  # an overrun of the synchro task: power only after a new start of the controller
 
     @property
     def moving_allowed(self) -> bool:
@@ -43,9 +56,13 @@ class RobotState:
         if self.estop == SS1:
             self.powered = False
 
+    def overrun(self) -> None:
+        """The synchro task was late: the robot stops, and has no power until the controller begins anew (L3460)."""
+        self.reboot, self.powered = True, False
+
     def switch(self, on: bool) -> None:
         """The operator switches the power; off remains off while the safety chain is open."""
-        if on and self.estop in (0, SAFE_RESTART):
+        if on and not self.reboot and self.estop in (0, SAFE_RESTART):
             self.estop, self.powered = 0, True
         elif not on:
             self.powered = False
@@ -68,7 +85,7 @@ class RobotState:
 
     def enable(self) -> bool:
         """enablePower: only in remote mode."""
-        if self.mode != REMOTE or self.estop not in (0, SAFE_RESTART) or self.watchdog_broken:
+        if self.mode != REMOTE or self.estop not in (0, SAFE_RESTART) or self.watchdog_broken or self.reboot:
             return False
         if self.watchdog_ns > 0 and self.watchdog_until is None:
             return False

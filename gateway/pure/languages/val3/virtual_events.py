@@ -4,16 +4,19 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.val3.boards import UserBoards
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.pages import EVENTS
-from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, REMOTE, TEST
+from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, NO_DATA, REMOTE, TEST
 from gateway.pure.languages.val3.values import AioV, DioV, Grid, places
 from gateway.pure.languages.val3.virtual_io import Status
 
 STATES = {"works": Status.WORKS, "locked": Status.LOCKED, "simulated": Status.SIMULATED, "fault": Status.FAULT, "unknown": Status.UNKNOWN}
 MODES = {"manual": MANUAL, "test": TEST, "local": LOCAL, "remote": REMOTE}
+REFRESH = ("default", "nojitter")
+MOST_RATIO, MOST_US = 250, 1e6
 WORDS = {"true": 1.0, "on": 1.0, "false": 0.0, "off": 0.0}
 
 
@@ -64,7 +67,7 @@ def happen(machine: Machine, own: Instance, event: Event) -> None:
 def signal(machine: Machine, name: str, event: Event) -> None:
     """dio.NAME=0 or 1, aio.NAME=value."""
     value = number(event)
-    machine.io.declare(name).value = value if event.what.startswith("aio") else float(value != 0)
+    machine.io.arrive(machine.io.declare(name), value if event.what.startswith("aio") else float(value != 0))
 
 
 def state(machine: Machine, name: str, event: Event) -> None:
@@ -107,6 +110,77 @@ def joints(machine: Machine, event: Event) -> None:
         raise EventFault(
             f"joints={event.value}: one number a joint inside its travel, and an arm at rest without power or on hold, are expected"
         )
+
+
+def ratio(machine: Machine, event: Event) -> None:
+    """ratio=N: system cycles from one refresh of the user boards to the next, as set at the pendant."""
+    value = number(event)
+    if value != -1 and not (value.is_integer() and 1 <= value <= MOST_RATIO):
+        raise EventFault(f"ratio={event.value}: -1 or a whole number 1 to {MOST_RATIO} is expected")
+    _boards(machine).ratio = 1 if value == -1 else int(value)
+
+
+def board(machine: Machine, name: str, event: Event) -> None:
+    """board.NAME=US: one refresh of a user board takes so long."""
+    value = number(event)
+    if not 0 <= value <= MOST_US:
+        raise EventFault(f"{event.what}={event.value}: 0 to {MOST_US:g} us are expected")
+    _boards(machine).times[name.lower()] = round(value * 1000)
+
+
+def _boards(machine: Machine) -> UserBoards:
+    if machine.io.boards is None:
+        machine.io.boards = UserBoards()
+    return machine.io.boards
+
+
+def refresh(machine: Machine, event: Event) -> None:
+    """refresh=default or noJitter: the mode of the user boards in cell.cfx."""
+    _boards(machine).no_jitter = _one_of(event, REFRESH) == "nojitter"
+
+
+def brakes(machine: Machine, event: Event) -> None:
+    """brakes=R1,R2,..: what brakeTest finds of each axis, 0, 1 or 2; none: no data; at:J1,J2,..: the position in which it is made."""
+    service, (word, separator, rest) = machine.robot.service, event.value.partition(":")
+    if event.value.lower() == "none":
+        service.brakes = (NO_DATA,)
+        return
+    try:
+        values = tuple(float(part) for part in (rest if separator else event.value).split(","))
+    except ValueError:
+        values = ()
+    if len(values) != machine.axes or (word.lower() != "at" if separator else any(value not in (0, 1, 2) for value in values)):
+        raise EventFault(f"brakes={event.value}: none, 0, 1 or 2 for each of {machine.axes} axes, or at: and a position are expected")
+    if separator:
+        service.brake_position = values
+    else:
+        service.brakes = tuple(int(value) for value in values)
+
+
+def hibernate(machine: Machine, event: Event) -> None:
+    """hibernate=CODE: what hibernateRobot answers without power."""
+    machine.robot.service.hibernate = _code(event, (0, -1, -2, -4))
+
+
+def wake(machine: Machine, event: Event) -> None:
+    """wakeup=CODE: what wakeUpRobot answers."""
+    machine.robot.service.wake = _code(event, (0, -1, -2, -3))
+
+
+def profile(machine: Machine, event: Event) -> None:
+    """profile=NAME: another user has logged in at the pendant; profile=NAME:PASSWORD is one that setProfile can choose."""
+    name, separator, password = event.value.partition(":")
+    if separator:
+        machine.profiles = {**machine.profiles, name: password}
+    else:
+        machine.robot.profile = name
+
+
+def _code(event: Event, codes: tuple[int, ...]) -> int:
+    value = number(event)
+    if value not in codes:
+        raise EventFault(f"{event.what}={event.value}: one of {', '.join(map(str, codes))} is expected")
+    return int(value)
 
 
 def connect(machine: Machine, event: Event) -> None:
@@ -164,8 +238,8 @@ def put(machine: Machine, own: Instance, event: Event) -> None:
     container: object = own.data.get(steps[0])
     if container is None:
         raise EventFault(
-            f"{event.what}: there is no global of that name; dio., aio., io., sio., page., mode, power, speed, estop, hold, joints, "
-            "connect, answer and app are known, too"
+            f"{event.what}: there is no global of that name; dio., aio., io., sio., page., board., mode, power, speed, estop, hold, "
+            "joints, connect, refresh, ratio, brakes, hibernate, wakeup, profile, answer and app are known, too"
         )
     place: object = 0
     try:
@@ -206,6 +280,7 @@ PLANT: dict[str, Callable[[Machine, str, Event], None]] = {
     "io": state,
     "sio": channel,
     "page": page,
+    "board": board,
 }
 OPERATOR: dict[str, Callable[[Machine, Event], None]] = {
     "mode": mode,
@@ -216,5 +291,11 @@ OPERATOR: dict[str, Callable[[Machine, Event], None]] = {
     "answer": lambda machine, event: machine.answers.append(event.value),
     "joints": joints,
     "connect": connect,
+    "refresh": refresh,
+    "ratio": ratio,
+    "brakes": brakes,
+    "hibernate": hibernate,
+    "wakeup": wake,
+    "profile": profile,
     "app": app,
 }

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from enum import IntEnum
 
+from gateway.pure.languages.val3.boards import SYSTEM_BOARDS, UserBoards, board_of
 from gateway.pure.languages.val3.errors import Rte
 
 
@@ -37,10 +38,13 @@ def last_name(path: str) -> str:
 
 @dataclass(slots=True)
 class VirtualIo:
-    """Points by path; a bare name finds the path that ends so."""
+    """Points by path; a bare name finds the path that ends so.  boards None: what changes is seen at once."""
 
     points: dict[str, Point] = field(default_factory=dict)
     changes: int = 0
+    boards: UserBoards | None = None
+    _coming: dict[int, tuple[Point, float]] = field(default_factory=dict)  # until the next refresh
+    _lost: dict[int, tuple[Point, Status]] = field(default_factory=dict)  # invalid by an overrun; status before
 
     def find(self, link: str) -> Point | None:
         """The point behind a link, as path or last name, in any case."""
@@ -59,6 +63,42 @@ class VirtualIo:
         if found is None:
             found = self.points[link.replace("/", "\\").lower()] = Point(link, is_input=looks_like_input(link))
         return found
+
+    def waits(self, point: Point) -> bool:
+        """Whether it is refreshed with the user boards only."""
+        return self.boards is not None and board_of(point.path) not in SYSTEM_BOARDS
+
+    def arrive(self, point: Point, value: float) -> None:
+        """A value from the plant: seen with the next refresh of its board."""
+        if self.waits(point):
+            self._coming[id(point)] = (point, value)
+        else:
+            point.value = value
+
+    def refresh(self) -> bool:
+        """Once a system cycle; False: the robot must stop (overrun of the synchro task, L3460)."""
+        boards = self.boards
+        if boards is None or not boards.due():
+            return True
+        if boards.overrun:
+            if boards.no_jitter:
+                return False
+            for point in self.points.values():
+                if self.waits(point) and point.status is not Status.FAULT:
+                    self._lost[id(point)] = (point, point.status)
+                    point.status = Status.FAULT
+            return True
+        for point, status in self._lost.values():
+            point.status = status
+        for point, value in self._coming.values():
+            point.value = value
+        self._lost.clear()
+        self._coming.clear()
+        self.hand_on()
+        return True
+
+    def hand_on(self) -> None:
+        """Outputs of user boards go to the plant."""
 
     def usable(self, link: str | None) -> Point:
         """123 without a link, 125 where the device is in fault."""

@@ -1,0 +1,157 @@
+"""Bindings, events and prompts of user pages by VAL 3 source (reference 4.1, L2817-3108), and what a page may not bind."""
+
+from typing import Any
+
+import pytest
+
+from gateway.pure.languages.val3.disk import Disk
+from gateway.pure.languages.val3.machine import Machine
+from gateway.pure.languages.val3.virtual import Run, declare_links
+from gateway.pure.languages.val3.virtual_events import event_of
+from hil_tests.unit.languages.val3.apps import App, datum, error_of, machine, value
+
+DATA = (
+    datum("nSpeed", "num", values=value(value=5))
+    + datum("sList", "string", "3", value("0", value="one") + value("1", value="two") + value("2", value="three"))
+    + datum("sCol", "string", "", value("a", value="x"))
+    + datum("bLamp", "bool")
+    + datum("doLamp", "dio", values=value(link="Board\\lamp"))
+    + datum("aoLevel", "aio", values=value(link="Board\\level"))
+    + datum("sState", "string")
+    + datum("nState", "num")
+    + datum("bYes", "bool", "4")
+    + datum("nEntry", "num", values=value(value=3))
+    + datum("sEntry", "string")
+    + datum("jHere", "joint", values=value(j1=1.5))
+)
+
+
+class Played:
+    """An application after its run: globals, what its pages show, its log."""
+
+    def __init__(self, program: str, *events: tuple[float, str], until: float = 5.0, **programs: str) -> None:
+        app = App(data=DATA, programs={"start": program, **programs})
+        made = machine(app)
+        own = made.instance("demo", "demo", "")
+        assert own is not None, made.log
+        declare_links(made, own.data.values())
+        run = Run(made, own, round(until * 1e9), [event_of(str(at), what) for at, what in events])
+        run.go()
+        found = run.result()["globals"]
+        assert isinstance(found, dict)
+        self.globals: dict[str, Any] = found
+        self.shown, self.log = made.pages.shown(), made.log
+        self.tasks = {task.name: task.status for task in made.tasks}
+
+
+CHANGES = "nSpeed=6\ndelay(1)\nnState=nSpeed\nnSpeed=7"
+
+
+@pytest.mark.requirement("VAL-UI-02", by="gateway.pure.languages.val3.pages:PageBoard.bind")
+@pytest.mark.parametrize(
+    ("direction", "shown", "entry", "left"),
+    [("r", "7", False, 7), ("w", "40", True, 7), ("rw", "7", True, 7), ("r1", "5", False, 7), ("rw1", "40", True, 7)],
+)
+def test_directions_of_a_binding(direction: str, shown: str, entry: bool, left: int) -> None:
+    program = f'userPageBind("p","o","value",nSpeed,1,"{direction}",1)\n{CHANGES}'
+    played = Played(program, (0.5, "page.p.o.value=40"))
+    assert played.shown["p"]["o"]["value"] == shown and played.globals["nState"] == (40 if entry else 6)
+    assert played.globals["nSpeed"] == left
+
+
+@pytest.mark.requirement("VAL-UI-02", by="gateway.pure.languages.val3.pages:PageBoard.load")
+def test_what_is_read_once_is_read_when_the_page_is_loaded() -> None:
+    page = {"demo/interface/p.html": b'<p id="o"></p>'}
+    app = App(data=DATA, programs={"start": 'userPageBind("p","o","innerHTML",nSpeed,1,"r1")\nnSpeed=6\nuserPage("p")\nnSpeed=7'})
+    made = Machine(Disk({**app.files(), **page}))
+    own = made.instance("demo", "demo", "")
+    assert own is not None
+    Run(made, own, 10**9, []).go()
+    assert made.pages.shown()["p"]["o"]["innerHTML"] == "6"
+
+
+@pytest.mark.requirement("VAL-UI-02", by="gateway.pure.languages.val3.pages:PageBoard._texts")
+def test_several_elements_of_an_array_a_field_and_signals_are_bound() -> None:
+    program = 'userPageBind("p","s","options",sList[1],2,"r")\nuserPageBind("p","j","innerHTML",jHere.j1,1,"r")\n'
+    program += 'userPageBind("p","l","disabled",doLamp,1,"r")\nuserPageBind("p","a","innerHTML",aoLevel,1,"r")\n'
+    program += "doLamp=true\naioSet(aoLevel,2.5)"
+    assert Played(program).shown["p"] == {
+        "s": {"options": "two,three"},
+        "j": {"innerHTML": "1.5"},
+        "l": {"disabled": "true"},
+        "a": {"innerHTML": "2.5"},
+    }
+
+
+@pytest.mark.requirement("VAL-UI-02", by="gateway.pure.languages.val3.pages:PageBoard.bind")
+@pytest.mark.parametrize(
+    "call",
+    [
+        'userPageBind("p","o","value",nSpeed,1,"x",1)',
+        'userPageBind("p","o","innerHTML",nSpeed,1,"w",1)',
+        'userPageBind("p","o","value",sList,4,"r",1)',
+        'userPageBind("p","o","value",sCol["a"],2,"r",1)',
+        'userPageBind("p","o","value",nSpeed,2,"r",1)',
+        'userPageBind("p","o","value",nSpeed,0,"r",1)',
+        'userPageBind("p","o","value",nSpeed,1,"r",0)',
+        'userPageBind("p","o","onclick",nSpeed,1,"r",1)',
+        'userPageSet("p","o","style.left","4px")',
+    ],
+)
+def test_a_binding_that_is_refused_stops_the_task_with_70(call: str) -> None:
+    assert error_of(call, DATA) == 70
+
+
+@pytest.mark.requirement("VAL-UI-03", by="gateway.pure.languages.val3.pages:PageBoard.happen")
+def test_events_set_and_toggle_variables_of_each_type() -> None:
+    program = """userPageBindMousedown("p","b",sState,"PUSHED")
+userPageBindMouseup("p","b",sState,"RELEASED")
+userPageBindClick("p","b",nState,4)
+userPageBindClick("p","b",bLamp)
+userPageBindClick("p","b",doLamp)
+userPageBindClick("p","b",aoLevel,1.5)
+userPageBindClick("q","b",bYes[0],true)
+delay(1)
+bYes[1]=userPageUnbindClick("p","b",bLamp)
+bYes[2]=userPageUnbindClick("p","b",bLamp)
+delay(1)"""
+    down, click, up = (0.1, "page.p.b=mousedown"), (0.2, "page.p.b=click"), (0.3, "page.p.b=mouseup")
+    found = Played(program, down).globals
+    assert (found["sState"], found["nState"], found["bLamp"]) == ("PUSHED", 0, False)
+    found = Played(program, down, click, up).globals
+    assert (found["sState"], found["nState"], found["bLamp"], found["doLamp"], found["aoLevel"]) == ("RELEASED", 4, True, True, 1.5)
+    found = Played(program, click, (0.5, "page.p.b=click"), (1.5, "page.p.b=click")).globals
+    assert (found["bLamp"], found["doLamp"], found["bYes"]) == (False, True, [False, True, False, False])
+
+
+@pytest.mark.requirement("VAL-UI-04", by="gateway.pure.languages.val3.pages:PageBoard.put")
+def test_user_page_set_is_done_once() -> None:
+    program = """sState="hidden"
+userPageSet("index","o","style.visibility",sState)
+sState="visible"
+userPageSet("index","o","disabled",true)
+userPageSet("index","o","innerHTML",12.25)
+delay(1)"""
+    assert Played(program).shown["index"]["o"] == {"style.visibility": "hidden", "disabled": "true", "innerHTML": "12.25"}
+
+
+@pytest.mark.requirement("VAL-UI-05", by="gateway.pure.languages.val3.builtin_pages:f_user_page_confirm")
+def test_prompts_wait_for_the_operator_and_return_his_answer() -> None:
+    program = """bYes[0]=userPageConfirm("go on?")
+nState=1
+bYes[1]=userPageConfirm("really?")
+bYes[2]=userPagePrompt("part",sEntry)
+bYes[3]=userPagePrompt("number",nEntry)
+nState=2"""
+    found = Played(program, (1, "answer=ok"), (2, "answer=cancel"), (3, "answer=ok:part 7"), (4, "answer=cancel")).globals
+    assert (found["bYes"], found["sEntry"], found["nEntry"], found["nState"]) == ([True, False, True, False], "part 7", 3, 2)
+    assert Played(program, (9, "answer=ok"), until=0.5).globals["nState"] == 0, "it waits"
+
+
+@pytest.mark.requirement("VAL-UI-05", by="gateway.pure.languages.val3.builtin_pages:f_user_page_prompt")
+def test_an_entry_is_of_the_type_of_its_variable() -> None:
+    program = 'bYes[0]=userPagePrompt("number",nEntry)\nnState=2'
+    found = Played(program, (1, "answer=ok:many"), (2, "answer=ok:-12.5")).globals
+    assert (found["nEntry"], found["nState"], found["bYes"][0]) == (-12.5, 2, True)
+    found = Played(program, (1, "answer=ok:many"), (2, "answer=cancel")).globals
+    assert (found["nEntry"], found["nState"], found["bYes"][0]) == (3, 2, False)
