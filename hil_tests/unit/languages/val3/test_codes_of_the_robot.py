@@ -20,7 +20,9 @@ DATA = (
 OFF = "disablePower()\n"
 
 
-def after(program: str, *events: tuple[float, str], arm: bool = True, until: float = 20.0, line_ns: int = 1_000, **programs: str) -> dict[str, Any]:
+def after(
+    program: str, *events: tuple[float, str], arm: bool = True, until: float = 20.0, line_ns: int = 1_000, **programs: str
+) -> dict[str, Any]:
     result = run(App(data=DATA, programs={"start": program, **programs}), at=events, arm=arm, until=until, line_ns=line_ns)
     found = result["globals"]
     assert isinstance(found, dict)
