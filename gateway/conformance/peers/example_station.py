@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from gateway.conformance.peers.can_devices import Drive
+from gateway.conformance.peers.interop import Gap
 from gateway.conformance.peers.modbus_devices import Answer, Device, padded, rewritten
 from gateway.conformance.peers.stations import ActiveStation, Built
 from gateway.conformance.serial.partners import DropsItsJob, Late, NoNak, Silent
@@ -13,7 +14,7 @@ FAULTS: dict[str, Answer] = {"padding": rewritten(1, padded)}
 
 
 def station(kind: str = "good", profile: str = "rho3", priority: str = "low") -> object:
-    """good, active, silent, no-nak, drops-its-job, slow: `machine:example_station.py:station?kind=no-nak`."""
+    """good, active, silent, no-nak, drops-its-job, slow, pause: `machine:example_station.py:station?kind=no-nak`."""
     table, rank = PROFILES[profile], Priority[priority.upper()]
     makers: dict[str, Callable[[], object]] = {
         "good": lambda: Built(table, rank),
@@ -22,6 +23,7 @@ def station(kind: str = "good", profile: str = "rho3", priority: str = "low") ->
         "no-nak": lambda: NoNak(table, rank),
         "drops-its-job": lambda: DropsItsJob(table, rank),
         "slow": lambda: Late(table, rank, late=ms(3000)),
+        "pause": lambda: Gap(table, ms(150)),
     }
     if kind not in makers:
         raise ValueError(f"kind {kind}: there are {', '.join(makers)}")

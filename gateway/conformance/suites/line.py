@@ -117,6 +117,10 @@ class LineTester(Tester):
         )
         return what
 
+    def char(self, until: Ns) -> int | Damage | None:
+        """The next character, at the latest at that moment."""
+        return self._hear(until)
+
     def answer(self, within: Ns) -> int | Damage | None:
         """The next character, at most so long after the last one on the line; None: silence."""
         return self._hear(self.mark + within)

@@ -28,9 +28,18 @@ class LineSession:
     """One run at one wire."""
 
     def __init__(
-        self, wire: Wire, bench: Bench, pics: Mapping[str, object], rk512: bool, say: Say, seed: int, witness: Witness | None
+        self,
+        wire: Wire,
+        bench: Bench,
+        pics: Mapping[str, object],
+        rk512: bool | None,
+        say: Say,
+        seed: int,
+        witness: Witness | None,
     ) -> None:
-        self.wire, self._bench, self._rk512, self._say = wire, bench, rk512, say
+        """rk512: spoken for certain, not looked at (False), or found out (None)."""
+        self.wire, self._bench, self._rk512, self._say = wire, bench, bool(rk512), say
+        self._both = rk512 is None
         self._witness = witness
         self.assumed: list[str] = []
         self._device = wire.station if isinstance(wire, VirtualWire) and isinstance(wire.station, Guarded) else None
@@ -227,7 +236,8 @@ class LineSession:
     def _sends_commands(self) -> bool:
         """Whether its own blocks are RK512 commands; an operator is not asked for that."""
         setup = self.setup
-        if setup.stimulus is None or setup.stimulus_name in ("fetch", "operator") or not self._rk512:
+        spoken = self._rk512 or (self._both and self.pics["rk512"])
+        if setup.stimulus is None or setup.stimulus_name in ("fetch", "operator") or not spoken:
             return False
         try:
             self.tester.starts_sending()

@@ -113,7 +113,13 @@ def _servodyn() -> Sequence[Purpose[Tester]]:
     return _generic(cycle.CYC, power.PWR, faults.FLT, motion.MOV, motion.PAR, power.SUP)
 
 
-def _line(rk512: bool) -> Callable[[Opened], Session]:
+def _interop() -> Sequence[Purpose[Tester]]:
+    from gateway.conformance.suites.interop.cases import ALL
+
+    return cast(Sequence[Purpose[Tester]], ALL)
+
+
+def _line(rk512: bool | None) -> Callable[[Opened], Session]:
     def make(opened: Opened) -> Session:
         from gateway.conformance.suites.line_session import LineSession
         from gateway.conformance.suites.supply import line_supply
@@ -234,6 +240,17 @@ SUITES: dict[str, Suite] = {
             "gateway.conformance.peers.servodyn",
             BOOSTER_KEYS,
             True,
+        ),
+        Suite(
+            "interop",
+            "1.0",
+            "3964R and RK512 with the stations of all makers",
+            "3964R und RK512 mit den Stationen aller Hersteller",
+            _interop,
+            _line(None),
+            LINE,
+            "gateway.conformance.peers.interop",
+            LINE_KEYS,
         ),
     )
 }

@@ -8,4 +8,5 @@ SCORES: dict[str, tuple[int, int]] = {
     "cia402": (72, 72),
     "canopen-301": (95, 95),
     "servodyn": (55, 55),
+    "interop": (51, 51),
 }

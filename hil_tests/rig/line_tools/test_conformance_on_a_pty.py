@@ -45,6 +45,16 @@ def test_a_foreign_station_gets_its_verdicts(tmp_path: pathlib.Path) -> None:
     assert found["self_check"]["echo"] is False
 
 
+def test_a_foreign_station_talks_to_the_stations_of_the_makers(tmp_path: pathlib.Path) -> None:
+    """In real time, both ways: blocks, a lost acknowledgement, a FETCH in the maker's dialect."""
+    with ForeignStation() as station:
+        bench = tmp_path / "bench.toml"
+        bench.write_text(f'[port]\nurl = "pty:{station.path}"\n[link]\nprofile = "rho3"\npriority = "high"\n[touch]\ndb = [10]\n')
+        only = [f"INTEROP_SIEMENSCP341_{row}" for row in ("BV_01", "BV_02", "BI_01", "BI_03", "BV_11", "BV_12")]
+        code, found = run("interop", "--bench", str(bench), *(option for name in only for option in ("--only", name)))
+    assert (code, verdicts(found)) == (0, dict.fromkeys(only, "PASS"))
+
+
 def test_a_silent_pty_is_one_fail_within_half_a_minute(tmp_path: pathlib.Path) -> None:
     with ForeignStation(answers=False) as station:
         code, found = run("3964r", "--port", f"pty:{station.path}")

@@ -12,7 +12,7 @@ import gateway
 from gateway.commands.conformance import main
 
 ROOT = pathlib.Path(gateway.__file__).parents[1]
-FAULTY = ("drops-its-job", "no-nak", "no-sync", "no-limits", "half-way")
+FAULTY = ("drops-its-job", "no-nak", "no-sync", "no-limits", "half-way", "interop-pause")
 PAGES = ("conformance.md", "conformance-can.md")
 
 
