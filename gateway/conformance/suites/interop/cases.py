@@ -1,6 +1,7 @@
 """The profiles of the makers against a station: each case is one row, played once with the times and habits of each maker."""
 
-from collections.abc import Callable
+import functools
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from gateway.conformance.framework.base import hexed
@@ -12,11 +13,23 @@ from gateway.pure.conformance.verdict import Fail, Inconclusive, NotApplicable, 
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.characters import Char
 from protocols.p3964r.profiles import PROFILES, Priority, Profile
+from protocols.rk512.dialects import DIALECTS
 
 REFERENCE = "siemens-cp341"  # its times are the longest: who fails with it has no chance with the others
-SAME_LINK = ("siemens-cp524", "bosch-system350-3964r")  # nothing on the line tells them from another row
-MAKERS = (REFERENCE, *(name for name in PROFILES if name != REFERENCE and name not in SAME_LINK))
-WITH_RK512 = ("siemens-cp341", "siemens-cp525", "bosch-buep64", "bosch-system350-rk512", "vipa-cp240", "vipa-21x", "wago")
+
+
+def _distinct() -> Iterator[str]:
+    """Makers that the line tells apart."""
+    seen: list[Profile] = []
+    for name, profile in PROFILES.items():
+        link = replace(profile, name="", source="", open_fields=())
+        if link not in seen:
+            seen.append(link)
+            yield name
+
+
+MAKERS = (REFERENCE, *(name for name in _distinct() if name != REFERENCE))
+WITH_RK512 = tuple(name for name in MAKERS if name in DIALECTS and DIALECTS[name].reaction)
 LATER = ms(400)  # a block that comes again comes within this
 MANY = 5
 CONTROLS = bytes((Char.STX, Char.ETX, Char.DLE, Char.DLE, Char.NAK, 0x00, 0xFF, 0x17, 0x10))
@@ -133,6 +146,10 @@ def longest(t: LineTester, profile: Profile) -> None:
     clean(p)
 
 
+def _both_done(p: Partner) -> bool:
+    return bool(p.failed) or (p.sent > 0 and bool(p.received))
+
+
 def conflict(t: LineTester, profile: Profile) -> None:
     first = opposite(t, profile)
     tried = [first] if t.setup.priority is not None else [first, Priority.LOW if first is Priority.HIGH else Priority.HIGH]
@@ -144,7 +161,7 @@ def conflict(t: LineTester, profile: Profile) -> None:
         if heard != Char.STX:
             raise NotApplicable("the station's STX could not be met")
         limit = 2 * patience(profile, t)
-        p.play(lambda p=p: (p.sent > 0 and bool(p.received)) or bool(p.failed), limit)  # type: ignore[misc]
+        p.play(functools.partial(_both_done, p), limit)
         p.quiet(LATER)
         if p.sent and p.received:
             break
@@ -267,7 +284,8 @@ def writes(t: LineTester, profile: Profile) -> None:
     db, limit = t.setup.write[0], long_enough(t, profile)
     before = done(job(t, p, lambda: p.active.fetch(0, 2, block=db), f"FETCH DB{db}.DW0", limit), p, f"FETCH DB{db}.DW0")
     for data in (b"\x01\x02\x10\x04", before):
-        done(job(t, p, lambda data=data: p.active.send(0, data, block=db), f"SEND DB{db}.DW0", limit), p, "SEND")  # type: ignore[misc]
+        give = functools.partial(p.active.send, 0, data, block=db)
+        done(job(t, p, give, f"SEND DB{db}.DW0", limit), p, f"SEND DB{db}.DW0")
         back = done(job(t, p, lambda: p.active.fetch(0, 2, block=db), f"FETCH DB{db}.DW0", limit), p, "FETCH")
         if back != data:
             raise Fail(f"what {profile.name} wrote reads back otherwise", data.hex(" ").upper(), back.hex(" ").upper())
