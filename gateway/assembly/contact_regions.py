@@ -14,7 +14,13 @@ MARKS_LAYOUT = f"marks/1 quality of {RC_BYTES} RC output bytes"
 MOST_BELTS = 8
 OFFSETS = struct.Struct(f"={MOST_BELTS}d")  # m or rad, NaN: nothing to keep
 OFFSETS_LAYOUT = f"belts/1 {OFFSETS.format} offsets"
-SHAPES = {"belts": (OFFSETS.size, OFFSETS_LAYOUT), "marks": (RC_BYTES, MARKS_LAYOUT), "io_errors": (LEDGER_BYTES, LEDGER_LAYOUT)}
+COUNTERS_LAYOUT = f"belt counters/1 {OFFSETS.format}"  # m or rad
+SHAPES = {
+    "belts": (OFFSETS.size, OFFSETS_LAYOUT),
+    "belt_counters": (OFFSETS.size, COUNTERS_LAYOUT),
+    "marks": (RC_BYTES, MARKS_LAYOUT),
+    "io_errors": (LEDGER_BYTES, LEDGER_LAYOUT),
+}
 
 
 def chips(cell: Cell) -> bool:
@@ -27,13 +33,19 @@ def joined_regions(cell: Cell) -> tuple[str, ...]:
     joined = ("wake", "marks") if cell.io or cell.route else ()
     contacts = ("io_out", "io_in", *(("io_chip",) if chips(cell) else ())) if cell.io else ()
     blocks = ("io_errors",) if cell.rho3 is not None else ()
-    return (*joined, *contacts, *blocks, *(("belts",) if keeps_belts(cell) else ()))
+    belts = (*(("belts",) if keeps_belts(cell) else ()), *(("belt_counters",) if reads_belts(cell) else ()))
+    return (*joined, *contacts, *blocks, *belts)
 
 
 def keeps_belts(cell: Cell) -> bool:
     """Offsets of belts outlive power-off here (AX-480)."""
     named = cell.retain is not None and any(pattern.startswith("belt.") for pattern in cell.retain.values)
     return named and any(belt.bus for belt in cell.belt)
+
+
+def reads_belts(cell: Cell) -> bool:
+    """Programs of a language read the counters of its belts."""
+    return bool(cell.belt) and cell.controller is not None and bool(cell.controller.memory)
 
 
 def make_joined(cell: Cell) -> dict[str, int]:

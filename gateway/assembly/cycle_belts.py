@@ -1,10 +1,11 @@
 """Belts of the cycle process: what a cell with [[belt]] needs beside the core; kinematics are loaded only there."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isnan, nan
 
 from gateway.assembly.belts import belt_facts
-from gateway.assembly.contact_regions import MOST_BELTS, OFFSETS, OFFSETS_LAYOUT
+from gateway.assembly.contact_regions import COUNTERS_LAYOUT, MOST_BELTS, OFFSETS, OFFSETS_LAYOUT
 from gateway.assembly.limits import limits_of
 from gateway.assembly.programs import robots_placed
 from gateway.pure.cell.cell import Cell
@@ -56,6 +57,30 @@ class BeltOffsets:
 
     def _write(self, now: int) -> None:
         self._region.write(OFFSETS.pack(*self._written), now)
+
+
+def pack_counters(belts: CoreBelts) -> bytes:
+    """As programs of a language read them."""
+    return OFFSETS.pack(*(*(belt.counter for belt in belts.all.all), *[0.0] * MOST_BELTS)[:MOST_BELTS])
+
+
+class BeltCounters:
+    """Counters of the belts for the process that runs programs of a language."""
+
+    def __init__(self, belts: CoreBelts, fd: int) -> None:
+        self._belts, self._region = belts, RegionWriter(fd, "belt_counters", COUNTERS_LAYOUT)
+
+    def turn(self, now: int) -> None:
+        """Once per cycle."""
+        self._region.write(pack_counters(self._belts), now)
+
+
+def belt_regions(belts: CoreBelts | None, fds: Mapping[str, int]) -> list[BeltOffsets | BeltCounters]:
+    """What others read of the belts, as far as the run has regions for it."""
+    if belts is None:
+        return []
+    offsets = [BeltOffsets(belts, fds["belts"])] if "belts" in fds else []
+    return [*offsets, *([BeltCounters(belts, fds["belt_counters"])] if "belt_counters" in fds else [])]
 
 
 def belts_of(cell: Cell, p5_ms: int) -> CoreBelts:

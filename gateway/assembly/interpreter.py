@@ -10,10 +10,12 @@ from gateway.assembly.data_block_signals import signals_of
 from gateway.assembly.lanes import lanes_of_cell
 from gateway.assembly.pic import pic_bytes
 from gateway.assembly.program_memory import memory_folder
+from gateway.assembly.programs import numbers_of
 from gateway.assembly.run import RunPlan
 from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.rho3.signals.timers import TimersAndCounters
+from gateway.pure.languages.baps2.cell_belts import CellBelt
 from gateway.pure.languages.baps2.cell_run import CellRun, changed
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
@@ -41,10 +43,22 @@ def passing_of(cell: Cell) -> tuple[float, ...]:
     return tuple(float(each) for each in row if isinstance(each, int | float)) if isinstance(row, list | tuple) else ()
 
 
+def belts_in(cell: Cell) -> tuple[CellBelt, ...]:
+    """[[belt]] tables as programs number them."""
+    return tuple(CellBelt(belt.name, belt.unit, frozenset(numbers_of(cell, belt.robot))) for belt in cell.belt)
+
+
 def language_of(cell: Cell, memory: Memory, port: Port, p5_ms: int) -> CellRun:
     """Programs of a checked cell."""
     language = CellRun(
-        Library(baps2_words(), memory), memory, port, robots_of_cell(cell), ms(p5_ms), passing=passing_of(cell), one=not lanes_of_cell(cell)
+        Library(baps2_words(), memory),
+        memory,
+        port,
+        robots_of_cell(cell),
+        ms(p5_ms),
+        passing=passing_of(cell),
+        one=not lanes_of_cell(cell),
+        belts=belts_in(cell),
     )
     language.pic = pic_of(cell, memory, port)
     return language

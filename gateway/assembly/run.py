@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from drivers.ports.base import PortError, runtime_dir
 from drivers.ports.can.adapter_url import is_adapter
-from gateway.assembly.contact_regions import chips, joined_regions, make_joined, simulated_couplers
+from gateway.assembly.contact_regions import chips, joined_regions, make_joined, reads_belts, simulated_couplers
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, listening
 from gateway.assembly.lanes import lanes_of_cell
 from gateway.assembly.pic import own_sources
@@ -252,7 +252,7 @@ def core_processes(cell: Cell, period_ms: int, doors: Sequence[CommandSource], *
     if cell.robot and language_in(cell) is not None:
         core[1] = replace(core[1], regions=(*core[1].regions, *PROGRAM_REGIONS))
         core[2] = replace(core[2], regions=(*core[2].regions, "lines"))
-        own = ("axes", "planner", "lines", *PROGRAM_REGIONS)
+        own = ("axes", "planner", "lines", *PROGRAM_REGIONS, *(("belt_counters",) if reads_belts(cell) else ()))
         core.append(Child("interpreter", "gateway.processes.interpreter", (), own, "interpreter", INTERPRETER_LIFE_MS * MS))
     if cell.controller is not None and cell.controller.plc is not None:
         core[1] = replace(core[1], regions=(*core[1].regions, *PLC_REGIONS))

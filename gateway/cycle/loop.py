@@ -19,7 +19,7 @@ from drivers.drives.listening import ListeningFamily
 from gateway.assembly.alter import alter_of_cell
 from gateway.assembly.axes import core_axes
 from gateway.assembly.axis_signals import assumed_permits, rc_numbers
-from gateway.assembly.cycle_belts import BeltOffsets, belts_of, encoders_of
+from gateway.assembly.cycle_belts import belt_regions, belts_of, encoders_of
 from gateway.assembly.drive_buses import make_family
 from gateway.assembly.fast_inputs import fast_wires
 from gateway.assembly.path_outputs import functions_of
@@ -133,8 +133,7 @@ class Cycle:
         self.wires = fast_wires(cell, {bus.name: link.family for bus, link in zip(drive_buses, self.buses, strict=True)})
         self.marks = InputMarks([family for _, family in self.with_io], fds["marks"]) if "marks" in fds else None
         self.io_errors = IoErrors([family for _, family in self.with_io], fds["io_errors"]) if "io_errors" in fds else None
-        belts = self.core.belts
-        self.belt_offsets = BeltOffsets(belts, fds["belts"]) if belts is not None and "belts" in fds else None
+        self.belt_regions = belt_regions(self.core.belts, fds)
         self.tap = CycleTap(self.core, self.buses, fds)
         self._collect_quickly = quick.collect
         self._look = quick.looker(self.links, self.planner, self.pieces, self.orders, self.inputs)
@@ -214,8 +213,8 @@ class Cycle:
             self.marks.turn(now)
         if self.io_errors is not None:
             self.io_errors.turn(now)
-        if self.belt_offsets is not None:
-            self.belt_offsets.turn(now)
+        for region in self.belt_regions:
+            region.turn(now)
         self.axes.beat(now)
         self.scope.put(pack_scope(state, core.outputs, self._image.values))
         if self.wake is not None:

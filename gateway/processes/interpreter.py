@@ -12,6 +12,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
+from gateway.assembly.contact_regions import COUNTERS_LAYOUT, OFFSETS
 from gateway.assembly.run import RunPlan, load_plan
 from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, AxisFlag, CellState, Permit, unpack_cell_state
 from gateway.pure.image.records.interpreter import (
@@ -50,6 +51,8 @@ class CellPort:
         self._axes = RegionReader(fds["axes"], "axes", CELL_STATE_LAYOUT)
         self._planner = RegionReader(fds["planner"], "planner")
         self._channels = RegionReader(fds["channels"], "channels", SEEN_LAYOUT)
+        self._counters = RegionReader(fds["belt_counters"], "belt_counters", COUNTERS_LAYOUT) if "belt_counters" in fds else None
+        self._belt_units = [belt.unit for belt in plan.cell.belt]
         self._says = RingWriter(fds["program-says"], "program-says", TEXT_LAYOUT)
         self._lines = RingWriter(fds["lines"], "lines", SAY_LAYOUT)
 
@@ -69,7 +72,15 @@ class CellPort:
             state.motion,
             state.override,
             not state.emergency and bool(state.permits & Permit.CHAIN),
+            self._belts(),
+            tuple(kind for kind, _ in planner.types),
         )
+
+    def _belts(self) -> tuple[float, ...]:
+        """Counters in the units of the belts."""
+        payload = self._counters.read() if self._counters is not None else None
+        counters = OFFSETS.unpack(payload) if payload is not None else ()
+        return tuple(from_si(value, unit) for value, unit in zip(counters, self._belt_units, strict=False))
 
     def say(self, what: str, **facts: Fact) -> None:
         """To the services."""

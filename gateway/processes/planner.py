@@ -11,6 +11,7 @@ import time
 from collections.abc import Sequence
 
 from gateway.assembly.planner import lane_programs_of
+from gateway.assembly.program_memory import in_memory, memory_folder
 from gateway.assembly.programs import machines_of_cell, mask_of, read_bnr, robot_meant, team_meant
 from gateway.assembly.run import RunPlan, load_plan
 from gateway.files.find import read_text
@@ -88,8 +89,12 @@ class PlannerProcess:
             raise MotionError(f"program {number}: {error}") from error
 
     def file(self, name: str, number: int) -> bytes:
-        """A BNR file beside the program, of a stream beside the cell, as it is now; raises MotionError."""
-        return read_bnr(self.plan.programs[number].path if number in self.plan.programs else self.plan.cell.file, name)
+        """A BNR file beside the program, of a stream in the memory of its programs or beside the cell, as it is now; raises MotionError."""
+        if number in self.plan.programs:
+            return read_bnr(self.plan.programs[number].path, name)
+        folder = memory_folder(self.plan.cell)
+        path = in_memory(folder, name) if folder is not None else pathlib.Path(self.plan.cell.file).with_name(name)
+        return read_bnr(str(path), path.name)
 
     def _mask(self, number: int) -> int:
         """Axes a program moves; 0: there is no such one, which its order finds out."""

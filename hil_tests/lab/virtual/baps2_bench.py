@@ -2,13 +2,17 @@
 record through its bytes."""
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 
 from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.servodyn.slave import ServodynSlave
+from gateway.assembly.axes import core_axes
+from gateway.assembly.contact_regions import OFFSETS
 from gateway.assembly.controllers import make_control
+from gateway.assembly.cycle_belts import belts_of, pack_counters
 from gateway.assembly.interpreter import language_of
+from gateway.assembly.path_outputs import functions_of
 from gateway.assembly.pic import pic_bytes
 from gateway.assembly.planner import lane_programs_of
 from gateway.assembly.plant import bus_settings
@@ -19,6 +23,7 @@ from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.hosted import HostedPrograms
+from gateway.pure.cycle.core import CycleLogic
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records.cell import RC_BYTES, CellState, Motion, Quality, pack_cell_state, unpack_cell_state
 from gateway.pure.image.records.interpreter import (
@@ -45,6 +50,7 @@ from gateway.pure.image.records.planner import pack_piece as packed_piece
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.base.hosting import View, paths_of
 from gateway.pure.languages.base.requests import RuntimeFault
+from gateway.pure.planning.trial import Files
 from gateway.pure.planning.turn import standing
 from hil_tests.lab.virtual.cell_bench import CellBench
 from hil_tests.lab.virtual.servodyn_bus import CODEC
@@ -120,11 +126,22 @@ class ServodynBench(CellBench):
         family = ServodynFamily(CODEC, [(n, n + 1) for n in range(len(self.cell.axis))])
         return ServodynSlave(bus_settings(self.cell, self.cell.bus[0].name, self.p5_ms), CODEC), family
 
+    def _new_core(self) -> CycleLogic:
+        period, cell = self.period_ns / 1e9, self.cell
+        return CycleLogic(
+            core_axes(cell, self.p5_ms),
+            period,
+            self.generation,
+            override_step=cell.cell.override_step,
+            belts=belts_of(cell, self.p5_ms) if cell.belt else None,
+            functions=functions_of(cell, self.p5_ms),
+        )
+
 
 class ProgramCell:
     """`programs`: name -> source, without what stands in front of PROGRAM; `files`: others of the memory."""
 
-    def __init__(self, files: dict[str, str], cell: Cell = CELL) -> None:
+    def __init__(self, files: Mapping[str, str | bytes], cell: Cell = CELL) -> None:
         self.cell = cell
         self.bench = ServodynBench(cell=cell)
         self.bench.office = CommandDispatcher(self.bench.office.axes, self.bench.office._plan, 1, {})
@@ -137,7 +154,8 @@ class ProgramCell:
             control.pic.take = self._take_pic
         self.hosted = control.hosted = HostedPrograms(control)
         self.planning = lane_programs_of(cell, self._machine, self._text, lambda kinematics, _: team_meant(cell, kinematics), lambda _: 0)
-        self.memory = Memory({name: text.encode() for name, text in files.items()})
+        self.planning.cell.files = Files(self._file, 4000)
+        self.memory = Memory({name: text if isinstance(text, bytes) else text.encode() for name, text in files.items()})
         self.told: list[str] = []
         self.outputs: list[tuple[float, int, bool]] = []  # s, RC output, value: user outputs as they change
         self.places: list[tuple[float, ...]] = []  # set values of each cycle, in units
@@ -224,6 +242,8 @@ class ProgramCell:
             tuple(from_si(axis.measured, own.unit) if state.measured_mask >> n & 1 else None for n, (own, axis) in enumerate(axes)),
             paths_of(planner, state),
             tuple(from_si(axis.actual, own.unit) for own, axis in axes),
+            belts=self.belt_counters(),
+            belt_types=tuple(kind for kind, _ in planner.types),
         )
         orders, self.hosted.orders = self.hosted.orders, []
         for order in (unpack_facts(pack_facts(each)) for each in orders):
@@ -250,6 +270,18 @@ class ProgramCell:
         """As the command source `pic` does."""
         for octet in pic_bytes(self.cell):
             self.bench.inputs.values[octet], self.bench.inputs.quality[octet] = outputs[octet], Quality.GOOD
+
+    def belt_counters(self) -> tuple[float, ...]:
+        """Through the bytes of their region."""
+        belts = self.bench.core.belts
+        counters = OFFSETS.unpack(pack_counters(belts)) if belts is not None else ()
+        return tuple(from_si(value, belt.unit) for value, belt in zip(counters, self.cell.belt, strict=False))
+
+    def _file(self, name: str, number: int) -> bytes:
+        """As the planner process reads them."""
+        if name not in self.memory.files:
+            raise MotionError(f"{name}: no such file")
+        return self.memory.files[name]
 
     # ---- what tests do
 

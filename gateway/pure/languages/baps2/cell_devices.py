@@ -91,54 +91,54 @@ class CellDevices(Outside):
 
     def __init__(self, machine: Machine, serial: SerialUnits) -> None:
         super().__init__(machine)
-        self._serial = serial
+        self.serial = serial
         self._tickets: dict[int, int] = {}  # process -> its READ
 
     def answer(self, task: Task, request: Request) -> object:
         """CONDITION waits for the outputs of its process."""
         if isinstance(request, demands.Condition) and not request.signal:
             name, is_device = self.place(task, request.unit)
-            if is_device and self._serial.has(name):
-                found = self._serial.condition(caller(task), name)
+            if is_device and self.serial.has(name):
+                found = self.serial.condition(caller(task), name)
                 return PENDING if found is None else found
         return super().answer(task, request)
 
     def condition(self, task: Task, request: demands.Condition) -> int:
         """In a condition that is waited for: as it is now."""
         name, is_device = self.place(task, request.unit) if not request.signal else ("", False)
-        if is_device and self._serial.has(name):
-            return self._serial.status(caller(task), name)
+        if is_device and self.serial.has(name):
+            return self.serial.status(caller(task), name)
         return super().condition(task, request)
 
     def ended(self, task: Task, aborted: bool) -> None:
         """Its calls are dropped."""
         self._tickets.pop(task.process.number, None)
-        self._serial.end(caller(task), aborted)
+        self.serial.end(caller(task), aborted)
 
     def _read_device(self, task: Task, name: str, request: demands.ReadDevice) -> object:
-        if not self._serial.has(name):
+        if not self.serial.has(name):
             return super()._read_device(task, name, request)
         number = task.process.number
         if number not in self._tickets:
-            self._tickets[number] = self._serial.read(caller(task), name, Form(request.base, request.size, request.count))
-        found = self._serial.got(self._tickets[number])
+            self._tickets[number] = self.serial.read(caller(task), name, Form(request.base, request.size, request.count))
+        found = self.serial.got(self._tickets[number])
         if found is None:
             return PENDING
         del self._tickets[number]
         return found.value if self._sound(task, name, found) else None
 
     def _write_device(self, task: Task, name: str, request: demands.WriteDevice) -> object:
-        if not self._serial.has(name):
+        if not self.serial.has(name):
             return super()._write_device(task, name, request)
-        if not self._serial.room(caller(task), name):
+        if not self.serial.room(caller(task), name):
             return PENDING
         items = [(form_of(base, value), plain(value)) for base, value in request.items]
-        self._sound(task, name, self._serial.write(caller(task), name, items, request.open))
+        self._sound(task, name, self.serial.write(caller(task), name, items, request.open))
         return None
 
     def _clear(self, task: Task, name: str, word: str) -> None:
-        if self._serial.has(name):
-            self._serial.begin(caller(task), name, word)
+        if self.serial.has(name):
+            self.serial.begin(caller(task), name, word)
         else:
             super()._clear(task, name, word)
 

@@ -1,11 +1,14 @@
 """BAPS2 programs in a cell: the axes are the planner's, inputs and outputs those of the control (AX-861).  Pure."""
 
+import re
 from collections.abc import Mapping, Sequence
 
 from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI, MULTI, Fact
 from gateway.pure.languages.baps2 import demands, lines
+from gateway.pure.languages.baps2.cell_acts import TOLD, CellActs
+from gateway.pure.languages.baps2.cell_belts import CAM, CellBelt, CellBelts
 from gateway.pure.languages.baps2.cell_devices import CellDevices, SerialUnits, fault_of
-from gateway.pure.languages.baps2.control import Control
+from gateway.pure.languages.baps2.control import Control, size_of
 from gateway.pure.languages.baps2.errors import TEXTS, fault
 from gateway.pure.languages.baps2.feed import Feed, UnitFeed
 from gateway.pure.languages.baps2.frames import to_workpiece
@@ -13,7 +16,7 @@ from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.lines import Wanted
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.robots import CellRobot
-from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Task
+from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Statement, Task
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
@@ -28,7 +31,7 @@ EARLY = 1_000  # the same inputs, read while the block is prepared
 OUTPUTS = (*range(1, USER + 1), *range(FIRST_MULTI, FIRST_MULTI + MULTI))
 DRY_NS = 100_000_000  # with nothing to do for so long the order is given back
 OWN_RUNS = 1 << 20  # runs that programs start themselves
-POSSIBLE = (4, 16, 29, 30, 31, 41, 43, 44, 46)  # special functions
+NUMBERED = re.compile(r"\(rho 3 (\d+)\)$")
 WAITS = {
     "MoveTo": "the blocks before", "ReadInput": "the end of a movement", "Dwell": "a time", "WaitFor": "a condition",
     "ReadDevice": "a device", "Branches": "its branches", "Drain": "the end of a movement", "Enter": "a semaphore",
@@ -48,10 +51,12 @@ class CellRun(Control):
         *,
         passing: Sequence[float] = (),
         one: bool = True,
+        belts: Sequence[CellBelt] = (),
     ) -> None:
         super().__init__(library, memory, Feed(p5=p5, belts={}))
         self.port, self.robots, self.passing = port, tuple(robots), passing
         self.paths = Paths(port, len(robots), one=one)
+        self.acts = CellActs(self, CellBelts(belts, port))
         self.devices["PHG"] = Device(UnitFeed())
         self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its robot
         self._runs: dict[int, Task] = {}
@@ -59,12 +64,11 @@ class CellRun(Control):
         self._read: dict[int, set[tuple[int, int]]] = {}  # process -> places that have read in this turn
         self._starting = 0
         self.pic: CellPic | None = None  # scanned beside the programs
-        self.serial: SerialUnits | None = None  # see `connect`
         self._systems: dict[int, tuple[float, ...]] = {}  # ticket of a stretch -> workpiece system as told
 
     def connect(self, serial: SerialUnits) -> None:
         """The units V24_1 to V24_4 are on lines of the cell; before anything runs."""
-        self.serial, self.units = serial, CellDevices(self, serial)
+        self.units = CellDevices(self, serial)
 
     # ---- from outside
 
@@ -158,7 +162,7 @@ class CellRun(Control):
         task = stretch.owner
         if line := self.paths.of(stretch.robot).place_of(stretch):
             task.process.line = line
-        self.scheduler.fail(task.process, error, now)
+        self.scheduler.fail(task.process, numbered(error), now)
 
     def file_changed(self, name: str) -> None:
         """A file of the memory was replaced from outside."""
@@ -187,7 +191,7 @@ class CellRun(Control):
         self._read.clear()
         self._lines_turn()
         self.paths.look()
-        for lane, robot in ((self.lanes[name], self._robot(name)) for name in self.lanes):
+        for lane, robot in ((self.lanes[name], self.robot_of(name)) for name in self.lanes):
             lane.position = robot.own(self.port.view.set)
         self._advance()
         busy = self.scheduler.run(now) == now
@@ -198,7 +202,7 @@ class CellRun(Control):
 
     def _lines_turn(self) -> None:
         """What has come on the lines; a fault of an interface ends its program."""
-        for failed in self.serial.turn(self.port.view.channels.inputs) if self.serial is not None else ():
+        for failed in self.units.serial.turn(self.port.view.channels.inputs) if isinstance(self.units, CellDevices) else ():
             task = self.tasks.get(failed.number)
             if task is not None:
                 self.scheduler.fail(task.process, fault_of(failed.unit, failed.condition, failed.words), self.now)
@@ -217,22 +221,36 @@ class CellRun(Control):
         waits = task.process.waits_for
         if task.process.state is ProcessState.WAITING and not (isinstance(waits, demands.MoveTo) and task.block is None):
             path.finish(stretch)
-        if any(block.stretch is stretch for block in task.blocks()):
+        if any(block.stretch is stretch for block in task.blocks()) or self._rides(stretch.robot):
             stretch.dry = None
         elif stretch.dry is None:
             stretch.dry = self.now
         elif self.now - stretch.dry >= DRY_NS or path.contended:
             path.release(task)
 
-    def _robot(self, kinematic: str) -> CellRobot:
-        number = self._numbers.get(kinematic, 1)
+    def _rides(self, robot: int) -> bool:
+        """The program has it in a synchronous part."""
+        return any(lane.belt and self.robot_of(name).number == robot for name, lane in self.lanes.items())
+
+    def robot(self, number: int) -> CellRobot:
+        """By its number; a runtime error where the cell has none."""
+        if not 1 <= number <= len(self.robots):
+            raise fault(220, f"{number}; this cell has {len(self.robots)} with a model")
         return self.robots[number - 1]
+
+    def robot_of(self, kinematic: str) -> CellRobot:
+        """As programs name it."""
+        return self.robots[self._numbers.get(kinematic, 1) - 1]
+
+    def lane_of(self, task: Task, number: object) -> tuple[str, Lane]:
+        """A kinematic of the program by its number."""
+        return self.specials.lane_of(task, number)
 
     def lane(self, kinematic: str, size: int = 0) -> Lane:
         """A kinematic, at the position of its axes."""
         lane = self.lanes.get(kinematic)
         if lane is None:
-            lane = self.lanes[kinematic] = Lane(self._robot(kinematic).own(self.port.view.set))
+            lane = self.lanes[kinematic] = Lane(self.robot_of(kinematic).own(self.port.view.set))
         return lane
 
     # ---- movement
@@ -240,10 +258,14 @@ class CellRun(Control):
     def _ready(self, task: Task, lane: Lane, block: Block, request: demands.MoveTo) -> None:
         until = "" if request.until is None else self._until(request.until)
         factors = {**lane.factors, **dict(request.factors)}
-        passing = self.passing if self._robot(request.kinematic).number == 1 else ()
-        robot = self._robot(request.kinematic)
+        robot = self.robot_of(request.kinematic)
+        passing = self.passing if robot.number == 1 else ()
         how = request.way, request.via, request.joint, request.relative
-        block.wanted = Wanted(robot, *how, block.target, factors, passing, lane.frame, until)
+        on_belt = self.acts.target(robot, lane, request, tuple(float(value) for value in request.target if value is not None))
+        if on_belt and self.acts.belts.kind(self.acts.belts.number(lane.belt)) == CAM:
+            on_belt += " " + self.acts.cam(lane, self.port.view.channels.factors, factors)
+        block.before, lane.before = lane.before, ()
+        block.wanted = Wanted(robot, *how, block.target, factors, passing, lane.frame, until, on_belt)
         if not request.relative and not request.joint and request.way != "circular":
             robot.target(block.target, lane.position)  # its faults belong to the statement
 
@@ -261,12 +283,12 @@ class CellRun(Control):
 
     def _target(self, task: Task, lane: Lane, request: demands.MoveTo) -> tuple[float, ...]:
         values = tuple(float(value) for value in request.target if value is not None)
-        size = self._robot(request.kinematic).size
+        size = self.robot_of(request.kinematic).size
         if not values or len(values) != len(request.target):
             raise fault(200)
-        if len(values) != size:
+        if len(values) < size or len(values) > size + len(self.acts.belts.followed(self.robot_of(request.kinematic).number)):
             raise fault(221, f"{len(values)}, the kinematic has {size}")
-        return values
+        return values[:size]
 
     def _moves_on(self, task: Task, block: Block) -> bool:
         if block.stretch is None:
@@ -289,6 +311,10 @@ class CellRun(Control):
             if isinstance(item, FastWait):
                 return
             if isinstance(item, Output):
+                continue
+            if isinstance(item, Statement):
+                if item.stretch is None and not self._told(task, item, first=last is None):
+                    return
                 continue
             if item.stretch is not None:
                 under_way += item.stretch.passed < item.index
@@ -317,8 +343,50 @@ class CellRun(Control):
             last, through = item, None
             under_way += 1
 
+    def _told(self, task: Task, item: Statement, *, first: bool) -> bool:
+        """The statement is handed on; one that is alone when nothing stands before it, and its stretch ends with it."""
+        if item.alone and not first:
+            return False
+        path = self.paths.of(item.robot)
+        if item.reference:
+            item.stretch = path.reference(task, task.unit.name, item.robot)
+            return item.stretch is not None
+        stretch = path.wanted(task, task.unit.name, item.robot)
+        if stretch is None:
+            return False
+        for text in item.texts:
+            path.hand_on(stretch, text, item.line, block=False)
+        if item.dummy:
+            zeros = " ".join(["0"] * self.robot(item.robot).size)
+            item.index = path.hand_on(stretch, f"ptp rel joints {zeros}", item.line)
+        elif item.block:
+            stretch.count += 1
+            stretch.places.append(item.line)
+        item.stretch = stretch
+        if item.alone:
+            path.release(task)
+        return True
+
+    def tell(self, task: Task, statement: Statement) -> object:
+        """Puts it behind what is prepared; PENDING until one that is waited for is done."""
+        waits = statement.alone or statement.dummy
+        if statement.alone and task.queue:
+            return PENDING
+        task.queue.append(statement)
+        task.said = statement if waits else None
+        self._passed(task)
+        return PENDING if waits and statement in task.queue else None
+
+    def _done(self, task: Task, item: Statement) -> bool:
+        self._hand_on(task)
+        if item.stretch is None:
+            return False
+        return item.stretch.over if item.alone else item.stretch.passed >= item.index
+
     def _say(self, stretch: Stretch, item: Block, through: Block | None) -> None:
         assert item.wanted is not None
+        for text in item.before:
+            self.paths.of(stretch.robot).hand_on(stretch, text, item.line, block=False)
         frame = item.wanted.frame
         if self._systems.get(stretch.ticket) != frame:
             self._systems[stretch.ticket] = frame
@@ -333,6 +401,9 @@ class CellRun(Control):
 
     def _act(self, task: Task) -> bool:
         try:
+            item = task.queue[0]
+            if isinstance(item, Statement) and not self._done(task, item):
+                return False
             return super()._act(task)
         except RuntimeFault as error:
             first = task.queue[0] if task.queue else None
@@ -346,6 +417,7 @@ class CellRun(Control):
 
     def _rest(self, task: Task) -> None:
         super()._rest(task)
+        self.acts.ended(task)
         self.paths.forget(task)
 
     def _process_answer(self, task: Task, request: Request) -> object:
@@ -354,15 +426,23 @@ class CellRun(Control):
         return super()._process_answer(task, request)
 
     def _answer(self, task: Task, request: Request) -> object:
-        if isinstance(request, demands.SyncBelt | demands.Synchronise):
-            raise fault(222, "belts")
-        if isinstance(request, demands.Reference):
-            raise fault(222, "REF_PNT; the PLC references")
-        if isinstance(request, demands.Special) and request.number not in POSSIBLE:
-            raise fault(222, f"special function {request.number}")
-        if isinstance(request, demands.WriteOutput) and request.channel not in OUTPUTS:
-            raise fault(224, str(request.channel))
+        match request:
+            case demands.SyncBelt():
+                return self.acts.sync(task, request) if not self._before(task) else PENDING
+            case demands.Synchronise(kinematic=kinematic, channel=channel):
+                self.acts.synchronise(task, kinematic, channel)
+                return None
+            case demands.Reference(kinematic=kinematic):
+                return self.acts.reference(task, kinematic)
+            case demands.Special(number=number, values=values) if number in TOLD:
+                return self.acts.special(task, number, values)
+            case demands.WriteOutput(channel=channel) if channel not in OUTPUTS:
+                raise fault(224, str(channel))
         return super()._answer(task, request)
+
+    def _before(self, task: Task) -> bool:
+        """Something is prepared that has to be over before the request counts."""
+        return bool(task.queue) and task.said is None
 
     # ---- what is looked up
 
@@ -412,24 +492,23 @@ class CellRun(Control):
         return octets[bit >> 3] >> (bit & 7) & 1 if bit >> 3 < len(octets) else 0
 
     def belt(self, channel: int) -> float:
-        """No belt is led by programs yet."""
-        raise fault(222, "belts")
+        """Counter of a belt."""
+        return self.acts.belts.counter(self.acts.belts.number(channel))
 
     def set_belt(self, channel: int, value: float) -> None:
-        """As belt."""
-        raise fault(222, "belts")
+        """The cycle sets counters."""
 
     def where(self, kinematic: str) -> tuple[float, ...]:
         """Set joints of a kinematic now."""
-        return self._robot(kinematic).own(self.port.view.set)
+        return self.robot_of(kinematic).own(self.port.view.set)
 
     def actual(self, kinematic: str) -> tuple[float, ...]:
         """As its drives report."""
-        return self._robot(kinematic).own(self.port.view.actual)
+        return self.robot_of(kinematic).own(self.port.view.actual)
 
     def position(self, task: Task, kinematic: str, name: str) -> tuple[float, ...]:
         """POS, @POS, @MPOS now."""
-        robot = self._robot(kinematic)
+        robot = self.robot_of(kinematic)
         if name == "@MPOS":
             flying = self.lane(kinematic).measured
             if flying is not None:
@@ -439,15 +518,19 @@ class CellRun(Control):
                 raise fault(200)
             return tuple(each for each in found if each is not None)
         joints = self.where(kinematic)
-        return to_workpiece(self.lane(kinematic).frame, robot.world(joints)) if name == "POS" else joints
+        belts = self.acts.belts.values(robot.number, max(0, size_of(task.unit, kinematic) - robot.size))
+        place = to_workpiece(self.lane(kinematic).frame, robot.world(joints)) if name == "POS" else joints
+        return (*place, *belts)
 
     def world(self, kinematic: str, joints: tuple[float, ...]) -> tuple[float, ...]:
-        """World coordinates of joints."""
-        return self._robot(kinematic).world(joints)
+        """World coordinates of joints; values of belts behind them stay."""
+        robot = self.robot_of(kinematic)
+        return (*robot.world(joints[: robot.size]), *joints[robot.size :])
 
     def joints(self, kinematic: str, world: tuple[float, ...]) -> tuple[float, ...]:
-        """Joints of world coordinates, near where the axes are."""
-        return self._robot(kinematic).joints(world, self.where(kinematic))
+        """Joints of world coordinates, near where the axes are; values of belts behind them stay."""
+        robot = self.robot_of(kinematic)
+        return (*robot.joints(world[: robot.size], self.where(kinematic)), *world[robot.size :])
 
     # ---- what is told
 
@@ -493,6 +576,12 @@ class CellRun(Control):
             )
             found.append(row)
         return found
+
+
+def numbered(error: RuntimeFault) -> RuntimeFault:
+    """The manual's own number where planner or cycle name one: `.. beltdistance is zero (rho 3 89)`."""
+    found = NUMBERED.search(error.text)
+    return RuntimeFault(int(found[1]), error.text) if found is not None else error
 
 
 def changed(before: Mapping[str, bytes], after: Mapping[str, bytes]) -> dict[str, bytes | None]:

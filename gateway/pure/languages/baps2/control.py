@@ -264,7 +264,7 @@ class Control(ABC):
     def ask(self, process: Process, request: Request, now: int) -> object:
         """Begins a request."""
         task = self.tasks[process.number]
-        task.since, task.began, task.block, task.round = now, None, None, self._round
+        task.since, task.began, task.block, task.said, task.round = now, None, None, None, self._round
         self._asked = request
         try:
             return self._answer(task, request)

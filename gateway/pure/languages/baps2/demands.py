@@ -148,12 +148,15 @@ class Drain(Request):
 
 @dataclass(frozen=True, slots=True)
 class SyncBelt(Request):
-    """`test`: of an input, or None with `at`: the belt value and the comparison that is waited for."""
+    """`test`: of an input, or None with `at`: the belt value and the comparison that is waited for.  `input`: where the condition is one
+    input alone, its channel, else 0; `level`: its value then."""
 
     channel: int
     test: Callable[[], bool] | None
     sign: str = ""
     at: float = 0.0
+    input: int = 0
+    level: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,6 +27,7 @@ class Wanted:
     passing: Sequence[float] = ()
     frame: Frame = NO_FRAME
     until: str = ""
+    on_belt: str = ""  # keys of a block in a synchronous part
 
 
 def head(robot: CellRobot) -> list[str]:
@@ -51,7 +52,7 @@ def line(wanted: Wanted, world: Sequence[float], shares: Sequence[float], throug
         target = f"via {_point(through, world)} to {_point(wanted, world)}"
     else:
         target = _target(wanted, world)
-    return " ".join([way, target, *_speeds(wanted, shares), *_passed(wanted), *([wanted.until] if wanted.until else [])])
+    return " ".join([way, target, *_speeds(wanted, shares), *_passed(wanted), *(each for each in (wanted.on_belt, wanted.until) if each)])
 
 
 def _target(wanted: Wanted, near: Sequence[float]) -> str:

@@ -4,7 +4,7 @@ import struct
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.baps2 import demands
-from gateway.pure.languages.baps2.errors import fault
+from gateway.pure.languages.baps2.errors import TEXTS, fault
 from gateway.pure.languages.baps2.filing import file_name
 from gateway.pure.languages.baps2.frames import to_workpiece
 from gateway.pure.languages.baps2.machine import Machine
@@ -96,11 +96,11 @@ class Specials:
         """Functions about one kinematic."""
         match number:
             case 41:
-                self._lane(task, values[0])[1].factors["VFACTOR"] = _number(values[1])
+                self.lane_of(task, values[0])[1].factors["VFACTOR"] = _number(values[1])
             case 42:
-                self._lane(task, values[0])[1].distance = _number(values[1])
+                self.lane_of(task, values[0])[1].distance = _number(values[1])
             case 43:
-                name, lane = self._lane(task, values[0])
+                name, lane = self.lane_of(task, values[0])
                 lane.measured, channel = None, _whole(values[2])
                 self._measuring[channel] = _Measuring(name, _whole(values[1]), int(self._machine.signal(channel, self._machine.now)))
             case 44:
@@ -110,9 +110,9 @@ class Specials:
             case 46:
                 self._block_search(task, values)
             case _:
-                raise fault(204, f"special function {number}")
+                raise RuntimeFault(204, f"{TEXTS[204]}: special function {number} is only named in the manual")
 
-    def _lane(self, task: Task, number: object) -> tuple[str, Lane]:
+    def lane_of(self, task: Task, number: object) -> tuple[str, Lane]:
         """A kinematic by its number."""
         head = task.unit.program.head
         name = next((name for name, each in head.kinematics.items() if each == _whole(number)), None)
@@ -145,7 +145,7 @@ class Specials:
 
     def _record(self, task: Task, number: int, values: tuple[object, ...]) -> None:
         """Records a path (29), ends that (30), reads an entry, 1 the newest (31)."""
-        name, lane = self._lane(task, values[0])
+        name, lane = self.lane_of(task, values[0])
         if number == 29:
             system = _whole(values[1])
             if not 1 <= system <= max(MOST_SYSTEMS, len(lane.position)):
@@ -168,7 +168,7 @@ class Specials:
     def _logic(self, task: Task, number: int, values: tuple[object, ...]) -> None:
         """IOL and PPO: a negative number resets the function and issues the value at once (L4210-4245)."""
         function, kinematic = _whole(values[0]), _whole(values[1])
-        self._lane(task, kinematic)
+        self.lane_of(task, kinematic)
         key = (number, kinematic, abs(function))
         if function < 0:
             self._active.pop(key, None)
@@ -183,7 +183,7 @@ class Specials:
 
     def _machine_position(self, task: Task, values: tuple[object, ...]) -> None:
         """Belts in the point are not set (L4119-4208)."""
-        _, lane = self._lane(task, values[0])
+        _, lane = self.lane_of(task, values[0])
         lane.position = lane.planned = point(_get(values[1]))
         if lane.measured is not None:
             lane.measured = lane.position
@@ -293,7 +293,7 @@ class Specials:
 
     def _move_file(self, task: Task, values: tuple[object, ...]) -> object:
         """MOVE_FILE: the header is compared, then one block to the last point (L6956-7212)."""
-        name, lane = self._lane(task, values[0])
+        name, lane = self.lane_of(task, values[0])
         file, _ = self._machine.units.place(task, str(values[1]))
         opened = self._machine.filing.opened(file, [task.process.number, task.main.process.number], writing=False)
         if opened is None:
@@ -331,4 +331,4 @@ class Specials:
         count = _whole(values[1])
         if not 1 <= count <= MOST_PREPARED:
             raise fault(218, f"{count} is not in 1..{MOST_PREPARED}")
-        self._lane(task, values[0])[1].most = count
+        self.lane_of(task, values[0])[1].most = count

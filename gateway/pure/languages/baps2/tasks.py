@@ -30,6 +30,7 @@ class Block:
     index: int = 0  # among the blocks of its stretch
     stretch: Stretch | None = None  # it was handed on with
     stops: bool = True  # at its end
+    before: tuple[str, ...] = ()  # statements that begin with it
 
 
 @dataclass(slots=True, eq=False)
@@ -50,7 +51,23 @@ class FastWait:
     due: int | None = None
 
 
-Item = Block | Output | FastWait
+@dataclass(slots=True, eq=False)
+class Statement:
+    """Statements for the planner between two blocks (in a cell).  `alone`: the axes rest before and behind it, and the program waits;
+    `dummy`: a block without a way that carries it."""
+
+    robot: int
+    texts: tuple[str, ...]
+    line: int
+    alone: bool = False
+    dummy: bool = False
+    block: bool = False  # one of the texts is a block
+    reference: bool = False  # REF_PNT: an order of its own, without texts
+    index: int = 0  # of its dummy among the blocks of its stretch
+    stretch: Stretch | None = None  # it was handed on with
+
+
+Item = Block | Output | FastWait | Statement
 
 
 @dataclass(slots=True)
@@ -64,6 +81,8 @@ class Lane:
     measured: tuple[float, ...] | None = None
     frame: tuple[float, ...] = (0.0,) * 6
     belt: int = 0  # channel while it is synchronous
+    belt_values: dict[int, float] = field(default_factory=dict)  # belt -> its value in the last point that was programmed
+    before: tuple[str, ...] = ()  # statements that begin with its next block (in a cell)
     factors: dict[str, float] = field(default_factory=dict)
     limits: dict[str, tuple[float, ...]] = field(default_factory=dict)
     most: int = MOST_PREPARED
@@ -84,6 +103,7 @@ class Task:
     since: int = 0  # the moment of the request it waits for
     began: int | None = None  # the moment from which a wait counts
     block: Block | None = None  # of the move it waits for
+    said: Statement | None = None  # that it waits for
     children: list["Task"] = field(default_factory=list)
     semaphores: list[tuple[str, str]] = field(default_factory=list)
     conditions: dict[str, int] = field(default_factory=dict)

@@ -124,7 +124,11 @@ def sync(bodies: Writer, statement: Sync) -> None:
             bodies.names.faults.error("sync", statement.at, "SYNC takes an input, or the belt with >= or <=")
         bodies.out.add(f"yield SyncBelt({channel}, None, {condition.sign!r}, {value})")
         return
-    bodies.out.add(f"yield SyncBelt({channel}, lambda: {_direct(bodies, condition, 'the condition of SYNC')})")
+    test = _direct(bodies, condition, "the condition of SYNC")
+    constant = not isinstance(condition, Binary) or bodies.typing.of(condition.right).constant is not None
+    asked = _channel(bodies, _input_of(condition)) if constant else ""
+    level = _level(bodies, condition) if asked else True
+    bodies.out.add(f"yield SyncBelt({channel}, lambda: {test}, input={asked or 0}, level={level})")
 
 
 def synchron(bodies: Writer, statement: Synchron) -> None:

@@ -39,6 +39,8 @@ class View:
     motion: Motion = Motion.IDLE
     override: float = 0.0
     chain: bool = True  # the emergency-stop chain is closed, no emergency stop is latched
+    belts: tuple[float, ...] = ()  # counters, in the unit of each
+    belt_types: tuple[int, ...] = ()  # 1 parallel, 2 without parallel axis, 3 cam
 
     def path_of(self, robot: int) -> PathState:
         """By its number, from 1."""

@@ -68,6 +68,20 @@ class Path:
             self.port.ask_path(self.now.ticket, program, robot)
         return None
 
+    def reference(self, owner: object, program: str, robot: int) -> Stretch | None:
+        """An order that references the robot, and takes no blocks; None: the owner waits its turn, and asks again."""
+        if owner not in self._waiting:
+            self._waiting.append(owner)
+        if self.now is not None:
+            self.release(owner)
+            return None
+        if self._waiting[0] is not owner:
+            return None
+        self._waiting.popleft()
+        self.now = Stretch(owner, program, robot, next(self.tickets), ended=True)
+        self.port.tell("reference", ticket=self.now.ticket, program=program, robot=robot)
+        return self.now
+
     def hand_on(self, stretch: Stretch, text: str, line: int, *, block: bool = True) -> int:
         """A statement; the number of its block, counted from 1."""
         self.port.line(stretch.job, text)

@@ -308,8 +308,8 @@ def test_runtime_errors_have_the_manuals_number_text_and_line() -> None:
 
 
 def test_what_a_cell_cannot_do_ends_the_program_in_words() -> None:
-    cell = ProgramCell(one("REF_PNT"))
-    assert cell.run("P")[1:3] == (222, "not possible in a cell: REF_PNT; the PLC references")
+    cell = ProgramCell(one("MIRROR(1)", "SPC_FCT : 17 = MIRROR (VALUE INTEGER : K)"))
+    assert cell.run("P")[1:3] == (204, "option not found: special function 17 is only named in the manual")
     cell = ProgramCell(one("IF X = 1 THEN WAIT 1", "INPUT : 150 = X"))
     assert cell.run("P")[1:3] == (206, "inadmissable input: 150")
 

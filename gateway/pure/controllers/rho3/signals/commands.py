@@ -65,6 +65,10 @@ class AxisCommands:
         """Blocks of a program of the interpreter; refused as any other command of that command source."""
         return self._office.order_stream(door, robot, mask)
 
+    def reference(self, door: int, mask: int, now: Ns) -> Job:
+        """A reference run of these axes."""
+        return self._say(door, Command(Code.REFERENCE, mask), now)
+
     def stop(self, door: int, now: Ns, give_up: Job | None = None) -> None:
         """Stops on the path; `give_up`: the move whose rest is abandoned, as where a program is taken off (L2610)."""
         if give_up is None:

@@ -4,7 +4,7 @@ The command sources bring the RC inputs, the cycle what the axes do; outputs and
 axes through the dispatcher.  A restart of services counts as a start of the control (AX-332): signals already set start nothing.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
@@ -206,11 +206,18 @@ class RhoControl:
 
     def open_path(self, program: str, robot: int, now: Ns) -> Job:
         """A program of the interpreter moves a robot from now on; refused as any other command of its command source.  ProcessFault."""
+        return self._opened(program, robot, lambda door, mask: self._commands.stream(door, robot, mask))
+
+    def open_reference(self, program: str, robot: int, now: Ns) -> Job:
+        """REF_PNT: a program references a robot, as its command source would."""
+        return self._opened(program, robot, lambda door, mask: self._commands.reference(door, mask, now))
+
+    def _opened(self, program: str, robot: int, ask: Callable[[int, int], Job]) -> Job:
         barred = self.modes.prepare(program, (robot,))
         if barred is not None:
             raise fault_of(barred)
         door = (self.hosted.door_of(program) if self.hosted is not None else 0) or self.selector
-        job = self._jobs[program, robot] = self._commands.stream(door, robot, self.setup.robot_masks[robot - 1])
+        job = self._jobs[program, robot] = ask(door, self.setup.robot_masks[robot - 1])
         if job.open:
             self.modes.begins(program, (robot,))
         return job

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from gateway.pure.arbitration.command_block import Code
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.controllers.rho3.functions.processes import Body, Kind, Process, ProcessFault, ProcessTable, Program, State, Turn
 from gateway.pure.controllers.rho3.signals.fast_io import Channels, InputFault
@@ -35,6 +36,9 @@ class Mover(Protocol):
 
     def open_path(self, program: str, robot: int, now: Ns) -> Job:
         """An order to move a robot; ProcessFault: the mode does not allow it."""
+
+    def open_reference(self, program: str, robot: int, now: Ns) -> Job:
+        """An order to reference a robot; ProcessFault: the mode does not allow it."""
 
     def path_closed(self, program: str, robot: int) -> None:
         """It is over."""
@@ -158,7 +162,9 @@ class HostedPrograms:
             case "output":
                 self._output(int(said["channel"]), float(said["value"]))
             case "path":
-                self._wants(int(said["ticket"]), str(said["program"]), int(said["robot"]), now)
+                self._wants(self.control.open_path, int(said["ticket"]), str(said["program"]), int(said["robot"]), now)
+            case "reference":
+                self._wants(self.control.open_reference, int(said["ticket"]), str(said["program"]), int(said["robot"]), now)
             case "started":
                 self._started(int(said["run"]), str(said["program"]), int(said["parent"]))
             case "over":
@@ -197,14 +203,14 @@ class HostedPrograms:
             return
         self._bodies[run] = body
 
-    def _wants(self, ticket: int, program: str, robot: int, now: Ns) -> None:
+    def _wants(self, opened: Callable[[str, int, Ns], Job], ticket: int, program: str, robot: int, now: Ns) -> None:
         try:
-            job = self.control.open_path(program, robot, now)
+            job = opened(program, robot, now)
         except ProcessFault as fault:
             self._answer("over", ticket, code=fault.code, text=fault.text)
             return
         self._paths.append(_Order(ticket, program, robot, job))
-        if job.open:
+        if job.open and job.code is Code.PROGRAM:
             self._answer("given", ticket, job=job.id)
 
     def _answer(self, what: str, ticket: int, **facts: Fact) -> None:
