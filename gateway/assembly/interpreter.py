@@ -117,8 +117,8 @@ class Baps2Programs:
         return self.read(alive)
 
     def seen(self, now: int) -> dict[str, object]:
-        """Nothing beside programs and processes."""
-        return {}
+        """The test system."""
+        return self.language.test.shown(now)
 
     def write_back(self) -> list[str]:
         """Points and files that programs have written are on the disk before anything else happens."""

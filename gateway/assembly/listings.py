@@ -6,6 +6,8 @@ from gateway.assembly.program_memory import memory_folder
 from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.files.robotstar import FolderFault, sources, words
 from gateway.pure.cell.cell import Cell
+from gateway.pure.languages.baps2.cell_debugger import shown_value, taught_in
+from gateway.pure.languages.baps2.inspection import lines_of
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.robotstar.memory import Memory as RobotstarMemory
@@ -14,11 +16,14 @@ from gateway.pure.languages.robotstar.memory import Source
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """A program as its file has it.  `faults`: line, severity and text of each."""
+    """A program as its file has it.  `faults`: line, severity and text of each; `points`: name and value, "": not defined; `statements`:
+    lines with a statement, where it can be tested."""
 
     file: str
     lines: tuple[str, ...]
     faults: tuple[tuple[int, str, str], ...] = ()
+    points: tuple[tuple[str, str], ...] = ()
+    statements: tuple[int, ...] = ()
 
 
 def baps2_listing(cell: Cell, program: str) -> Listing | None:
@@ -31,9 +36,11 @@ def baps2_listing(cell: Cell, program: str) -> Listing | None:
     text = memory.text(file)
     if text is None:
         return None
-    _, faults = Library(baps2_words(), memory).check(file, text)
+    unit, faults = Library(baps2_words(), memory).check(file, text)
     rows = tuple((each.position.line, each.severity.value, each.text) for each in faults if each.position.file == file)
-    return Listing(file, tuple(text.splitlines()), rows)
+    stored = memory.points(program.upper(), Faults())
+    points = tuple((name, shown_value(stored.get(name))) for name in dict.fromkeys([*taught_in(unit), *stored]))
+    return Listing(file, tuple(text.splitlines()), rows, points, tuple(lines_of(unit)))
 
 
 def robotstar_listing(cell: Cell, program: str) -> Listing | None:

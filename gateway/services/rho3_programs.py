@@ -2,11 +2,10 @@
 
 from collections.abc import Mapping
 
-from gateway.pure.controllers.rho3.functions.processes import ProcessFault
-from gateway.pure.controllers.rho3.signals.codes import code_text
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.hosted import HostedPrograms
 from gateway.pure.image.records.interpreter import Channels
+from gateway.services.rho3_test_orders import TestOrders, start_program
 
 
 class Rho3Programs:
@@ -25,13 +24,14 @@ class Rho3Programs:
         return []
 
     def answer(self, request: Mapping[str, object], source: int) -> dict[str, object]:
-        """`do`: list, start and stop (`name`), state (`run`).  `source`: command source a program moves as, 0: the PLC's."""
+        """`do`: list, start and stop (`name`), state (`run`); of the test system: test, breakpoints, step, movement, look, variable, teach,
+        define, outcome.  `source`: command source a program moves as, 0: the PLC's."""
         rho, hosted, name = self._control, self.hosted, str(request.get("name", "")).upper()
         match request.get("do"):
             case "list":
-                return {"programs": hosted.programs, "processes": hosted.rows, "id": hosted.language_id}
+                return {"programs": hosted.programs, "processes": hosted.rows, "id": hosted.language_id, **hosted.shown}
             case "start":
-                return _start_program(rho, hosted, name, source)
+                return start_program(rho, hosted, name, source)
             case "stop":
                 process = rho.processes.named(name)
                 if process is None or not rho.processes.stop(process.number):
@@ -39,24 +39,9 @@ class Rho3Programs:
                 return {"ok": True}
             case "state":
                 return _outcome(hosted, request.get("run"))
+            case "test" | "outcome" | "look" | "breakpoints" | "step" | "movement" | "variable" | "teach" | "define":
+                return TestOrders(rho, hosted).answer(request, source)
         return {"error": f"do {request.get('do')!r}; list, start, stop, state are known"}
-
-
-def _start_program(rho: RhoControl, hosted: HostedPrograms, name: str, source: int) -> dict[str, object]:
-    row = next((row for row in hosted.programs if row["name"] == name), None)
-    if row is None:
-        known = ", ".join(str(each["name"]) for each in hosted.programs) or "none"
-        why = f"the memory has {known}" if hosted.language_id else "the interpreter does not run"
-        return {"error": f"{name}: no such program; {why}"}
-    if row["fault"]:
-        return {"error": f"{name} has {row['errors']} errors and does not run; the first: {row['fault']}"}
-    hosted.starter = source
-    try:
-        return {"run": hosted.run_of(rho.start(name))}
-    except ProcessFault as fault:
-        return {"error": f"{name}: {code_text(fault.code) or 'error'} ({fault.code})"}
-    finally:
-        hosted.starter = 0
 
 
 def _outcome(hosted: HostedPrograms, run: object) -> dict[str, object]:

@@ -51,7 +51,9 @@ LONGEST = 4096
 CLIENTS = 64  # connected at once; one more is told so and sent away
 STOP = f"{PREFIX}{STOP_PROCESS}"  # is written and never read
 ASKING = ("get", "names", "status", "axes", "job", "ticket", "alive")  # requests that change nothing
-LOOKING = ("list", "show", "state", "status")  # of op "process" and "plc"
+# of op "process", not while another tool has control
+TESTING = ("start", "test", "breakpoints", "step", "movement", "variable", "teach", "define")
+LOOKING = ("list", "show", "state", "status", "look", "outcome")  # of op "process" and "plc"
 _KINDS = {
     Table.COIL: Kind.COILS,
     Table.DISCRETE: Kind.DISCRETE_INPUTS,
@@ -178,7 +180,7 @@ class Variables(Part):
     def _process(self, request: dict[str, object], connection: object) -> dict[str, object]:
         """A program that a connection in control starts moves as the tool or the page, any other one as the PLC's command source."""
         page = request.get("door") == PAGE_DOOR
-        if request.get("do") == "start" and not page and self._tools.held_by_another(connection):  # everybody may stop
+        if request.get("do") in TESTING and not page and self._tools.held_by_another(connection):  # everybody may stop
             return {"error": "not owner: another commissioning tool has control"}
         if self._host.programs is None:
             return {"error": f"no programs: {NO_PROGRAMS}"}

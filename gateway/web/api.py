@@ -38,6 +38,7 @@ from gateway.web.catalogue import found, said
 from gateway.web.endpoints import Call, Endpoint
 from gateway.web.live import Live
 from gateway.web.operator_control import OperatorControl
+from gateway.web.program_test import ProgramTests, program_test_endpoints
 from gateway.web.scope import Wanted
 from gateway.web.store import SESSION_S, Role, Store, StoreError
 from gateway.web.trends import LEAST_S, MOST_S
@@ -425,6 +426,7 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("GET", "/api/program", v, "the listing of a program, with its faults", api.program_text, query=(("name", "string"),)),
         row("POST", "/api/program/start", o, "start a program of the old control", api.program_start, ProgramName, True),
         row("POST", "/api/program/stop", o, "stop it", api.program_stop, ProgramName, True),
+        *program_test_endpoints(ProgramTests(lambda: api.hands)),
         *plc_endpoints(api),
         row("POST", "/api/permit", s, "set or clear the enabling inputs of a simulation", api.permit, Permit, True, plant=True),
         row("POST", "/api/force", s, "force an RC input", api.force, Force, True),

@@ -97,13 +97,17 @@ class OperatorControl:
             self.holder, self.name, self._heard = key, name, time.monotonic()
         return answer
 
-    async def start_program(self, key: str, name: str) -> Row:
-        """It moves as the page while this user has control, else as the PLC; NotYours, Gone, Refused."""
+    def free(self, key: str) -> None:
+        """No other user has control; NotYours."""
         if self.holder and self.holder != key:
             raise NotYours(f"{self.name} holds the page's command source")
+
+    async def start_program(self, key: str, name: str, *, do: str = "start", **more: object) -> Row:
+        """It moves as the page while this user has control, else as the PLC; NotYours, Gone, Refused."""
+        self.free(key)
         if key and key == self.holder:
             self._heard = time.monotonic()
-        return await self.desk.ask("process", do="start", name=name)
+        return await self.desk.ask("process", do=do, name=name, **more)
 
     def _mine(self, key: str) -> None:
         if not key or self.holder != key:

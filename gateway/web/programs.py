@@ -8,6 +8,7 @@ from gateway.pure.cell.cell import Cell
 from gateway.registry import language_in
 
 Row = dict[str, Any]
+SHOWN = ("programs", "processes", "id", "test", "variables", "looked")
 
 
 class ProgramView:
@@ -22,7 +23,7 @@ class ProgramView:
         if self._language is None:
             return {"programs": [], "processes": [], "id": 0}
         found = await self._desk.ask("process", do="list")
-        return {key: found[key] for key in ("programs", "processes", "id")}
+        return {key: found[key] for key in SHOWN if key in found}
 
     async def text(self, name: str) -> Row:
         """The listing of a program.  KeyError: there is none; OSError: it cannot be read."""
@@ -31,4 +32,7 @@ class ProgramView:
         found = await asyncio.to_thread(self._language.listing, self._cell, name)
         if found is None:
             raise KeyError(f"there is no listing of {name}")
-        return {"name": name, "file": found.file, "lines": found.lines, "faults": found.faults}
+        return {
+            "name": name, "file": found.file, "lines": found.lines, "faults": found.faults,
+            "points": found.points, "statements": found.statements,
+        }  # fmt: skip

@@ -216,6 +216,7 @@ class ProgramCell:
         if port is not None:
             rows = [asdict(row) for row in self.language.rows()]
             report = {"id": port.identity, "programs": [asdict(row) for row in self.language.catalogue()], "processes": rows}
+            report |= self.language.test.shown(self.bench.now)
         self.hosted.report(unpack_report(pack_report(report)), alive=port is not None)
         while port is not None and port.said:
             self.hosted.hear(unpack_facts(port.said.popleft()), now)

@@ -24,6 +24,16 @@ MOVE LINEAR TO @(100, 60, 100, 0)
 JUMP AGAIN
 PROGRAM_END
 """
+STEPS = """;;KINEMATICS : (1 = PORTAL)
+PROGRAM STEPS
+INTEGER : COUNT
+BEGIN
+COUNT = 1
+COUNT = COUNT + 1
+MOVE LINEAR TO HERE
+COUNT = COUNT + 10
+PROGRAM_END
+"""
 WRONG = "PROGRAM WRONG\nBEGIN\n  JUMP NOWHERE\nPROGRAM_END\n"
 
 
@@ -33,6 +43,8 @@ def web(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WebRun]:
     shutil.copytree(CELLS / "palletiser", folder / "palletiser")
     shutil.copy(CELLS / "palletiser.toml", folder)
     (folder / "palletiser/LOOP.QLL").write_text(LOOP)
+    (folder / "palletiser/STEPS.QLL").write_text(STEPS)
+    (folder / "palletiser/STEPS.PKT").write_text("HERE = (1, 2, 3, 4)\n")
     (folder / "palletiser/WRONG.QLL").write_text(WRONG)
     with web_run("programs", cell=str(folder / "palletiser.toml")) as run:
         yield run
@@ -110,4 +122,63 @@ def test_a_program_is_started_followed_line_by_line_and_stopped(web: WebRun, bos
     until(lambda: web.run.state().motion is not Motion.RUNNING, "nothing moves")
     said = [each["say"] for each in web.ask("GET", "/api/audit", **web.headers())[1]["entries"]]
     assert ["started program LOOP", "Programm LOOP gestartet"] in said
+    assert web.complaints == []
+
+
+AUTO, TEST = 23, 22
+
+
+def in_test(web: WebRun, page: Page) -> None:
+    """Manual, and the test selected, as the PLC does it."""
+    for bit, value in ((AUTO, 0), (TEST, 1)):
+        assert web.ask("POST", "/api/force", {"bit": bit, "value": value}, **web.headers())[0] == 200
+    web.go(page, "programs")
+    chosen(page, "STEPS")
+
+
+def variable(page: Page, name: str) -> str:
+    found = page.locator(f"#test-system [data-do=set][data-name={name}]")
+    return found.first.inner_text() if found.count() else ""
+
+
+def test_a_program_is_held_at_a_breakpoint_stepped_and_changed(web: WebRun, boss: Page) -> None:
+    in_test(web, boss)
+    boss.click("#listing button.stop[data-line='6']")
+    until(lambda: boss.get_attribute("#listing button.stop[data-line='6']", "aria-pressed") == "true", "the breakpoint is set")
+    boss.click("[data-do=test][data-program=STEPS]")
+    until(lambda: lines_now(boss) == [6] and variable(boss, "COUNT") == "1", "the process is held and shows its variables")
+    boss.click("[data-step=into]")
+    until(lambda: lines_now(boss) == [7] and variable(boss, "COUNT") == "2", "one line further")
+    boss.click("#test-system [data-do=set][data-name=COUNT]")
+    boss.fill("#asked", "many")
+    boss.click("#send")
+    until(lambda: "a whole number" in boss.inner_text("#toasts"), "what is no number is refused in words")
+    boss.click("#test-system [data-do=set][data-name=COUNT]")
+    boss.fill("#asked", "40")
+    boss.click("#send")
+    until(lambda: variable(boss, "COUNT") == "40", "the variable is changed")
+    boss.screenshot(path=pictures() / "programs-test.png", full_page=True)
+    boss.click("[data-do=stop][data-program=STEPS]")
+    until(lambda: lines_now(boss) == [], "no process is left")
+    assert web.complaints == []
+
+
+def test_a_point_is_taught_after_a_question(web: WebRun, boss: Page) -> None:
+    in_test(web, boss)
+    teach = boss.locator("#points [data-do=teach][data-point=HERE]")
+    before = boss.inner_text("#points [data-do=define][data-point=HERE]")
+    assert before == "1, 2, 3, 4"
+    teach.click()
+    until(lambda: "overwrite with the actual position?" in boss.inner_text("#dialog"), "a point that is defined is not overwritten unasked")
+    boss.click("#send")
+    until(lambda: boss.inner_text("#points [data-do=define][data-point=HERE]") != before, "the point is where the axes are")
+    boss.click("#points [data-do=define][data-point=HERE]")
+    boss.fill("#asked", "10, 20, 30, 40")
+    boss.click("#send")
+    until(lambda: boss.inner_text("#points [data-do=define][data-point=HERE]") == "10, 20, 30, 40", "the point has these numbers")
+    assert web.ask("POST", "/api/program/teach", {"name": "STEPS", "point": "HERE"}, x_axisgate="1")[0] in (401, 403)
+    web.ask("POST", "/api/force", {"bit": AUTO, "value": 1}, **web.headers())
+    boss.locator("#points [data-do=teach][data-point=HERE]").click()
+    boss.click("#send")
+    until(lambda: "is in automatic" in boss.inner_text("#toasts"), "Teach in is refused in automatic")
     assert web.complaints == []

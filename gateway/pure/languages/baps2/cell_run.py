@@ -2,11 +2,14 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI, MULTI, Fact
 from gateway.pure.languages.baps2 import demands, lines
+from gateway.pure.languages.baps2.cell_access import CellAccess
 from gateway.pure.languages.baps2.cell_acts import TOLD, CellActs
 from gateway.pure.languages.baps2.cell_belts import CAM, CellBelt, CellBelts
+from gateway.pure.languages.baps2.cell_debugger import CellDebugger
 from gateway.pure.languages.baps2.cell_devices import CellDevices, SerialUnits, fault_of
 from gateway.pure.languages.baps2.control import Control, size_of
 from gateway.pure.languages.baps2.errors import TEXTS, fault
@@ -38,6 +41,15 @@ WAITS = {
 }  # fmt: skip
 
 
+@dataclass(slots=True)
+class _Begun:
+    """What is started just now.  run: as it is known outside, 0: a program starts it; own: the last run of that kind."""
+
+    run: int = 0
+    own: int = OWN_RUNS
+    test: bool = False
+
+
 class CellRun(Control):
     """All programs of a memory in one cell.  passing: P213, the distances of R_PTP = 1; one: robots move one at a time."""
 
@@ -60,10 +72,11 @@ class CellRun(Control):
         self.devices["PHG"] = Device(UnitFeed())
         self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its robot
         self._runs: dict[int, Task] = {}
-        self._own = OWN_RUNS
+        self._begun = _Begun()
         self._read: dict[int, set[tuple[int, int]]] = {}  # process -> places that have read in this turn
-        self._starting = 0
         self.pic: CellPic | None = None  # scanned beside the programs
+        self.test = CellDebugger(CellAccess(self), library.watched())
+        self.scheduler.debugger = self.test.debugger
         self._systems: dict[int, tuple[float, ...]] = {}  # ticket of a stretch -> workpiece system as told
 
     def connect(self, serial: SerialUnits) -> None:
@@ -88,28 +101,35 @@ class CellRun(Control):
 
     def start_run(self, name: str, run: int, now: Ns) -> None:
         """A program begins; one that cannot is over at once."""
-        self.now, self._starting = now, run
+        self.now, self._begun.run = now, run
         try:
             self.start(name, None)
         except RuntimeFault as error:
             self.port.over(run, "aborted", error, name.upper())
         finally:
-            self._starting = 0
+            self._begun.run = 0
 
     def start(self, program: str, starter: Task | None) -> Task:
         """Starts a program as a process; its kinematics have to be robots of the cell."""
         unit, _ = self.library.unit(program.upper())
         if unit is not None:
             self._meet(unit)
-        if not self._starting:
-            self._own += 1
-        run = self._starting or self._own
+        if not self._begun.run:
+            self._begun.own += 1
+        run = self._begun.run or self._begun.own
+        self._begun.test = self.test.tests(run) or (starter is not None and starter.main.tested)
         task = super().start(program, starter)
         task.run = run
         self._runs[run] = task
+        if self._begun.test:
+            self.test.begun(task)
         if starter is not None:
             self.port.started(run, task.unit.name, task.kind, starter.main.run)
         return task
+
+    def library_of(self, task: Task | None) -> Library:
+        """Processes of the test run programs that can be held."""
+        return self.test.library if (self._begun.test if task is None else task.main.tested) else self.library
 
     def _meet(self, unit: Unit) -> None:
         for name, number in (unit.program.head.kinematics or {"": 1}).items():
@@ -176,9 +196,22 @@ class CellRun(Control):
             self.library.forget(program)
 
     def hear(self, order: Mapping[str, Fact], now: Ns) -> None:
-        """What the control has for the PIC; there is nothing for BAPS2."""
-        if self.pic is not None:
+        """What the control has for the test system, and for the PIC."""
+        self.now = now
+        answer = self.test.hear(order, now)
+        if answer is not None:
+            if "ticket" in order:
+                self.test.answers.append((now, int(order["ticket"]), answer))
+        elif self.pic is not None:
             self.pic.hear(order)
+
+    def task_of(self, run: int) -> Task | None:
+        """A process by its run."""
+        return self._runs.get(run)
+
+    def robot_lane(self, number: int) -> Lane:
+        """A robot by its number; a new one where no program has named it."""
+        return next((self.lanes[name] for name, each in self._numbers.items() if each == number and name in self.lanes), Lane())
 
     # ---- turns
 
@@ -187,6 +220,8 @@ class CellRun(Control):
         if self.pic is not None:
             self.pic.turn(now)
         self.now = now
+        for ticket, answer in self.test.told(now):
+            self.port.tell("answered", ticket=ticket, error=answer)
         self._round += 1
         self._read.clear()
         self._lines_turn()
@@ -219,7 +254,8 @@ class CellRun(Control):
     def _settle_one(self, stretch: Stretch, task: Task) -> None:
         path = self.paths.of(stretch.robot)
         waits = task.process.waits_for
-        if task.process.state is ProcessState.WAITING and not (isinstance(waits, demands.MoveTo) and task.block is None):
+        idle = task.process.state in (ProcessState.WAITING, ProcessState.HELD)
+        if idle and not (isinstance(waits, demands.MoveTo) and task.block is None):
             path.finish(stretch)
         if any(block.stretch is stretch for block in task.blocks()) or self._rides(stretch.robot):
             stretch.dry = None
@@ -291,6 +327,8 @@ class CellRun(Control):
         return values[:size]
 
     def _moves_on(self, task: Task, block: Block) -> bool:
+        if self._still(task) and block.stretch is None:
+            return True
         if block.stretch is None:
             self._hand_on(task)
             return False
@@ -427,6 +465,10 @@ class CellRun(Control):
 
     def _answer(self, task: Task, request: Request) -> object:
         match request:
+            case demands.Synchronise() | demands.Reference() if self._still(task):
+                return None
+            case demands.Special(number=number) if number in TOLD and self._still(task):
+                return None
             case demands.SyncBelt():
                 return self.acts.sync(task, request) if not self._before(task) else PENDING
             case demands.Synchronise(kinematic=kinematic, channel=channel):
@@ -439,6 +481,10 @@ class CellRun(Control):
             case demands.WriteOutput(channel=channel) if channel not in OUTPUTS:
                 raise fault(224, str(channel))
         return super()._answer(task, request)
+
+    def _still(self, task: Task) -> bool:
+        """Tested WITHOUT movement."""
+        return task.main.tested and not self.test.movement
 
     def _before(self, task: Task) -> bool:
         """Something is prepared that has to be over before the request counts."""

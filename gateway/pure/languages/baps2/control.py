@@ -106,10 +106,14 @@ class Control(ABC):
 
     # ---- processes
 
+    def library_of(self, task: Task | None) -> Library:
+        """The programs as this process runs them; None: one that is started just now."""
+        return self.library
+
     def start(self, program: str, starter: Task | None) -> Task:
         """Starts a program as a process.  RuntimeFault where it cannot run."""
         name = program.upper()
-        unit, faults = self.library.unit(name)
+        unit, faults = self.library_of(None).unit(name)
         if unit is None:
             more = next((str(each) for each in faults), "") if len(faults) else name
             raise fault(1092, more)

@@ -7,7 +7,7 @@ from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.baps2.feed import Feed
 from gateway.pure.languages.baps2.frames import Frame, to_workpiece, to_world
 from gateway.pure.languages.baps2.machine import Machine
-from gateway.pure.languages.baps2.tasks import Task
+from gateway.pure.languages.baps2.tasks import Peek, Poke, Task
 from gateway.pure.languages.baps2.values import Shared
 from gateway.pure.languages.base.process import Process
 from gateway.pure.languages.base.requests import Request
@@ -110,6 +110,11 @@ class Handle:
         debugger = self._machine.scheduler.debugger
         return debugger is not None and debugger.stops(process, program, line, self._machine.tasks[process.number].depth)
 
+    def watched(self, program: str, peek: Peek, poke: Poke) -> None:
+        """Access of a debugger to the variables of a program that runs."""
+        if self._task is not None:
+            self._task.watches[program] = peek, poke
+
     def deeper(self, process: Process) -> None:
         """A subroutine begins."""
         task = self._machine.tasks[process.number]
@@ -123,7 +128,7 @@ class Handle:
 
     def external(self, process: Process, program: str, values: tuple[object, ...]) -> Generator[Request, object, None]:
         """Runs an external subroutine, or a program as one, in this process."""
-        unit, _ = self._machine.library.unit(program)
+        unit, _ = self._machine.library_of(self._task).unit(program)
         if unit is None or unit.make is None:
             raise fault(1092, program)
         line = process.line

@@ -19,6 +19,13 @@ class Library:
         self._words, self._store, self._watched = words, store, watched
         self._trees: dict[str, Program | None] = {}
         self._units: dict[str, tuple[Unit | None, Faults]] = {}
+        self._twin: Library | None = None
+
+    def watched(self) -> "Library":
+        """The same programs, which ask the debugger before each line."""
+        if self._twin is None:
+            self._twin = Library(self._words, self._store, watched=True)
+        return self._twin
 
     def names(self) -> Iterable[str]:
         """All programs there are, also those with a translation alone."""
@@ -78,3 +85,5 @@ class Library:
         """A source was replaced or deleted."""
         self._trees.pop(name.upper(), None)
         self._units.pop(name.upper(), None)
+        if self._twin is not None:
+            self._twin.forget(name)

@@ -44,6 +44,9 @@ class Machine(Protocol):
     def units(self) -> Units:
         """Devices and files."""
 
+    def library_of(self, task: Task | None) -> Library:
+        """The programs as this process runs them."""
+
     def lane(self, kinematic: str, size: int = 0) -> Lane:
         """A kinematic."""
 

@@ -1,6 +1,7 @@
 """Processes of the control and the blocks each has prepared; the kinematics they move (rho 3 releases L7949-7994, spec 4.17, 5.5)."""
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.baps2.demands import Until
@@ -10,6 +11,8 @@ from gateway.pure.languages.base.path import Stretch
 from gateway.pure.languages.base.process import Process
 from gateway.pure.languages.base.requests import RuntimeFault
 
+Peek = Callable[[], dict[str, object]]
+Poke = Callable[[str, object], None]
 MOST_PREPARED = 11  # blocks prepared while one runs
 
 
@@ -116,6 +119,8 @@ class Task:
     how: str = ""  # it ends
     halted: bool = False
     run: int = 0  # number of the process to those outside
+    tested: bool = False  # in the test system: breakpoints and single step act
+    watches: dict[str, tuple[Peek, Poke]] = field(default_factory=dict)  # program -> its variables, of a tested process
     branch_fault: tuple[RuntimeFault, int] | None = None  # of a branch that took it along, and its line
 
     @property

@@ -29,6 +29,7 @@ GLOBALS: dict[str, object] = {
     "Stopped": Stopped,
 }
 LINE = re.compile(r"^( *)p\.line = (\d+)$", re.MULTILINE)  # as bodies.py writes it
+WIDE = re.compile(r"^    (v0_\w+) = ", re.MULTILINE)  # variables of the whole program
 LONG_ROW, MOST_BRACKETS = 1_000, 190  # Python takes 200 brackets
 
 
@@ -48,7 +49,7 @@ class Unit:
     def load(self, faults: Faults, *, watched: bool = False) -> bool:
         """Makes the functions of the text; False: Python cannot take it (reported).  `watched`: the debugger is asked before each line."""
         if watched:
-            self.text = LINE.sub(rf"\g<0>\n\1if h.stops(p, {self.name!r}, \2): yield Stopped(\2)", self.text)
+            self.text = _watched(self.text, self.name)
         try:
             space = dict(GLOBALS)
             exec(compile(self.text, f"<{self.name}>", "exec"), space)
@@ -63,6 +64,19 @@ class Unit:
     def permanent(self) -> bool:
         """Whether it is a permanent process."""
         return self.program.head.permanent
+
+
+def _watched(text: str, name: str) -> str:
+    """The debugger is asked before each line; the variables of the whole program can be looked at and set while it is held."""
+    text = LINE.sub(rf"\g<0>\n\1if h.stops(p, {name!r}, \2): yield Stopped(\2)", text)
+    body, found, rest = text.partition("    return main\n")
+    names = list(dict.fromkeys(WIDE.findall(body.partition("    def ")[0])))
+    if not found or not names:
+        return text
+    peek = ["    def peek():", f"        return {{{', '.join(f'{each!r}: {each}' for each in names)}}}"]
+    poke = ["    def poke(name, value):", f"        nonlocal {', '.join(names)}"]
+    poke += [f"        if name == {each!r}: {each} = value" for each in names]
+    return "\n".join([body.rstrip("\n"), *peek, *poke, f"    h.watched({name!r}, peek, poke)", found + rest])
 
 
 def check(program: Program, faults: Faults, programs: Programs) -> Unit:

@@ -1,5 +1,8 @@
 // Programs of the old control: what there is, what runs and in which line, the listing of one.
 import { Table, chip, grey, h, mark, put, text } from "../dom.js";
+import { asked, sure } from "../parts.js";
+
+const LOOK_MS = 1000; // variables are shown for three seconds after they were asked for
 
 export function mount(root, { t, cell, get, me, post, unable }) {
   const listing = h("ol", { class: "listing", id: "listing", tabindex: "0", role: "region", "aria-label": t("Listing") });
@@ -10,6 +13,10 @@ export function mount(root, { t, cell, get, me, post, unable }) {
   let rows = [];
   let processes = [];
   let version = 0;
+  let statements = new Set();
+  let points = [];
+  let test = null; // of the test system; null: programs of this control have none
+  let watched = 0; // run whose variables are shown
   const order = (what, name, done) => post(`/api/program/${what}`, { name }, done);
   const open = async (name, again = false) => {
     if (name === shown && !again) return;
@@ -19,22 +26,36 @@ export function mount(root, { t, cell, get, me, post, unable }) {
       const told = await get(`/api/program?name=${encodeURIComponent(name)}`);
       if (name !== shown) return;
       const faults = new Map(told.faults.map(([line, severity, words]) => [line, [severity, words]]));
+      statements = new Set(told.statements || []);
+      points = (told.points || []).map(([point, value]) => ({ point, value }));
       rows = told.lines.map((line, n) => {
         const fault = faults.get(n + 1);
-        return h("li", { class: fault ? (fault[0] === "error" ? "wrong" : "doubt") : "" }, h("code", {}, line || " "), fault ? h("span", { class: "fault" }, fault[1]) : null);
+        const stop = statements.has(n + 1) ? h("button", { type: "button", class: "stop", "data-line": String(n + 1), "aria-label": `${t("breakpoint in line")} ${n + 1}`, "aria-pressed": "false", onclick: () => toggle(n + 1) }) : null;
+        return h("li", { class: fault ? (fault[0] === "error" ? "wrong" : "doubt") : "" }, stop, h("code", {}, line || " "), fault ? h("span", { class: "fault" }, fault[1]) : null);
       });
       listing.replaceChildren(...rows);
       put(note, told.faults.length ? `${told.file}, ${t("faults")}: ${told.faults.length}` : told.file);
     } catch (error) {
       rows = [];
+      points = [];
       listing.replaceChildren();
       put(note, t(error.message));
     }
+    table.update(points);
     marks();
   };
+  const stops = () => (test?.breakpoints[shown.toUpperCase()] || []);
+  const toggle = (line) => ordered("breakpoints", { name: shown, lines: stops().includes(line) ? stops().filter((each) => each !== line) : [...stops(), line].sort((a, b) => a - b) });
+  const ordered = (what, body, done) => post(`/api/program/${what}`, body, done);
   function marks() {
     const at = new Set(processes.filter((row) => row.program === shown).map((row) => row.line));
+    const held = new Set(stops());
     rows.forEach((row, n) => {
+      const stop = row.querySelector(".stop");
+      if (stop) {
+        stop.setAttribute("aria-pressed", String(held.has(n + 1)));
+        grey(stop, unable("operator") || (test ? "" : t("The interpreter does not run.")));
+      }
       const now = at.has(n + 1);
       if (row.classList.contains("now") === now) return;
       row.classList.toggle("now", now);
@@ -48,6 +69,10 @@ export function mount(root, { t, cell, get, me, post, unable }) {
       const start = button(td, "start", t("Start"), () => order("start", row.name, "The program is started"));
       start.setAttribute("data-program", row.name);
       grey(start, unable("operator") || (row.fault ? t("The program has errors.") : ""));
+      if (!test || row.kind === "subroutine") return;
+      const tested = button(td, "test", t("Test"), () => ordered("test", { name: row.name, hold: !(test.breakpoints[row.name] || []).length }, "The program is started in test"));
+      tested.setAttribute("data-program", row.name);
+      grey(tested, unable("operator") || (row.fault ? t("The program has errors.") : ""));
     } },
     { title: t("kind"), cell: text((row) => t(row.kind)) },
     { title: t("state"), free: true, cell: (row, td) => {
@@ -64,16 +89,84 @@ export function mount(root, { t, cell, get, me, post, unable }) {
       const stop = button(td, "stop", t("Stop"), () => order("stop", row.program, "The program is stopped"));
       stop.setAttribute("data-program", row.program);
       grey(stop, unable("operator"));
+      if (!test || row.branch) return;
+      const see = button(td, "see", t("Variables"), () => { watched = watched === row.run ? 0 : row.run; look(); });
+      see.setAttribute("aria-pressed", String(watched === row.run));
     } },
-    { title: t("kind"), cell: text((row) => t(row.kind)) },
+    { title: t("kind"), cell: text((row) => (tested(row) ? `${t(row.kind)}, ${t("test")}` : t(row.kind))) },
     { title: t("line"), n: true, cell: text((row) => row.line) },
-    { title: t("waits for"), free: true, cell: text((row) => row.waits) },
+    { title: t("waits for"), free: true, cell: text((row) => (row.state === "held" ? t("held") : row.waits)) },
   ], (row) => `${row.run} ${row.program} ${row.kind}`, { label: t("Processes"), row: (row) => (row.program === shown ? "chosen" : "") });
   const whose = h("p", { class: "soft small", id: "whose" });
   const gone = h("p", { class: "badq", id: "programs-gone" });
+  const tested = (row) => Boolean(test?.tested.some((each) => each.run === row.run));
+
+  // ---- test: one process at a time, the one whose variables are shown, or else the first
+  const subject = () => processes.find((row) => row.run === watched && !row.branch && tested(row)) || processes.find((row) => !row.branch && tested(row));
+  const step = (how) => { const row = subject(); if (row) ordered("step", { run: row.run, how }); };
+  const steps = [["run", "Go on"], ["into", "Step"], ["over", "Step over calls"], ["out", "Step out"], ["hold", "Hold"]].map(([how, words]) => h("button", { type: "button", "data-step": how, onclick: () => step(how) }, t(words)));
+  const movement = h("input", { type: "checkbox", id: "movement", checked: true, onchange: async () => { if (!(await ordered("movement", { on: movement.checked }))) movement.checked = test?.movement !== false; } });
+  const tests = h("p", { class: "soft small", id: "tests" });
+  const variables = new Table([
+    { title: t("in"), cell: text((row) => row.where) },
+    { title: t("name"), cell: text((row) => row.name) },
+    { title: t("type"), cell: text((row) => row.kind) },
+    { title: t("value"), free: true, cell: (row, td) => {
+      const set = button(td, "set", "", (event) => change(event.currentTarget.row));
+      set.setAttribute("data-name", row.name);
+      if (!set.classList.contains("value")) set.className = "value";
+      put(set, row.value === "" ? t("not defined") : row.value);
+      set.row = row;
+      grey(set, unable("setter") || (row.settable ? "" : t("Variables of the program are set while its process is held.")));
+    } },
+  ], (row) => `${row.where} ${row.name}`, { tall: true, label: t("Variables") });
+  async function change(row) {
+    const value = await asked(t, `${row.name} (${row.kind})`, row.value, "store", 200);
+    if (value !== null) ordered("variable", { run: watched, program: row.where, name: row.name, value }, "The variable is set");
+  }
+  async function look() {
+    if (watched && !document.hidden) await get(`/api/program/look?run=${watched}`).catch(() => {});
+  }
+  const timer = setInterval(look, LOOK_MS);
+
+  // ---- points of the program that is shown
+  const table = new Table([
+    { title: t("point"), cell: text((row) => row.point) },
+    { title: t("value"), free: true, cell: (row, td) => {
+      const set = button(td, "define", "", () => define(row.point));
+      set.className = "value";
+      set.setAttribute("data-point", row.point);
+      put(set, row.value === "" ? t("not defined") : row.value);
+      grey(set, unable("setter"));
+    } },
+    { title: "", cell: (row, td) => {
+      const teach = button(td, "teach", t("Teach"), () => take(row.point));
+      teach.setAttribute("data-point", row.point);
+      grey(teach, unable("setter"));
+    } },
+  ], (row) => row.point, { tall: true, label: t("Points") });
+  const stored = (point) => points.find((row) => row.point === point)?.value || "";
+  async function take(point) {
+    if (stored(point) && !(await sure(t, `${point} = ${stored(point)}: ${t("overwrite with the actual position?")}`, "overwrite"))) return;
+    if (await ordered("teach", { name: shown, point }, "The point is taught")) await points_again();
+  }
+  async function define(point) {
+    const value = await asked(t, `${point}`, stored(point), "store", 200);
+    if (value !== null && (await ordered("define", { name: shown, point, value }, "The point is set"))) await points_again();
+  }
+  async function points_again() {
+    const told = await get(`/api/program?name=${encodeURIComponent(shown)}`).catch(() => null);
+    if (told && told.points) { points = told.points.map(([point, value]) => ({ point, value })); table.update(points); }
+  }
+  const looked = h("h2", {}, t("Variables"));
+  const system = h("section", { class: "card w5", id: "test-system", hidden: true }, h("h2", {}, t("Test system")), tests,
+    h("div", { class: "bar" }, steps, h("label", { class: "legend" }, movement, ` ${t("with movement")}`)), looked, variables.element);
+  const places = h("section", { class: "card w7", id: "points", hidden: true }, h("h2", {}, t("Points")), table.element,
+    h("p", { class: "soft small" }, t("Teach stores the actual position; the kinematic is in manual then.")));
   root.append(h("div", { class: "grid" },
     h("section", { class: "card w5" }, h("h2", {}, `${t("Programs")}: ${cell.programs}`), gone, programs.element, whose, h("h2", {}, t("Processes")), running.element),
-    h("section", { class: "card w7" }, h("div", { class: "bar" }, title, h("label", { class: "legend" }, follow, ` ${t("follow the current line")}`), h("button", { type: "button", id: "reread", onclick: () => shown && open(shown, true) }, t("Read again"))), note, listing)));
+    h("section", { class: "card w7" }, h("div", { class: "bar" }, title, h("label", { class: "legend" }, follow, ` ${t("follow the current line")}`), h("button", { type: "button", id: "reread", onclick: () => shown && open(shown, true) }, t("Read again"))), note, listing),
+    system, places));
   return {
     update(page) {
       put(whose, me.holds ? t("A started program moves as the page, and stops when this page is closed.") : t("A started program moves when the PLC has control; to move it from here, request control on the page Axes."));
@@ -81,11 +174,30 @@ export function mount(root, { t, cell, get, me, post, unable }) {
       put(gone, page.gone || (page.id ? "" : t("The interpreter does not run.")));
       if (page.gone) return;
       processes = page.processes;
+      test = page.test || null;
+      if (watched && !processes.some((row) => row.run === watched)) watched = 0;
+      if (!watched && subject()) { watched = subject().run; look(); }
+      draw(page);
       programs.update(page.programs);
       running.update(processes);
       if (!shown && page.programs.length) open((processes[0]?.program && page.programs.some((row) => row.name === processes[0].program)) ? processes[0].program : page.programs[0].name);
       if (page.id !== version) { if (version && shown) open(shown, true); version = page.id; }
       marks();
     },
+    unmount() { clearInterval(timer); },
   };
+
+  function draw(page) {
+    system.hidden = !test;
+    places.hidden = !test;
+    if (!test) return;
+    if (document.activeElement !== movement && movement.checked !== test.movement) movement.checked = test.movement;
+    movement.disabled = Boolean(unable("setter"));
+    const row = subject();
+    put(tests, row ? `${row.program}, ${t("line")} ${row.line}: ${row.state === "held" ? t("held") : t("running")}` : t("No process is in test. Breakpoints hold processes that were started in test."));
+    for (const each of steps) grey(each, unable("operator") || (!row ? t("No process is in test.") : (each.dataset.step === "hold") === (row.state === "held") ? t(row.state === "held" ? "The process is held." : "The process runs.") : ""));
+    const seen = page.looked === watched && watched ? (page.variables || []).map(([where, name, kind, value, settable]) => ({ where, name, kind, value, settable })) : [];
+    put(looked, watched ? `${t("Variables")}: ${processes.find((each) => each.run === watched)?.program || ""}` : t("Variables"));
+    variables.update(seen);
+  }
 }

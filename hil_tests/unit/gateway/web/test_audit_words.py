@@ -48,7 +48,7 @@ def test_every_change_the_interface_takes_has_its_words() -> None:
     given = {
         "code": "enable", "on": True, "bit": 3, "do": "unplug", "kind": "watch", "line": "a", "name": "a", "value": "1", "id": "db:10:2",
         "channels": ["a"], "address": "a", "role": "admin", "label": "a", "emulator": "a", "operand": "M 8",
-        "act": "set", "what": "n",
+        "act": "set", "what": "n", "run": 3, "how": "into", "program": "a", "point": "p", "lines": [5],
     }  # fmt: skip
     changes = [f"{each.method} {each.path}" for each in endpoints(Named()) if each.changes]
     assert len(changes) > 15

@@ -21,6 +21,7 @@ from gateway.pure.controllers.rho3.signals.drives import DriveOn
 from gateway.pure.controllers.rho3.signals.errors import RHO3
 from gateway.pure.controllers.rho3.signals.fast_io import Channels
 from gateway.pure.controllers.rho3.signals.hosted import INTERPRETER_GONE, HostedPrograms
+from gateway.pure.controllers.rho3.signals.modes import TEST_MN
 from gateway.pure.controllers.rho3.signals.panel_view import PanelView
 from gateway.pure.controllers.rho3.signals.phg_values import PhgValues
 from gateway.pure.controllers.rho3.signals.pic import PicLink
@@ -213,14 +214,19 @@ class RhoControl:
         return self._opened(program, robot, lambda door, mask: self._commands.reference(door, mask, now))
 
     def _opened(self, program: str, robot: int, ask: Callable[[int, int], Job]) -> Job:
-        barred = self.modes.prepare(program, (robot,))
+        tested = self.hosted is not None and self.hosted.tests(program)
+        barred = self.modes.set_up(program, robot) if tested else self.modes.prepare(program, (robot,))
         if barred is not None:
             raise fault_of(barred)
         door = (self.hosted.door_of(program) if self.hosted is not None else 0) or self.selector
         job = self._jobs[program, robot] = ask(door, self.setup.robot_masks[robot - 1])
-        if job.open:
+        if job.open and not tested:
             self.modes.begins(program, (robot,))
         return job
+
+    def test_allowed(self) -> bool:
+        """Whether the PLC has selected the test; where no command source writes its signal, it always is."""
+        return TEST_MN >> 3 not in self.setup.owners or self.image.input(TEST_MN)
 
     def path_closed(self, program: str, robot: int) -> None:
         """Its order is over."""

@@ -22,6 +22,7 @@ INTERPRETER_GONE = 1276  # ours: the interpreter died, and its processes with it
 STATES = {"ready": State.READY, "waiting": State.WAITING, "held": State.WAITING}
 PRIORITY = 140
 RESULTS = 64
+SHOWN = ("test", "variables", "looked")  # what the interpreter reports of its test system
 
 
 class Mover(Protocol):
@@ -55,6 +56,7 @@ class HostedBody:
     over: tuple[str, int, str, str] | None = None  # how, code, text, place
     process: Process | None = None
     door: int = 0  # command source it moves as; 0: the one of the selection strobe
+    test: bool = False  # it was started in test
 
     def __call__(self, now: Ns) -> Turn:
         """The process as the interpreter reports it; raises ProcessFault."""
@@ -91,11 +93,15 @@ class HostedPrograms:
     ending: list[int] = field(default_factory=list)  # jobs whose interpreter is gone: the planner hears that nothing follows
     starter: int = 0  # command source that starts a program just now; 0: the PLC's
     told: list[str] = field(default_factory=list)
+    testing: bool | None = None  # a program is started in test just now; True: held in front of its first line
+    shown: dict[str, object] = field(default_factory=dict)  # of the test system, as the interpreter reports it
+    answers: dict[int, str] = field(default_factory=dict)  # ticket of an order -> why it was refused; "": done
     gone: bool = False  # the interpreter ended under its processes: to be reported
     results: dict[int, tuple[str, int, str, str]] = field(default_factory=dict)  # of the last runs
     _bodies: dict[int, HostedBody] = field(default_factory=dict)
     _paths: list[_Order] = field(default_factory=list)
     _runs: int = 0
+    _tickets: int = 0
 
     # ---- what the interpreter publishes
 
@@ -109,6 +115,7 @@ class HostedPrograms:
             if identity and self.control.pic is not None:
                 self.control.pic.welcome()
         self.rows = _rows(report.get("processes")) if identity else []
+        self.shown = {name: report[name] for name in SHOWN if name in report} if identity else {}
         programs = _rows(report.get("programs")) if identity else []
         if programs != self.programs:
             for row in self.programs:
@@ -129,7 +136,9 @@ class HostedPrograms:
     def _maker(self, name: str) -> Callable[[], Body]:
         def make() -> Body:
             self._runs += 1
-            body = self._bodies[self._runs] = HostedBody(self._runs, door=self.starter)
+            body = self._bodies[self._runs] = HostedBody(self._runs, door=self.starter, test=self.testing is not None)
+            if self.testing is not None:
+                self.orders.append({"do": "test", "run": body.run, "hold": self.testing})
             self.orders.append({"do": "start", "run": body.run, "program": name})
             return body
 
@@ -173,12 +182,27 @@ class HostedPrograms:
                     if said["code"] and body.process is not None:
                         self.told.append(f"{body.process.name}: {said['code']} {said['text']} ({said['place']})")
                     self._end(body, str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
+            case "answered":
+                self.answers[int(said["ticket"])] = str(said["error"])
+                for old in list(self.answers)[:-RESULTS]:
+                    del self.answers[old]
             case "panel":
                 self.control.panel_text(str(said["text"]))
             case "pic" if self.control.pic is not None:
                 self.control.pic.hear(said, now)
             case "pic-stopped" if self.control.pic is not None:
                 self.control.pic.stopped = True
+
+    def order(self, what: str, **facts: Fact) -> int:
+        """To the test system of the interpreter; a ticket, under which `answers` has what became of it."""
+        self._tickets += 1
+        self.orders.append({"do": what, "ticket": self._tickets, **facts})
+        return self._tickets
+
+    def tests(self, program: str) -> bool:
+        """Whether the process of this program was started in test."""
+        process = self.control.processes.named(program)
+        return process is not None and isinstance(process.body, HostedBody) and process.body.test
 
     def _end(self, body: HostedBody, how: str, code: int = 0, words: str = "", place: str = "") -> None:
         body.over = how, code, words, place
@@ -194,7 +218,7 @@ class HostedPrograms:
 
     def _started(self, run: int, program: str, parent: int) -> None:
         above = self._bodies.get(parent)
-        body = HostedBody(run, door=above.door if above is not None else 0)
+        body = HostedBody(run, door=above.door if above is not None else 0, test=above.test if above is not None else False)
         number = above.process.number if above is not None and above.process is not None else 0
         try:
             body.process = self.control.processes.start(program, number, body if number else None)
