@@ -1,33 +1,33 @@
 """Cross checks of [controller]: parameters, processes, points, files; faults of the DAT files line by line.
 
-The languages are imported where a cell has programs: loading them takes a quarter of a check's time.
+Controls and languages are imported where a cell has one: loading them takes a third of a check's time, and every start of a run checks.
 """
 
 import pathlib
 from collections.abc import Iterator
 
-from gateway.assembly.controllers import dat_tables, make_control
 from gateway.assembly.data_block_signals import signals_of
 from gateway.assembly.integrated_plc import plc_folder
 from gateway.assembly.pic import pic_bytes
 from gateway.assembly.program_memory import memory_folder
 from gateway.checks.context import Context, number, program_lines
-from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell, Notice
 from gateway.pure.cell.controller import Controller, ControllerPoint, ProcessStep
 from gateway.pure.controllers.control import Control
-from gateway.pure.controllers.rho3.functions.system_variables import VariableError
 from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX
-from gateway.pure.controllers.rho3.signals.control import RhoControl
-from gateway.pure.controllers.rho3.signals.fast_io import InputFault
-from gateway.pure.image.error_list import ErrorList
 from gateway.registry import CONTROLLERS
 
 STEP_KEYS = ("to", "program", "output", "input", "wait_ms")
 
 
 def trial(cell: Cell) -> Control | None:
-    """The control of the cell, driving nothing; ValueError: a parameter does not fit."""
+    """The control of the cell, driving nothing, None where it has none; ValueError: a parameter does not fit."""
+    if cell.controller is None:
+        return None
+    from gateway.assembly.controllers import make_control
+    from gateway.pure.arbitration.dispatcher import CommandDispatcher
+    from gateway.pure.image.error_list import ErrorList
+
     return make_control(cell, {}, {}, CommandDispatcher((), lambda *_: b"", 1), ErrorList(), 0)[0]
 
 
@@ -57,10 +57,16 @@ def phg_fault(cell: Cell, name: str) -> str:
     """What is wrong with a variable of the PHG that shall be shown as a number; "" for other names and for one that is there."""
     if not name.startswith(PREFIX):
         return ""
+    only = 'variables of the PHG need [controller] with kind = "rho3"'
+    if cell.controller is None:
+        return only
+    from gateway.pure.controllers.rho3.functions.system_variables import VariableError
+    from gateway.pure.controllers.rho3.signals.control import RhoControl
+
     try:
         control = trial(cell)
         if not isinstance(control, RhoControl):
-            return 'variables of the PHG need [controller] with kind = "rho3"'
+            return only
         control.phg.number(name)
     except KeyError:
         return "phg.CODE, phg.CODE.INDEX or phg.CODE.KINEMATIC.AXIS is expected, e.g. phg.33282.1.2"
@@ -192,8 +198,13 @@ def _process(check: Context, table: Controller, index: int) -> bool:
 def inputs(cell: Cell) -> Iterator[Notice]:
     """Channels that would end their program: P11 does not have them."""
     table = cell.controller
-    control = trial(cell) if table is not None and table.process else None
-    if table is None or not isinstance(control, RhoControl):
+    if table is None or not table.process:
+        return
+    from gateway.pure.controllers.rho3.signals.control import RhoControl
+    from gateway.pure.controllers.rho3.signals.fast_io import InputFault
+
+    control = trial(cell)
+    if not isinstance(control, RhoControl):
         return
     for process in table.process:
         for count, step in enumerate(process.steps):
@@ -263,6 +274,8 @@ def files(cell: Cell) -> Iterator[Notice]:
     table = cell.controller
     if table is None or not CONTROLLERS[table.kind].parameters:
         return
+    from gateway.assembly.controllers import dat_tables
+
     tables = dat_tables(cell, table)
     for fault in tables.faults:
         yield Notice("warning", f"{table.files}/{fault.file}", f"line {fault.line}: {fault.why.text(cell.cell.language)}; not used")

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from gateway.assembly.axis_signals import rc_numbers
-from gateway.assembly.controllers import boards_of, p11_of
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, make_family
 from gateway.assembly.fast_inputs import fast_wires
 from gateway.assembly.programs import bnr_files, machines_of_cell, numbers_by_axis, numbers_of, robots_of, written_for
@@ -140,6 +139,8 @@ def _measuring(check: Context) -> None:
         check.fault("measuring.drives", twofold, "another table has the touch probe of this drive already")
     if not cell.measuring or cell.controller is None or not CONTROLLERS[cell.controller.kind].parameters or cell.rho3 is None:
         return
+    from gateway.assembly.controllers import boards_of, p11_of
+
     try:
         fast = FastInputs([BOARDS[name] for name in boards_of(cell.controller)], p11_of(cell, cell.controller))
     except ValueError:

@@ -48,7 +48,6 @@ from gateway.services.retained_file import file_of
 from gateway.services.routes import Bridge
 from gateway.services.shared_image import RcOutputs, SharedImage
 from gateway.services.sources.base import BaseSource, SourceContext
-from gateway.services.sources.modbus import ModbusSource
 from gateway.services.status_size import fitted
 from gateway.services.tool_server import Variables
 from gateway.services.value_directory import ValueDirectory
@@ -129,16 +128,18 @@ class Services:
         if door.kind == "modbus":
             modbus = next(m for m in run.cell.modbus if m.name == door.name)
             watch, on_loss = LinkWatch(ms(modbus.max_silence_ms), has_life_word=False), OnLoss(modbus.on_loss)
-            server = self._server(SourceContext(run, self.image, self.values, self.office, door, watch, on_loss, region), modbus)
-            server.listen(modbus)
-            return server
+            return self._server(SourceContext(run, self.image, self.values, self.office, door, watch, on_loss, region), modbus)
         line = next(x for x in run.cell.line if x.name == door.name)
         watch = LinkWatch(ms(line.supervision.max_silence_ms), has_life_word=line.supervision.life_word is not None)
         on_loss = OnLoss(line.supervision.on_loss)
         return self._line(SourceContext(run, self.image, self.values, self.office, door, watch, on_loss, region), line)
 
-    def _server(self, post: SourceContext, settings: Modbus) -> ModbusSource:
-        return ModbusSource(post)
+    def _server(self, post: SourceContext, settings: Modbus) -> BaseSource:
+        from gateway.services.sources.modbus import ModbusSource  # its library: only cells with [[modbus]] pay for it
+
+        made = ModbusSource(post)
+        made.listen(settings)
+        return made
 
     def _line(self, post: SourceContext, line: Line) -> BaseSource:
         return LINE_LAYERS[line.layer].source()(post, line)

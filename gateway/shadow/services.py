@@ -16,7 +16,6 @@ from gateway.runtime.regions import fds_from_text
 from gateway.services.canopen import CanopenServices
 from gateway.services.loop import Services
 from gateway.services.sources.base import BaseSource, SourceContext
-from gateway.services.sources.modbus import ModbusSource
 from gateway.shadow.log_writer import keep
 from gateway.shadow.modbus_source import ShadowModbusSource
 from gateway.shadow.plan import LINES
@@ -36,9 +35,10 @@ class ShadowServices(Services):
     def _line(self, post: SourceContext, line: Line) -> BaseSource:
         return ShadowSource(post, line)
 
-    def _server(self, post: SourceContext, settings: Modbus) -> ModbusSource:
+    def _server(self, post: SourceContext, settings: Modbus) -> BaseSource:
         made = ShadowModbusSource(post)
         made.follow(settings, post.run.plan.taps[settings.name])
+        made.listen(settings)
         return made
 
     def _masters(self, fds: dict[str, int]) -> CanopenServices:

@@ -151,14 +151,27 @@ class _Walk:
 def _read(name: str, tree: ast.Module, package: bool) -> Module:
     module = Module(name)
     module.top = Node(f"{name}:")
-    for node in ast.walk(tree):
-        if isinstance(node, (ast.Import, ast.ImportFrom)):
-            for bound, full in _imported(node, name, package):
-                module.bound.setdefault(bound, full)
-                module.imports.add(full)
+    for node in _imports(tree):
+        for bound, full in _imported(node, name, package):
+            module.bound.setdefault(bound, full)
+            module.imports.add(full)
     for statement in _statements(tree.body):
         _bind(module, statement)
     return module
+
+
+def _imports(tree: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
+    """At any depth; only statements are looked at, of which there are few beside expressions.  Outer ones first, as ast.walk has them."""
+    level: list[ast.AST] = [tree]
+    while level:
+        deeper: list[ast.AST] = []
+        for node in level:
+            if isinstance(node, (ast.Import, ast.ImportFrom)):
+                yield node
+            for inner in ("body", "handlers", "orelse", "finalbody", "cases"):
+                found = getattr(node, inner, ())
+                deeper += found if isinstance(found, list) else ()
+        level = deeper
 
 
 def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
@@ -233,7 +246,7 @@ def _add(module: Module, qualname: str, body: Sequence[ast.AST]) -> Node:
 def _refer(module: Module, node: Node, parts: Sequence[ast.AST]) -> None:
     for part in parts:
         for used in _used(part):
-            names = ast.unparse(used).split(".") if isinstance(used, ast.Attribute) else [used.id]
+            names = _words(used)
             if isinstance(used, ast.Attribute):
                 node.attributes.add(used.attr)
             if names[0] in module.bound:
@@ -260,11 +273,20 @@ def _used(node: ast.AST) -> Iterator[ast.Name | ast.Attribute]:
         if name in ("annotation", "returns", "cls") or (name == "type" and isinstance(node, ast.ExceptHandler)):
             continue
         children = value if isinstance(value, list) else [value]
-        if isinstance(node, ast.Call) and name == "args" and ast.unparse(node.func) in ("isinstance", "issubclass"):
+        if isinstance(node, ast.Call) and name == "args" and _words(node.func) in (["isinstance"], ["issubclass"]):
             children = children[:1]
         for child in children:
             if isinstance(child, ast.AST):
                 yield from _used(child)
+
+
+def _words(node: ast.expr) -> list[str]:
+    """a.b.c -> a, b, c; nothing of any other expression."""
+    words: list[str] = []
+    while isinstance(node, ast.Attribute):
+        words.append(node.attr)
+        node = node.value
+    return [node.id, *reversed(words)] if isinstance(node, ast.Name) else []
 
 
 def _dotted(node: ast.expr) -> bool:

@@ -35,9 +35,15 @@ ASSEMBLED = {  # what programs of a language call is found by its name when they
 
 
 @functools.cache
+def product() -> CallGraph:
+    """All of the product's sources, read once."""
+    return CallGraph(assembled=ASSEMBLED)
+
+
+@functools.cache
 def kinds() -> Mapping[str, str]:
     """Of everything the product defines, by "module:qualname": one of KINDS."""
-    graph = CallGraph(assembled=ASSEMBLED)
+    graph = product()
     mains = {name: f"{name}:main" for name, module in graph.modules.items() if "main" in module.nodes}
     processes = [main for name, main in mains.items() if name.startswith(PROCESSES)]
     commands = [main for name, main in mains.items() if name.startswith(COMMANDS)]

@@ -27,7 +27,7 @@ def test_the_services_load_neither_core_nor_numbers_they_do_not_need() -> None:
     loaded = modules_of("gateway.services.loop")
     assert [
         name
-        for name in ("numpy", "pinocchio", "gateway.pure.cycle.core", "motion.execution.stepper", "motion.execution.follower")
+        for name in ("numpy", "pinocchio", "pymodbus", "gateway.pure.cycle.core", "motion.execution.stepper", "motion.execution.follower")
         if name in loaded
     ] == []
 
