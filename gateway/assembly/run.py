@@ -17,6 +17,7 @@ from gateway.assembly.programs import ProgramPlan, plan_programs
 from gateway.pure.cell.cell import Bus, Cell
 from gateway.pure.cell.web import Web
 from gateway.pure.image.records import cell as records
+from gateway.pure.image.records import correction as correctionrecords
 from gateway.pure.image.records import interpreter as interpreterrecords
 from gateway.pure.image.records import planner as plannerrecords
 from gateway.pure.image.records import plc as plcrecords
@@ -252,7 +253,9 @@ def core_processes(cell: Cell, period_ms: int, doors: Sequence[CommandSource], *
     if cell.robot and language_in(cell) is not None:
         core[1] = replace(core[1], regions=(*core[1].regions, *PROGRAM_REGIONS))
         core[2] = replace(core[2], regions=(*core[2].regions, "lines"))
-        own = ("axes", "planner", "lines", *PROGRAM_REGIONS, *(("belt_counters",) if reads_belts(cell) else ()))
+        own: tuple[str, ...] = ("axes", "planner", "lines", *PROGRAM_REGIONS, *(("belt_counters",) if reads_belts(cell) else ()))
+        if _corrects(cell):
+            core[0], own = replace(core[0], regions=(*core[0].regions, "correction")), (*own, "correction")
         core.append(Child("interpreter", "gateway.processes.interpreter", (), own, "interpreter", INTERPRETER_LIFE_MS * MS))
     if cell.controller is not None and cell.controller.plc is not None:
         core[1] = replace(core[1], regions=(*core[1].regions, *PLC_REGIONS))
@@ -345,6 +348,11 @@ def coupler_children(cell: Cell, slug: str, buses: Mapping[str, str]) -> list[Ch
     ]
 
 
+def _corrects(cell: Cell) -> bool:
+    """Whether the application alters the path."""
+    return cell.alter is not None and cell.alter.source == "application" and cell.val3 is not None
+
+
 def make_regions(plan: RunPlan) -> dict[str, int]:
     """One memfd per region and ring; the supervisor keeps them for its whole life."""
     axes, lanes = len(plan.cell.axis), lanes_of_cell(plan.cell)
@@ -373,6 +381,8 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
         fds["program-orders"] = create_ring("program-orders", *texts)
         fds["program-says"] = create_ring("program-says", *texts)
         fds["lines"] = create_ring("lines", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)
+        if _corrects(plan.cell):
+            fds["correction"] = create_region("correction", correctionrecords.CORRECTION_SIZE, correctionrecords.CORRECTION_LAYOUT)
     if any(child.name == "plc" for child in plan.children):
         texts = interpreterrecords.TEXT_SIZE, plcrecords.ORDERS, interpreterrecords.TEXT_LAYOUT
         fds["plc"] = create_region("plc", plcrecords.PLC_SIZE, plcrecords.PLC_LAYOUT)

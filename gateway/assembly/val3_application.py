@@ -14,6 +14,7 @@ from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.val3 import MODES, Val3, Val3Channel, Val3UserIo
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
 from gateway.pure.languages.val3.boards import UserBoards, user_boards
+from gateway.pure.languages.val3.cell_alter import AlterPlace
 from gateway.pure.languages.val3.cell_run import Setup
 from gateway.pure.languages.val3.dates import START
 from gateway.pure.languages.val3.robot_state import NO_DATA, Service
@@ -44,6 +45,14 @@ def channel_of(row: Val3Channel) -> Channel:
     )  # fmt: skip
 
 
+def alter_place(cell: Cell) -> AlterPlace | None:
+    """Where its correction and the answer are in the image; None: the option is not there."""
+    table = cell.alter
+    if table is None or table.source != "application" or table.status is None:
+        return None
+    return AlterPlace(table.input >> 3, table.status >> 3)
+
+
 def boards_of(table: Val3) -> UserBoards | None:
     """None: inputs and outputs act at once."""
     if table.user_io is None and not table.board:
@@ -71,6 +80,6 @@ def setup_of(cell: Cell, table: Val3) -> Setup:
         folder, name, with_limits(written, [limits_of(axis) for axis in axes]), machine, mask_of(cell, machine), largest,
         tuple(points_of(cell.controller)) if cell.controller is not None else (), MODES.index(table.mode) + 1, table.system,
         table.strict_priorities, table.auto_connect, epoch, round(table.watchdog_s * 1e9), table.prompts == "page",
-        boards_of(table), service_of(table), table.current_profile, {each.name: each.password for each in table.profile},
+        alter_place(cell), boards_of(table), service_of(table), table.current_profile, {each.name: each.password for each in table.profile},
         {each.name: each.joints for each in table.reference}, {each.name: each.text for each in table.licence}, table.options,
     )  # fmt: skip

@@ -21,6 +21,9 @@ def alter(check: Context) -> None:
             "alter.input", table.input, f"six {table.type} from here: whole words of the image", f"0..{BITS - size}, a multiple of {WORD}"
         )
         return
+    if table.source == "application":
+        _application(check, table, size)
+        return
     octets = set(range(table.input >> 3, (table.input + size) >> 3))
     if table.life is not None:
         if table.life % 8 or table.life >> 3 in octets:
@@ -44,6 +47,26 @@ def alter(check: Context) -> None:
             "",
             "a [[route]] writes changes only: a life byte is needed to distinguish a constant correction from a silent partner",
         )
+    _status(check, table)
+
+
+def _application(check: Context, table: Alter, size: int) -> None:
+    """The interpreter writes it: 25 bytes that nothing else writes, and the answer for it."""
+    for key, wrong, what in (
+        ("alter.source", check.cell.val3 is None, "application: an application of [val3] is needed"),
+        ("alter.type", table.type != "REAL", "an application corrects with six REAL"),
+        ("alter.life", table.life is not None, "an application has no life byte: its turns count"),
+        ("alter.status", table.status is None, "an application needs the two answer words: status = the first of 32 free RC outputs"),
+    ):
+        if wrong:
+            check.fault(key, "", what)
+    octets = set(range(table.input >> 3, (table.input + size) // 8 + 1))
+    numbers = rc_numbers(check.cell)
+    own = {number >> 3 for number in (numbers.chain, numbers.control, numbers.feed, numbers.run, numbers.travel, numbers.reset)}
+    points = check.cell.controller.point if check.cell.controller is not None else ()
+    own |= {(point.bit or 0) >> 3 for point in points if not point.output and point.bit is not None}
+    if max(octets) >= BITS // 8 or octets & own:
+        check.fault("alter.input", table.input, "25 bytes of RC inputs are needed that hold no enabling inputs and no points")
     _status(check, table)
 
 

@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     disk = os.path.relpath(files.usrapp.resolve(), out.resolve().parent)
     place = f"{chosen.path}/{chosen.name}.pjx" if chosen.path else f"{chosen.name}.pjx"
     own = chosen.path if chosen.path.rpartition("/")[2].lower() == chosen.name.lower() else place
-    text, doubts = cell_of(Parts(card, own, disk, chosen.version, tuple(links), drives, str(options.card)))
+    text, doubts = cell_of(Parts(card, own, disk, chosen.version, tuple(links), drives, str(options.card), _alters(apps)))
     doubts += _unknown(card, sockets)
     with out.open("x", encoding="utf-8") as file:
         file.write(text)
@@ -90,6 +90,12 @@ def _key(app: Application, path: str) -> str:
         return "/".join(application_of(path, app.path)).lower()
     except PathFault:
         return ""
+
+
+def _alters(apps: list[Application]) -> bool:
+    """Whether the option alter is used."""
+    lines = (line for app in apps for program in app.programs.values() for line in program.lines)
+    return any("alterbegin" in line.partition("//")[0].lower() for line in lines)
 
 
 def _names(apps: list[Application]) -> str:

@@ -27,6 +27,7 @@ from gateway.assembly.run import RunPlan, load_plan
 from gateway.assembly.shared_outputs import shared_of_cell
 from gateway.cycle.bus_link import BusLink
 from gateway.cycle.contacts import InputMarks, IoErrors, cycle_contacts
+from gateway.cycle.corrected import Corrected
 from gateway.cycle.native.quick import Collect, NativeParts
 from gateway.cycle.recording_tap import CycleTap
 from gateway.pure.buses.cia401 import CouplerFamily, contacts_lost
@@ -134,11 +135,11 @@ class Cycle:
         self.marks = InputMarks([family for _, family in self.with_io], fds["marks"]) if "marks" in fds else None
         self.io_errors = IoErrors([family for _, family in self.with_io], fds["io_errors"]) if "io_errors" in fds else None
         self.belt_regions = belt_regions(self.core.belts, fds)
+        self._correction = Corrected(cell, fds)
         self.tap = CycleTap(self.core, self.buses, fds)
         self._collect_quickly = quick.collect
         self._look = quick.looker(self.links, self.planner, self.pieces, self.orders, self.inputs)
-        self._image = InputImage()
-        self._image_index = -1
+        self._image, self._image_index = InputImage(), -1
         self._services_pid = self.links.writer_pid
         self._alarm = quick.alarm()
         self._stretched, self._waited = plan.stretched, WaitedTime(self.period_ns)
@@ -196,6 +197,8 @@ class Cycle:
         if self.pieces is not None and (planner_pid != self._planner_pid or pieces != self.pieces.position):
             self._take_pieces()
         image = self._inputs() if fresh != self._image_index else self._image
+        if self._correction.there:
+            image = self._correction.over(image, self.tap)
         orders = self._take_orders() if waiting != self.orders.position else []
         self.tap.stepped(now, services_ns, missing)
         core.contacts_lost = contacts_lost(self._coupled)

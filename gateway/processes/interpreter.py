@@ -15,6 +15,7 @@ from dataclasses import asdict
 from gateway.assembly.contact_regions import COUNTERS_LAYOUT, OFFSETS
 from gateway.assembly.run import RunPlan, load_plan
 from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, AxisFlag, CellState, Permit, unpack_cell_state
+from gateway.pure.image.records.correction import CORRECTION_LAYOUT
 from gateway.pure.image.records.interpreter import (
     REPORT_LAYOUT,
     SEEN_LAYOUT,
@@ -55,6 +56,7 @@ class CellPort:
         self._belt_units = [belt.unit for belt in plan.cell.belt]
         self._says = RingWriter(fds["program-says"], "program-says", TEXT_LAYOUT)
         self._lines = RingWriter(fds["lines"], "lines", SAY_LAYOUT)
+        self._correction = RegionWriter(fds["correction"], "correction", CORRECTION_LAYOUT) if "correction" in fds else None
 
     def look(self) -> None:
         """The cell in a new turn."""
@@ -125,6 +127,11 @@ class CellPort:
     def told(self, program: str, line: int, text: str) -> None:
         """What a person should read."""
         self._journal.write("program", f"{program} line {line}: {text}" if line else f"{program}: {text}")
+
+    def correct(self, record: bytes) -> None:
+        """To the cycle, which takes it in its next period."""
+        if self._correction is not None:
+            self._correction.write(record, time.monotonic_ns())
 
     def panel(self, text: str) -> None:
         """Characters for the hand-held panel."""

@@ -13,6 +13,7 @@ class Alter:
     """[alter]: where a command source writes x, y, z, rx, ry, rz, and where it reads what became of it (VAL 3 13.1)."""
 
     input: Annotated[int, Ge(0), Le(1023)]  # first RC input of the correction
+    source: Literal["image", "application"] = "image"  # who corrects: what writes these inputs, or the application of [val3]
     type: Literal["INT", "REAL"] = "INT"
     length: Annotated[float, Gt(0.0), Le(10.0), Unit("mm")] = 0.01  # mm of one count, INT
     angle: Annotated[float, Gt(0.0), Le(1.0), Unit("deg")] = 0.01  # deg of one count, INT

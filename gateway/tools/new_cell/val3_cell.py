@@ -25,6 +25,7 @@ class Parts:
     links: tuple[Link, ...]
     rest: str
     source: str  # the card, for the first line
+    alters: bool = False  # a program has alterBegin
 
 
 @dataclass(slots=True)
@@ -103,7 +104,15 @@ def cell_of(parts: Parts) -> tuple[str, list[str]]:
     ports = (f"/dev/ttyS{number}" for number in range(99))
     channels = [channel(each, next(ports) if each.kind == "serial" else each.address) for each in parts.card.channels]
     doubts += [f"{each.name}: {port_words(each)}" for each in parts.card.channels if port_words(each)]
-    text = [_head(parts), *channels, _CONTROLLER, *points.rows, _ROUTE, _limited(parts.rest, parts.card)]
+    text = [
+        _head(parts),
+        *channels,
+        _CONTROLLER,
+        *points.rows,
+        _ROUTE,
+        *([_ALTER] if parts.alters else []),
+        _limited(parts.rest, parts.card),
+    ]
     return "\n".join(text), doubts
 
 
@@ -155,6 +164,9 @@ def _user_io(settings: Mapping[str, str]) -> list[str]:
 
 _SHOWN = ("initWorkingMode", "monitorSpeed", "maxStartMonitorSpeed", "maxManuCartSpeed", "cpuExtPowerSupply", "serialNumber")
 _CONTROLLER = '[controller]\nkind = "val3"\n'
+_ALTER = (
+    '[alter]   # alterBegin, alter and alterEnd of the application\nsource = "application"\ntype   = "REAL"\ninput  = 256\nstatus = 256\n'
+)
 _ROUTE = f'[[route]]   # the PLC starts and stops the application\nname = "run"\nfrom = "{RUN_BIT}"\nto   = "val3.run"\n'
 
 

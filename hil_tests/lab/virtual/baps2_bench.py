@@ -80,6 +80,7 @@ class VirtualPort:
         self.said: deque[bytes] = deque()
         self.lines: deque[bytes] = deque()
         self.words: list[str] = []
+        self.correction = b""
 
     def say(self, what: str, **facts: Fact) -> None:
         self.said.append(pack_facts({"say": what, "id": self.identity, **facts}))
@@ -111,6 +112,9 @@ class VirtualPort:
 
     def told(self, program: str, line: int, text: str) -> None:
         self.words.append(f"{program} line {line}: {text}")
+
+    def correct(self, record: bytes) -> None:
+        self.correction = record
 
     def panel(self, text: str) -> None:
         self.say("panel", text=text)

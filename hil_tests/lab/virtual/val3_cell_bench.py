@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 
 import configs
+from gateway.assembly.alter import alter_of_cell
+from gateway.assembly.axes import core_axes
 from gateway.assembly.controllers import make_control
 from gateway.assembly.planner import cell_programs
 from gateway.assembly.programs import machines_of_cell, mask_of, team_meant
@@ -18,6 +20,7 @@ from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.val3.application import HostedApplication
 from gateway.pure.controllers.val3.io.control import Val3Control
+from gateway.pure.cycle.core import CycleLogic
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records.cell import (
     RC_BYTES,
@@ -28,6 +31,7 @@ from gateway.pure.image.records.cell import (
     pack_cell_state,
     unpack_cell_state,
 )
+from gateway.pure.image.records.correction import laid_over, unpack_correction
 from gateway.pure.image.records.interpreter import (
     Fact,
     pack_channels,
@@ -70,12 +74,20 @@ PART, DONE, VALVE = 704, 704, 705  # RC input, RC outputs
 TOOL = 90  # a commissioning tool
 
 
+class AlteredBench(Cell402Bench):
+    """With the correction of the application."""
+
+    def _new_core(self) -> CycleLogic:
+        period = self.period_ns / 1e9
+        return CycleLogic(core_axes(self.cell, self.p5_ms), period, self.generation, alter=alter_of_cell(self.cell, self.p5_ms))
+
+
 class Val3Cell:
     """files: of the disk, None: the shipped ones; name: of the application."""
 
     def __init__(self, files: Mapping[str, bytes] | None = None, name: str = "cycle", *, autostart: bool = False) -> None:
         self.cell = cell = CELL
-        self.bench = Cell402Bench(cell=cell)
+        self.bench = AlteredBench(cell=cell)
         self.bench.office = CommandDispatcher(self.bench.office.axes, self.bench.office._plan, 1, {})
         control, _ = make_control(cell, dict.fromkeys((3, 88), 1), {"plc": 1}, self.bench.office, ErrorList(), self.bench.now)
         assert isinstance(control, Val3Control)
@@ -176,6 +188,10 @@ class Val3Cell:
             self._obey(order, now)
         while self.language.turn(now):
             pass
+        alter = self.cell.alter
+        if port.correction and alter is not None:
+            self.bench.inputs = laid_over(self.bench.inputs, unpack_correction(port.correction), alter.input >> 3)
+            port.correction = b""
 
     def _obey(self, order: dict[str, Fact], now: int) -> None:
         match order["do"]:

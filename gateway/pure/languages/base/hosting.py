@@ -119,6 +119,9 @@ class Port(Protocol):
     def told(self, program: str, line: int, text: str) -> None:
         """What a person should read."""
 
+    def correct(self, record: bytes) -> None:
+        """Correction of the path (gateway.pure.image.records.correction), from the next cycle on."""
+
     def panel(self, text: str) -> None:
         """Characters for the hand-held panel."""
 

@@ -213,15 +213,15 @@ def f_reset_turn(own: Instance, reference: JointV) -> JointV:
 
 def _alterable(own: Instance, move: Waiting) -> Waiting:
     """The move is queued as an alterable one."""
-    arm = moves_of(own).altered
+    moves = moves_of(own)
     while True:
-        arm.alterable = True
+        moves.alterable(True)
         try:
             turn = next(move)
         except StopIteration as stop:
             return stop.value
         finally:
-            arm.alterable = False
+            moves.alterable(False)
         yield turn
 
 
@@ -257,14 +257,14 @@ def f_alter_begin_tool(own: Instance, reference: ToolV, mdesc: MdescV) -> float:
 
 def f_alter_end(own: Instance) -> float:
     """1, -1, -3."""
-    return float(moves_of(own).altered.alter.end())
+    return float(moves_of(own).alter_end())
 
 
 def f_alter(own: Instance, change: TrsfV) -> float:
     """In force in the next system cycle: 1, 0, -1, -2, -3."""
-    return float(moves_of(own).altered.alter.alter(trsf_in(own, change)))
+    return float(moves_of(own).alter(trsf_in(own, change)))
 
 
 def f_alter_stop_time(own: Instance) -> float:
     """Negative: no stop is pending; 0: locked, or alter mode is off."""
-    return float(moves_of(own).altered.alter.stop_time())
+    return float(moves_of(own).alter_stop_time())

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.base.path import Path, Stretch
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
+from gateway.pure.languages.val3.cell_alter import CellAlter
 from motion.errors import MotionError
 from motion.geometry.conventions import CONVENTIONS
 from motion.geometry.frames import IDENTITY, Pose
@@ -18,6 +19,7 @@ from motion.planner.planner import Planner
 from motion.planner.robot import Machine
 from motion.program.blocks import Block, Interpolation, JointTarget, Pace, Tool
 from motion.program.errors import BlockError
+from motion.program.text.alter import written
 from motion.program.text.writer import written_move
 from motion.val3.stack import CONNECTION_SPEED, NEAR, Place
 
@@ -27,6 +29,7 @@ JUDGED = 400  # blocks after which the judge begins anew, so that it does not gr
 AGAIN_NS = 1_000_000_000  # a stream that was refused is asked for again
 ROBOT = 1  # an application has the only one of its cell
 CONNECTS = 0  # number of a connection move
+PATIENCE = 50  # cycles for which an alterable path waits for its alterBegin
 
 
 @dataclass(slots=True)
@@ -36,6 +39,7 @@ class _Item:
     number: int
     block: Block
     index: int = 0
+    alterable: bool = False
 
 
 @dataclass(eq=False)
@@ -47,11 +51,16 @@ class StreamMover:
     program: str
     joints: Callable[[], Sequence[float]]
     said: Callable[[str], None]  # why the cell does not move, for a person
+    change: CellAlter
+    alterable: bool = False  # what the next add() is
     allowed: bool = False  # power, control, no hold
     left: tuple[float, ...] | None = None  # where the path was left
     connect: bool = False  # the connection move may run
     held: bool = False  # by stopMove
     _path: Path = field(init=False)
+    _altered: Stretch | None = field(init=False, default=None)  # its last part is an alterable one
+    _plain: bool = field(init=False, default=False)  # an alterable path is under way without alterBegin
+    _asked: int = field(init=False, default=0)  # cycles for which an alterable path has waited for its alterBegin
     _judge: Planner | None = field(init=False, default=None)
     _waiting: deque[_Item] = field(init=False, default_factory=deque)
     _handed: deque[_Item] = field(init=False, default_factory=deque)
@@ -73,7 +82,7 @@ class StreamMover:
         """BlockError: it cannot be run from where the one before ends."""
         self._judged(block)
         self._number += 1
-        self._waiting.append(_Item(self._number, block))
+        self._waiting.append(_Item(self._number, block, alterable=self.alterable))
         self._finishing = False
         return self._number
 
@@ -103,7 +112,8 @@ class StreamMover:
         self._waiting.clear()
         self._handed.clear()
         self._judge, self.left, self.connect, self._finishing, self.held = None, None, False, False, False
-        self._done = self._number
+        self._done, self._altered, self._plain, self._asked = self._number, None, False, 0
+        self.change.over(failed=self.change.locked)
         if self._path.now is not None:
             self._dropping = True
             self.port.tell("drop")
@@ -122,7 +132,10 @@ class StreamMover:
 
     @property
     def resting(self) -> bool:
-        """The set values stand, and no stream is being given up."""
+        """The set values stand, and no stream is being given up; of an altered path the one that is altered (L6265)."""
+        altered = self._altered
+        if altered is not None and not self._dropping and self._path.held_by(self) is altered and altered.passed >= altered.count:
+            return True
         return self._still > 1 and not self._dropping
 
     @property
@@ -143,8 +156,9 @@ class StreamMover:
                 self._done = max(self._handed.popleft().number, self._done)
         if self.allowed and now >= self._again and not self._dropping and not self.held:
             stretch = self._ready(here)
-            while stretch is not None and self._waiting and len(self._handed) < AHEAD:
+            while stretch is not None and self._waiting and len(self._handed) < AHEAD and self._fits(stretch, self._waiting[0]):
                 self._hand_on(stretch, self._waiting.popleft())
+        self._end_altered()
         if stretch is not None and self._finishing and not self._waiting:
             self._path.finish(stretch)
 
@@ -160,6 +174,33 @@ class StreamMover:
                 self._waiting.appendleft(_Item(CONNECTS, Block(Interpolation.PTP, JointTarget(self.left), pace=pace)))
             self.left, self.connect = None, False
         return self._path.wanted(self, self.program, ROBOT)
+
+    def _fits(self, stretch: Stretch, item: _Item) -> bool:
+        """A standard move waits for the end of the altered path before it."""
+        if self._altered is not None:
+            return item.alterable and self._altered is stretch
+        part = self.change.part
+        if item.alterable and part is None and not self._plain:
+            self._asked += 1
+            if self._asked < PATIENCE:
+                return False
+        self._plain, self._asked = item.alterable and part is None, 0
+        if item.alterable and part is not None and not self.change.on_path:
+            kind, way = ("tool", part.reference.pose) if isinstance(part.reference, Tool) else ("frame", part.reference.pose)
+            values = " ".join(f"{value:.13g}" for value in WAYS.values(way))
+            self._path.hand_on(stretch, f"{kind} {part.reference.name} {values}", 0, block=False)
+            self._path.hand_on(stretch, written(part), 0, block=False)
+            self.change.on_path, self._altered = True, stretch
+        return True
+
+    def _end_altered(self) -> None:
+        """After alterEnd: the stream ends with its path, and what follows begins where the arm is."""
+        stretch = self._altered
+        if stretch is None or stretch.ended or not self.change.ended:
+            return
+        if (self._waiting and not self._waiting[0].alterable) or (not self._waiting and stretch.passed >= stretch.count):
+            self._path.hand_on(stretch, "alter_end", 0, block=False)
+            self._path.release(self)
 
     def _hand_on(self, stretch: Stretch, item: _Item) -> None:
         block = item.block
@@ -190,6 +231,12 @@ class StreamMover:
         dropped, self._dropping = self._dropping, False
         if dropped:
             return None
+        if stretch is self._altered:
+            self._altered = None
+            self.change.over(failed=error is not None)
+            if error is not None:
+                self.abandon()
+                return BlockError(error.text)
         if error is None:
             self._done = max((item.number for item in self._handed), default=self._done)
             self._handed.clear()

@@ -5,16 +5,20 @@ from collections.abc import Callable, Sequence
 
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
+from gateway.pure.languages.val3.cell_alter import AlterPlace, CellAlter
 from gateway.pure.languages.val3.cell_mover import StreamMover
 from gateway.pure.languages.val3.moves import Moves
 from motion.geometry.frames import compose
 from motion.geometry.units import from_si, to_si
 from motion.planner.robot import Machine
+from motion.program.blocks import Frame as BlockFrame
+from motion.program.blocks import Tool as BlockTool
 from motion.robot import Robot
 from motion.val3 import errors
 from motion.val3.cartesian import Frame, Tool
 from motion.val3.mdesc import Mdesc
 from motion.val3.stack import Connection, MotionStack, Settling
+from motion.val3.trsf import Trsf
 
 STANDARD_S = 0.1  # AX-931: half the period of the oscillation of an arm
 
@@ -22,8 +26,11 @@ STANDARD_S = 0.1  # AX-931: half the period of the oscillation of an arm
 class CellMoves(Moves):
     """machine: with the limits of the cell; largest: following error of each axis, in its unit."""
 
-    def __init__(self, robot: Robot, machine: Machine, port: Port, largest: Sequence[float], said: Callable[[str], None]) -> None:
-        self._port, self._own, self._said = port, machine, said
+    def __init__(
+        self, robot: Robot, machine: Machine, port: Port, largest: Sequence[float], said: Callable[[str], None],
+        place: AlterPlace | None = None,
+    ) -> None:  # fmt: skip
+        self._port, self._own, self._said, self._place = port, machine, said, place
         self._largest = tuple(largest)  # in units
         self._settling = Settling(STANDARD_S)
         self.powered = False
@@ -35,7 +42,8 @@ class CellMoves(Moves):
     def _begin(self, start: Sequence[float]) -> None:
         super()._begin(start)
         self.machine = self._own
-        self.mover = StreamMover(self._port, self._own, "val3", self._set, self._said)
+        self.change = CellAlter(self._port, self._place)
+        self.mover = StreamMover(self._port, self._own, "val3", self._set, self._said, self.change)
         following = [to_si(value, unit) for value, unit in zip(self._largest, self.units, strict=True)]
         self.stack = MotionStack(self.mover, following)
 
@@ -87,14 +95,37 @@ class CellMoves(Moves):
     def reset(self, start: Sequence[float] | None = None) -> None:
         """resetMotion: what is queued is dropped."""
         self.stack.reset_motion(self._si(start) if start is not None else None)
+        self.change.over(failed=False)
 
     def restart(self, joints: Sequence[float]) -> None:
         """resetTurn shifts an encoder: not in a cell."""
         raise errors.RuntimeFault(153, "resetTurn in a cell: axisgate axis zero sets positions")
 
     def alter_begin(self, reference: Frame | Tool, mdesc: Mdesc, unit_m: float) -> int:
-        """The option is not there in a cell."""
-        raise errors.RuntimeFault(250, "alter in a cell")
+        """0 waits for its path, -1, -2, -3; RuntimeFault 100..106."""
+        if isinstance(reference, Tool):
+            return self.change.begin(BlockTool("ALTER", reference.on_flange()), mdesc, unit_m)
+        return self.change.begin(BlockFrame("ALTER", compose(self.robot.base.inverse(), reference.in_world())), mdesc, unit_m)
+
+    def alterable(self, on: bool) -> None:
+        """The next move is an alterable one."""
+        self.mover.alterable = on
+
+    def alter(self, change: Trsf) -> int:
+        """1, 0, -1, -2, -3."""
+        return self.change.alter(change)
+
+    def alter_end(self) -> int:
+        """1, -1, -3."""
+        return self.change.end()
+
+    def alter_stop_time(self) -> float:
+        """alterStopTime, s."""
+        return self.change.stop_time()
+
+    def correct(self, now: Ns) -> None:
+        """At the end of a turn: the correction for the cycle."""
+        self.change.correct(now)
 
     def push(self, joints: Sequence[float]) -> bool:
         """Nothing pushes the arm but the cell."""

@@ -12,6 +12,7 @@ from gateway.pure.image.records.interpreter import Fact
 from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
 from gateway.pure.languages.val3.boards import UserBoards
+from gateway.pure.languages.val3.cell_alter import AlterPlace
 from gateway.pure.languages.val3.cell_io import CellIo
 from gateway.pure.languages.val3.cell_moves import CellMoves
 from gateway.pure.languages.val3.cell_robot import CellRobot
@@ -52,6 +53,7 @@ class Setup:
     epoch: Ns = 0  # clock of the host at which the date of a virtual run begins
     watchdog_ns: Ns = 0  # 0: there is none
     operator: bool = False  # prompts wait for an answer of the dashboard
+    alter: AlterPlace | None = None
     boards: UserBoards | None = None
     service: Service = field(default_factory=Service)
     profile: str = "default"
@@ -120,7 +122,7 @@ class CellRun:
         robot.watchdog_broken = robot.dead_watch = False
         if setup.version:
             self._robot.version = setup.version
-        moves = CellMoves(setup.robot, setup.machine, self.port, setup.largest, self._said)
+        moves = CellMoves(setup.robot, setup.machine, self.port, setup.largest, self._said, setup.alter)
         moves.stack.auto_connect = setup.auto_connect
         machine = Machine(self.disk(), moves, LINE_NS, self._robot, setup.strict)
         machine.io, machine.sio = self._io, self.sio()
@@ -198,6 +200,7 @@ class CellRun:
         machine.sio.now = machine.clock
         machine.sio.settle()
         machine.run(min(target, machine.clock + SLICE_NS))
+        moves.correct(now)
         self._show(machine)
         if machine.ended:
             self._over("stopped" if self._stopped else "ended", None)

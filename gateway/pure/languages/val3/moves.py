@@ -20,6 +20,7 @@ from motion.val3.cartesian import Frame, Point, Tool
 from motion.val3.errors import RuntimeFault
 from motion.val3.mdesc import Mdesc
 from motion.val3.stack import CONNECTION_SPEED, Connection, MotionStack, Place
+from motion.val3.trsf import Trsf
 
 PERIOD_S = 0.004
 STILL = QUIET + 5  # cycles at rest after which the arm is left alone
@@ -159,6 +160,22 @@ class Moves:
         if isinstance(reference, Tool):
             return self.alters.alter_begin(self._tool(reference), mdesc)
         return self.alters.alter_begin(BlockFrame("alter", compose(self.robot.base.inverse(), reference.in_world())), mdesc)
+
+    def alterable(self, on: bool) -> None:
+        """The next move is an alterable one."""
+        self.altered.alterable = on
+
+    def alter(self, change: Trsf) -> int:
+        """1, 0, -1, -2, -3."""
+        return self.altered.alter.alter(change)
+
+    def alter_end(self) -> int:
+        """1, -1, -3."""
+        return self.altered.alter.end()
+
+    def alter_stop_time(self) -> float:
+        """alterStopTime, s."""
+        return self.altered.alter.stop_time()
 
     def push(self, joints: Sequence[float]) -> bool:
         """The arm is moved off its path, by jogging or by hand; False: it is under program control, or the position is none."""

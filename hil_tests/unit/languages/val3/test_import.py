@@ -123,6 +123,18 @@ def test_one_application_is_found_or_named(tmp_path: pathlib.Path, capsys: pytes
     assert "Traceback" not in capsys.readouterr().err
 
 
+def test_the_card_says_how_user_boards_are_refreshed_and_whether_the_path_is_altered(tmp_path: pathlib.Path) -> None:
+    cell_cfx = '<cell><UserIOResfresh><String name="mode" value="noJitter" /><Float name="cyclicRatio" value="3" /></UserIOResfresh></cell>'
+    made = card(tmp_path, App("glue", datum("f", "frame") + datum("m", "mdesc"), {"start": "alterBegin(f,m)"}), cell_cfx=cell_cfx)
+    assert main(["import", str(made), "--out", str(tmp_path / "glue.toml")]) == 0
+    cell = load_cell(str(tmp_path / "glue.toml"))
+    assert cell.val3 is not None and cell.val3.user_io is not None and cell.alter is not None
+    assert (cell.val3.user_io.mode, cell.val3.user_io.ratio, cell.alter.source) == ("noJitter", 3, "application")
+    plain = card(tmp_path / "b", App("plain", programs={"start": "// alterBegin"}))
+    assert main(["import", str(plain), "--out", str(tmp_path / "plain.toml")]) == 0
+    assert load_cell(str(tmp_path / "plain.toml")).alter is None
+
+
 def test_a_scara_gets_a_cell_of_four_axes(tmp_path: pathlib.Path) -> None:
     made = card(tmp_path, App("pick", datum("jA", "jointRs")), arm_cfx='<arm><String name="arm" value="ts60" /></arm>')
     assert main(["import", str(made), "--out", str(tmp_path / "pick.toml")]) == 0

@@ -1,0 +1,115 @@
+"""alter of an application in a cell: its correction goes to the cycle in each turn, its mode comes back from there (AX-1062).  Pure."""
+
+import math
+import struct
+from dataclasses import dataclass
+
+from gateway.pure.image.records.correction import ProgramCorrection, end_bit, pack_correction
+from gateway.pure.languages.base.hosting import Port
+from gateway.pure.languages.base.requests import Ns
+from motion.program.blocks import Alteration, Until
+from motion.program.blocks import Frame as BlockFrame
+from motion.program.blocks import Tool as BlockTool
+from motion.sync.alter import DONE, IGNORED, IN_ERROR, NO_OPTION, WAITS, Mode
+from motion.val3.mdesc import Mdesc
+from motion.val3.trsf import Trsf
+
+_STATUS = struct.Struct(">bBh")  # answer, mode, alterStopTime in ms, as the cycle publishes them
+MODES = tuple(Mode)
+NOTHING = Trsf(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class AlterPlace:
+    """[alter] with source = "application": RC input byte of the correction, RC output byte of the answer."""
+
+    byte: int
+    status: int
+
+
+@dataclass(eq=False, slots=True)
+class CellAlter:
+    """part: of alterBegin, until its path is over; place None: the option is not there."""
+
+    port: Port
+    place: AlterPlace | None = None
+    part: Alteration | None = None
+    ended: bool = False  # alterEnd
+    locked: bool = False  # an error, until resetMotion
+    on_path: bool = False  # the path of the part has been handed on
+    _value: Trsf = NOTHING
+    _count: int = 0
+    _sent: bool = False
+
+    @property
+    def _status(self) -> tuple[Mode, float]:
+        """Mode of the cycle; alterStopTime in s."""
+        assert self.place is not None
+        outputs = self.port.view.channels.outputs
+        _, mode, left = _STATUS.unpack_from(outputs, self.place.status)
+        return MODES[mode] if mode < len(MODES) else Mode.OFF, -1.0 if left < 0 else left / 1e3
+
+    # ---- instructions
+    def begin(self, reference: BlockFrame | BlockTool, mdesc: Mdesc, unit_m: float) -> int:
+        """alterBegin: 0 waits for its path, -1, -2, -3; RuntimeFault 100..106."""
+        mdesc.check()
+        if self.place is None:
+            return NO_OPTION
+        if self.locked:
+            return IN_ERROR
+        if self.part is not None or self.on_path:
+            return IGNORED
+        self._count += 1
+        self.part = Alteration(
+            reference, mdesc.vel / 100.0, mdesc.tvel * unit_m, math.radians(mdesc.rvel), mdesc.accel / 100.0, mdesc.decel / 100.0,
+            Until(end_bit(self.place.byte), True), self._count,
+        )  # fmt: skip
+        self.ended, self._value = False, NOTHING
+        return WAITS
+
+    def alter(self, change: Trsf) -> int:
+        """In force in the next cycle: 1, 0, -1, -2, -3."""
+        if self.place is None:
+            return NO_OPTION
+        mode, left = self._status
+        if self.locked or (mode is Mode.ERROR and self.part is not None):
+            return IN_ERROR
+        if self.part is None or self.ended or mode is not Mode.ACTIVE:
+            return IGNORED
+        if left == 0.0:
+            return WAITS
+        self._value = change
+        return DONE if all(map(math.isfinite, change)) else IN_ERROR
+
+    def end(self) -> int:
+        """alterEnd: what is altered now stays for the rest of the path."""
+        if self.locked:
+            return IN_ERROR
+        if self.part is None or self.ended:
+            return IGNORED
+        if self.on_path:
+            self.ended = True
+        else:
+            self.part = None
+        return DONE
+
+    def stop_time(self) -> float:
+        """Negative: no stop is pending; 0: locked, or the mode is off."""
+        if self.place is None or self.part is None or self.ended:
+            return 0.0
+        mode, left = self._status
+        return left if mode is Mode.ACTIVE else 0.0
+
+    # ---- the path
+    def over(self, *, failed: bool) -> None:
+        """The altered path is over; failed: until resetMotion nothing is altered."""
+        self.part, self.on_path, self.ended = None, False, False
+        self.locked = failed
+
+    def correct(self, now: Ns) -> None:
+        """At the end of a turn: what the cycle adds from now on."""
+        if self.part is None and not self._sent:
+            return
+        self._sent = self.part is not None
+        stamp = now if self.part is not None else 0
+        self.port.correct(pack_correction(ProgramCorrection(stamp, tuple(self._value), self.ended)))
