@@ -14,6 +14,7 @@ from gateway.pure.conformance.verdict import Disturbed, Ended, Inconclusive, Ver
 from protocols.base.machine import Ns, ms
 
 TRIES = 3  # of a case that was disturbed, or whose time lies across a limit
+FAR_TOO_LATE = ms(150)  # nothing is known of what happened meanwhile
 LATE = ms(10)  # this host was held up so long: a FAIL proves nothing
 
 
@@ -45,6 +46,7 @@ class Result:
     late: Ns = 0
     took: Ns = 0
     waived: Waiver | None = None
+    behind: str = ""  # a FAIL that was seen while this host was late
 
 
 class Runner:
@@ -162,18 +164,29 @@ class Runner:
 
     def _repeated(self, purpose: Purpose[Tester]) -> Result:
         shown: list[str] = []
+        seen: list[str] = []
         measures: list[Measure] = []
         for attempt in range(TRIES):
             result, again = self._once(purpose)
             result.notes.measures[:0] = measures
+            seen.append(f"{result.behind}|{result.got}" if result.behind else "")
             if not again or attempt == TRIES - 1:
                 if shown and again:
-                    result.verdict = Verdict.INCONC
+                    self._late_thrice(result, seen)
                 result.notes.remarks += shown
                 return result
             shown.append(f"try {attempt + 1}: {result.reason}")
             measures = list(result.notes.measures)
         raise AssertionError("no try was made")
+
+    @staticmethod
+    def _late_thrice(result: Result, seen: Sequence[str]) -> None:
+        """A host that is a little late does not make a device say the same wrong thing each time."""
+        if result.behind and len(set(seen)) == 1 and result.late < FAR_TOO_LATE:
+            result.verdict, result.reason = Verdict.FAIL, result.behind
+            result.notes.remarks.append(f"this host was late in each of {TRIES} tries; each brought the same answer")
+            return
+        result.verdict = Verdict.INCONC
 
     def _once(self, purpose: Purpose[Tester]) -> tuple[Result, bool]:
         """One try; True: it should be repeated."""
@@ -204,6 +217,7 @@ class Runner:
         result.took = self.session.now() - start
         self._clean = result.verdict is Verdict.PASS
         if result.verdict is Verdict.FAIL and result.late > LATE and not self._gone:
+            result.behind = result.reason
             result.reason = f"this host was {result.late / 1e6:.0f} ms late; seen: {result.reason}"
             result.verdict, again = Verdict.INCONC, True
         return result, again

@@ -337,6 +337,70 @@ def _each_70th(device: Device, asked: bytes, said: bytes) -> bytes:
     return said if device.count % 70 else bytes((asked[0] | 0x80, 6))
 
 
+class Nowhere(Tables):
+    """Writes to registers and coils that are not there are acknowledged."""
+
+    def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None:
+        return super().write_words(address, values) if address < SIZE else None
+
+    def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None:
+        return super().write_bits(address, values) if address < SIZE else None
+
+
+class LowByte(Tables):
+    """The high byte of an address to be written does not count."""
+
+    def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None:
+        return super().write_words(address & 0xFF, values)
+
+    def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None:
+        return super().write_bits(address & 0xFF, values)
+
+
+class AsFarAsThereIs(Tables):
+    """A range beyond the end is written up to the end, and refused."""
+
+    def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None:
+        super().write_words(address, list(values)[: max(0, SIZE - address)])
+        return super().write_words(address, values)
+
+
+class AsFarAsCoilsGo(Tables):
+    """The same for coils."""
+
+    def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None:
+        super().write_bits(address, list(values)[: max(0, SIZE - address)])
+        return super().write_bits(address, values)
+
+
+class Most(Tables):
+    """Ninety registers at most in one request; the rest is lost."""
+
+    def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None:
+        refused = super().write_words(address, values) if address + len(values) > SIZE else None
+        return refused or super().write_words(address, list(values)[:90])
+
+
+def _writes_unread(device: Device, asked: bytes, said: bytes) -> bytes:
+    """FC 23 writes though the part to be read is missing."""
+    if said == b"\x97\x02" and len(asked) >= 12:
+        device.tables.write_words(asked[5] << 8 | asked[6], [asked[10] << 8 | asked[11]])
+    return said
+
+
+def _reads_126(device: Device, asked: bytes, said: bytes) -> bytes:
+    """FC 23 serves 126 registers."""
+    return bytes((23, 252)) + bytes(252) if said == b"\x97\x03" and asked[3:5] == b"\x00\x7e" else said
+
+
+class ForgetsWithTheClient(Device):
+    """What a client wrote is gone with its connection."""
+
+    def lost(self, now: Ns) -> Sequence[object]:
+        self.tables = Tables()
+        return super().lost(now)
+
+
 Row = tuple[str, str, tuple[str, ...], Callable[[bool], object]]
 
 
@@ -416,12 +480,19 @@ ROWS: tuple[Row, ...] = (
     _tables("next-too", "writes the next register as well", ["CON_BV_18"], NextToo),
     _tables("next-coil", "writes the next coil as well", ["CON_BV_24"], NextCoil),
     _tables("shifted", "longer reads begin one register behind", ["CON_BV_16", "CON_BV_17"], Shifted),
-    _tables("cut", "register numbers of five bits", ["CON_BV_19"], Cut),
+    _tables("cut", "register numbers of five bits", ["CON_BV_19", "FUN_BV_31"], Cut),
     _tables("one-register-table", "input registers are the holding registers", ["CON_BV_30"], OneRegisterTable),
     _tables("one-bit-table", "discrete inputs are the coils", ["CON_BV_31"], OneBitTable),
     _tables("sticky", "a coil stays on", ["CON_BV_05"], Sticky),
     _tables("fifteen-bits", "registers of fifteen bits", ["CON_BV_06"], SevenBits),
     _tables("each-25th", "each 25th write is lost", ["CON_ST_01", "CON_BV_16", "CON_BV_17"], EveryTenth),
+    _tables("nowhere", "acknowledges writes to what is not there", ["EFF_BI_02", "EFF_BI_04"], Nowhere),
+    _tables("low-byte", "writes to the low byte of an address", ["EFF_BI_02", "EFF_BI_04"], LowByte),
+    _tables("as-far-as", "a refused range is written up to the end", ["EFF_BI_11"], AsFarAsThereIs),
+    _tables("as-far-as-coils", "a refused range of coils is written up to the end", ["EFF_BI_10"], AsFarAsCoilsGo),
+    _tables("ninety-registers", "the rest of a long write is lost", ["EFF_BV_01", "CON_BV_16"], Most),
+    _answers("writes-unread", "FC 23 writes though its reading part is missing", ["EFF_BI_20"], _writes_unread),
+    _answers("reads-126", "FC 23 serves 126 registers", ["EFF_BI_22"], _reads_126),
     _answers("after-refusals", "fails after a hundred refusals", ["RC_02", "RC_03"], _after_refusals),
     ("dead-after-power", "does not work after a power failure", ("SUP_RC_01",), lambda rtu: Powered(lambda: Device(rtu), False)),
     _answers("each-70th", "each 70th request is refused with 06", ["ST_01"], _each_70th),

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from gateway.conformance.peers.modbus_devices import Device, Row, mutants, variants
+from gateway.conformance.peers.modbus_devices import Device, ForgetsWithTheClient, Row, mutants, variants
 from protocols.base.machine import Ns
-from protocols.modbus.mbap import ANSWER, HEADER, Closing, Foreign, Framing
+from protocols.modbus.mbap import ANSWER, HEADER, Closing, Foreign, Framing, Request
 
 
 class Framed(Device):
@@ -113,6 +113,19 @@ class Sleeps(Device):
         return super().receive(data, now)
 
 
+class BareRefusal(Device):
+    """A request that is too short is refused without a header."""
+
+    _bare = False
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        self._bare = len(request.pdu) == 4
+        return super().serve(request, now)
+
+    def framed(self, said: bytes) -> bytes:
+        return said[7:] if self._bare and len(said) == 9 and said[7] & 0x80 else said
+
+
 MORE: tuple[Row, ...] = (
     ("transaction", "answers with the next transaction number", ("FUN_BV_01",), lambda rtu: Framed(0)),
     ("protocol", "protocol identifier 1 in its answers", ("FUN_BV_01",), lambda rtu: Framed(1)),
@@ -125,6 +138,8 @@ MORE: tuple[Row, ...] = (
     ("whole-only", "a request must come in one piece", ("TCP_BV_03",), lambda rtu: WholeOnly(False)),
     ("answers-foreign", "answers a frame that cannot be", ("TCP_BI_02", "TCP_BI_03"), lambda rtu: AnswersForeign(False)),
     ("locks-up", "a frame of another protocol ends its service", ("TCP_BI_01",), lambda rtu: LocksUp(False)),
+    ("bare-refusal", "refuses a short request without a header", ("FUN_BI_03",), lambda rtu: BareRefusal(False)),
+    ("forgets", "what a client wrote is gone with its connection", ("EFF_CA_01",), lambda rtu: ForgetsWithTheClient(False)),
     ("tires", "silent after 80 requests", ("TCP_ST_01",), lambda rtu: Tires(False)),
     ("sleeps", "silent after two seconds of rest", ("TCP_RC_04",), lambda rtu: Sleeps(False)),
 )

@@ -21,7 +21,7 @@ from protocols.base.machine import Machine
 
 Json = dict[str, object]
 OBJECTS = frozenset(((0x607A, 0), (0x60FF, 0), (0x6071, 0)))
-TOUCH = {"db": (10,), "holding": tuple(range(100)), "coils": tuple(range(100))}
+TOUCH = {"db": (10,), "holding": tuple(range(120)), "coils": tuple(range(120))}
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,8 +3,8 @@
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (75, 75),
     "rk512": (57, 57),
-    "modbus-tcp": (60, 60),
-    "modbus-rtu": (55, 55),
+    "modbus-tcp": (69, 69),
+    "modbus-rtu": (62, 62),
     "cia402": (72, 72),
     "canopen-301": (95, 95),
     "servodyn": (55, 55),

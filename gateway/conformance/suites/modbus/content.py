@@ -21,7 +21,7 @@ def _run(numbers: tuple[int, ...], most: int) -> tuple[int, int]:
 
 
 @contextmanager
-def _kept(t: ModbusTester, function: int, at: int, count: int) -> Iterator[None]:
+def kept(t: ModbusTester, function: int, at: int, count: int) -> Iterator[None]:
     """What was there is written back."""
     with t.given():
         before = t.read(function, at, count)
@@ -45,7 +45,7 @@ def write_back(t: ModbusTester, function: int, at: int, values: list[int]) -> No
             t.ask(struct.pack(">BHHBB", 15, at + offset, 1, 1, value))
 
 
-def _same(got: list[int], wanted: list[int], what: str) -> None:
+def same_values(got: list[int], wanted: list[int], what: str) -> None:
     if got == wanted:
         return
     why = ""
@@ -89,10 +89,10 @@ def _register_writes(p: Purposes[ModbusTester]) -> None:
     )
     def single(t: ModbusTester) -> None:
         at = t.setup.holding[0]
-        with _kept(t, 3, at, 1):
+        with kept(t, 3, at, 1):
             for value in (0x0103, 0xA55A, 0x0000, 0xFFFF):
                 t.echo(struct.pack(">BHH", 6, at, value), 5, f"FC 6 with {value:04X}h")
-                _same(t.registers(3, at, 1), [value], f"register {at}")
+                same_values(t.registers(3, at, 1), [value], f"register {at}")
 
     @p.case(
         "BV_16",
@@ -103,11 +103,11 @@ def _register_writes(p: Purposes[ModbusTester]) -> None:
     )
     def several(t: ModbusTester) -> None:
         at, count = _run(t.setup.holding, 123)
-        with _kept(t, 3, at, count):
+        with kept(t, 3, at, count):
             for size in sorted({1, min(2, count), count}):
                 values = pattern(size)
                 t.echo(struct.pack(f">BHHB{size}H", 16, at, size, 2 * size, *values), 5, f"FC 16, {size} registers")
-                _same(t.registers(3, at, size), values, f"{size} registers from {at}")
+                same_values(t.registers(3, at, size), values, f"{size} registers from {at}")
 
     @p.case(
         "BV_17",
@@ -118,14 +118,14 @@ def _register_writes(p: Purposes[ModbusTester]) -> None:
     )
     def by_address(t: ModbusTester) -> None:
         at, count = _run(t.setup.holding, 8)
-        with _kept(t, 3, at, count):
+        with kept(t, 3, at, count):
             values = pattern(count)
             with t.given():
                 t.normal(struct.pack(f">BHHB{count}H", 16, at, count, 2 * count, *values), "FC 16")
             for offset in range(count):
-                _same(t.registers(3, at + offset, 1), values[offset : offset + 1], f"register {at + offset} alone")
+                same_values(t.registers(3, at + offset, 1), values[offset : offset + 1], f"register {at + offset} alone")
             if count > 2:
-                _same(t.registers(3, at + 1, count - 1), values[1:], f"{count - 1} registers from {at + 1}")
+                same_values(t.registers(3, at + 1, count - 1), values[1:], f"{count - 1} registers from {at + 1}")
 
 
 def _other_registers(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
@@ -140,14 +140,14 @@ def _other_registers(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
         at, count = _run(t.setup.holding, 8)
         if count < 3:
             raise NotApplicable("fewer than three registers in a row may be written")
-        with _kept(t, 3, at, count):
+        with kept(t, 3, at, count):
             with t.given():
                 write_back(t, 3, at, pattern(count))
             middle = count // 2
             t.echo(struct.pack(">BHH", 6, at + middle, 0x5AC3), 5, "FC 6")
             wanted = pattern(count)
             wanted[middle] = 0x5AC3
-            _same(t.registers(3, at, count), wanted, f"{count} registers after a write to {at + middle}")
+            same_values(t.registers(3, at, count), wanted, f"{count} registers after a write to {at + middle}")
 
     @p.case(
         "BV_19",
@@ -166,7 +166,7 @@ def _other_registers(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
             for at, number in enumerate(numbers):
                 t.echo(struct.pack(">BHH", 6, number, 0x4000 + 0x0101 * at), 5, "FC 6")
             for at, number in enumerate(numbers):
-                _same(t.registers(3, number, 1), [0x4000 + 0x0101 * at], f"register {number}")
+                same_values(t.registers(3, number, 1), [0x4000 + 0x0101 * at], f"register {number}")
         finally:
             with suppress(Ended):
                 for number, value in zip(numbers, before, strict=True):
@@ -184,7 +184,7 @@ def _writes_in_one_request(p: Purposes[ModbusTester], first: tuple[str, ...]) ->
     )
     def mask(t: ModbusTester) -> None:
         at = t.setup.holding[0]
-        with _kept(t, 3, at, 1):
+        with kept(t, 3, at, 1):
             for current, keep, put in (
                 (0x0012, 0x00F2, 0x0025),
                 (0xFFFF, 0x0F0F, 0x5555),
@@ -194,7 +194,7 @@ def _writes_in_one_request(p: Purposes[ModbusTester], first: tuple[str, ...]) ->
                 with t.given():
                     write_back(t, 3, at, [current])
                 t.echo(struct.pack(">BHHH", 22, at, keep, put), 7, "FC 22")
-                _same(t.registers(3, at, 1), [current & keep | put & ~keep & 0xFFFF], f"register {at} after FC 22")
+                same_values(t.registers(3, at, 1), [current & keep | put & ~keep & 0xFFFF], f"register {at} after FC 22")
 
     @p.case(
         "BV_23",
@@ -206,19 +206,21 @@ def _writes_in_one_request(p: Purposes[ModbusTester], first: tuple[str, ...]) ->
     )
     def both(t: ModbusTester) -> None:
         at, count = _run(t.setup.holding, 4)
-        with _kept(t, 3, at, count):
+        with kept(t, 3, at, count):
             with t.given():
                 write_back(t, 3, at, [0x1111] * count)
             values = pattern(count)
             got = t.normal(struct.pack(f">BHHHHB{count}H", 23, at, count, at, count, 2 * count, *values), "FC 23")
             if len(got) != 2 + 2 * count or got[1] != 2 * count:
                 raise Fail("FC 23: badly built answer", f"17h, byte count {2 * count}, data", t.words(got))
-            _same(list(struct.unpack(f">{count}H", got[2:])), values, "what FC 23 read")
-            _same(t.registers(3, at, count), values, "what FC 23 wrote")
+            same_values(list(struct.unpack(f">{count}H", got[2:])), values, "what FC 23 read")
+            same_values(t.registers(3, at, count), values, "what FC 23 wrote")
             half = count // 2
             if half:
                 got = t.normal(struct.pack(f">BHHHHB{half}H", 23, at + half, half, at, half, 2 * half, *[0x5A00] * half), "FC 23")
-                _same(list(struct.unpack(f">{half}H", got[2 : 2 + 2 * half])), values[half : 2 * half], "what FC 23 read beside its write")
+                same_values(
+                    list(struct.unpack(f">{half}H", got[2 : 2 + 2 * half])), values[half : 2 * half], "what FC 23 read beside its write"
+                )
 
 
 def _many_writes(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
@@ -232,11 +234,11 @@ def _many_writes(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
     def many(t: ModbusTester) -> None:
         chosen = random.Random(1)
         at, count = _run(t.setup.holding, 16)
-        with _kept(t, 3, at, count):
+        with kept(t, 3, at, count):
             for turn in range(40):
                 number, value = at + chosen.randrange(count), chosen.randrange(0x10000)
                 t.echo(struct.pack(">BHH", 6, number, value), 5, f"write {turn + 1}")
-                _same(t.registers(3, number, 1), [value], f"register {number}, write {turn + 1}")
+                same_values(t.registers(3, number, 1), [value], f"register {number}, write {turn + 1}")
 
 
 def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
@@ -245,10 +247,10 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
     @p.case("BV_05", "FC 5: echo and effect", "FC 5: Echo und Wirkung", clause="V1.1b3, 6.5", condition=("write_coils", "fc5"))
     def single(t: ModbusTester) -> None:
         at = t.setup.coils[0]
-        with _kept(t, 1, at, 1):
+        with kept(t, 1, at, 1):
             for value in (1, 0, 1):
                 t.echo(struct.pack(">BHH", 5, at, 0xFF00 * value), 5, f"FC 5, {'on' if value else 'off'}")
-                _same(t.bits(1, at, 1), [value], f"coil {at}")
+                same_values(t.bits(1, at, 1), [value], f"coil {at}")
 
     @p.case(
         "BV_15",
@@ -259,13 +261,13 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
     )
     def several(t: ModbusTester) -> None:
         at, count = _run(t.setup.coils, 20)
-        with _kept(t, 1, at, count):
+        with kept(t, 1, at, count):
             for size in sorted({1, min(3, count), min(10, count), count}):
                 bits = [1 if (at_bit * 7 + at_bit // 3) % 5 < 2 else 0 for at_bit in range(size)]
                 number = sum(bit << place for place, bit in enumerate(bits))
                 data = number.to_bytes((size + 7) // 8, "little")
                 t.echo(struct.pack(">BHHB", 15, at, size, len(data)) + data, 5, f"FC 15, {size} coils")
-                _same(t.bits(1, at, size), bits, f"{size} coils from {at}")
+                same_values(t.bits(1, at, size), bits, f"{size} coils from {at}")
 
     @p.case(
         "BV_24",
@@ -277,7 +279,7 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
     )
     def own_bit(t: ModbusTester) -> None:
         at, count = _run(t.setup.coils, 11)
-        with _kept(t, 1, at, count):
+        with kept(t, 1, at, count):
             with t.given():
                 write_back(t, 1, at, [1] * count)
             for size in range(1, count + 1):
@@ -290,7 +292,7 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
                     )
             for off in range(count):
                 t.echo(struct.pack(">BHH", 5, at + off, 0), 5, "FC 5")
-                _same(t.bits(1, at, count), [0] * (off + 1) + [1] * (count - off - 1), f"{count} coils after {at + off} went off")
+                same_values(t.bits(1, at, count), [0] * (off + 1) + [1] * (count - off - 1), f"{count} coils after {at + off} went off")
 
 
 def _fill_bits(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
@@ -304,13 +306,13 @@ def _fill_bits(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
     )
     def fill(t: ModbusTester) -> None:
         at, count = _run(t.setup.coils, 16)
-        with _kept(t, 1, at, count):
+        with kept(t, 1, at, count):
             for size in sorted({1, min(3, count), min(9, count)}):
                 with t.given():
                     write_back(t, 1, at, [1] * count)
                 length = (size + 7) // 8
                 t.echo(struct.pack(">BHHB", 15, at, size, length) + bytes(length), 5, f"FC 15, {size} coils")
-                _same(t.bits(1, at, count), [0] * size + [1] * (count - size), f"{count} coils after {size} were written")
+                same_values(t.bits(1, at, count), [0] * size + [1] * (count - size), f"{count} coils after {size} were written")
 
 
 def _tables(p: Purposes[ModbusTester]) -> None:
@@ -319,7 +321,7 @@ def _tables(p: Purposes[ModbusTester]) -> None:
         for name, value in t.setup.known.items():
             kind, _, number = name.partition(":")
             got = t.read(NAMES[kind], int(number), 1)
-            _same(got, [value], name)
+            same_values(got, [value], name)
 
     def apart(number: int, written: int, read: int, what: str, de: str, condition: tuple[str, ...]) -> None:
         @p.case(f"BV_{number}", f"{what} are tables of their own", f"{de} sind eigene Tabellen", clause="V1.1b3, 4.3", condition=condition)
@@ -333,7 +335,7 @@ def _tables(p: Purposes[ModbusTester]) -> None:
             first = t.read(read, at, 1)
             if t.setup.pics.get("mapped"):
                 raise NotApplicable("the PICS declares that these tables overlap")
-            with _kept(t, written, at, 1):
+            with kept(t, written, at, 1):
                 changed = []
                 for value in (0x5AC3, 0xA53C) if written == 3 else (1, 0, 1):
                     with t.given():

@@ -63,6 +63,17 @@ def _basic(p: Purposes[ModbusTester], basic: str) -> None:
         t.ask(b"\x41", judge=True)  # a function that is not offered
         t.setup.odd_exceptions = False
 
+    @p.case(
+        "BI_03",
+        "the answer to a request that is too short is a whole frame, or none",
+        "die Antwort auf eine zu kurze Anfrage ist ein ganzes Telegramm, oder keine",
+        preamble=(basic,),
+        clause="V1.1b3, 7; TCP guide, 3.1.3",
+    )
+    def short(t: ModbusTester) -> None:
+        function = next(iter(t.setup.base), 3)
+        t.ask(struct.pack(">BHH", function, t.setup.base.get(function, 0), 1)[:-1], judge=True)
+
 
 @dataclass(frozen=True, slots=True)
 class Reading:
@@ -83,14 +94,14 @@ class Reading:
         """That one request may read."""
         return 2000 if self.function < 3 else 125
 
-    def case(self, name: str, summary: str, summary_de: str, first: bool = False) -> Callable[[Body], Body]:
+    def case(self, name: str, summary: str, summary_de: str, first: bool = False, more: tuple[str, ...] = ()) -> Callable[[Body], Body]:
         return self.purposes.case(
             name,
             f"FC {self.function}: {summary}",
             f"FC {self.function}: {summary_de}",
             clause=f"V1.1b3, 6.{self.function}",
             condition=(TABLES[self.function],),
-            preamble=(self.basic,) if first else (self.basic, self.one),
+            preamble=(self.basic,) if first else (self.basic, self.one, *more),
             beside=CROSS,
         )
 
@@ -167,6 +178,7 @@ def _misread(reading: Reading) -> None:
         f"BI_{number + 5}",
         "a request that is too short or too long is not taken for another",
         "eine zu kurze oder zu lange Anfrage wird nicht falsch verstanden",
+        more=(reading.basic.replace("BV_01", "BI_03"),),
     )
     def lengths(t: ModbusTester) -> None:
         good = struct.pack(">BHH", function, t.setup.base[function], 1)
@@ -209,6 +221,8 @@ def _other(p: Purposes[ModbusTester], basic: str) -> None:
         t.send(t.frame(b"\x83\x00\x00\x00\x01"))
         found = t.answer_frame()
         pdu = found[1:-2] if t.rtu else found[7:]
+        if pdu == b"\x03\x01":  # 83h + 80h, cut to a byte: meant as a refusal
+            raise Warn("function 83h is refused as function 03h with 01h: bit 7 is added, not set", "83 01", t.words(pdu))
         if pdu and not pdu[0] & 0x80:
             raise Fail("function 83h was executed", "exception 01h, or silence", t.words(pdu))
 
@@ -248,6 +262,7 @@ def _other(p: Purposes[ModbusTester], basic: str) -> None:
 
 def _write_case(p: Purposes[ModbusTester], basic: str) -> Case:
     def case(name: str, function: int, summary: str, de: str) -> Callable[[Body], Body]:
+        short = (basic.replace("BV_01", "BI_03"),) if name in ("BI_60", "BI_80") else ()
         needs = "write_coils" if function in (5, 15) else "write_holding"
         section = {5: 5, 6: 6, 15: 11, 16: 12, 22: 16, 23: 17}[function]
         return p.case(
@@ -256,7 +271,7 @@ def _write_case(p: Purposes[ModbusTester], basic: str) -> Case:
             f"FC {function}: {de}",
             clause=f"V1.1b3, 6.{section}",
             condition=(needs, f"fc{function}"),
-            preamble=(basic,),
+            preamble=(basic, *short),
             beside=CROSS,
         )
 

@@ -1,0 +1,78 @@
+"""A host that is late: what is only seen then is not a FAIL; what is the same each time is one."""
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+
+import pytest
+
+from gateway.conformance.framework.base import Tester
+from gateway.conformance.framework.run import Result, Runner
+from gateway.pure.conformance.purpose import Purpose
+from gateway.pure.conformance.verdict import Fail, Verdict
+from protocols.base.machine import Ns, ms
+
+
+class Late(Tester):
+    """Held up by so much in every case."""
+
+    def __init__(self, late: Ns) -> None:
+        super().__init__()
+        self._late = late
+
+    def late(self) -> Ns:
+        return self._late
+
+
+@dataclass
+class Session:
+    tester: Tester
+    assumed: list[str] = field(default_factory=list)
+
+    def discover(self) -> Mapping[str, object]:
+        return {}
+
+    def self_check(self) -> Mapping[str, object]:
+        return {}
+
+    def begin(self, clean: bool) -> None:
+        """Nothing is to be made idle."""
+
+    def alive(self) -> None:
+        """It is."""
+
+    def now(self) -> Ns:
+        return 0
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+def played(late: Ns, body: Callable[[Tester], None]) -> Result:
+    purpose = Purpose("X_BV_01", "server", "one", "eins", "1", body)
+    (result,) = Runner(Session(Late(late)), [purpose]).run()
+    return result
+
+
+def says(answers: Iterator[str]) -> Callable[[Tester], None]:
+    def body(t: Tester) -> None:
+        said = next(answers)
+        if said:
+            raise Fail(f"said {said}", "nothing", said)
+
+    return body
+
+
+def test_the_same_wrong_answer_in_each_try_is_a_fail_of_the_device() -> None:
+    result = played(ms(30), says(itertools.repeat("0F 00")))
+    assert (result.verdict, result.reason, result.got) == (Verdict.FAIL, "said 0F 00", "0F 00")
+    assert "late in each of 3 tries" in " ".join(result.notes.remarks)
+
+
+@pytest.mark.parametrize(
+    "late, answers, verdict",
+    [(ms(30), ["a", "b", "a"], Verdict.INCONC), (ms(400), ["a", "a", "a"], Verdict.INCONC), (ms(30), ["a", ""], Verdict.PASS)],
+    ids=["each-time-another", "far-too-late", "not-again"],
+)
+def test_what_a_late_host_can_explain_is_none(late: Ns, answers: list[str], verdict: Verdict) -> None:
+    assert played(late, says(iter(answers))).verdict is verdict
