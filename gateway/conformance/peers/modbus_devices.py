@@ -480,7 +480,7 @@ ROWS: tuple[Row, ...] = (
     _tables("next-too", "writes the next register as well", ["CON_BV_18"], NextToo),
     _tables("next-coil", "writes the next coil as well", ["CON_BV_24"], NextCoil),
     _tables("shifted", "longer reads begin one register behind", ["CON_BV_16", "CON_BV_17"], Shifted),
-    _tables("cut", "register numbers of five bits", ["CON_BV_19", "FUN_BV_31"], Cut),
+    _tables("cut", "register numbers of five bits", ["CON_BV_19"], Cut),
     _tables("one-register-table", "input registers are the holding registers", ["CON_BV_30"], OneRegisterTable),
     _tables("one-bit-table", "discrete inputs are the coils", ["CON_BV_31"], OneBitTable),
     _tables("sticky", "a coil stays on", ["CON_BV_05"], Sticky),

@@ -157,7 +157,9 @@ def _other_registers(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
         preamble=first,
     )
     def aliases(t: ModbusTester) -> None:
-        numbers = sorted({*t.setup.holding[:1], *t.setup.holding[-1:], *t.setup.holding[:: max(1, len(t.setup.holding) // 8)]})
+        first_one = t.setup.holding[0]
+        apart = {first_one + (1 << bit) for bit in range(16)} & set(t.setup.holding)  # one bit of the number each
+        numbers = sorted({first_one, *t.setup.holding[-1:], *apart})
         if len(numbers) < 2:
             raise NotApplicable("one register may be written")
         with t.given():
