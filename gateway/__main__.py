@@ -67,7 +67,7 @@ def reason(entry: EntryPoint, missing: ModuleNotFoundError) -> str:
 def overview(known: Mapping[str, EntryPoint]) -> str:
     width = max((len(name) for name in known), default=0)
     lines = [f"  {name:<{width}}  {first_line(entry)}" for name, entry in sorted(known.items())]
-    return "\n".join(["usage: axisgate COMMAND ...   (axisgate COMMAND -h explains it; axisgate --version)", "", *lines])
+    return "\n".join(["usage: axisgate COMMAND ...   (help for a command: axisgate COMMAND -h; axisgate --version)", "", *lines])
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Two PLCs move six emulated drives through axisgate; the emulator, the bus log and the line record judge it."""
+"""Run the demo: two PLCs move six emulated drives; emulator, bus log and line record are the measure."""
 
 import argparse
 import json
@@ -21,7 +21,7 @@ EXAMPLES = """examples:
   axisgate demo                                      on the local bus, P5 = 4 ms
   axisgate demo --seed 7 --keep                      other targets; the records stay for looking at them
   axisgate demo --bus socketcan:vcan0 --p5 20        on a SocketCAN interface
-  axisgate demo --own-time                           on a machine that is taken away too often
+  axisgate demo --own-time                           on a busy virtual machine
 exit code 4: this machine was too slow for a clock of 32 ms, by the bus log
 """
 SLOW_P5 = 10
@@ -39,13 +39,13 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--bus", help="CAN port in place of the local bus, e.g. socketcan:vcan0")
     parser.add_argument("--p5", type=int, help="clock in ms (2..32); default 4, or 10 where real-time priority is refused")
     parser.add_argument("--seed", type=int, default=1, help="of the targets (default 1)")
-    parser.add_argument("--keep", action="store_true", help="keep the records and say where they are")
+    parser.add_argument("--keep", action="store_true", help="keep the records and print their folder")
     parser.add_argument("--records", type=pathlib.Path, help="folder for the records (implies --keep)")
     parser.add_argument("--name", default="demo", help="name of the run for `axisgate var` (default demo)")
     parser.add_argument("--modbus-port", type=int, help="TCP port of PLC 2's server (default: the cell's, or a free one)")
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     parser.add_argument(
-        "--own-time", action="store_true", help="in a guest with a clock of its own, which nothing makes late (make kernel)"
+        "--own-time", action="store_true", help="run in a guest with its own clock, which a busy machine cannot make late (make kernel)"
     )
     arguments = parser.parse_args(argv)
     if arguments.own_time:

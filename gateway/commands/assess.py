@@ -1,4 +1,4 @@
-"""`axisgate assess`: ten questions, then whether axisgate can take the old control's place: yes, no, or with what."""
+"""Assess whether axisgate can replace a controller: ten questions, then yes, no or conditions, with reasons."""
 
 import argparse
 import dataclasses
@@ -27,7 +27,7 @@ def main(argv: list[str]) -> int:
     parser = argparse.ArgumentParser(
         "axisgate assess", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--answer", metavar="KEY=VALUE", action="append", default=[], help="answers a question beforehand")
+    parser.add_argument("--answer", metavar="KEY=VALUE", action="append", default=[], help="answer a question in advance")
     parser.add_argument("--html", metavar="FILE", type=pathlib.Path, help="the answers as a page to print")
     parser.add_argument("--json", action="store_true", help="verdict and reasons as JSON")
     parser.add_argument("--language", choices=LANGUAGES, help="of questions, table and page (default: the system's)")

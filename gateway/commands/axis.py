@@ -1,4 +1,4 @@
-"""One axis: try it for the first time (2 mm at 5 % speed and 20 % torque, both ways), or write down where its zero is."""
+"""Try one axis for the first time (2 mm at 5 % speed and 20 % torque, both directions), or set its zero position."""
 
 import argparse
 import json
@@ -16,7 +16,7 @@ from gateway.tools.drives.first_enable import percent
 
 EXAMPLES = """examples:
   axisgate axis try cell.toml X                     on the running cell: pre-checks, then both ways
-  axisgate axis try demo-402 A1 --sim               the same without metal
+  axisgate axis try demo-402 A1 --sim               the same on emulated drives
   axisgate axis zero cell.toml Z --at 0 --who "A. Fitter"    set the present position to 0.0 and record it
 """
 TORQUE_LIMIT = 0x6072  # max torque, 0.1 % of rated
@@ -29,7 +29,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("what", choices=("try", "zero"))
     parser.add_argument("cell", help="cell file, or the name of a shipped one")
     parser.add_argument("axis", help="name of the axis")
-    parser.add_argument("--name", help="name of the run, when it is not the file's")
+    parser.add_argument("--name", help="name of the run, if it differs from the file")
     parser.add_argument("--sim", action="store_true", help="run the cell under simulation for this")
     parser.add_argument("--at", type=float, default=0.0, help="zero: new value of the present position (default 0)")
     parser.add_argument("--who", default="", help="zero: your name, for the history")

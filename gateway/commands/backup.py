@@ -1,4 +1,4 @@
-"""Save a cell in one file: the cell file, the tables and DAT files it names, its retained data; a running gateway goes on."""
+"""Save a cell in one file: the cell file, the tables and DAT files it names, its retained data. A running gateway continues."""
 
 import argparse
 import json

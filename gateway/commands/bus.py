@@ -1,15 +1,15 @@
-"""Tools at a CAN bus: load before running, monitor, log, replay, and analysis of recordings of an old control."""
+"""Tools for CAN buses: compute the load, monitor, log, replay, send, analyse recordings of an old controller."""
 
 import importlib
 import sys
 
 TOOLS = {  # name: module with main(argv) -> exit code, what it does
-    "load": ("gateway.tools.bus.load", "does this cell fit its cycle, and what did a recorded bus carry"),
-    "monitor": ("gateway.tools.bus.monitor", "frames of a live bus, decoded"),
-    "log": ("gateway.tools.bus.log", "a live bus into a file: candump, ASC, BLF, TRC, pcapng"),
-    "replay": ("gateway.tools.bus.replay", "a recorded bus again, at its own pace"),
-    "send": ("gateway.tools.bus.send", "one frame, NMT command, PDO or SDO from the shell"),
-    "infer": ("gateway.tools.bus.infer", "layout of an unknown drive bus out of a recording"),
+    "load": ("gateway.tools.bus.load", "compute the load of a cell, or of a recorded bus"),
+    "monitor": ("gateway.tools.bus.monitor", "show frames of a live bus, decoded"),
+    "log": ("gateway.tools.bus.log", "write a live bus to a file: candump, ASC, BLF, TRC, pcapng"),
+    "replay": ("gateway.tools.bus.replay", "send a recorded bus again, at its original pace"),
+    "send": ("gateway.tools.bus.send", "send one frame, NMT command, PDO or SDO"),
+    "infer": ("gateway.tools.bus.infer", "infer the layout of an unknown drive bus from a recording"),
 }
 EXAMPLES = """examples:
   axisgate bus load demo.toml                       before running: us of the cycle, per cent, shortest cycle

@@ -1,4 +1,4 @@
-"""`axisgate check CELL`: everything that is wrong with a cell file in one run, and what is worth knowing about it."""
+"""Check a cell file: reports all errors, warnings and notes in one run."""
 
 import argparse
 import dataclasses

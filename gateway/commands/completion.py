@@ -1,4 +1,4 @@
-"""Completion of commands, options and cells for bash, zsh or fish: prints the script."""
+"""Print a completion script for bash, zsh or fish: commands, options and cells."""
 
 import argparse
 from importlib.metadata import entry_points

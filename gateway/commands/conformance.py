@@ -1,4 +1,4 @@
-"""Conformance testing of a device: 3964R, RK512, Modbus, CANopen, CiA 402; verdicts with reasons, times, traces and a report."""
+"""Test the conformance of a device: 3964R, RK512, Modbus, CANopen, CiA 402; verdicts with reasons, times, traces and a report."""
 
 import argparse
 import pathlib

@@ -1,4 +1,4 @@
-"""A debug adapter for BAPS2 and ROBOTstar programs: breakpoints, single step and variables in an editor, in virtual time."""
+"""Debug adapter for BAPS2 and ROBOTstar programs: breakpoints, single step and variables in an editor, in virtual time."""
 
 import argparse
 import socket

@@ -1,4 +1,4 @@
-"""`axisgate doctor`: checks permissions and real-time settings of this machine, each with its remedy."""
+"""Check permissions and real-time settings of this machine; each finding has its remedy."""
 
 import argparse
 import dataclasses

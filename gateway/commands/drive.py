@@ -1,4 +1,4 @@
-"""Drives on their bus: who is there (scan), one started up and its identity pinned (commission), how they stop when we die (loss-test)."""
+"""Find drives on a bus (scan), start one and pin its identity (commission), measure how they stop at bus loss (loss-test)."""
 
 import argparse
 import datetime
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 EXAMPLES = """examples:
   axisgate drive scan socketcan:can0                 nodes 1..127 with identity; listens first, writes nothing
   axisgate drive commission cell.toml X              start-up of one drive as the cell would do it, and the line that pins it
-  axisgate drive commission demo-402 A2 --sim        the same without metal, on emulated drives
+  axisgate drive commission demo-402 A2 --sim        the same on emulated drives
   axisgate drive commission cell.toml X --mode pp --way 2    and then 2 mm (or deg) in profile position; also pv, hm, ip
-  axisgate drive loss-test demo-402                  stop time and way when SYNC, heartbeat or the gateway is lost (emulated drives)
+  axisgate drive loss-test demo-402                  stop time and distance when SYNC, heartbeat or the gateway is lost (emulated drives)
   axisgate drive loss-test cell.toml --running       the cell that runs: its cycle ends in a move; measures, writes last_stop_test
 """
 LOCAL = "broker:"  # a bus of this machine: no metal behind it
@@ -40,14 +40,14 @@ def main(argv: list[str]) -> int:
     parser.add_argument("place", help="the cell, or its name; scan also takes a CAN port (socketcan:can0, broker:NAME)")
     parser.add_argument("axis", nargs="?", help="commission: name of the axis")
     parser.add_argument("--port", help="scan, commission: CAN port in place of the cell's")
-    parser.add_argument("--beside", action="store_true", help="scan: also where another master is heard on the bus")
-    parser.add_argument("--sim", action="store_true", help="commission: emulated drives on a bus of their own, no metal")
+    parser.add_argument("--beside", action="store_true", help="scan: also if another master is on the bus")
+    parser.add_argument("--sim", action="store_true", help="commission: emulated drives on a separate bus, no hardware")
     parser.add_argument("--mode", choices=("pp", "pv", "hm", "ip"), help="commission: move once by SDO in this mode, at first_enable speed")
     parser.add_argument("--way", type=float, help="commission --mode: way in the axis' unit (default: first_enable travel)")
     parser.add_argument("--lose", choices=("gateway", "sync", "heartbeat"), action="append", help="loss-test: only this (default: all)")
     parser.add_argument("--speed", type=float, default=50.0, help="loss-test: %% of the axes' speed (default %(default)s)")
-    parser.add_argument("--running", action="store_true", help="loss-test: the cell that runs, its real drives move; only --lose gateway")
-    parser.add_argument("--name", help="loss-test --running: name of the run, when it is not the file's")
+    parser.add_argument("--running", action="store_true", help="loss-test: use the running cell; its real drives move; only --lose gateway")
+    parser.add_argument("--name", help="loss-test --running: name of the run, if it differs from the file")
     parser.add_argument("--p5", type=int, help="loss-test: clock in ms in place of the cell's")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path(), help="loss-test: folder for JSON and HTML")
     parser.add_argument("--json", action="store_true")

@@ -1,4 +1,4 @@
-"""Emulate the drives of a cell on a CAN bus, for a gateway (or a real controller) somewhere else on that bus."""
+"""Emulate the drives of a cell on a CAN bus, for a gateway or a real controller elsewhere on that bus."""
 
 import argparse
 import pathlib

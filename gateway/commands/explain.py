@@ -1,4 +1,4 @@
-"""`axisgate explain KEY`: a value of a cell with unit and source, a P number, a word, an address, an error, or a decision."""
+"""Explain a key of a cell (value, unit, source), a P number, a word, an address, an error or a decision."""
 
 import argparse
 import dataclasses

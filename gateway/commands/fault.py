@@ -1,4 +1,4 @@
-"""Order a fault of emulated drives or of their frames while a cell runs, or see what they do.  Emulated drives only."""
+"""Inject a fault into emulated drives or their frames while a cell runs, or show the state of every drive. Emulated drives only."""
 
 import argparse
 import json
@@ -24,7 +24,7 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("what", help="fault, or state")
     parser.add_argument("arguments", nargs="*", metavar="KEY=VALUE", help="numbers, true, false or a word")
-    parser.add_argument("--emulator", help="which one, when several run")
+    parser.add_argument("--emulator", help="name of the emulator, if several run")
     arguments = parser.parse_args(argv)
     try:
         values = dict(pair(text) for text in arguments.arguments)

@@ -1,4 +1,4 @@
-"""Old data becomes a cell file: `axisgate import p-list FILE` reads the printed machine-parameter list of a rho 3."""
+"""Import old data into a cell file: `axisgate import p-list FILE` reads the printed machine-parameter list of a rho 3."""
 
 import argparse
 import dataclasses

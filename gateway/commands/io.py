@@ -1,4 +1,4 @@
-"""Contacts of a running cell: what they show, and a walk along all of them with a question each."""
+"""List the contacts of a running cell, or test them one by one with a question for each."""
 
 import argparse
 import json
@@ -56,9 +56,9 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("what", choices=("list", "test"))
     parser.add_argument("cell")
-    parser.add_argument("--name", help="of the run, when it is not the cell's")
-    parser.add_argument("--only", action="append", default=[], metavar="CONTACT", help="may stand several times")
-    parser.add_argument("--yes", action="store_true", help="ask no questions; the device's confirmation counts")
+    parser.add_argument("--name", help="name of the run, if it differs from the cell")
+    parser.add_argument("--only", action="append", default=[], metavar="CONTACT", help="can be given several times")
+    parser.add_argument("--yes", action="store_true", help="ask no questions; use the confirmation of the device")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args(argv)
     cell = load(arguments.cell)

@@ -1,4 +1,4 @@
-"""Draft of a cell out of what was heard: `axisgate learn line TRACE`, or live `--tap A,B` (the same as `axisgate line learn`)."""
+"""Draft a cell from a recording, `axisgate learn line TRACE`, or from a live line, `--tap A,B` (same as `axisgate line learn`)."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""Tools at a 3964R line: probe a station, diagnose a line, send and fetch data words, monitor, learn a cell from a recording."""
+"""Tools for 3964R lines: test a station, diagnose a line, send and fetch data words, monitor, learn a cell from a recording."""
 
 import argparse
 import contextlib

@@ -1,4 +1,4 @@
-"""A language server for programs of the old controls: faults while typing, outline, hover, definition."""
+"""Language server for programs of the old controllers: errors while typing, outline, hover, definition."""
 
 import argparse
 import logging

@@ -9,7 +9,7 @@ from gateway.tools.address_map import SHEETS
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, load
 
 EXAMPLES = """examples:
-  axisgate map demo --modbus                                all registers with both ways of counting
+  axisgate map demo --modbus                                all registers, counted from 0 and from 1
   axisgate map cell.toml --db --format csv -o blocks.csv    for a spreadsheet: semicolon, decimal comma
   axisgate map cell.toml --wiring --signals --format html -o map.html    prints on A4
 exit code: 0 printed, 1 the cell has none of it, 2 cell invalid, 3 the file cannot be written"""

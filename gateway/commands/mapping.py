@@ -1,4 +1,4 @@
-"""Mapping tables between a cell and the tools of the PLC side: CSV (semicolon, decimal comma), XLSX, the assignment list Z0.SEQ."""
+"""Convert mapping tables between a cell and PLC tools: CSV (semicolon, decimal comma), XLSX, the assignment list Z0.SEQ."""
 
 import argparse
 import pathlib

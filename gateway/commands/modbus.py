@@ -1,4 +1,4 @@
-"""Tools at a Modbus TCP server: probe it with raw requests, find a value in its registers."""
+"""Test a Modbus TCP server with raw requests, or find a value in its registers."""
 
 import argparse
 import dataclasses
@@ -25,7 +25,10 @@ def main(argv: list[str]) -> int:
     )
     tools = parser.add_subparsers(dest="tool", required=True)
     tool = tools.add_parser(
-        "probe", help="raw requests, or --find VALUE", epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+        "probe",
+        help="send raw requests, or find a value with --find VALUE",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     tool.add_argument("server", help="host or host:port (port 502 unless given)")
     tool.add_argument("--unit", type=int, default=1, help="unit id to ask (default 1)")

@@ -1,4 +1,4 @@
-"""A running cell in the terminal: axes, signals, lines, errors, live; or the pendant of the old control."""
+"""Show a running cell in the terminal: axes, signals, lines and errors live, or the pendant of the old controller."""
 
 import argparse
 import asyncio

@@ -1,4 +1,4 @@
-"""Motion programs: where one leaves reach or limits (check), what it does (plot), before anything moves; and a run of one (run)."""
+"""Check a motion program (check), plot its path and loads (plot), or run it in a cell (run, stream)."""
 
 import argparse
 import json
@@ -39,12 +39,12 @@ from motion.robot import Installation
 from motion.sync.facts import BeltFacts
 
 EXAMPLES = """examples:
-  axisgate motion check arm-u-cycle                         every block that cannot be run, with number, line and axis
+  axisgate motion check arm-u-cycle                         every block that cannot be executed, with number, line and axis
   axisgate motion plot scara-pick-and-place                 writes scara-pick-and-place.html: path, speeds, loads, corners
   axisgate motion check mine.txt --robot tx60-like --json   another robot than the program names; findings as JSON
   axisgate motion plot pick.txt --cell portal --belt-speed 150   in a cell: its limits, blocks on its belts at 150 mm/s
   axisgate motion run scara 1 --sim                         program 1 of a cell, on its emulated drives (motion run -h)
-  axisgate motion stream scara moves.txt --sim              statements that move as they come (motion stream -h)
+  axisgate motion stream scara moves.txt --sim              statements that move as they arrive (motion stream -h)
 PROGRAM is a file, or the name of a shipped one (configs/programs); the text form is described in docs/guide/motion-programs.md.
 exit code: 0 can be run, 1 a finding, 2 the program, its text or the robot is invalid"""
 
@@ -57,8 +57,8 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("what", choices=["check", "plot"])
     parser.add_argument("program", metavar="PROGRAM")
-    parser.add_argument("--robot", metavar="ROBOT", help="robot file, or the name of a shipped one; default: the one the program names")
-    parser.add_argument("--cell", metavar="CELL", help="its robot, with the limits of its axes, and its belts")
+    parser.add_argument("--robot", metavar="ROBOT", help="robot file, or the name of a shipped one (default: named in the program)")
+    parser.add_argument("--cell", metavar="CELL", help="cell with the robot, the limits of its axes, and its belts")
     parser.add_argument("--belt-speed", metavar="SPEED", type=float, help="plot: mm/s or deg/s of every belt (default: P508 of each)")
     parser.add_argument("--out", metavar="FILE", help="plot: the page to write (default: NAME.html here)")
     parser.add_argument("--json", action="store_true", help="findings and figures as JSON on standard output")

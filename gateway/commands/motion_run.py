@@ -31,7 +31,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--ready", action="store_true", help="drives on and reference run first (a simulation does it anyway)")
     parser.add_argument("--speed", type=float, default=100.0, metavar="PERCENT", help="of the programmed speeds (default 100)")
     parser.add_argument("--accel", type=float, default=100.0, metavar="PERCENT", help="of the programmed accelerations (default 100)")
-    parser.add_argument("--name", help="name of the run, when it is not the file's")
+    parser.add_argument("--name", help="name of the run, if it differs from the file")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args(argv)
     cell = load(options.cell)

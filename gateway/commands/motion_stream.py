@@ -37,7 +37,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--sim", action="store_true", help="run the cell under simulation for this")
     parser.add_argument("--ready", action="store_true", help="drives on and reference run first (a simulation does it anyway)")
     parser.add_argument("--robot", type=int, default=1, metavar="N", help="which robot of the cell, from 1 (default 1)")
-    parser.add_argument("--name", help="name of the run, when it is not the file's")
+    parser.add_argument("--name", help="name of the run, if it differs from the file")
     parser.add_argument("--json", action="store_true", help="each answer as a line of JSON")
     options = parser.parse_args(argv)
     cell = load(options.cell)

@@ -1,4 +1,4 @@
-"""`axisgate new --from KIND FILE`: a commented cell file out of a few questions; it passes check and plays under run --sim."""
+"""Write a commented cell file from a few questions; it passes check and runs with run --sim."""
 
 import argparse
 import contextlib
@@ -24,9 +24,9 @@ def main(argv: list[str]) -> int:
         "axisgate new", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("file", metavar="FILE", type=pathlib.Path, help="cell file to write; never overwritten")
-    parser.add_argument("--from", dest="kind", choices=tuple(QUESTIONS), required=True, help="the control that is there today")
-    parser.add_argument("--answer", metavar="KEY=VALUE", action="append", default=[], help="answers a question beforehand")
-    parser.add_argument("--defaults", action="store_true", help="no questions: defaults where no --answer is given")
+    parser.add_argument("--from", dest="kind", choices=tuple(QUESTIONS), required=True, help="the controller that is installed today")
+    parser.add_argument("--answer", metavar="KEY=VALUE", action="append", default=[], help="answer a question in advance")
+    parser.add_argument("--defaults", action="store_true", help="ask no questions; use the defaults, except for --answer")
     parser.add_argument("--language", choices=LANGUAGES, help="of the cell; else the system's")
     parser.add_argument("--json", action="store_true", help="file and answers as JSON")
     options = parser.parse_args(argv)

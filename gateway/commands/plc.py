@@ -82,7 +82,7 @@ def parser() -> argparse.ArgumentParser:
     others = [actions.add_parser(word, help=text) for word, text in IN_CELLS.items()]
     for each in others:
         each.add_argument("cell", metavar="CELL", help="cell file of the run, or its name")
-        each.add_argument("--name", help="name of the run, when it is not the file's")
+        each.add_argument("--name", help="name of the run, if it differs from the file")
     others[1].add_argument("program", nargs="?", default="", metavar="PROGRAM", help="start program (default: that of the cell)")
     others[4].add_argument("program", metavar="PROGRAM", help="a program that runs")
     others[5].add_argument("operand", metavar="MARKER", help="M10.0 (bit), M10 (byte), MD10 (double word)")

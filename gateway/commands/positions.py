@@ -24,7 +24,7 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("cell", help="cell file, or the name of a shipped one")
     parser.add_argument("--go", action="store_true", help="drive there instead of asking")
-    parser.add_argument("--name", help="name of the run, when it is not the file's")
+    parser.add_argument("--name", help="name of the run, if it differs from the file")
     parser.add_argument("--sim", action="store_true", help="run the cell under simulation for this")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args(argv)

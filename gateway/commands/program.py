@@ -1,4 +1,4 @@
-"""`axisgate program`: programs of the rho 3 (BAPS2) checked, run dry in virtual time, listed; run, started and stopped in a cell."""
+"""Check, list and dry-run programs of the rho 3 (BAPS2) in virtual time; run, start and stop them in a cell."""
 
 import argparse
 import json
@@ -21,7 +21,7 @@ EXAMPLES = """examples:
   axisgate program trace memory QUICKST --feed feed.toml --json  what the program does, event by event, in virtual time
   axisgate program list memory                                   all programs of a memory folder
   axisgate program points memory PICK                            points as the PKT file has them
-  axisgate program run palletiser PALLET --sim                   in a cell that is simulated for it: drives on, program, drives off
+  axisgate program run palletiser PALLET --sim                   in a simulated cell: drives on, program, drives off
   axisgate program run cell.toml PALLET                          in the running cell, until it is over; Ctrl-C stops it
   axisgate program start cell.toml PALLET                        as the panel does: it moves if the PLC has control
   axisgate program stop cell.toml PALLET

@@ -35,7 +35,7 @@ def add_to(tools: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         if word == "run":
             parser.add_argument("--sim", action="store_true", help="run the cell under simulation for this")
             parser.add_argument("--ready", action="store_true", help="drives on and reference run first (a simulation does it anyway)")
-        parser.add_argument("--name", help="name of the run, when it is not the file's")
+        parser.add_argument("--name", help="name of the run, if it differs from the file")
         parser.add_argument("--json", action="store_true")
 
 

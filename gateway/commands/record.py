@@ -1,4 +1,4 @@
-"""`axisgate record`: every input of a running cell into a file, for `axisgate replay`."""
+"""Record every input of a running cell to a file for `axisgate replay`."""
 
 import argparse
 import json
@@ -31,7 +31,7 @@ def main(argv: list[str]) -> int:
         "axisgate record", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("cell", metavar="CELL", nargs="?", help="cell file, or the name of a shipped one")
-    parser.add_argument("--slug", metavar="NAME", help="name of the run, when it is not the file's")
+    parser.add_argument("--slug", metavar="NAME", help="name of the run, if it differs from the file")
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True, metavar="FILE")
     parser.add_argument("--for", dest="seconds", type=float, metavar="S", help="seconds (default: until Ctrl-C)")
     parser.add_argument("--json", action="store_true", help="what was kept as JSON")

@@ -1,4 +1,4 @@
-"""Start processes of a run again that stay down after too many deaths, once the cause is removed."""
+"""Restart processes of a run that stay down after too many failures, once the cause is removed."""
 
 import argparse
 import sys

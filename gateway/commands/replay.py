@@ -1,4 +1,4 @@
-"""`axisgate replay`: a recording played on the core in virtual time; what would come out now, compared with what came out then."""
+"""Replay a recording on the core in virtual time and compare the outputs with the recorded ones."""
 
 import argparse
 import json

@@ -1,4 +1,4 @@
-"""Restore a backup: its files are checked before anything is changed; present files are kept beside."""
+"""Restore a backup: its files are checked before anything is changed; existing files are kept beside."""
 
 import argparse
 import json

@@ -1,4 +1,4 @@
-"""Run a cell: drives on the bus, PLCs on their lines (--sim: all simulated; --shadow: beside the old control, only listening)."""
+"""Run a cell: drives on the bus, PLCs on their lines (--sim: all simulated; --shadow: listen beside the old controller)."""
 
 import argparse
 import errno
@@ -24,7 +24,7 @@ from gateway.tools.drives.first_enable import TEXT, confirm, needed
 
 EXAMPLES = """examples:
   axisgate run demo --sim                       the demo's cell, everything simulated
-  axisgate run cell.toml --sim --web 8480       your cell without metal, with its page on http://127.0.0.1:8480
+  axisgate run cell.toml --sim --web 8480       your cell without hardware, with its page on http://127.0.0.1:8480
   axisgate run cell.toml                        your cell on its real ports
   axisgate run cell.toml --shadow --tap plc=/dev/ttyUSB0,/dev/ttyUSB1 --bus socketcan:can0
   axisgate run cell.toml --shadow --tap plc2=/run/user/1000/plc2.pcap,10.0.0.7:502 --bus socketcan:can0 --tolerance 0.5
@@ -41,8 +41,8 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("cell", help="cell file, or the name of a shipped one")
     parser.add_argument("--sim", action="store_true", help="simulate drives, bus and serial lines")
-    parser.add_argument("--bus", help="CAN port in place of the cell's, e.g. socketcan:vcan0")
-    parser.add_argument("--p5", type=int, help="clock in ms (2..32) in place of the cell's")
+    parser.add_argument("--bus", help="CAN port instead of the one in the cell, e.g. socketcan:vcan0")
+    parser.add_argument("--p5", type=int, help="cycle in ms (2..32) instead of the one in the cell")
     parser.add_argument("--modbus-port", type=int, help="TCP port in place of the cell's")
     parser.add_argument("--web", type=int, metavar="PORT", help="serve the page on this TCP port (default: [web] of the cell)")
     parser.add_argument("--name", help="name of this run for `axisgate var` (default: the file's)")

@@ -1,4 +1,4 @@
-"""`axisgate scope`: any values at the rate of the cycle: record with trigger, reopen, export, draw."""
+"""Record any values at the rate of the cycle with a trigger; reopen, export, draw."""
 
 import argparse
 import contextlib
@@ -66,7 +66,7 @@ def _record_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pre", type=float, default=0.0, metavar="S", help="kept from before the trigger")
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True, metavar="FILE")
     parser.add_argument("--sim", action="store_true", help="run the cell under simulation for this")
-    parser.add_argument("--name", help="name of the run, when it is not the file's")
+    parser.add_argument("--name", help="name of the run, if it differs from the file")
     parser.add_argument("--json", action="store_true", help="what was kept as JSON")
 
 

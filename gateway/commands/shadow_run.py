@@ -20,8 +20,10 @@ OPTIONS = ("tap", "seconds", "report", "tolerance")
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Those of a shadow."""
-    group = parser.add_argument_group("shadow", "beside a working old control: listens on taps, sends nothing, compares")
-    group.add_argument("--shadow", action="store_true", help="compare our status with the old control's; no output is opened")
+    group = parser.add_argument_group("shadow", "beside a working old controller: listens on taps, sends nothing, compares")
+    group.add_argument(
+        "--shadow", action="store_true", help="compare axisgate's status with that of the old controller; no output is opened"
+    )
     group.add_argument(
         "--tap",
         action="append",
@@ -34,9 +36,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--tolerance",
         type=float,
         metavar="UNITS",
-        help="positions so near are equal, mm or deg (default: following_error.warn of each axis)",
+        help="largest difference of equal positions, mm or deg (default: following_error.warn of each axis)",
     )
-    group.add_argument("--seconds", type=float, help="end the shadow after so long (default: Ctrl-C)")
+    group.add_argument("--seconds", type=float, help="end after this time (default: Ctrl-C)")
     group.add_argument("--report", metavar="NAME", help="write NAME.txt, NAME.json, NAME.html (default: shadow-RUN)")
 
 

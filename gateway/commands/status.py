@@ -1,4 +1,4 @@
-"""Show the processes of a run: state, restarts, signs of life, and what keeps one down."""
+"""Show the processes of a run: state, restarts, life counters, and why a process is down."""
 
 import argparse
 import json
@@ -7,7 +7,7 @@ from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING
 from gateway.tools.runs import Row, alarms, chosen, processes, runs
 
 EXAMPLES = """examples:
-  axisgate status                   the run that is up on this computer
+  axisgate status                   the run that is active on this computer
   axisgate status hall3             this one
   axisgate status hall3 --json      for scripts
 exit code: 0 everything is up, 1 a process is not up or an alarm is pending, 3 no such run"""

@@ -1,4 +1,4 @@
-"""Stop a run in order, as Ctrl-C at its terminal does: every process ends, drives that are on stop by their own supervision."""
+"""Stop a run in order, as Ctrl-C does: every process ends; drives that are on stop by their own supervision."""
 
 import argparse
 import sys
@@ -9,7 +9,7 @@ from gateway.tools.runs import asked, chosen, ended
 
 ENDS_S = 30.0
 EXAMPLES = """examples:
-  axisgate stop                     the run that is up on this computer
+  axisgate stop                     the run that is active on this computer
   axisgate stop hall3               this one
   axisgate stop hall3 && axisgate run hall3.toml    a fresh start
 exit code: 0 it has ended, 1 it is still ending after 30 s, 3 no such run"""

@@ -1,4 +1,4 @@
-"""VAL 3 applications: check their files and programs, run them in virtual time, make a cell of a flash card."""
+"""VAL 3 applications: check files and programs, run them in virtual time, make a cell from a flash card."""
 
 import argparse
 import json

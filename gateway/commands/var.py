@@ -24,7 +24,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("address", nargs="?", help="address or name; without one: all names")
     parser.add_argument("--set", dest="value", help="number to write (DW -32768..65535, bit 0 or 1)")
     parser.add_argument("--watch", action="store_true", help="print again whenever it changes")
-    parser.add_argument("--name", help="which run, when several are up")
+    parser.add_argument("--name", help="name of the run, if several are active")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args(argv)
     up = runs_up()

@@ -1,4 +1,4 @@
-"""Users of the page without a browser: add, remove, list, change a password; in the file the page itself uses."""
+"""Manage users of the page without a browser: add, remove, list, change a password."""
 
 import argparse
 import getpass

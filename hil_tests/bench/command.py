@@ -1,4 +1,4 @@
-"""Measure: cycle, 3964r, emulator, drives, planner, motion, lanes, modbus, route, web, program, robotstar, val3, conformance, or all.
+"""Benchmarks: cycle, 3964r, emulator, drives, planner, motion, lanes, modbus, route, web, program, robotstar, val3, conformance, or all.
 
 all rewrites docs/benchmarks.md.
 """

@@ -10,7 +10,7 @@ from protocols.p3964r.profiles import PROFILES
 Run = Callable[[argparse.Namespace], int]
 PORTS = "/dev/ttyUSB0, COM5, tcp://host:port, rfc2217://host:port, pty:/path, line:RUN-LINE (simulated run), sim:NAME[,PROFILE[,high|low]]"
 EXAMPLES = """examples:
-  axisgate line probe sim:bad-partner                          a look at a report that has FAILs
+  axisgate line probe sim:bad-partner                          shows a report that contains FAILs
   axisgate line fetch /dev/ttyUSB0 DB11.DW0 --count 8 --type KF
   axisgate line monitor --tap /dev/ttyUSB0,/dev/ttyUSB1        listens to both wires, never sends
   axisgate line export line.rec -o line.pcapng                 for Wireshark (axisgate line export -h)
@@ -55,12 +55,12 @@ def parser(what: str | None, tools_run: Mapping[str, Run]) -> argparse.ArgumentP
     """All six tools; `what`: what the command is, `tools_run`: what each of them runs."""
     top = argparse.ArgumentParser("axisgate line", description=what, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter)
     tools = top.add_subparsers(dest="tool", required=True, metavar="TOOL")
-    _probe_arguments(_tool(tools, "probe", "test a station against the whole list", PROBE_EXAMPLES, tools_run["probe"]))
-    _diagnose_arguments(_tool(tools, "diagnose", "what is wrong with this line, in words", DIAGNOSE_EXAMPLES, tools_run["diagnose"]))
+    _probe_arguments(_tool(tools, "probe", "run the whole test list against a station", PROBE_EXAMPLES, tools_run["probe"]))
+    _diagnose_arguments(_tool(tools, "diagnose", "find the fault of a line and its remedy", DIAGNOSE_EXAMPLES, tools_run["diagnose"]))
     _send_arguments(_tool(tools, "send", "write data words of a passive RK512 station", SEND_EXAMPLES, tools_run["send"]))
     _fetch_arguments(_tool(tools, "fetch", "read data words of a passive RK512 station", FETCH_EXAMPLES, tools_run["fetch"]))
     _monitor_arguments(_tool(tools, "monitor", "show a line decoded; never sends", MONITOR_EXAMPLES, tools_run["monitor"]))
-    _learn_arguments(_tool(tools, "learn", "draft of a cell out of a recorded or living line", LEARN_EXAMPLES, tools_run["learn"]))
+    _learn_arguments(_tool(tools, "learn", "draft a cell from a recorded or live line", LEARN_EXAMPLES, tools_run["learn"]))
     return top
 
 
