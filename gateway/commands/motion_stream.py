@@ -23,9 +23,13 @@ EXAMPLES = """examples:
   axisgate motion stream scara moves.txt --sim      statements of a file, all emulated
   axisgate motion stream cell.toml                  statements as they are typed; an empty line: run to the last target
   axisgate motion stream cell.toml - --robot 2      of the second robot of the cell
+a line that begins with ! is an order: !hold, !go, !retrace (back along the path until !hold), !flush (rest on the path, drop what waits),
+!cut N (drop what is behind block N), !single (each block waits for !step; !run ends it), !end (done where the axes are)
 Ctrl-C, or the end of this command, stops on the path and drops the rest.
 exit code: 0 done, 1 refused or ended early, 2 unknown cell or file, 3 no such run"""
 POLL_S = 0.02
+WAITING = 256  # blocks of a file that are said ahead
+ORDERS: dict[str, Row] = {"run": {"do": "single", "on": False}, "end": {"do": "end_here"}}  # where the word is not the request's
 
 
 def main(argv: list[str]) -> int:
@@ -89,6 +93,10 @@ def _play(client: ToolClient, cell: Cell, mask: int, source: TextIO, options: ar
             answer = _told(client, answer, source, options)
         except KeyboardInterrupt:
             answer = stopped(client, answer)
+        except ToolError:
+            with contextlib.suppress(ToolError):
+                stopped(client, answer)
+            raise
     finally:
         with contextlib.suppress(ToolError):
             if options.sim:
@@ -101,19 +109,45 @@ def _play(client: ToolClient, cell: Cell, mask: int, source: TextIO, options: ar
 
 def _told(client: ToolClient, answer: Row, source: TextIO, options: argparse.Namespace) -> Row:
     """Until the stream has an outcome; what happens to its blocks is printed."""
-    job, shown, over = answer.get("job"), (0, 0), False
+    job, shown, over, words = answer.get("job"), (0, 0), False, answer.get("told")
     typed = source is sys.stdin
     while answer["open"]:
-        if not over and (not typed or select.select([source], (), (), POLL_S)[0]):
+        room = int(str(answer["said"])) - int(str(answer["passed"])) < WAITING
+        if not over and (room or typed) and (not typed or select.select([source], (), (), POLL_S)[0]):
             text = source.readline()
             over = text == ""
-            then = "end" if over else "" if text.strip() else "finish"
-            answer = client.ask("stream", do="say", job=job, lines=[text.strip()] if text.strip() else [], then=then)
+            answer = _said_or_ordered(client, answer, text, typed=typed)
         else:
             time.sleep(POLL_S)
             answer = client.ask("stream", do="look", job=job)
         shown = _show(answer, shown, as_json=options.json)
+        if answer["told"] not in ("", words):
+            print(answer["told"], file=sys.stderr)
+        words = answer["told"]
     return answer
+
+
+def _said_or_ordered(client: ToolClient, answer: Row, text: str, *, typed: bool) -> Row:
+    """A line of the source: a statement, or an order to the stream.  What is refused of typed lines is printed, and the stream goes on."""
+    line, job = text.strip(), answer["job"]
+    try:
+        if line.startswith("!"):
+            return _ordered(client, job, line[1:].split())
+        then = "end" if text == "" else "" if line else "finish"
+        return client.ask("stream", do="say", job=job, lines=[line] if line else [], then=then)
+    except ToolError as error:
+        if not typed or text == "":
+            raise
+        print(error, file=sys.stderr)
+        return client.ask("stream", do="look", job=job)
+
+
+def _ordered(client: ToolClient, job: object, words: list[str]) -> Row:
+    what, *rest = words or [""]
+    if len(rest) > (what == "cut") or (what == "cut" and not (rest and rest[0].isdigit())):
+        raise ToolError(f"!{' '.join(words)}: {'!cut and the number of a block' if what == 'cut' else 'nothing follows the order'}")
+    request = {"do": what, **ORDERS.get(what, {}), **({"block": int(rest[0])} if rest else {})}
+    return client.ask("stream", job=job, **request)
 
 
 def _show(answer: Row, shown: tuple[int, int], *, as_json: bool) -> tuple[int, int]:
@@ -122,7 +156,7 @@ def _show(answer: Row, shown: tuple[int, int], *, as_json: bool) -> tuple[int, i
     fresh = [each for each in answers if each["block"] > shown[1]]
     if passed > shown[0] or fresh:
         if as_json:
-            print(json.dumps({"passed": passed, "block": answer["block"], "answers": fresh}), flush=True)
+            print(json.dumps({"passed": passed, "block": answer["block"], "position": answer["position"], "answers": fresh}), flush=True)
         else:
             for each in fresh:
                 print(f"block {each['block']}: {'met' if each['met'] else 'not met'} {_places(each['places'])}".rstrip())

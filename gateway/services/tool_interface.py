@@ -231,14 +231,27 @@ class ToolInterface:
             self._jobs[job.id] = job
             self._streams.begin(job)
         else:
-            job = self._jobs[int(str(request["job"]))]
-            if request.get("do") == "say":
+            number = int(str(request["job"]))
+            if number not in self._jobs:
+                raise ValueError(f"no stream {number}: begin one")
+            job = self._jobs[number]
+            if request.get("do") != "look":
                 if self._holder is not connection:
-                    raise ValueError("not owner: the connection that began the stream sends its blocks")
-                lines = request.get("lines")
-                self._streams.say(job, [str(line) for line in lines] if isinstance(lines, list) else [], str(request.get("then", "")))
+                    raise ValueError("not owner: the connection that began the stream sends its blocks and orders")
+                self._ordered(job, request)
         self._image.pass_on()
         return {"job": job.id, **_told(job), **self._streams.answer(job)}
+
+    def _ordered(self, job: Job, request: dict[str, object]) -> None:
+        """Blocks of a stream, or an order to it."""
+        what, lines, block = str(request.get("do", "")), request.get("lines"), request.get("block")
+        if what == "say":
+            self._streams.say(job, [str(line) for line in lines] if isinstance(lines, list) else [], str(request.get("then", "")))
+            return
+        try:
+            self._streams.order(job, what, None if block is None else int(str(block)), on=request.get("on", True) is not False)
+        except Refusal as refusal:
+            raise ValueError(f"{what}: {refusal.reason.name} {refusal.detail}".rstrip()) from refusal
 
     def _permit(self, connection: object) -> dict[str, object]:
         if not self._run.plan.simulated:

@@ -4,9 +4,11 @@ from collections.abc import Sequence
 
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
+from gateway.pure.image.reasons import Reason
 from gateway.pure.image.records.planner import TEXT_BYTES, BlockRecord, PlannerState, Say
 
 AHEAD = 512  # blocks said and not over
+ORDERS = ("hold", "go", "retrace", "flush", "cut", "single", "step", "end_here")
 MOVES = ("ptp", "linear", "circular", "spline", "move", "move_file")
 THEN = {"": None, "finish": Say.FINISH, "end": Say.END}
 
@@ -42,6 +44,50 @@ class ToolStreams:
         if mark is not None:
             self._statements.append(BlockRecord(mark, job.id))
 
+    # ---- orders ------------------------------------------------------------------------------------------------------------
+    def order(self, job: Job, what: str, block: int | None, *, on: bool) -> None:
+        """One of ORDERS (AX-1080).  block: of "cut"; on: of "single".  ValueError, Refusal: nothing is done."""
+        if not job.open:
+            raise ValueError(f"the stream is over: {job.state.name.lower()} {job.detail}".rstrip())
+        state, said = self._state(job), self._said.get(job.id, 0)
+        if state.bound and what in ("hold", "retrace", "flush", "cut", "end_here"):
+            raise ValueError(f"{what}: block {state.block} rides on {state.bound}, which cannot wait: stop ends the stream")
+        match what:
+            case "hold":
+                self._office.hold_move(job)
+            case "go" | "retrace":
+                self._office.go_on_with(job, back=what == "retrace")
+            case "flush" | "end_here":
+                self._office.hold_move(job)  # the axes brake at once, the planner drops what waits
+                job.reason, job.detail = Reason.NONE, ""
+                self._statements += [BlockRecord(Say.FLUSH, job.id), *([BlockRecord(Say.END, job.id)] if what == "end_here" else [])]
+            case "cut":
+                self._cut(job, state, said, block)
+            case "single":
+                self._forward(what, state)
+                self._statements.append(BlockRecord(Say.SINGLE, job.id, "on" if on else "off"))
+            case "step":
+                self._forward(what, state)
+                if not state.withheld and state.passed >= said:
+                    raise ValueError("step: no block waits; say the next one first")
+                self._statements.append(BlockRecord(Say.STEP, job.id))
+            case _:
+                raise ValueError(f"do {what!r}; begin, say, look, {', '.join(ORDERS)} are known")
+
+    def _cut(self, job: Job, state: PlannerState, said: int, block: int | None) -> None:
+        if block is None or not 0 <= block <= said:
+            raise ValueError(f"cut behind block {block}; the stream has blocks 1 .. {said}" if said else "cut: the stream has no block")
+        under_way = max(state.block, min(state.passed + 1, said))
+        if block < under_way:
+            raise ValueError(f"cut behind block {block}: the axes are in block {under_way}; cut behind that one, or flush")
+        self._forward("cut", state)
+        self._statements.append(BlockRecord(Say.CUT, job.id, str(block)))
+
+    @staticmethod
+    def _forward(what: str, state: PlannerState) -> None:
+        if state.back:
+            raise ValueError(f"{what}: the axes have gone back to block {state.block}: go on first")
+
     def _state(self, job: Job) -> PlannerState:
         planner = self._office.planner
         found = PlannerState() if planner is None else planner.of(job.id)
@@ -62,4 +108,21 @@ class ToolStreams:
             "answers": answers,
             "fault": state.fault if state.failed_job == job.id else "",
             "fault_block": state.fault_block if state.failed_job == job.id else 0,
+            "fault_code": state.fault_code if state.failed_job == job.id else 0,
+            "withheld": state.withheld,
+            "told": state.told,
+            **self._standing(job, state, si),
+        }
+
+    def _standing(self, job: Job, state: PlannerState, si: list[float]) -> dict[str, object]:
+        """Where the axes of the stream are, in their own units, and where they were measured last; whether they move, and which way."""
+        cell = self._office.cell
+        if cell is None:
+            return {}
+        own = [(n, one) for n, one in enumerate(si) if job.mask >> n & 1]
+        return {
+            "motion": cell.motion_of(job.span).name,
+            "back": state.back,
+            "position": [cell.axes[n].set / one for n, one in own],
+            "measured": [cell.axes[n].measured / one if cell.measured_mask >> n & 1 else None for n, one in own],
         }

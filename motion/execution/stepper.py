@@ -175,11 +175,26 @@ class Stepper:
         if self._state is State.IDLE and piece.ends_at_rest:
             self._state, self._direction = State.RUNNING, 1
 
+    def begin_anew(self) -> None:
+        """What was run before is no path to go back along; only at rest."""
+        if self._state is State.IDLE:
+            self._follower = None
+
+    @property
+    def has_path(self) -> bool:
+        """There is one to go back along, from rest."""
+        return self._follower is not None and not self._abandon
+
     def retrace(self) -> None:
         """Go back along the chain of timed pieces, to its start at most; from rest.  resume() goes forward again."""
         if self._follower is None or self._state not in (State.STOPPED, State.IDLE) or self._abandon:
             raise MotionError(f"there is no path to retrace, the stepper is {self._state.name}")
         self._state, self._direction = State.RUNNING, -1
+
+    @property
+    def backward(self) -> bool:
+        """It goes, or went last, back along its path."""
+        return self._direction < 0
 
     def set_override(self, value: float) -> None:
         """0 .. 1 of the programmed speed; 0 holds on the path."""

@@ -15,13 +15,14 @@ from motion.execution.timed import TimedPiece
 from motion.kinematics.base import Joints
 from motion.planner.commit import TooLongError, timed_pieces
 from motion.planner.corner_choice import PAUSE_S, quicker, stopping
+from motion.planner.cutting import beyond, rest_of
 from motion.planner.given_times import time_given
 from motion.planner.law_cache import KnownLaws
 from motion.planner.marks import Mark, check_outputs, marks_of
 from motion.planner.path_checks import Slowed
 from motion.planner.quick_law import STEP_S, Swift, cropped, swift_work, width_s
 from motion.planner.robot import Machine
-from motion.planner.route import Kind, Route, Stretch
+from motion.planner.route import Kind, Route, RouteState, Stretch
 from motion.planner.runs import Run, make_run
 from motion.planner.team import Team, worst
 from motion.planner.team_route import TeamRoute
@@ -101,9 +102,13 @@ class Planner:
     _work: Slices[list[TimedPiece]] | None = field(init=False, default=None)  # the law that is being made
     _tau: float = field(init=False, default=0.0)  # as of the last begin()
     _patience: float = field(init=False, default=1.0)  # times the lead, once a tail came too late
+    _behind: deque[tuple[int, RouteState]] = field(init=False, default_factory=deque)  # blocks not done, and the route behind each
+    _given: int = field(init=False, default=0)  # last block of stretches another route made
 
     def __post_init__(self) -> None:
         self._route = TeamRoute(self.machine, self.start) if isinstance(self.machine, Team) else Route(self.machine, self.start)
+        if isinstance(self._route, Route):
+            self._behind.append((0, self._route.kept()))
 
     @property
     def robot(self) -> Machine:
@@ -116,7 +121,7 @@ class Planner:
     @property
     def waiting(self) -> int:
         """Blocks added and not yet done, the one under way among them; as of the last plan() or place()."""
-        return self._route.added - self._done
+        return self.added - self._done
 
     @property
     def room(self) -> int:
@@ -126,7 +131,7 @@ class Planner:
     @property
     def added(self) -> int:
         """Number of the last block."""
-        return self._route.added
+        return max(self._route.added, self._given)
 
     @property
     def standing(self) -> Joints:
@@ -160,6 +165,10 @@ class Planner:
             case _:
                 raise MotionError("a team takes shared blocks, a robot alone its own")
         self._take()
+        if isinstance(self._route, Route):
+            self._behind.append((number, self._route.kept()))
+            while len(self._behind) > 1 and self._behind[1][0] < self._done:
+                self._behind.popleft()
         return number
 
     def ending(self, block: Block | None = None) -> Work[None]:
@@ -176,6 +185,50 @@ class Planner:
     def given(self, stretches: Sequence[Stretch]) -> None:
         """Up to a rest, made by another route, instead of blocks."""
         self._fresh.extend(stretches)
+        self._given = max([self._given, *(stretch.last for stretch in stretches)])
+
+    def cut(self, number: int) -> bool:
+        """Blocks behind this one are dropped, and the axes stop at its end.  False: some of their path is handed on, and the axes have to
+        rest first (remaining()).  Raises MotionError."""
+        state = self._state_behind(number)
+        while not self.work():
+            pass
+        if any(beyond(each, number, state) for planned in self._planned for each in planned.run.stretches):
+            return False
+        self._fresh = deque(each for each in self._fresh if not beyond(each, number, state))
+        assert isinstance(self._route, Route)
+        self._route.back_to(state)
+        self.finish()
+        return True
+
+    def remaining(self, number: int, between: tuple[float, float], places: Sequence[float]) -> list[Stretch]:
+        """From where the axes rest on their path (`places`, at a tau in between) to the end of this block; empty: they are beyond it.
+        Nothing else is done with this planner then.  Raises MotionError."""
+        state = self._state_behind(number)
+        runs = [(each.run, each.s(max(between[0], each.begin)), each.s(min(between[1], each.end))) for each in self._planned
+                if each.end >= between[0] and each.begin <= between[1]]  # fmt: skip
+        known: list[Stretch] = []
+        for planned in self._planned:
+            known += [each for each in planned.run.stretches if not any(each is one for one in known)]
+        known += self._fresh
+        self._fresh.clear()
+        assert isinstance(self._route, Route)
+        self._route.back_to(state)
+        self.finish()
+        ahead = [*(each for each in known if not beyond(each, number, state)), *self._fresh]
+        return rest_of(ahead, runs, places)
+
+    def _state_behind(self, number: int) -> RouteState:
+        """Of the route, behind a block that is not done."""
+        if not self._behind:
+            raise MotionError("blocks of several kinematics cannot be cut: flush the stream")
+        state = next((state for at, state in self._behind if at == number), None)
+        if state is None:
+            raise MotionError(f"block {number} is over already")
+        last = state.splines[-1][0] if state.splines else 0
+        if last and any(each.block == last for planned in self._planned for each in planned.run.stretches):
+            raise MotionError(f"block {number} lies inside a spline that is under way: flush the stream, or cut it behind the spline")
+        return state
 
     def left(self) -> tuple[Called | Output, ...]:
         """What blocks without way have begun or ended with, and no way was left to do it on; behind finish()."""
@@ -412,7 +465,7 @@ class Planner:
         now = self._planned[0]
         block, share = now.run.place(now.s(tau))
         if tau >= self.end and now.stops and not self._fresh and self._work is None:
-            block, share = (self._route.added if not self._route.pending else now.run.stretches[-1].block), 1.0
+            block, share = (self.added if not self._route.pending else now.run.stretches[-1].block), 1.0
         self._done = max(self._done, block if share >= 1.0 else block - 1)
         return block, share
 

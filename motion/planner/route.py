@@ -98,6 +98,9 @@ class _State:
     out: tuple[Stretch, ...] = ()
 
 
+RouteState = _State
+
+
 def shaped(block: Block, machine: Machine) -> Block:
     """With the ramps of the robot, where it does not say."""
     return replace(block, shape=machine.shape) if block.shape is Shape.ROBOT and machine.shape is Shape.SIN2 else block
@@ -170,6 +173,14 @@ class Route:
         """What became known since the last call, in order."""
         out, self._now.out = self._now.out, ()
         return [evenly(each) for each in out] if self.evens else list(out)
+
+    def kept(self) -> "RouteState":
+        """What is known behind the last block, to come back to."""
+        return replace(self._now)
+
+    def back_to(self, state: "RouteState") -> None:
+        """As if nothing had been added since."""
+        self._now = replace(state)
 
     def left(self) -> tuple[Called | Output, ...]:
         """What blocks without way behind the last one begin or end with; the caller that takes it executes it."""

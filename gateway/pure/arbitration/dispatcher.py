@@ -311,6 +311,25 @@ class CommandDispatcher:
         """Its rest is given up."""
         self._drop_rest(move.span)
 
+    # ---- orders to a stream (AX-1080) --------------------------------------------------------------------------------------
+    def hold_move(self, move: Job) -> None:
+        """Its lanes rest on the path, and what still comes of it waits."""
+        self._order(Order.HOLD, mask=_named(move.span), reason=Reason.STOPPED_BY_DOOR)
+        move.reason, move.detail = Reason.STOPPED_BY_DOOR, str(move.door)
+
+    def go_on_with(self, move: Job, *, back: bool = False) -> None:
+        """What was held goes on, or back along its path; Refusal."""
+        cell = self.cell
+        if cell is None or not cell.generation:
+            raise Refusal(Reason.NOT_READY, "the cycle does not run")
+        self.control.demand(move.door, move.span)
+        self._may_move(cell, self._in_loop(move), idle=False)
+        if cell.override_of(move.span) <= 0.0:
+            raise Refusal(Reason.OVERRIDE_ZERO)
+        if not back:
+            move.reason, move.detail = Reason.NONE, ""
+        self._order(Order.RETRACE if back else Order.RESUME, mask=_named(move.span))
+
     def _stop(self, job: Job, cell: CellState) -> None:
         """Every command source may stop, and stops all that moves."""
         self._order(Order.STOP, job.id, reason=Reason.STOPPED_BY_DOOR)

@@ -43,6 +43,11 @@ class AlterMover(Mover):
         else:
             super().stop(reason)
 
+    @property
+    def bound(self) -> bool:
+        """An alterable part is under way."""
+        return self.alter.on or super().bound
+
     def leave(self) -> bool:
         """An alterable part needs all axes of its robot."""
         return (not self.alter.on or self.all_wanted()) and super().leave()

@@ -45,6 +45,11 @@ class BeltMover(Mover):
         else:
             self._leave_belt(reason)
 
+    @property
+    def bound(self) -> bool:
+        """A synchronous part is under way, or SYNC waits."""
+        return not self.belts.free or self.belts.awaits or super().bound
+
     def leave(self) -> bool:
         """A synchronous part needs all axes of its robot."""
         return (self.belts.free or self.all_wanted()) and super().leave()
@@ -58,6 +63,8 @@ class BeltMover(Mover):
         belts, state, self._inputs = self.belts, self._state, inputs
         if self.start.on:
             self.hold()
+        if self.program.backward:
+            self._retrace()
         sample = belts.step(self.stepper, inputs)
         if self.gate.kept:
             sample = self._kept(sample)

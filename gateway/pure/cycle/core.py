@@ -248,7 +248,7 @@ class CycleLogic:
                 self._move(record)
             case Order.STOP:
                 self._stop(Reason(record.reason), record.mask or EVERY_AXIS)
-            case Order.RESUME | Order.ABANDON | Order.OVERRIDE:
+            case Order.RESUME | Order.ABANDON | Order.OVERRIDE | Order.HOLD | Order.RETRACE:
                 for lane in self._of(record.mask or EVERY_AXIS):
                     lane.obey(record)
             case Order.BELT:

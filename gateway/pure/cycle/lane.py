@@ -66,9 +66,13 @@ class Lane:
         match record.order:
             case Order.RESUME:
                 self.state.stop_cause = 0
-                self.mover.stepper.resume()
+                self.mover.resume()
             case Order.ABANDON:
                 self.mover.abandon()
+            case Order.HOLD:
+                self.mover.hold_path(Reason(record.reason))
+            case Order.RETRACE:
+                self.mover.retrace()
             case Order.OVERRIDE:
                 self.override = min(max(record.value, 0.0), 1.0)
 

@@ -121,6 +121,7 @@ class Mover:
             self._state.fail(record.job, Reason.NOT_READY)
             return
         self.program.order(record.job, record.mask)
+        self.stepper.begin_anew()
         self._state.path_stop = 0
         self.storing.program_started()
         self._release()
@@ -143,6 +144,52 @@ class Mover:
             self._state.fail(self.program.job, reason)
             self.running, self._state.stop_cause = 0, reason
             self._clear()
+
+    # ---- orders to a stream ------------------------------------------------------------------------------------------
+    @property
+    def bound(self) -> bool:
+        """The part under way leads along more than its path: it can be ended, and not held."""
+        return False
+
+    def hold_path(self, reason: Reason) -> None:
+        """On the path; what still comes of the job waits."""
+        if not self.program.job or self.bound:
+            return
+        self.program.held, self.program.backward = True, False
+        if self.stepper.state is State.RUNNING:
+            self.stepper.stop()
+            self._state.stop_cause = reason
+
+    def resume(self) -> None:
+        """What was stopped or held goes on."""
+        self.program.held, self.program.backward = False, False
+        self.stepper.resume()
+
+    def retrace(self) -> None:
+        """Back along the path, from rest."""
+        if self.program.job and not self.bound and not self.start.on:
+            self.hold_path(Reason.STOPPED_BY_DOOR)
+            self.program.backward = True
+
+    def _retrace(self) -> None:
+        """Where there is no path the axes stand at its beginning."""
+        if self.stepper.state in (State.STOPPED, State.IDLE):
+            self.program.backward = False
+            if self.program.begun and self.stepper.has_path:
+                self.stepper.retrace()
+
+    def _rest(self, *, flushed: bool) -> None:
+        """Nothing more comes of the part.  flushed: it is over where the axes come to rest, and what comes now belongs to the next one."""
+        program = self.program
+        program.rests = True
+        if not flushed:
+            return
+        self.stepper.abandon()
+        self.measure.end()
+        self._release()
+        program.switches.clear()
+        program.met = program.flushed = True
+        self.program.held, self.program.backward = False, False
 
     def drop(self, reason: Reason) -> None:
         """The drives go off: nothing of the path is left."""
@@ -208,8 +255,8 @@ class Mover:
             if self.gate.kept and self.free:
                 self.gate.accepting()
                 self._as_they_stand()
-        elif record.part is Part.REST:
-            program.rests = True
+        elif record.part in (Part.REST, Part.FLUSH):
+            self._rest(flushed=record.part is Part.FLUSH)
         elif record.part in (Part.SYNCHRON, Part.BELT_BLOCK, Part.BELT_ACT):
             self._take_belt(record)
         elif record.part is Part.ALTER:
@@ -274,6 +321,8 @@ class Mover:
 
     def _load(self, piece: Piece | TimedPiece) -> None:
         self.stepper.load(piece)
+        if self.program.held:
+            self.stepper.stop()
 
     def _point(self, record: PieceRecord) -> None:
         """A part by itself, over at once; the axes rest."""
@@ -322,6 +371,8 @@ class Mover:
         self._inputs = inputs
         if self.start.on:
             self.hold()
+        if self.program.backward:
+            self._retrace()
         sample = self.stepper.step()
         if self.gate.kept:
             sample = self._kept(sample)
@@ -377,11 +428,12 @@ class Mover:
                 self.storing.call(switch, self._inputs, self._state.sync_ns, len(self._counters()))
         measure = self.measure
         self.storing.look(self._inputs, self._state.sync_ns)
-        if measure.on and not self.start.on and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
+        looks = measure.on and not (self.start.on or stepper.backward)
+        if looks and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
             stepper.abandon()
             program.met = True
         if program.rests and self.free and not measure.waits and not waits:
-            self._state.met = program.met
+            self._state.met = program.met and not program.flushed
             if measure.on and self.gate.watches:
                 self.gate.accepted()
                 stepper.place(sample.q)

@@ -25,11 +25,15 @@ class ProgramRun:
     met: bool = False  # the input the part ends with came: what still comes of the part is dropped
     rests: bool = False  # nothing more comes of the part
     failed: bool = False  # what was committed of it is still run
+    held: bool = False  # by an order to the stream: what comes waits
+    backward: bool = False  # it goes back along its path as soon as the axes rest
+    flushed: bool = False  # the part was ended by an order, not by its input
 
     def order(self, job: int, mask: int = 0) -> None:
         """From now on pieces of this job are taken."""
         self.job, self.mask = job, mask
         self.begun, self.complete, self.failed = False, False, False
+        self.held, self.backward = False, False
         self.part_over()
 
     def clear(self) -> None:
@@ -43,7 +47,7 @@ class ProgramRun:
 
     def part_over(self) -> None:
         """The next part begins from rest."""
-        self.met, self.rests = False, False
+        self.met, self.rests, self.flushed = False, False, False
         self.switches.clear()
 
     def switch(self, entry: Entry) -> None:

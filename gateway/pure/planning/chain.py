@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from gateway.pure.image.records.planner import AHEAD
+from motion.execution.follower import HISTORY
 from motion.execution.timed import TimedPiece
 
 LAST_S = 0.1  # of a path: a piece nearer to its end may have been the last one seen
@@ -19,6 +20,8 @@ class Chain:
     spare: int = 1
     _begins: dict[int, float] = field(default_factory=dict)
     _passed: dict[int, int] = field(default_factory=dict)  # piece -> blocks that are over where it begins
+    _now: int = 0  # piece the cycle is on: behind `_at` while it goes back
+    _blocks: dict[int, int] = field(default_factory=dict)  # of this job, piece -> block it begins in
     _over: int = 0
     _at: int = 0  # last piece the cycle was seen on; 0: the part has not begun
     _rest: float | None = None  # tau at which it ran out, until it goes on
@@ -31,17 +34,27 @@ class Chain:
         self._over = 0
         self._at, self._rest = 0, None
 
-    def add(self, made: TimedPiece, tau: float, passed: int = 0) -> None:
+    def began(self) -> None:
+        """A job: what was run before is no way back."""
+        self._blocks.clear()
+        self._now = 0
+        self.begin()
+
+    def add(self, made: TimedPiece, tau: float, passed: int = 0, before: int = 0) -> None:
         """One more, before which so many blocks are over; a new tail takes the place of those from its number on."""
         if made.new_tail:
             self._drop(number for number in list(self._begins) if number >= made.id)
         self._begins[made.id] = tau
         self._passed[made.id] = passed
+        self._blocks[made.id] = before + passed + 1
+        while len(self._blocks) > HISTORY + 2 * AHEAD:
+            del self._blocks[next(iter(self._blocks))]
         self.last_id, self.spare = made.id, made.id + 1
 
     def tau(self, piece: int, end: float) -> float:
         """Where the follower may be at the latest: the end of the piece under way (0: none is), or of all there is (`end`) when it has run
         out."""
+        piece = max(piece, self._at) if piece else 0  # also while it goes back
         if piece in self._begins:
             self._at, self._rest, self._unseen = piece, None, 0
             return self._begins.get(piece + 1, end)
@@ -57,6 +70,25 @@ class Chain:
         self._unseen += 1
         if last or self._unseen > UNSEEN:
             self._at, self._rest, self._unseen = self.last_id, end, 0
+
+    def sees(self, piece: int) -> None:
+        """The cycle is on this piece; 0: at rest at the end of what it has."""
+        self._now = piece
+
+    @property
+    def back(self) -> bool:
+        """It is on a piece that it had left behind already."""
+        return 0 < self._now < (self._at or min(self._begins, default=self.spare) - 1) and self._now in self._blocks
+
+    @property
+    def block(self) -> int:
+        """That it is in now, while it goes back; 0: not known any more."""
+        return self._blocks.get(self._now, 0)
+
+    def near(self, end: float) -> tuple[float, float]:
+        """tau between which the cycle rests, that was on the way forward; end: of all there is."""
+        at = self._at or min(self._begins, default=0)
+        return self._begins.get(at, 0.0), self._begins.get(at + 2, end)
 
     def passed(self, piece: int, added: int) -> int:
         """Blocks that are over for certain.  added: all of them where nothing of the path is to come, else 0."""

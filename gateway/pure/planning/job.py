@@ -45,7 +45,18 @@ class Job:
     riding: BeltPlan | None = None  # it leads along a belt of type 1: what its blocks are seen from there with
     held: bool = False  # the next part is handed on whole, and is not known to its end yet
     skipping: str = ""  # label everything is left out up to
+    cut_behind: int = 0  # block behind which numbers are missing: what comes does not belong to its part
     off: int = 0  # axes (bit n-1 = axis n) that are not commanded on, as the program was ordered
+
+    @property
+    def bound(self) -> str:
+        """What the part under way leads along beside its path."""
+        part = self.under_way
+        if part is None or not (self.handed or self.planner is not None):
+            return ""
+        if part.tried is not None or part.inside is not None or part.act is not None:
+            return "a belt"
+        return "a correction (alter)" if part.alteration is not None else ""
 
     def over(self) -> None:
         """It failed, or was dropped: nothing of it comes any more."""
@@ -105,7 +116,8 @@ class Job:
     def begins(self, part: Coming) -> None:
         """The part is under way; the last one that is known stays open, where what comes may belong to it."""
         self.under_way, self.riding = part, None
-        self.open = part.open = not self.ended and not self.trial.later and part.goes_on
+        cut = part.number + max(len(part.blocks), len(part.shared)) - 1 == self.cut_behind
+        self.open = part.open = not (self.ended or self.trial.later or cut) and part.goes_on
         self.trial.under_way = part
         if self.open and part.tried is None:
             self.trial = self.trial.anew()

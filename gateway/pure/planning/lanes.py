@@ -9,7 +9,8 @@ from dataclasses import replace
 
 from gateway.pure.image.records.cell import CellState
 from gateway.pure.image.records.planner import BlockRecord, PieceRecord, PlannerState, Say, run_of
-from gateway.pure.planning.planner import CellPrograms, Programs
+from gateway.pure.planning.planner import CellPrograms
+from gateway.pure.planning.streams import StreamPrograms
 from gateway.pure.planning.turn import follow, standing
 
 REMEMBERED = 64  # jobs whose lane is known: one that ends says so within a few turns
@@ -21,7 +22,7 @@ class LanePrograms:
 
     def __init__(self, cell: CellPrograms, masks: Sequence[int], moved_by: Callable[[int], int], names: Sequence[str] = ()) -> None:
         self.cell = cell
-        self.lanes = [Programs(cell, name) for _, name in zip(masks, (*names, *[""] * len(masks)), strict=False)]
+        self.lanes = [StreamPrograms(cell, name) for _, name in zip(masks, (*names, *[""] * len(masks)), strict=False)]
         self._masks, self._moved_by = masks, moved_by
         self._lane_of: dict[int, int] = {}  # job -> lane
         self._share_systems()

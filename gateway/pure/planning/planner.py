@@ -245,21 +245,24 @@ class Programs:
         self._job.reader = reader_for(text, self._job.reader)
         self._job.reader.statement(text, line)
         for read in self._job.reader.take():
-            planner = self._adding()
             self._job.line_of.append(line)
-            number = len(self._job.line_of)
-            block = self.workpiece.placed(read, number, planner.machine, self.cell.kinematic_of)
-            for machine, own in own_blocks(planner.machine, block):
-                mask, kinematic = self.cell.mask_of(machine), self.cell.kinematic_of(machine)
-                cell = OfCell(self.cell.functions, self.cell.outputs, self._job.measuring, mask, kinematic)
-                cell.check(own, number, machine)
-                self._tool.placed(number, own.tool.pose, kinematic)
-            if self._job.left_out(block.label):
-                self._job.planner = None
-                self.state = replace(self.state, block=number, passed=number)
-                continue
-            yield from self._added(planner, block, number)
-            self._job.trial.armed_by(block)
+            yield from self._read(read, len(self._job.line_of))
+
+    def _read(self, read: Block | Shared, number: int) -> Work[None]:
+        """One block of the text."""
+        planner = self._adding(number)
+        block = self.workpiece.placed(read, number, planner.machine, self.cell.kinematic_of)
+        for machine, own in own_blocks(planner.machine, block):
+            mask, kinematic = self.cell.mask_of(machine), self.cell.kinematic_of(machine)
+            cell = OfCell(self.cell.functions, self.cell.outputs, self._job.measuring, mask, kinematic)
+            cell.check(own, number, machine)
+            self._tool.placed(number, own.tool.pose, kinematic)
+        if self._job.left_out(block.label):
+            self._job.planner = None
+            self.state = replace(self.state, block=number, passed=number)
+            return
+        yield from self._added(planner, block, number)
+        self._job.trial.armed_by(block)
 
     def _added(self, planner: Planner, block: Block | Shared, number: int) -> Work[None]:
         """The block goes to the part it belongs to."""
@@ -273,15 +276,15 @@ class Programs:
         else:
             self._add_whole(planner, block)
 
-    def _adding(self) -> Planner:
-        """What blocks are added to; of blocks that are only looked at as yet, what they are looked at with."""
+    def _adding(self, number: int) -> Planner:
+        """What this block is added to; of blocks that are only looked at as yet, what they are looked at with."""
         planner = self._job.planner
         if self._job.apart or not isinstance(planner, Planner):
             made = self._made(self._seen.standing)
             if self._job.apart:
                 return made
             planner = self._job.planner = made
-            self._job.before, self._job.blocks = len(self._job.line_of), 0
+            self._job.before, self._job.blocks = number - 1, 0
         return planner
 
     def _add(self, planner: Planner, block: Block, number: int) -> Work[None]:
@@ -324,12 +327,13 @@ class Programs:
     def _behind(self) -> Work[None]:
         """What is done at rest behind the last block."""
         if self._job.reader.acts:
-            planner = self._adding()
+            planner = self._adding(len(self._job.line_of) + 1)
             yield from self._job.trial.ending(planner)
             self._job.close()
             self._job.trial.behind(planner, self._job.reader.acts, len(self._job.line_of), self._job.reader.labels.label)
         if any(systems := systems_of(self._job.reader)):
-            self.workpiece.behind(systems, len(self._job.line_of) + 1, self._adding().machine, self.cell.kinematic_of)
+            number = len(self._job.line_of) + 1
+            self.workpiece.behind(systems, number, self._adding(number).machine, self.cell.kinematic_of)
 
     def _go_on(self) -> None:
         """A part is over, and the axes rest where it ended, or have got onto a belt: the next one begins."""
@@ -579,6 +583,6 @@ class Programs:
         for made in pieces:
             if made.new_tail:
                 self._out.append(switch_record(job, self.generation, SwitchAt(made.id, 0.0, VOID)))
-            self._chain.add(made, begins[made.id], planner.passed(begins[made.id]) if isinstance(planner, Planner) else 0)
+            self._chain.add(made, begins[made.id], planner.passed(begins[made.id]) if isinstance(planner, Planner) else 0, self._job.before)
             self._mark(mark for mark in marks if mark.piece == made.id)
             self._out.append(PieceRecord(Part.PIECE, job, self.generation, encode_timed(made)))

@@ -206,6 +206,21 @@ class Trial:
         """All that was looked at is under way or over."""
         return Trial(self.belts, self.files, self.program, streams=self.streams, _armed=self._armed)
 
+    def begins_at(self, robots: Machine | Team, standing: Sequence[float], blocks: int) -> None:
+        """What comes is a part of its own, and tried from here; so many blocks stand before it."""
+        self._route = TeamRoute(robots, standing) if isinstance(robots, Team) else Route(robots, standing)
+        self._tried = blocks
+        self._route.assume_measured()
+
+    def passes_over(self, blocks: int) -> None:
+        """So many were dropped: what comes keeps its numbers."""
+        self._tried += blocks
+
+    @property
+    def standing(self) -> Joints | None:
+        """Where everything looked at ends; None: nothing is looked at by itself."""
+        return None if self._route is None else self._route.standing
+
     def joined(self, part: Coming, block: Block) -> None:
         """One more block of the part on a belt that has begun; BlockError."""
         assert part.tried is not None and isinstance(self._route, Route)

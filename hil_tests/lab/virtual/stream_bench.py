@@ -19,6 +19,7 @@ from gateway.pure.cycle.path_outputs import CoreOutputs
 from gateway.pure.image.records.cell import Quality, get_bit
 from gateway.pure.image.records.planner import BlockRecord, PlannerState, Say
 from gateway.pure.planning.planner import Programs
+from gateway.pure.planning.streams import StreamPrograms
 from gateway.pure.planning.team import no_team
 from gateway.pure.planning.trial import Files
 from hil_tests.lab.running.belt_run import with_belts
@@ -93,7 +94,7 @@ class StreamBench(BeltBench):
     def another_planner(self, before: PlannerState) -> None:
         made = cell_programs(self.cell, lambda *_: self.machine, lambda _: self.text, no_team)
         made.files, made.systems = Files(lambda name, number: curve((110.0, 100.0, 50.0, 0.0)), 4000), self.axes + len(self.cell.belt)
-        self.programs = Programs(made)
+        self.programs: Programs = StreamPrograms(made)
         self.planner = self._beside()
 
     def _turn(self) -> None:
@@ -120,6 +121,26 @@ class StreamBench(BeltBench):
     def order_of(self, say: Say, text: str = "") -> None:
         """Another record of the stream."""
         self.planner.lines.append(BlockRecord(say, self.job.id, text))
+
+    def hold(self) -> None:
+        """The stream rests on its path."""
+        self.office.hold_move(self.job)
+        self._hand_over()
+
+    def go(self) -> None:
+        """It goes on."""
+        self.office.go_on_with(self.job)
+        self._hand_over()
+
+    def retrace(self) -> None:
+        """Back along its path."""
+        self.office.go_on_with(self.job, back=True)
+        self._hand_over()
+
+    def flush(self) -> None:
+        """As a tool does it: the axes brake at once."""
+        self.hold()
+        self.order_of(Say.FLUSH)
 
     def end(self) -> Job:
         """Nothing follows any more: until the stream has an outcome."""

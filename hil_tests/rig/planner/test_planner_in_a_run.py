@@ -138,6 +138,12 @@ def test_a_tool_says_a_stream_and_hears_of_each_block(home: ProgramRun, tmp_path
     moves.write_text("axes deg deg mm deg\nptp joints 5 90 -200 0\nptp joints 9000 90 -200 0\n")
     assert motion_stream.main([cell, str(moves), "--name", name]) == 1
     assert "block 2, axis A1: target 9000 deg" in capsys.readouterr().out
+    moves.write_text("axes deg deg mm deg\n!single\nptp joints 5 90 -200 0\nptp joints 6 90 -200 0\n!step\n!step\n!run\n")
+    assert motion_stream.main([cell, str(moves), "--name", name]) == 0
+    assert home.state().axes[0].set == pytest.approx(np.radians(6.0), abs=1e-9)
+    moves.write_text("axes deg deg mm deg\nptp joints 5 90 -200 0\n!cut 7\n")
+    assert motion_stream.main([cell, str(moves), "--name", name]) == 1
+    assert "cut behind block 7; the stream has blocks 1 .. 1" in capsys.readouterr().err
 
 
 def test_an_input_ends_a_block_on_its_path_and_the_next_one_begins_there(home: ProgramRun) -> None:

@@ -298,6 +298,8 @@ class Order(IntEnum):
     PROGRAM = 11  # the planner's pieces of this job are taken from now on
     BELT = 13  # mask: place of a belt; value: its offset as it was kept, NaN: none (AX-480)
     EMERGENCY = 12  # as an open chain: drives off, READY open, until a fault reset
+    HOLD = 14  # of a stream: on the path; what still comes waits until RESUME (AX-1080)
+    RETRACE = 15  # and back along the path, to where it begins at most
 
 
 @dataclass(frozen=True, slots=True)

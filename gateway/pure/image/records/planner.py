@@ -32,6 +32,10 @@ class Say(IntEnum):
     RUN = 6  # a whole program of the cell; text: its number, velocity and acceleration factor (run_record)
     STREAM = 7  # a stream of the interpreter begins, at rest; text: number of its robot, from 1
     WHOLE = 8  # the lines of this stream are read when END has come, and run as a program of the cell is
+    FLUSH = 9  # the axes rest on the path, and blocks that are not over are dropped (AX-1080)
+    CUT = 10  # blocks behind this one are dropped; text: its number
+    SINGLE = 11  # blocks wait for STEP; text: on, off
+    STEP = 12  # the next one of them
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +127,7 @@ class Part(IntEnum):
     RECALL = 15  # an entry of the reference path is wanted; a part of its own
     TAPE = 16  # the reference path begins or ends at a place of a piece that follows
     LATCH = 17  # VAL 3's latch is set at a place of a piece that follows
+    FLUSH = 18  # the part under way is over where the axes come to rest on its path
 
 
 @dataclass(frozen=True, slots=True)
@@ -313,6 +318,10 @@ class PlannerState:
     tool: tuple[float, ...] = ()  # of the block under way or the last one, of kinematic 1: m, and nine floats of its rotation; (): none yet
     passed: int = 0  # blocks whose end the axes have reached
     answers: tuple[Answer, ...] = ()  # of blocks of this job, the oldest first
+    withheld: int = 0  # blocks that wait for their step
+    bound: str = ""  # what the part under way leads along beside its path: it can only be ended
+    back: bool = False  # the axes are behind the furthest place that they have been at
+    told: str = ""  # about the last order to the stream that could not be done as it was given
     others: tuple["PlannerState", ...] = ()  # of the lanes behind the first one, in a cell of several
 
     @property
