@@ -40,6 +40,12 @@ class Hang(BaseException):
     """The broken test did not end."""
 
 
+def drawn(every: Collection[tuple[str, str]], sample: str) -> set[tuple[str, str]]:
+    """COUNT:SEED of these pairs, the same ones for the same seed."""
+    count, seed = map(int, sample.split(":"))
+    return set(random.Random(seed).sample(sorted(every), min(count, len(every))))
+
+
 class Mutants:
     """Replaces the running of a test by: once sound, then once for each function and variant."""
 
@@ -63,8 +69,7 @@ class Mutants:
         if self._known is not None:
             every -= {(pair.test, pair.by) for pair in load_pairs(self._known) if not pair.unjudged}
         if self._sample is not None:
-            count, seed = map(int, self._sample.split(":"))
-            every = set(random.Random(seed).sample(sorted(every), min(count, len(every))))
+            every = drawn(every, self._sample)
         self._chosen = every
         left = [item for item in items if not self._chosen.isdisjoint(pairs[function_id(item.nodeid)])]
         config.hook.pytest_deselected(items=[item for item in items if item not in left])

@@ -9,7 +9,7 @@ import pytest
 
 from hil_tests.matrix import coverage, record, verdicts
 from hil_tests.matrix.catalogue import ROOT, rows
-from hil_tests.matrix.mutant_plugin import Hang, judged, time_limit
+from hil_tests.matrix.mutant_plugin import Hang, drawn, judged, time_limit
 from hil_tests.matrix.record import Result
 from hil_tests.matrix.verdicts import Pair, Trial, matrix
 
@@ -130,13 +130,16 @@ def test_small_changes_are_tried_and_a_crash_of_the_whole_does_not_count_for_or_
     assert small["test_with_raises"] == {times: "alive", number: "alive"}
 
 
-def test_a_sample_is_drawn_by_its_seed(folder: pathlib.Path) -> None:
-    def drawn(sample: str) -> list[object]:
-        return [pair["test"] for pair in run_pytest(folder, *PLUG_IN, "--mutants-sample", sample, "--mutants")]
+def test_a_sample_is_drawn_by_its_seed() -> None:
+    every = {(f"test_{number}", "m:f") for number in range(8)}
+    assert drawn(every, "3:7") == drawn(sorted(every, reverse=True), "3:7") and len(drawn(every, "3:7")) == 3
+    assert len({frozenset(drawn(every, f"2:{seed}")) for seed in range(3)}) > 1
+    assert drawn(every, "100:1") == every, "no more than there are"
 
-    assert drawn("3:7") == drawn("3:7") and len(drawn("3:7")) == 3
-    assert {str(drawn(f"2:{seed}")) for seed in range(3)} != {str(drawn("2:0"))}
-    assert len(drawn("100:1")) == 8, "no more than there are"
+
+def test_only_pairs_of_the_sample_are_run(folder: pathlib.Path) -> None:
+    found = [str(pair["test"]) for pair in run_pytest(folder, *PLUG_IN, "--mutants-sample", "2:7", "--mutants")]
+    assert len(found) == 2 and {name.partition("::")[0] for name in found} == {"test_sample.py"}
 
 
 def trials_of(pair: dict[str, object]) -> list[dict[str, object]]:

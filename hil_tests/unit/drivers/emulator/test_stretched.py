@@ -3,11 +3,13 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drivers.emulator.servo.settings import INC_PER_TURN
 from drivers.emulator.wire.stretched_time import HOLD_NS, StretchedTime
+from hil_tests.lab.virtual.servodyn_bus import DriveBus
 from protocols.base.machine import Frame, ms
 
 P5, SYNC, OTHER = ms(10), 100, 7
-LONGEST = P5 + P5 // 8
+SHORTEST, LONGEST = P5 - P5 // 8, P5 + P5 // 8
 
 
 def heard(time: StretchedTime, stamp: int, identifier: int = SYNC) -> int:
@@ -24,6 +26,41 @@ def test_a_late_sync_comes_one_period_and_a_little_after_the_one_before() -> Non
     assert heard(time, ms(160)) == ms(110) + LONGEST and time.cut_ns == ms(50) - LONGEST
     assert time.at(ms(163)) == ms(113) + LONGEST and not time.held(ms(163)), "and time goes on from there"
     assert heard(time, ms(170)) == ms(120) + LONGEST
+
+
+def test_a_sync_right_behind_a_late_one_comes_a_period_after_it_less_a_little() -> None:
+    """The cycle that waited for answers to a SYNC of 110 that arrived at 150 sends the next one at once."""
+    time = StretchedTime(P5, {SYNC})
+    heard(time, ms(100))
+    assert heard(time, ms(150)) == ms(100) + LONGEST
+    assert heard(time, ms(151)) == ms(100) + LONGEST + SHORTEST
+    assert heard(time, ms(152)) == ms(100) + LONGEST + 2 * SHORTEST
+    assert time.at(ms(155)) == ms(103) + LONGEST + 2 * SHORTEST, "and time goes on from there"
+
+
+def test_no_more_time_comes_back_than_was_cut_out() -> None:
+    time = StretchedTime(P5, {SYNC})
+    heard(time, ms(100))
+    assert heard(time, ms(113)) == ms(100) + LONGEST
+    assert heard(time, ms(114)) == ms(114) and time.cut_ns == 0
+    assert heard(time, ms(115)) == ms(115), "SYNCs that come too often are the sender's"
+
+
+def test_drives_keep_to_a_fast_axis_on_a_machine_that_is_late() -> None:
+    """Each tenth SYNC is 40 ms on its way and the next one follows at once: the set value goes a period further with each."""
+    bus, time, count = DriveBus(p5_ms=10.0), StretchedTime(P5, {SYNC}), 0
+    bus.enable()
+    turns = lambda t: 25.0 * t * t if t < 1.0 else 50.0 * t - 25.0  # noqa: E731  # 50 turns a second after one second
+    bus.move(lambda _: INC_PER_TURN * turns(count * P5 * 1e-9))
+    wall = bus.now
+    for count in range(300):  # the path counts SYNCs, as a cycle does
+        late = ms(40) if count % 10 == 9 else 0
+        (sync,) = time.frames([Frame(SYNC, b"", wall + late)])
+        bus.now, wall = sync.stamp_ns, wall + late + (ms(1) if late else P5)
+        bus.hand(sync)
+        bus.hand(*bus.set_values())
+        bus.slave.prepare()
+        assert not bus.actual[1].fault_code, (count, bus.actual[1])
 
 
 def test_a_sync_that_stays_away_is_missing_after_the_patience_with_it() -> None:
