@@ -50,10 +50,15 @@ def test_drives_keep_to_a_fast_axis_on_a_machine_that_is_late() -> None:
     """Each tenth SYNC is 40 ms on its way and the next one follows at once: the set value goes a period further with each."""
     bus, time, count = DriveBus(p5_ms=10.0), StretchedTime(P5, {SYNC}), 0
     bus.enable()
-    turns = lambda t: 25.0 * t * t if t < 1.0 else 50.0 * t - 25.0  # noqa: E731  # 50 turns a second after one second
-    bus.move(lambda _: INC_PER_TURN * turns(count * P5 * 1e-9))
+
+    def path(_: float) -> float:
+        """50 turns a second after one second; it counts SYNCs, as a cycle does."""
+        seconds = count * P5 * 1e-9
+        return INC_PER_TURN * (25.0 * seconds * seconds if seconds < 1.0 else 50.0 * seconds - 25.0)
+
+    bus.move(path)
     wall = bus.now
-    for count in range(300):  # the path counts SYNCs, as a cycle does
+    for count in range(300):
         late = ms(40) if count % 10 == 9 else 0
         (sync,) = time.frames([Frame(SYNC, b"", wall + late)])
         bus.now, wall = sync.stamp_ns, wall + late + (ms(1) if late else P5)
