@@ -35,7 +35,17 @@ def _robotstar(path: Path, arguments: Row) -> Debugged:
     return RobotstarDebugged(path, arguments)
 
 
-LANGUAGES: Mapping[str, Callable[[Path, Row], Debugged]] = {".qll": _baps2, **dict.fromkeys((".mpr", ".spr", ".mac"), _robotstar)}
+def _val3(path: Path, arguments: Row) -> Debugged:
+    from gateway.tools.editor.debug_val3 import Val3Debugged
+
+    return Val3Debugged(path, arguments)
+
+
+LANGUAGES: Mapping[str, Callable[[Path, Row], Debugged]] = {
+    ".qll": _baps2,
+    **dict.fromkeys((".mpr", ".spr", ".mac"), _robotstar),
+    **dict.fromkeys((".pgx", ".pjx"), _val3),
+}
 
 
 def language_of(path: Path) -> Callable[[Path, Row], Debugged] | None:

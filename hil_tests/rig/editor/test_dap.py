@@ -14,6 +14,8 @@ from typing import Any
 
 import pytest
 
+from hil_tests.unit.languages.val3.apps import App, datum
+
 PICK = """PROGRAM PICK
 INPUT : 1 = ready
 OUTPUT : 1 = grip
@@ -174,7 +176,7 @@ def test_what_cannot_be_done_is_refused_in_a_sentence(editor: Editor) -> None:
         (
             "launch",
             {"program": "/nowhere/A.QLL"},
-            "/nowhere/A.QLL: there is no such file; program is the path of a .MAC, .MPR, .QLL, .SPR file",
+            "/nowhere/A.QLL: there is no such file; program is the path of a .MAC, .MPR, .PGX, .PJX, .QLL, .SPR file",
         ),
         ("launch", {}, "program is missing"),
         ("next", {"threadId": 1}, "launch a program first"),
@@ -194,3 +196,25 @@ def test_bytes_that_are_no_message_end_it(editor: Editor) -> None:
     editor.process.stdin.write(b"GET / HTTP/1.1\r\nHost: a\r\n\r\n")
     editor.process.stdin.flush()
     assert editor.process.wait(PATIENCE_S) == 0
+
+
+def test_a_val3_application_is_held_at_its_lines(editor: Editor, tmp_path: pathlib.Path) -> None:
+    for path, data in (
+        App("demo", datum("nCount", "num"), {"start": "nCount=4\ncall add()\nnCount=9", "add": "nCount=nCount+1"}).files().items()
+    ):
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_bytes(data)
+    editor.program = str(tmp_path / "demo" / "start.pgx")
+    rows = pathlib.Path(editor.program).read_text().splitlines()
+    call = rows.index("call add()") + 1
+    assert editor.launched([call]) == [call]
+    thread, calls = editor.stopped()
+    assert calls == [("start", call)] and editor.variables()["Global"] == {"nCount": "4"}
+    editor.client.step_in(thread)
+    thread, calls = editor.stopped()
+    assert [name for name, _ in calls] == ["add", "start"]
+    editor.client.step_out(thread)
+    thread, calls = editor.stopped()
+    assert calls == [("start", call + 1)] and editor.variables()["Global"] == {"nCount": "5"}
+    editor.client.continue_(thread)
+    editor.until("terminated")

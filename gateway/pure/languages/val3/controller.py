@@ -13,7 +13,7 @@ from gateway.pure.languages.val3.moves import Moves
 from gateway.pure.languages.val3.pages import PageBoard
 from gateway.pure.languages.val3.robot_state import RobotState
 from gateway.pure.languages.val3.screen import Screen
-from gateway.pure.languages.val3.tasks import SYSTEM_CYCLE, Line, Owner, Task
+from gateway.pure.languages.val3.tasks import SYSTEM_CYCLE, Line, Owner, Step, Task
 from gateway.pure.languages.val3.values import FrameV, ToolV
 from gateway.pure.languages.val3.virtual_io import Point, VirtualIo
 from gateway.pure.languages.val3.virtual_sio import VirtualSio
@@ -98,6 +98,8 @@ class Controller:
         self.gen: Line | None = None
         self.loads: Loads = _no_library
         self.ended = False
+        self.halted = False  # by a debugger: no time passes
+        self.watched: Callable[[object, int, Step], Step] | None = None  # what a debugger makes of each step of a program
         self._at = 0  # whose turn it is
         self._quiet = 0  # turns since the last line
         self._logged = 0

@@ -48,7 +48,9 @@ class Program:
             own = dict(self.owner.names)
             exec(compile(self.code.text, self.text.file, "exec"), own)
             found = [own.get(f"L{at}") for at in range(self.code.steps)]
-            self._steps = [step if callable(step) else _nothing for step in found]
+            watched = self.owner.machine.watched
+            made = (step if watched is None or not callable(step) else watched(self, at, step) for at, step in enumerate(found))
+            self._steps = [step if callable(step) else _nothing for step in made]
         return self._steps
 
     def fresh(self) -> list[object]:

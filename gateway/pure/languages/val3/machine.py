@@ -175,7 +175,7 @@ class Machine(Controller):
     # ---- time ------------------------------------------------------------------------------------------------------------
     def run(self, until: Ns) -> None:
         """Up to a moment, or the end of the application."""
-        while not self.ended and self.clock < until:
+        while not self.ended and not self.halted and self.clock < until:
             if self.clock >= self.next_tick:
                 self._tick()
                 continue
@@ -204,7 +204,7 @@ class Machine(Controller):
                 self.note(f"motion: {failed}", "MOTION")
             self.latch.tick(moves.joints)
         for task in [each for each in self.tasks if each.period]:
-            if task in self.tasks and task.due <= self.clock:
+            if task in self.tasks and task.due <= self.clock and not self.halted:
                 self._cycle(task)
         self._quiet = 0
 
@@ -213,7 +213,7 @@ class Machine(Controller):
         began = self.clock
         if task.status == RUNNING:
             self._turn(task, LINES_A_CYCLE)
-            if task.rest < 0:  # still busy behind the last line
+            if task.rest < 0 and not self.halted:  # still busy behind the last line
                 self._failed(task, Rte(33))
         task.due += task.period
         if self.clock - began > task.period:

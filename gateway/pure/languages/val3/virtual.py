@@ -31,20 +31,32 @@ class Run:
 
     def go(self) -> None:
         """To the end of the application, to `until`, or until nothing can happen any more."""
-        machine, waiting = self.machine, sorted(self.events, key=lambda event: event.at)
-        machine.operator = any(event.what == "answer" for event in waiting)
-        while waiting and waiting[0].at <= 0:  # as it is before the start
-            happen(machine, self.own, waiting.pop(0))
-        machine.start(self.own)
-        while not machine.ended and machine.clock < self.until:
-            moment = min([self.until, *(event.at for event in waiting[:1])])
-            machine.run(moment)
-            while waiting and waiting[0].at <= machine.clock:
-                happen(machine, self.own, waiting.pop(0))
-            if not waiting and machine.stuck and not machine.ended:
-                break
-            if not waiting and moment == self.until:
-                break
+        self.begin()
+        while self.once(self.until):
+            pass
+
+    def begin(self) -> None:
+        """What is there before the start, then start()."""
+        self.events.sort(key=lambda event: event.at)
+        self.machine.operator = any(event.what == "answer" for event in self.events)
+        self._happen(0)
+        self.machine.start(self.own)
+
+    def once(self, most: Ns) -> bool:
+        """Some time, up to the next event; False: nothing can happen any more."""
+        machine, waiting = self.machine, self.events
+        if machine.ended or machine.clock >= self.until:
+            return False
+        moment = min([self.until, machine.clock + most, *(event.at for event in waiting[:1])])
+        machine.run(moment)
+        if machine.halted:
+            return True
+        self._happen(machine.clock)
+        return bool(waiting) or machine.ended or not (machine.stuck or moment == self.until)
+
+    def _happen(self, until: Ns) -> None:
+        while self.events and self.events[0].at <= until:
+            happen(self.machine, self.own, self.events.pop(0))
 
     def result(self) -> dict[str, object]:
         """As `axisgate val3 run --json` prints it."""
