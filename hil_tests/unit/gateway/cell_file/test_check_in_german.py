@@ -71,7 +71,7 @@ def test_faults_keep_file_key_and_value_and_say_range_and_hint_in_german(tmp_pat
 
 def test_a_syntax_error_says_what_to_write_instead() -> None:
     fault = Fault("cell.toml", "TOML", hint="Expected newline; TOML has no semicolons: one key on each line", line=3, kind="syntax")
-    assert "TOML kennt keine Strichpunkte: ein Schluessel je Zeile" in told("cell.toml", (fault,), "de")[1]
+    assert "TOML erlaubt keine Semikolons: ein Schluessel je Zeile" in told("cell.toml", (fault,), "de")[1]
 
 
 def test_the_language_is_the_users(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
