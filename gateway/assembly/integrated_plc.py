@@ -1,13 +1,18 @@
-"""The integrated PLC of a Reis as a cell sets it up: folder of its programs, file of what outlives power-off."""
+"""The integrated PLC of a Reis as a cell sets it up: folder of its programs, its start program, file of what outlives power-off."""
 
+import json
 import pathlib
 from typing import TYPE_CHECKING
 
+from gateway.assembly.program_memory import memory_folder
 from gateway.pure.cell.cell import Cell
+from gateway.pure.languages.plc.translation import start_in_folder, start_name
 from gateway.runtime.state_folder import place
 
 if TYPE_CHECKING:
     from gateway.assembly.run import RunPlan
+
+SYSTEM_VALUES = "$SYSTEM.VAL"  # system variables, written by the interpreter
 
 
 def plc_folder(cell: Cell) -> pathlib.Path | None:
@@ -15,6 +20,27 @@ def plc_folder(cell: Cell) -> pathlib.Path | None:
     if cell.controller is None or cell.controller.plc is None:
         return None
     return pathlib.Path(cell.file).parent / cell.controller.plc.path
+
+
+def start_program(cell: Cell) -> str:
+    """Start program in that folder: _SPLC_PATH and _SSTARTPLC as a robot program has set them, else the one of the table; empty: none is
+    wanted.  ValueError: the path is not that of the folder."""
+    assert cell.controller is not None and cell.controller.plc is not None
+    kept = _system_values(memory_folder(cell))
+    path, start = kept.get("_SPLC_PATH", "S:/PLC"), kept.get("_SSTARTPLC", cell.controller.plc.start)
+    return start_in_folder(start_name(path, start))
+
+
+def _system_values(memory: pathlib.Path | None) -> dict[str, str]:
+    """Texts among the system variables that robot programs have written."""
+    if memory is None or not (file := memory / SYSTEM_VALUES).exists():
+        return {}
+    found = {}
+    for line in file.read_text(encoding="utf-8", errors="replace").splitlines():
+        name, _, value = line.partition(" = ")
+        if value.startswith('"'):
+            found[name] = str(json.loads(value))
+    return found
 
 
 def kept_file(plan: "RunPlan") -> pathlib.Path | None:

@@ -1,5 +1,6 @@
 """ROBOTstar programs as a cell sets them up: those of its memory, its robot, the values they keep."""
 
+import json
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -16,7 +17,7 @@ from gateway.pure.controllers.reis.programs import ReisPrograms
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.robotstar.arm import Arm
-from gateway.pure.languages.robotstar.cell_run import CellRun
+from gateway.pure.languages.robotstar.cell_run import SYSTEM, CellRun
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.runtime.safe_file import write_whole
 
@@ -46,6 +47,9 @@ class RobotstarPrograms:
         self._stamps = self._stamped()
         self._faults = Faults()
         self.language = CellRun(Memory.read(sources(str(folder)), words(), self._faults), port, arm_of(plan.cell))
+        table = plan.cell.controller.plc if plan.cell.controller is not None else None
+        self._of_the_cell = "" if table is None else f"_SSTARTPLC = {json.dumps(table.start)}\n"
+        self.language.restore(SYSTEM, self._of_the_cell)
         self._kept: dict[str, str] = {}
         self._due = self._effects = 0.0
         self._told = self._restored()
@@ -69,8 +73,13 @@ class RobotstarPrograms:
             lost += [
                 f"{self._file(name)}: {line}: no variable takes this value; it is left out" for line in self.language.restore(name, text)
             ]
-        self._kept = self.language.values()
+        self._kept = self._values()
         return lost
+
+    def _values(self) -> dict[str, str]:
+        """Values to keep; the start program of the PLC as the cell names it stays the cell's."""
+        found = self.language.values()
+        return found | {SYSTEM: "".join(line for line in found[SYSTEM].splitlines(keepends=True) if line != self._of_the_cell)}
 
     def _there(self) -> list[Path]:
         return [path for path in self.folder.rglob(f"*{KEPT}") if path.is_file()]
@@ -105,7 +114,7 @@ class RobotstarPrograms:
         if self._effects == self.language.effects or (now < self._due and self.language.runs):
             return []
         began, self._effects = now, self.language.effects
-        values, faults = self.language.values(), []
+        values, faults = self._values(), []
         for name, text in values.items():
             if self._kept.get(name, "") == text:
                 continue

@@ -14,7 +14,7 @@ import time
 import zlib
 from dataclasses import replace
 
-from gateway.assembly.integrated_plc import kept_file, plc_folder
+from gateway.assembly.integrated_plc import kept_file, plc_folder, start_program
 from gateway.assembly.run import RunPlan, load_plan
 from gateway.files.plc_programs import ProgramFileFault, read_programs
 from gateway.pure.controllers.reis.markers import ERROR_NUMBER, IN_ERROR, merged
@@ -155,7 +155,7 @@ class PlcProcess:
                 self.plc.power_on(kept, now)
             except ValueError as error:
                 self.journal.write("alarm", f"markers of the PLC: {error}; they begin with 0")
-        self._start(self.table.start)
+        self._start(self._named())
 
     def _come_back(self, before: PlcReport, now: int) -> None:
         self.plc.data.memory[:MARKERS] = before.markers
@@ -181,8 +181,19 @@ class PlcProcess:
         self.sources.clear()
         self.sources.update(found)
 
+    def _named(self) -> str:
+        """The start program: _SPLC_PATH and _SSTARTPLC (L2371-2394); empty: there is to be none."""
+        try:
+            name = start_program(self.plan.cell)
+        except (ValueError, OSError) as error:
+            self.journal.write("alarm", f"PLC: _SPLC_PATH or _SSTARTPLC: {error}; {self.table.start} is started")
+            return self.table.start
+        if not name:
+            self.journal.write("plc", "_SSTARTPLC begins with a blank: no PLC program is started")
+        return name
+
     def _start(self, name: str) -> None:
-        if self.plc.start(name):
+        if not name or self.plc.start(name):
             return
         try:
             write_whole(self._copy, self.plc.copy(), 0o600)
@@ -239,7 +250,7 @@ class PlcProcess:
                 self.plc.robot_output(int(order["byte"]), int(order["mask"]), int(order["bits"]))
             case "start":
                 self._read_sources()
-                self._start(str(order["name"]) or self.table.start)
+                self._start(str(order["name"]) or self._named())
             case "stop":
                 self.plc.stop()
             case "ack":

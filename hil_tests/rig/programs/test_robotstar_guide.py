@@ -47,6 +47,8 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellRun]:
     shutil.copy(CELLS / "reis-palletiser.toml", folder)
     memory = folder / "reis-palletiser"
     (memory / "BITS.MPR").write_text(BITS)
+    (memory / "NAMES.MPR").write_text('MPR "NAMES"\nKOPIERE "OTHER", _SSTARTPLC\nSTOP\nENDE\n')
+    (memory / "PLC" / "OTHER.PLC").write_text("PLC OTHER\nL 5\nT M300\nEND\n")
     plc = memory / "PLC" / "MAIN.PLC"
     plc.write_text(plc.read_text().removesuffix("END\n") + ANSWERS)
     with running_cell(str(folder / "reis-palletiser.toml"), "palrobot", plc=False) as run:
@@ -134,6 +136,19 @@ def test_robot_and_plc_answer_each_other_by_markers_and_outputs(run: CellRun) ->
     with contextlib.closing(ToolClient(run.name)) as tool:
         assert [tool.ask("get", address=f"MB {byte}")["value"] for byte in (41, 212, 216, 220)] == [1, 77, 77, 1], "no wait was too late"
         assert tool.ask("get", address="MB 2010")["value"] == 3, "A2.0 of the robot, A2.1 of the PLC"
+
+
+def test_a_robot_program_names_the_start_program_of_the_plc(run: CellRun) -> None:
+    person = Person(run)
+    kept = pathlib.Path(person.file).parent / "reis-palletiser" / "$SYSTEM.VAL"
+    assert not kept.exists() or "_SSTARTPLC" not in kept.read_text(), "the cell names it as long as no program does"
+    told = json.loads(person.types("axisgate program run reis-palletiser NAMES --ready", "--json"))
+    assert told["how"] == "ended", told
+    person.waits(lambda: "_SSTARTPLC" in kept.read_text(), "it is kept")
+    person.types("axisgate plc start reis-palletiser")
+    with contextlib.closing(ToolClient(run.name)) as tool:
+        person.waits(lambda: tool.ask("get", address="MB 300")["value"] == 5, "OTHER runs")
+    person.types("axisgate plc start reis-palletiser MAIN")
 
 
 def test_modes_keys_and_a_dead_interpreter(run: CellRun) -> None:

@@ -34,7 +34,7 @@ from gateway.pure.controllers.reis.robot_part import RobotPart
 from gateway.pure.image.records.cell import AxisFlag, CellState, InputImage, Motion
 from protocols.base.machine import Ns
 
-HOLD, MOVES = (1020, 7), (1021, 5)
+HOLD, MOVES, PLUS, MINUS = (1020, 7), (1021, 5), (1021, 3), (1021, 4)
 OVERRIDE, ACTUAL, TCP, TCP_VALID = 1436, 1024, 1124, (1120, 0)
 AUTO, HAND = 0x0300, 0x0101  # operating mode codes (robotstar 5.9)
 MULTIPLIED = (AUTO, 0x0202, 0x0204)  # modes in which M1436 counts
@@ -93,7 +93,8 @@ class ReisControl:
         self._asynchronous: set[int] = set()  # axes whose machine data have changed since
         self._referenced, self._seen = 0, False  # axes that were referenced at the last step; there was one
         self.was_synchronised(setup.references)
-        self._standing: set[tuple[int, int]] = set()  # regulator error, axis
+        self._standing: dict[tuple[int, int], str] = {}  # regulator error, axis -> words
+        self._enabled = True  # all drives were on at the last step; those that are at start are not switched on
         self._percent: int | None = self.markers.number(OVERRIDE) or None  # None: M1436 was never written, and is no factor (AX-1000)
         self._hold = True  # a hold that stands at start has stopped nothing
         self._stopped = False
@@ -124,6 +125,7 @@ class ReisControl:
         self.messages = []
         if state.generation:
             told += self._errors(state)
+            told += self._look_at_drives(state, now)
             self._tell(state)
             self._obey(state, now)
             if self.plc is not None:
@@ -242,18 +244,33 @@ class ReisControl:
                 seen[WATCHDOG, number] = None
             elif axis.finding:
                 seen[axis.finding, number] = None
-        told = []
+        told, standing = [], {}
         for error in seen:
+            standing[error] = self._standing.get(error, "")
             if error not in self._standing:
                 message = regulator_error(self.markers, *error)
-                told.append(f"{message.text}, axis {self.setup.axes[message.axis - 1]}")
+                standing[error] = f"{message.text}, axis {self.setup.axes[message.axis - 1]}"
+                told.append(standing[error])
         if self._standing and not seen and not self._asynchronous:
             self.markers.set_bit(*IN_ERROR, False)
             self.markers.set_number(ERROR_NUMBER, 0)
         if told:
             self.markers.set_bit(*ACKNOWLEDGED, False)
-        self._standing = set(seen)
-        return told
+        self._standing = standing
+        return [] if self.robot.suppressed else told
+
+    def _look_at_drives(self, state: CellState, now: Ns) -> list[str]:
+        """Err Enab ends where the drives are switched on (L1359): what still stands is shown again."""
+        axes = state.axes[: len(self.setup.axes)]
+        before, self._enabled = self._enabled, bool(axes) and all(axis.flags & AxisFlag.ENABLED for axis in axes)
+        if before or not self._enabled or not self.robot.suppressed:
+            return []
+        self.robot.show_again(now)
+        return list(self._standing.values())
+
+    def shown(self) -> list[str]:
+        """Messages as they are displayed, the newest last."""
+        return [] if self.robot.suppressed else [*self._standing.values(), *(words for _, words in self.robot.shown)]
 
     def _tell(self, state: CellState) -> None:
         markers = self.markers
@@ -263,8 +280,10 @@ class ReisControl:
         self._note_references(state)
         markers.set_bit(*SYNCHRONOUS, not self._asynchronous and all(axis.flags & AxisFlag.REFERENCED for axis in axes))
         mode = AUTO if self.automatic else HAND
-        if self.robot.programs is not None and self.robot.programs.code is not None:
+        if self.robot.programs is not None:
             mode = self.robot.programs.code
+            markers.set_bit(*PLUS, self.robot.keys.hand.plus)
+            markers.set_bit(*MINUS, self.robot.keys.hand.minus)
         markers.set_number(MODE, int.from_bytes(mode.to_bytes(2, "big"), "little"), 2)
         places = tuple(axis.actual * factor for axis, factor in zip(axes, self.setup.unit_per_si, strict=False))
         for number, place in enumerate(places):
@@ -368,7 +387,7 @@ class ReisControl:
         elements = [f"reis.ibin_{way}.{n}" for way in ("in", "out") for n in range(1, 11)]
         analog = [f"reis.analog.{way}.{n}" for way in ("input", "output") for n in range(1, 25)]
         keys = [f"reis.{name}" for name in Keys.names()] if self.setup.programs else []
-        return elements + analog + [f"reis.output.{byte}.{bit}" for byte in range(40) for bit in range(8)] + keys
+        return ["reis.err_enab"] + elements + analog + [f"reis.output.{byte}.{bit}" for byte in range(40) for bit in range(8)] + keys
 
     def value(self, name: str) -> float:
         """One of them; KeyError."""
@@ -379,6 +398,8 @@ class ReisControl:
                 return ana_inp(self.markers, _number(name, number))
             case ["reis", "analog", "output", number]:
                 return output_volts(self.markers, _number(name, number))
+            case ["reis", "err_enab"]:
+                return float(self.robot.suppressed)
             case ["reis", "output", byte, bit]:
                 return float(self.io.read_bit(Area.OUTPUT, _number(name, byte), _number(name, bit)))
             case ["reis", *rest] if self.setup.programs:
@@ -390,6 +411,9 @@ class ReisControl:
         match name.split("."):
             case ["reis", "output", byte, bit]:
                 self.robot_puts(_number(name, byte), _number(name, bit), bool(value))
+            case ["reis", "err_enab"]:
+                if value:
+                    self.robot.suppress()  # only the drives end it
             case ["reis", *rest] if self.setup.programs:
                 self.robot.keys.put(".".join(rest), value)
             case _:
@@ -402,7 +426,7 @@ class ReisControl:
             "kind": "reis", "error": markers.number(ERROR_NUMBER), "in_error": markers.bit(*IN_ERROR),
             "synchronous": markers.bit(*SYNCHRONOUS), "mode": f"{markers.byte(MODE):02X}{markers.byte(MODE + 1):02X}",
             **({"plc": self.plc.status()} if self.plc is not None else {}),
-            **({"message": self.robot.shown[-1][1] if self.robot.shown else ""} if self.setup.programs else {}),
+            "message": next(reversed(self.shown()), ""),
         }  # fmt: skip
 
 

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from gateway.pure.controllers.reis.hand_keys import HandKeys
+
 KEYS = ("start", "stop", "f1", "f2", "exec", "quit")
 
 
@@ -11,6 +13,7 @@ class Keys:
 
     test: int = 0  # operating mode while it is not AUTO: 0 HAND, 1..6 Test
     middle: bool = False  # the key selector is at Cal/Sync: START is held while the robot moves (L1214)
+    hand: HandKeys = field(default_factory=HandKeys)
     levels: dict[str, bool] = field(default_factory=lambda: dict.fromkeys(KEYS, False))
     before: dict[str, bool] = field(default_factory=lambda: dict.fromkeys(KEYS, False))
 
@@ -21,7 +24,9 @@ class Keys:
         return found
 
     def put(self, name: str, value: float) -> None:
-        """mode, selector or key.NAME; KeyError, ValueError."""
+        """mode, selector, key.NAME or of the hand; KeyError, ValueError."""
+        if self.hand.put(name, value):
+            return
         if name == "mode":
             if value not in range(7):
                 raise ValueError(f"reis.mode {value:g}: 0 HAND, 1..6 Test")
@@ -36,6 +41,8 @@ class Keys:
 
     def value(self, name: str) -> float:
         """The same, read; KeyError."""
+        if (found := self.hand.value(name)) is not None:
+            return found
         if name in ("mode", "selector"):
             return float(self.test if name == "mode" else self.middle)
         return float(self.levels[name.removeprefix("key.")])
@@ -43,4 +50,4 @@ class Keys:
     @staticmethod
     def names() -> list[str]:
         """Behind `reis.`."""
-        return ["mode", "selector", *(f"key.{key}" for key in KEYS)]
+        return ["mode", "selector", *(f"key.{key}" for key in KEYS), *HandKeys.names()]

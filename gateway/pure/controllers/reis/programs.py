@@ -23,6 +23,7 @@ from protocols.base.machine import Ns
 
 GONE = "the interpreter ended, and the program with it"
 RESULTS = 64
+MOUSE_NS: Ns = 20_000_000  # a mouse may say as much as it likes; so often it is heard
 HAND = ""
 AT_REST = (Motion.IDLE, Motion.STOPPED)
 CHANGE, BEGIN, END = (968, 0), (968, 1), (968, 2)  # markers: program change, Auto Start, Auto Stop (L2921-2923)
@@ -83,6 +84,9 @@ class ReisPrograms:
     _runs: int = 0
     _name: str = ""  # of the program that was started last
     _mode: str | None = None
+    _pushed: dict[str, Fact] = field(default_factory=dict)  # what the hand wanted last
+    _mouse: str = ""  # coordinates as the interpreter knows them
+    _mouse_ns: Ns = 0
     _mover: int = 0
     _job: Job | None = None
     _ticket: int = 0
@@ -108,9 +112,9 @@ class ReisPrograms:
         return f"test{self.keys.test}" if self.keys.test else HAND
 
     @property
-    def code(self) -> int | None:
-        """M1022; None: HAND."""
-        return MODES[self.mode].code if self.mode else None
+    def code(self) -> int:
+        """M1022; of Test 5 and 6, which have none, 0."""
+        return MODES[self.mode].code if self.mode else self.keys.hand.code
 
     def _look_at_mode(self, now: Ns) -> None:
         mode = self.mode
@@ -130,7 +134,7 @@ class ReisPrograms:
         identity = found if isinstance(found, int) and alive else 0
         if identity != self.language_id:
             self._lost()
-            self.language_id, self._mode = identity, None
+            self.language_id, self._mode, self._mouse = identity, None, ""
         self.programs = _rows(report.get("programs")) if identity else []
         self.rows = _rows(report.get("processes")) if identity else []
 
@@ -156,6 +160,8 @@ class ReisPrograms:
             case "tool":
                 values = [float(word) for word in str(said["values"]).split()]
                 self.tool = Structure("T", dict(zip(TOOL, values, strict=True)))
+            case "hand":
+                self.told.append(str(said["text"]))
             case "path":
                 self._wants(int(said["ticket"]))
             case "resume":
@@ -269,7 +275,28 @@ class ReisPrograms:
         for key, pressed in self.keys.edges().items():
             self._key(key, now, pressed=pressed)
         self._markers(now)
+        self._move_by_hand(now)
         self._follow(now)
+
+    def _move_by_hand(self, now: Ns) -> None:
+        """Keys, wheel and mouse in HAND: dead man, the axes rest once nothing is wanted (L175-193)."""
+        mouse = " ".join(f"{value:g}" for value in self.keys.hand.mouse)
+        if mouse != self._mouse and now - self._mouse_ns >= MOUSE_NS:
+            self._mouse, self._mouse_ns = mouse, now
+            self.orders.append({"do": "mouse", "raw": mouse})
+        push = self.keys.hand.push() if self.mode == HAND else {}
+        if push == self._pushed:
+            return
+        before, self._pushed = self._pushed, push
+        if not before.get("kind") and not push.get("kind"):
+            return
+        if before.get("kind") and {**before, "turned": 0} != {**push, "turned": 0}:
+            self._leaving = self._job is not None
+            if self._moving():
+                self._say(Code.STOP, now)
+        if push.get("kind") and not before.get("kind"):
+            self._mover = self.dispatcher.owner or self.door
+        self.orders.append({"do": "hand", **(push or {"kind": ""})})
 
     def _markers(self, now: Ns) -> None:
         """Requests of the PLC, in AUTO alone (L2921-2923)."""

@@ -25,13 +25,30 @@ class RobotPart:
     programs: "ReisPrograms | None" = None
     errors: ErrorList | None = None
     shown: list[tuple[int, str]] = field(default_factory=list)
+    suppressed: bool = False  # Err Enab (L1359)
     acknowledged: bool = True  # level of RC input 62; one at start is no edge
 
     def report(self, number: int, words: str, now: Ns) -> None:
         """An error of a program."""
         self.shown.append((number, words))
-        if self.errors is not None:
+        if self.errors is not None and not self.suppressed:
             self.errors.report(number, words, now, source=REIS)
+
+    def suppress(self) -> None:
+        """Err Enab: messages that stay are not shown until the drives are switched on."""
+        self.suppressed = True
+        for number, words in self.shown:
+            if self.errors is not None:
+                self.errors.drop(number, words, REIS)
+
+    def show_again(self, now: Ns) -> None:
+        """The drives are switched on."""
+        if not self.suppressed:
+            return
+        self.suppressed = False
+        for number, words in self.shown:
+            if self.errors is not None:
+                self.errors.report(number, words, now, source=REIS)
 
     def clear(self) -> None:
         """They are acknowledged."""

@@ -27,6 +27,17 @@ def start_name(path: str, start: str) -> str:
     return f"{path.strip().rstrip('/')}/{name}" if name and path.strip() else name
 
 
+def start_in_folder(name: str, folder: str = "S:/PLC") -> str:
+    """A name of start_name as one in the folder of the PLC's programs; ValueError: it lies elsewhere."""
+    key, root = key_of(name), key_of(folder)
+    if not key or "/" not in key:
+        return key
+    for prefix in (f"{root}/", f"{root.removeprefix('S:')}/"):
+        if key.startswith(prefix):
+            return key.removeprefix(prefix)
+    raise ValueError(f"{name}: the programs of this PLC are in {folder}")
+
+
 @dataclass(slots=True)
 class Translation:
     """One run over the sources.  `lines` gives the line of a step in its file."""

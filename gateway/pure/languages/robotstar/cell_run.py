@@ -15,14 +15,16 @@ from gateway.pure.languages.robotstar.cell_robot import CellRobot, NoDrive
 from gateway.pure.languages.robotstar.cell_world import CellWorld
 from gateway.pure.languages.robotstar.checker import check
 from gateway.pure.languages.robotstar.faults import StepFault
+from gateway.pure.languages.robotstar.hand import Hand, Push
 from gateway.pure.languages.robotstar.lines import head
 from gateway.pure.languages.robotstar.machine import BitWait, KeyTest, Machine, Wait
 from gateway.pure.languages.robotstar.memory import Memory
+from gateway.pure.languages.robotstar.mouse import Mouse
 from gateway.pure.languages.robotstar.program import Program
 from gateway.pure.languages.robotstar.robot import MODES, Message, State
 from gateway.pure.languages.robotstar.steps import build
 from gateway.pure.languages.robotstar.system import DEFAULTS, KEPT, System
-from gateway.pure.languages.robotstar.values import Cell, Names, Structure
+from gateway.pure.languages.robotstar.values import Array, Cell, Names, Structure
 
 WAITS = {Wait: "a time", BitWait: "a bit"}
 RUNS = (State.RUNNING, State.WAITING)
@@ -40,7 +42,23 @@ class CellRun:
         self.mode = MODES["auto"]
         self.run = 0  # of the control, while the program runs
         self.selected: Program | None = None
+        self.mouse = Mouse()
         self._take(memory)
+
+    def _hand_speeds(self) -> tuple[float, float]:
+        """_RVEL_KART and _RVEL_ORI."""
+        found = (self.machine.system[name] for name in ("_RVEL_KART", "_RVEL_ORI"))
+        along, about = (float(str(cell.value)) if isinstance(cell, Cell) else 0.0 for cell in found)
+        return along, about
+
+    def _mouse_in_hand(self) -> bool:
+        """Bit 1 of _VERFAHR[3]."""
+        field = self.machine.system["_VERFAHR"]
+        cell = field.items[2] if isinstance(field, Array) else None
+        return isinstance(cell, Cell) and isinstance(cell.value, int) and bool(cell.value >> 1 & 1)
+
+    def _says_hand(self, text: str) -> None:
+        self.port.tell("hand", text=text)
 
     def _take(self, memory: Memory) -> None:
         self.memory = memory
@@ -52,6 +70,10 @@ class CellRun:
         self._tool: Structure | None = None  # as the control knows it
         system.machine = self.world.machine = self.machine
         self.robot = CellRobot(self.machine, self.mode, NoDrive(), self._say, ahead=self.ahead, places=lambda: self.port.view.set)
+        self.machine.mouse = self.mouse
+        self.hand = Hand(
+            self.path, self.arm, self._hand_speeds, lambda: self.machine.tool, self._mouse_in_hand, self._says_hand, self.mouse
+        )
         self.faults = Faults()
         check(memory, self.faults, names)
         self.selected = None
@@ -155,6 +177,7 @@ class CellRun:
         if self.path.now is not None:
             self.ahead.left(self.path.now)
         self.path.drop()
+        self.hand.forget()
         self.run = 0
 
     def file_changed(self, name: str) -> None:
@@ -171,12 +194,24 @@ class CellRun:
                 self.robot.key(order["key"] == "F2")
             case "ack":
                 self.robot.acknowledge()
+            case "hand":
+                self._by_hand(order)
+            case "mouse":
+                self.mouse.raw = tuple(float(word) for word in str(order["raw"]).split())
             case "change" if not self.runs:
                 self._change()
             case "forget" if not self.runs:
                 self._leave()
                 self.ahead.forget()
                 self.selected = None
+
+    def _by_hand(self, order: Mapping[str, Fact]) -> None:
+        if not order["kind"]:
+            self.hand.hear(Push())
+            return
+        ways = tuple(float(word) for word in str(order["ways"]).split())
+        turned, moves, turns = float(order["turned"]), bool(order["moves"]), bool(order["turns"])
+        self.hand.hear(Push(str(order["kind"]), str(order["frame"]), ways, turned, moves, turns))
 
     def _change(self) -> None:
         """To the program named in _SNMIPRG (L2921)."""
@@ -200,6 +235,10 @@ class CellRun:
         block = self._refused(ticket)
         stretch = self.path.ended(ticket, error)
         if stretch is None:
+            return
+        if stretch.owner is self.hand:
+            planned = self.port.view.path_of(stretch.robot).failed_job == stretch.job > 0
+            self.hand.over(stretch, error.text if error is not None and error.code != LEFT else "", planned=planned)
             return
         self.ahead.look(self.port.view.set)
         self.ahead.left(stretch)
@@ -248,6 +287,7 @@ class CellRun:
             self._over(None)
             if not self.ahead.busy:
                 self.path.release(self)  # others may move the axes
+            self.hand.look(self.port.view.set, now)
         return self.runs and not self.robot.waits and not self.machine.idle and self.robot.cursor() != before
 
     def _over(self, error: RuntimeFault | None) -> None:

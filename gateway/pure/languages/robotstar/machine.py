@@ -11,6 +11,7 @@ from typing import Protocol, TypeAlias
 from gateway.pure.languages.base.requests import Ns, Request
 from gateway.pure.languages.robotstar.faults import IN_THE_STACK, StepFault, operating
 from gateway.pure.languages.robotstar.memory import Memory
+from gateway.pure.languages.robotstar.mouse import Mouse
 from gateway.pure.languages.robotstar.path import PathState, Target
 from gateway.pure.languages.robotstar.program import Program
 from gateway.pure.languages.robotstar.values import Names, Structure
@@ -121,6 +122,7 @@ class Machine:
     names: Names = field(default_factory=dict)
     request: Request | None = None
     path: PathState = field(default_factory=PathState)
+    mouse: Mouse = field(default_factory=Mouse)
     tool: Structure | None = None
     repeats: bool = True  # END of a main program goes on at step 1 (AUTO)
     returns: bool = True  # END of a main program goes to step 1 at all (not in Test 5)

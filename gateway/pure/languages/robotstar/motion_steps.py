@@ -4,12 +4,12 @@ from collections.abc import Callable
 
 from gateway.pure.languages.robotstar.access import number, structure, valid
 from gateway.pure.languages.robotstar.control_steps import NS, equate_of
-from gateway.pure.languages.robotstar.faults import UNSET, WRONG_TYPES, StepFault
+from gateway.pure.languages.robotstar.faults import NO_ARRAY, NOT_FOUND, UNSET, WRONG_TYPES, StepFault
 from gateway.pure.languages.robotstar.machine import Go, Machine, Op
-from gateway.pure.languages.robotstar.operands import Operand
+from gateway.pure.languages.robotstar.operands import Operand, Ref
 from gateway.pure.languages.robotstar.path import CARTESIAN, PathState, Target
 from gateway.pure.languages.robotstar.program import Step
-from gateway.pure.languages.robotstar.values import AXES, Structure
+from gateway.pure.languages.robotstar.values import AXES, Array, Structure
 
 NO_TOOL = "no valid tool: TOOL is needed in front of a position"
 PARAMETERS = ("PTP_SPEED", "PTP_ACCEL", "PATH_SPEED", "PATH_ACCEL", "PATH_TIME", "PATH_RADIUS", "PATH_DISTANCE")
@@ -170,3 +170,16 @@ def flyby(machine: Machine, step: Step, following: int) -> Op:
     """UEBERSCHL."""
     value = float(equate_of(step, "value") == "ON")
     return _then(machine, lambda: machine.path.set("FLYBY", value), following)
+
+
+def calibrate(machine: Machine, step: Step, following: int) -> Op:
+    """MAUS_KALIB: _RMOUSE_T and _RMOUSE_R of six vectors (L3104)."""
+    data = step.slots["data"]
+
+    def act() -> None:
+        found = machine.names.get(data.name) if isinstance(data, Ref) and data.index is None and not data.element else None
+        if not isinstance(found, Array):
+            raise StepFault(NOT_FOUND if found is None else NO_ARRAY)
+        machine.mouse.calibrate(found)
+
+    return _then(machine, act, following)

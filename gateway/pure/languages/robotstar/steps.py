@@ -34,6 +34,7 @@ MAKERS: Mapping[str, Maker] = {
     **dict.fromkeys(motion_steps.PARAMETERS, motion_steps.parameter),
     "RELATIVE": motion_steps.relative,
     "CALC_REL": motion_steps.calc_rel,
+    "MOUSE_CALIBRATION": motion_steps.calibrate,
     "PALLET": pallet,
     "TRAFO_6D": trafo,
 }

@@ -115,6 +115,34 @@ def test_a_lost_drive_is_a_regulator_error(robot: ControlBench) -> None:
     assert markers.number(ERROR) == 0 and not markers.bit(1021, 0)
 
 
+@pytest.mark.requirement("RSV-UI-03", by="gateway.pure.controllers.reis.control:ReisControl.shown")
+@pytest.mark.requirement("RSV-UI-03", by="gateway.pure.controllers.reis.control:ReisControl._look_at_drives")
+def test_err_enab_hides_a_message_that_stays_until_the_drives_are_switched_on(robot: ControlBench) -> None:
+    words = "Servoregulator error 667: CAN-Watchdog, axis A1"
+    robot.silent = {1}
+    robot.run(0.3)
+    assert robot.reis.status()["message"] == words
+    robot.reis.put("reis.err_enab", 1)
+    robot.reis.message(4017, "Operating error 4017", robot.now)
+    robot.silent = set()
+    robot.run(0.3)
+    robot.told.clear()
+    robot.silent = {1}
+    robot.run(0.3)
+    assert robot.reis.status()["message"] == "" and words not in robot.told
+    assert robot.reis.markers.bit(1021, 0), "hidden, not gone"
+    robot.reis.put("reis.err_enab", 0)
+    assert robot.reis.value("reis.err_enab") == 1, "only the drives end it"
+    robot.silent = set()
+    robot.run(0.3)
+    for code in (Code.REQUEST_CONTROL, Code.FAULT_RESET, Code.OVERRIDE, Code.ENABLE):
+        job = robot.settle(robot.give(code, mask=0b11))
+        assert job.state.name == "DONE", job
+    robot.run(0.1)
+    assert robot.reis.value("reis.err_enab") == 0
+    assert robot.reis.status()["message"] == "Operating error 4017", "it stays, and is shown again"
+
+
 def test_an_axis_that_does_not_follow_is_647_until_it_is_acknowledged(robot: ControlBench) -> None:
     moving(robot)
     robot.core._axes[0].tracking.lag._trip = 1e-6
