@@ -94,7 +94,6 @@ class ReisControl:
         self._referenced, self._seen = 0, False  # axes that were referenced at the last step; there was one
         self.was_synchronised(setup.references)
         self._standing: dict[tuple[int, int], str] = {}  # regulator error, axis -> words
-        self._enabled = True  # all drives were on at the last step; those that are at start are not switched on
         self._percent: int | None = self.markers.number(OVERRIDE) or None  # None: M1436 was never written, and is no factor (AX-1000)
         self._hold = True  # a hold that stands at start has stopped nothing
         self._stopped = False
@@ -262,8 +261,8 @@ class ReisControl:
     def _look_at_drives(self, state: CellState, now: Ns) -> list[str]:
         """Err Enab ends where the drives are switched on (L1359): what still stands is shown again."""
         axes = state.axes[: len(self.setup.axes)]
-        before, self._enabled = self._enabled, bool(axes) and all(axis.flags & AxisFlag.ENABLED for axis in axes)
-        if before or not self._enabled or not self.robot.suppressed:
+        before, self.robot.drives_on = self.robot.drives_on, bool(axes) and all(axis.flags & AxisFlag.ENABLED for axis in axes)
+        if before or not self.robot.drives_on or not self.robot.suppressed:
             return []
         self.robot.show_again(now)
         return list(self._standing.values())

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.robotstar.machine import Machine, Surroundings
-from gateway.pure.languages.robotstar.mouse import Matrix, Mouse
 from gateway.pure.languages.robotstar.path import ACC_MAX, RANGES, Defaults
 from gateway.pure.languages.robotstar.values import Array, Cell, Scalar, Structure, SystemCell, Variable
 
@@ -52,8 +51,8 @@ class System:
             "_RPATH_DIST": Array([self._left(1), self._left(2)]),
             "_RTIME_DIST": Array([self._left(3), self._left(4)]),
             "_VERFAHR": Array([Cell("I", 0) for _ in range(3)]),
-            "_RMOUSE_T": self._matrix(lambda mouse: mouse.translation),
-            "_RMOUSE_R": self._matrix(lambda mouse: mouse.rotation),
+            "_RMOUSE_T": Array([SystemCell("R", None, None) for _ in range(9)]),
+            "_RMOUSE_R": Array([SystemCell("R", None, None) for _ in range(9)]),
             "_IMOUSE": Array([self._coordinate(number) for number in range(1, 7)]),
         }
         found |= {name: Cell(name[1], value, length=128) for name, value in KEPT.items()}
@@ -75,24 +74,15 @@ class System:
     def _left(self, number: int) -> SystemCell:
         return SystemCell("R", lambda: self.path_left(number), None)
 
-    def _matrix(self, of: Callable[[Mouse], Matrix]) -> Array:
-        def cell(place: int) -> SystemCell:
-            return SystemCell("R", lambda: of(self._mouse())[place // 3][place % 3], None)
-
-        return Array([cell(place) for place in range(9)])
-
     def _coordinate(self, number: int) -> SystemCell:
         """As a calibration program reads it, behind its movement."""
 
         def get() -> Scalar:
+            assert self.machine is not None
             self.world.actual()
-            return self._mouse().reading(number)
+            return self.machine.mouse.reading(number)
 
         return SystemCell("I", get, None)
-
-    def _mouse(self) -> Mouse:
-        assert self.machine is not None
-        return self.machine.mouse
 
     def _parameter(self, name: str) -> SystemCell:
         def get() -> Scalar:
