@@ -240,3 +240,46 @@ def test_a_constant_loaded_between_an_edge_and_its_timer_leaves_the_edge_alone()
 def test_every_printed_head_of_a_block_is_one(head: str) -> None:
     result = imported(f"{head}\n0000   :U E 0.0\n0001   := A 0.0\n0002   :BE\n")
     assert list(result.programs) == ["OB1"] and not result.refused
+
+
+EDGES = """ORGANIZATION_BLOCK OB 1
+BEGIN
+      U     E      0.0;
+      FP    M     20.0;
+      U     E      0.1;
+      =     A      0.0;
+      U(    ;
+      O     E      0.2;
+      O     E      0.3;
+      )     ;
+      FN    M     20.1;
+      O     E      0.4;
+      =     A      0.1;
+      U     E      0.6;
+      U(    ;
+      U     E      0.5;
+      FP    M    511.0;
+      )     ;
+      S     A      0.2;
+      U     E      0.7;
+      FP    M     20.3;
+      NOT   ;
+      =     A      0.3;
+END_ORGANIZATION_BLOCK
+"""
+
+
+def test_a_chain_goes_on_behind_an_edge() -> None:
+    """FP and FN give their result to the link behind them: one scan, and only with it."""
+    rig = rig_of(EDGES)
+    assert imported(EDGES).notes == ["OB1: M510.0 and M510.1 are auxiliary bits of edges; no other program may use them"]
+    first = ("", "E0.0 E0.1", "E0.0 E0.1", "", "E0.0", "E0.0 E0.1", "E0.2", "E0.2 E0.3", "E0.3", "", "")
+    inputs = (*first, "E0.4", "E0.5", "E0.5 E0.6", "E0.6", "E0.5 E0.6", "E0.7", "E0.7")
+    rest = 0b1000  # A0.3: NOT of an edge
+    wanted = (0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 0, 0, 4, 4 - rest, 4)
+    assert [rig.scan(*high.split()).outputs[0] - rest for high in inputs] == list(wanted)
+
+
+def test_an_edge_whose_result_a_jump_enters_is_refused() -> None:
+    text = EDGES.replace("      U     E      0.1;", "MARK: U     E      0.1;")
+    assert [(each.line, "a jump leads to the statement behind FP" in each.reason) for each in imported(text).refused] == [(4, True)]

@@ -8,6 +8,7 @@ from gateway.pure.languages.plc.awl.reader import Reader, Refused
 from gateway.pure.languages.plc.awl.translator import Translator
 
 ROW = re.compile(r"((?:D[BX]\d+\.)?[A-Z]{1,3}\d+(?:\.\d+)?)\s*[=;,\t ]\s*(M\d+(?:\.\d)?)$")
+MARKER = re.compile(r"\bM[BWD]?\s*(\d{1,4})")
 NARROW = "numbers are calculated with 32 bits; STEP 5 has 16: check lines"
 
 
@@ -46,6 +47,15 @@ def words_of(table: str) -> tuple[Mapping[str, str], list[str]]:
     return found, wrong
 
 
+def spare_byte(text: str, words: Mapping[str, str]) -> str:
+    """The last marker byte that neither the list nor the table names; "": none is left."""
+    used: set[int] = set()
+    for found in MARKER.finditer(f"{text.upper()} {' '.join(words.values())}"):
+        first = int(found[1])
+        used.update(range(first, first + 4))  # a double word at most
+    return next((f"M{byte}" for byte in range(511, -1, -1) if byte not in used), "")
+
+
 def imported(text: str, table: str = "") -> Imported:
     """The programs of a list."""
     reader = Reader(text)
@@ -53,13 +63,16 @@ def imported(text: str, table: str = "") -> Imported:
     words, wrong = words_of(table)
     result = Imported(refused=list(listing.refused), notes=[*listing.notes, *wrong])
     calls: dict[str, str] = {}
+    spare = spare_byte(text, words)
     for block in listing.blocks:
-        translator = Translator(block, words, reader.english)
+        translator = Translator(block, words, reader.english, spare)
         result.programs[block.name] = translator.run()
         result.statements += len(block.statements)
         known = {each.line for each in result.refused}
         result.refused += [each for each in translator.refused if each.line not in known]
         calls |= dict.fromkeys(translator.calls, block.name)
+        if translator.spared:
+            result.notes.append(f"{block.name}: {spare}.0 and {spare}.1 are auxiliary bits of edges; no other program may use them")
         if translator.narrow:
             result.notes.append(f"{block.name}: {NARROW} {', '.join(str(line) for line in sorted(set(translator.narrow)) if line)}")
         if block.name.startswith("OB") and block.name != "OB1":

@@ -73,6 +73,8 @@ class Translator:
     block: Block
     words: Mapping[str, str]
     english: bool = False
+    spare: str = ""  # marker byte that nothing else uses; "": there is none
+    spared: bool = False  # it is used
     lines: list[str] = field(default_factory=list)
     refused: list[Refused] = field(default_factory=list)
     calls: set[str] = field(default_factory=set)
@@ -263,9 +265,10 @@ class Translator:
     def _edge(self, word: str, operand: str) -> None:
         """Edges by jumps: behind them the result is that of the edge, and the next statement has to use it."""
         after = self._next and self._next.word
-        if after not in ("=", "S", "R", "SPB", "SPBN", "CC", "BEB", "ZV", "ZR", *TIMERS) or (self._next and self._next.label):
-            raise NoCounterpart(f"{word} is translated in front of =, S, R, a conditional jump, a timer or a counter alone")
         bit, number = self._operand(operand), self._edges
+        if after not in ("=", "S", "R", "SPB", "SPBN", "CC", "BEB", "ZV", "ZR", *TIMERS) or (self._next and self._next.label):
+            self._edge_in_a_chain(word, bit)
+            return
         self._edges += 1
         one, two = f"_EDGE{number}A", f"_EDGE{number}B"
         if word == "FP":
@@ -273,6 +276,18 @@ class Translator:
         else:
             self.lines += [f"SP {one},1", f"U {bit}", f"R {bit}", f"SP {two}", f"M {one}", f"UN {bit}", f"S {bit}", f"UN {bit}", f"M {two}"]
         self._fresh = True
+
+    def _edge_in_a_chain(self, word: str, bit: str) -> None:
+        """An edge that the chain goes on with: results of before and of the edge are kept in two spare bits, and a chain begins with
+        the last one."""
+        if self._next and self._next.label:
+            raise NoCounterpart(f"a jump leads to the statement behind {word}, which goes on with its result")
+        if not self.spare:
+            raise NoCounterpart(f"{word} with a chain that goes on needs two spare marker bits; all of M0 to M511 are used")
+        now, edge, self.spared = f"{self.spare}.0", f"{self.spare}.1", True
+        first, second = ("U", "UN") if word == "FP" else ("UN", "U")
+        self.lines += [f"= {now}", f"{first} {now}", f"{second} {bit}", f"= {edge}", f"U {now}", f"= {bit}", f"U {edge}"]
+        self._fresh = False
 
     def _load(self, word: str, operand: str) -> None:
         self._loaded = None
