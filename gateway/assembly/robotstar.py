@@ -16,7 +16,7 @@ from gateway.pure.controllers.reis.control import ReisControl
 from gateway.pure.controllers.reis.programs import ReisPrograms
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.hosting import Port
-from gateway.pure.languages.robotstar.arm import Arm
+from gateway.pure.languages.robotstar.arm import REIS, Arm
 from gateway.pure.languages.robotstar.cell_run import SYSTEM, CellRun
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.runtime.safe_file import write_whole
@@ -26,7 +26,8 @@ KEEP_S, SHARE = 0.5, 20  # values are written so often while they change; at lea
 
 def arm_of(cell: Cell) -> Arm:
     """The first robot of a checked cell; MotionError: a model that does not fit."""
-    return Arm(0, machines_of_cell(cell)[0])
+    stations = cell.controller.station if cell.controller is not None else ()
+    return Arm(0, machines_of_cell(cell)[0], {station.number: REIS.pose(station.at) for station in stations})
 
 
 def programs_of_control(cell: Cell, control: Control, dispatcher: CommandDispatcher) -> ReisPrograms:

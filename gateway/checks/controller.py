@@ -88,6 +88,7 @@ def controller(check: Context) -> None:
         check.fault("controller.point", table.point[0].name, 'points belong to kind = "val3"')
     if table.door and table.door not in (check.known["line"] - program_lines(check.cell)) | check.known["modbus"]:
         check.fault("controller.door", table.door, "no such command source")
+    _stations(check, table)
     _memory(check, table)
     _plc(check, table)
     _pic(check, table)
@@ -101,6 +102,15 @@ def controller(check: Context) -> None:
         trial(check.cell)
     except ValueError as error:
         check.fault("controller" if check.cell.rho3 is None else "rho3", table.kind, str(error))
+
+
+def _stations(check: Context, table: Controller) -> None:
+    """Frames of a Reis' programs."""
+    numbers = [station.number for station in table.station]
+    if numbers and not CONTROLLERS[table.kind].markers:
+        check.fault("controller.station", str(numbers[0]), 'stations belong to kind = "reis"')
+    for double in sorted({each for each in numbers if numbers.count(each) > 1}):
+        check.fault("controller.station", str(double), "two stations have this number")
 
 
 def _memory(check: Context, table: Controller) -> None:

@@ -72,6 +72,14 @@ class ControllerPlc:
 
 
 @dataclass(frozen=True, slots=True)
+class ControllerStation:
+    """[[controller.station]]: a table of a Reis cell; positions with this frame number are positions in its frame (AX-1052)."""
+
+    number: Annotated[int, Ge(1), Le(64)]
+    at: Annotated[tuple[float, ...], MinLen(6), MaxLen(6)]  # X Y Z in mm, A B C in degrees, in the basic system
+
+
+@dataclass(frozen=True, slots=True)
 class Controller:
     """[controller]: the control that is replaced, as its PLC sees it."""
 
@@ -98,3 +106,4 @@ class Controller:
     plc: ControllerPlc | None = None  # reis
     process: tuple[ControllerProcess, ...] = ()
     point: tuple[ControllerPoint, ...] = ()  # val3
+    station: tuple[ControllerStation, ...] = ()  # reis

@@ -31,7 +31,7 @@ class Path:
             self.state.set(WORDS.get(name, f"_{name}"), value)
 
     def position(self, target: PoseTarget | JointTarget) -> None:
-        go, text = way(self.state, _target(target), self._here), _text(target)
+        go, text = way(self.state, self.state.shifted(_target(target)), self._here), _text(target)
         self._here = go.target
         if go.auxiliary:
             self._through = go, text

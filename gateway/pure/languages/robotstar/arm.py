@@ -1,8 +1,8 @@
 """The robot of a cell as ROBOTstar programs count its positions: tool centre point in mm and degrees, axes by name."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.path import Target
@@ -26,10 +26,11 @@ def tool_values(tool: Structure | None) -> tuple[float, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Arm:
-    """first: its first axis in the cell, from 0."""
+    """first: its first axis in the cell, from 0; stations: frame number -> where the frame is in the basic system."""
 
     first: int
     machine: Machine
+    stations: Mapping[int, Pose] = field(default_factory=dict)
 
     @property
     def plain(self) -> bool:
@@ -57,6 +58,26 @@ class Arm:
         pose = REIS.values(self.flange(axes) @ self._tool(tool))
         return Target(pose, 0, {name: value for name, value in named.items() if int(name[1:]) > self.machine.arm})
 
+    def based(self, target: Target) -> Target:
+        """A position of a station in the basic system; StepFault: the cell has no such station."""
+        if not target.frame:
+            return target
+        if not target.pose:
+            return Target((), 0, target.axes)
+        return Target(REIS.values(self._station(target.frame) @ REIS.pose(target.pose)), 0, target.axes)
+
+    def seen_from(self, number: int, target: Target) -> Target:
+        """A position of the basic system in a station's frame."""
+        if not number or not target.pose:
+            return Target(target.pose, number, target.axes)
+        return Target(REIS.values(self._station(number).inverse() @ REIS.pose(target.pose)), number, target.axes)
+
+    def _station(self, number: int) -> Pose:
+        if number not in self.stations:
+            known = ", ".join(str(each) for each in sorted(self.stations)) or "none"
+            raise StepFault(f"frame {number}: this cell has no such station; [[controller.station]] names {known}")
+        return self.stations[number]
+
     @staticmethod
     def _tool(tool: Structure | None) -> Pose:
         return IDENTITY if tool is None else REIS.pose(tool_values(tool))
@@ -64,8 +85,6 @@ class Arm:
     def text(self, target: Target, near: Target) -> str:
         """The position as the text form has it; what an arm of fewer than five axes cannot turn, and additional axes the position does not
         say, are as in `near`.  StepFault where this robot has no such position."""
-        if target.frame:
-            raise StepFault(f"frame {target.frame}: this cell has no station with a frame of its own")
         if not target.pose:
             return self._joints(target, near)
         if self.plain:

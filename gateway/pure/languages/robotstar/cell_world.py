@@ -73,6 +73,14 @@ class CellWorld:
         """Where it is once all positions that were asked for are reached."""
         return self.ahead.last() or self._here()
 
+    def based(self, target: Target) -> Target:
+        """A position in the basic system."""
+        return self.ahead.arm.based(target)
+
+    def seen_from(self, frame: int, target: Target) -> Target:
+        """A position of the basic system in a station's frame."""
+        return self.ahead.arm.seen_from(frame, target)
+
     # ---- writing
     def set_bit(self, area: str, number: int, bit: int, level: bool) -> None:
         """One bit, behind the position before."""

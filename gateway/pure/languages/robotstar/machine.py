@@ -49,6 +49,12 @@ class Surroundings(Protocol):
     def planned(self) -> Target:
         """Where it is once all positions that were asked for are reached."""
 
+    def based(self, target: Target) -> Target:
+        """A position in the basic system; StepFault: there is no station with its frame."""
+
+    def seen_from(self, frame: int, target: Target) -> Target:
+        """A position of the basic system in a station's frame."""
+
 
 class NotYet(Exception):
     """A step reads the cell, and positions before it are not reached: it is executed again when they are."""

@@ -91,12 +91,13 @@ def position(machine: Machine, step: Step, following: int) -> Op:
 
 def go(machine: Machine, programmed: Target, following: int) -> int:
     """Asks for the way to a position."""
-    return machine.ask(way(machine.path, programmed, machine.world.planned(), machine.tool, machine.simulated), following)
+    target, world = machine.path.shifted(programmed), machine.world
+    return machine.ask(way(machine.path, world.based(target), world.planned(), machine.tool, machine.simulated), following)
 
 
-def way(path: PathState, programmed: Target, planned: Target, tool: Structure | None = None, simulated: bool = False) -> Go:
+def way(path: PathState, target: Target, planned: Target, tool: Structure | None = None, simulated: bool = False) -> Go:
     """To a position, from where the robot is once all before it is reached; StepFault with the number of a path error."""
-    target, mode, settings = path.shifted(programmed), path.mode, dict(path.values)
+    mode, settings = path.mode, dict(path.values)
     seconds = path.accept(target, planned, not simulated)
     approximates = not simulated and settings["FLYBY"] == 1 and mode != "SPLINE"
     return Go(target, mode, round(seconds * NS), settings, tool, path.auxiliary, approximates)
@@ -105,6 +106,8 @@ def way(path: PathState, programmed: Target, planned: Target, tool: Structure | 
 def _give_relation(machine: Machine, programmed: Target) -> None:
     """CALC_REL: vector = actual - programmed; the position is not approached (L400)."""
     actual = machine.world.actual()
+    if programmed.frame and not actual.frame:
+        actual = machine.world.seen_from(programmed.frame, actual)
     vector, machine.path.relation = machine.path.relation, None
     assert isinstance(vector, Structure)
     if actual.frame != programmed.frame:

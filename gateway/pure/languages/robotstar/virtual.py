@@ -186,6 +186,15 @@ class VirtualCell:
         """Where the robot is."""
         return self._at
 
+    def based(self, target: Target) -> Target:
+        """As it is: a virtual robot has no stations."""
+        return target
+
+    def seen_from(self, frame: int, target: Target) -> Target:
+        """As it is."""
+        del frame
+        return target
+
     def planned(self) -> Target:
         """The same: nothing runs ahead here."""
         return self._at
