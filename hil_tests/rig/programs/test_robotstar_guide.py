@@ -2,7 +2,9 @@
 
 import contextlib
 import json
+import os
 import pathlib
+import random
 import re
 import shlex
 import shutil
@@ -37,7 +39,9 @@ STOP
 ENDE
 """
 ANSWERS = "U M40.0\n= M41.0\nU A2.0\n= A2.1\nLD M212\nTD M216\nEND\n"
-pytestmark = pytest.mark.timeout(COMES_UP_S + 6 * PATIENCE_S)
+KILLS = int(os.environ.get("AXISGATE_PALTEST_KILLS", "2"))  # make soak: 200
+LIMIT_S = 3.0  # judged where there are many: a short run may share its processor
+pytestmark = pytest.mark.timeout(COMES_UP_S + (6 + KILLS) * PATIENCE_S)
 
 
 @pytest.fixture(scope="module")
@@ -167,3 +171,26 @@ def test_modes_keys_and_a_dead_interpreter(run: CellRun) -> None:
     time.sleep(1.0)
     assert person.joints() == here, "nothing restarts"
     run.forgive("interpreter")
+
+
+def test_paltest_whose_processes_are_killed_anywhere_rests_and_they_come_back(run: CellRun) -> None:
+    """Interpreter and PLC by turns, at moments drawn by lot; each time the axes rest, the process is back and the program starts again."""
+    person, moments = Person(run), random.Random(7)
+    person.types('axisgate var "MB 10" --set 0')
+    for number in range(KILLS):
+        name = ("interpreter", "plc")[number % 2]
+        held = person.begins("axisgate program run reis-palletiser PALTEST --ready", "--json")
+        person.waits(lambda: run.state().motion is Motion.RUNNING, "under way")
+        time.sleep(moments.uniform(0.0, 2.0))
+        killed = time.monotonic()
+        dead, _ = run.kill(name)
+        run.back(name, dead)
+        took = time.monotonic() - killed
+        if name == "plc":
+            held.send_signal(signal.SIGINT)
+        told = json.loads(held.communicate(timeout=PATIENCE_S)[0])
+        assert told["how"] == ("lost" if name == "interpreter" else "stopped"), told
+        person.waits(person.rests, f"at rest behind kill {number} of the {name}")
+        run.forgive(name)
+        if KILLS > 2:
+            assert took < LIMIT_S, f"kill {number} of the {name}: back after {took:.1f} s"
