@@ -17,6 +17,7 @@ from gateway.pure.controllers.reis.regulator import Reference
 from gateway.pure.controllers.rho3.functions.addresses import STROBE_TIME, Places
 from gateway.pure.controllers.rho3.functions.plc import Settings
 from gateway.pure.controllers.rho3.pendant.infos import SIGNALS
+from gateway.pure.controllers.rho3.pendant.user_memory import SIZES
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.coupling import Coupling, Ranges
 from gateway.pure.controllers.rho3.signals.drives import AXES as SIGNALLED
@@ -152,6 +153,7 @@ def rho_setup(cell: Cell, controller: Controller, tables: DatTables, owners: Map
             name: found.at.number for name in (TEST_MN, *(row[1] for row in SIGNALS)) if (found := signals.named(name)) is not None
         },
         option=option_of(cell),
+        memory=SIZES[controller.hardware] if controller.memory else 0,
         pic=bool(controller.pic),
         robot_masks=robot_masks(cell) if controller.memory else (),
     )  # fmt: skip

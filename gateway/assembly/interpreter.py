@@ -2,11 +2,13 @@
 
 import contextlib
 import pathlib
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Mapping
 from itertools import accumulate
 
 from gateway.assembly.controllers import installation
 from gateway.assembly.data_block_signals import signals_of
+from gateway.assembly.eeprom import is_protected, load_eeprom, save_eeprom
 from gateway.assembly.lanes import lanes_of_cell
 from gateway.assembly.pic import pic_bytes
 from gateway.assembly.program_memory import memory_folder
@@ -14,8 +16,10 @@ from gateway.assembly.programs import numbers_of
 from gateway.assembly.run import RunPlan
 from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.pure.cell.cell import Cell
+from gateway.pure.controllers.rho3.pendant.user_memory import SIZES
 from gateway.pure.controllers.rho3.signals.timers import TimersAndCounters
 from gateway.pure.languages.baps2.cell_belts import CellBelt
+from gateway.pure.languages.baps2.cell_eeprom import NOT_VALID, OTHER_SIZE, PROTECTED, SAVE, Wanted, refused, save_refused
 from gateway.pure.languages.baps2.cell_run import CellRun, changed
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
@@ -74,6 +78,12 @@ def pic_of(cell: Cell, memory: Memory, port: Port) -> CellPic | None:
     return CellPic(memory, controller.pic, named_in(signals_of(cell)), port, timers, facts.unit, pic_bytes(cell))
 
 
+def days_of(stamps: Mapping[str, tuple[int, int]]) -> dict[str, tuple[str, str]]:
+    """Day and time of each file, as the pendant shows them."""
+    found = {name.upper(): time.localtime(changed // 1_000_000_000) for name, (changed, _) in stamps.items()}
+    return {name: (time.strftime("%d.%m.%y", at), time.strftime("%H:%M", at)) for name, at in found.items()}
+
+
 class Baps2Programs:
     """The memory of a cell and its folder."""
 
@@ -81,10 +91,15 @@ class Baps2Programs:
         folder = memory_folder(plan.cell)
         assert folder is not None  # its language has no row otherwise
         self.folder = folder
+        controller = plan.cell.controller
+        self._port = port
+        self._eeprom = pathlib.Path(plan.cell.file).parent / controller.eeprom if controller is not None and controller.eeprom else None
+        self._size = SIZES[controller.hardware] if controller is not None else 0
         self._stamps = self._stamped()
         self.memory = folder_memory(folder)
         self.language = language_of(plan.cell, self.memory, port, plan.p5_ms)
         self._kept = dict(self.memory.files)
+        self.language.pendant.files.stamps.update(days_of(self._stamps))
 
     def _stamped(self) -> dict[str, tuple[int, int]]:
         found = {path.name: path.stat() for path in self.folder.iterdir() if not path.name.startswith(".")}
@@ -105,6 +120,7 @@ class Baps2Programs:
         if stamps == self._stamps:
             return None
         before, self._stamps = self._stamps, stamps
+        self.language.pendant.files.stamps.update(days_of(stamps))
         fresh = folder_memory(self.folder).files
         for name in {path.upper() for path in stamps.keys() | before.keys() if stamps.get(path) != before.get(path)}:
             if fresh.get(name) == self._kept.get(name):
@@ -120,8 +136,42 @@ class Baps2Programs:
         """The test system."""
         return self.language.test.shown(now)
 
+    def _save_or_load(self, wanted: Wanted) -> str:
+        """Modes 9.6 and 9.7 of the pendant: why it is refused, empty: done."""
+        language, path = self.language, self._eeprom
+        why = refused(wanted, option=path is not None, open_files=language.filing.any_open(), running=bool(language.tasks))
+        if why or path is None:
+            return why
+        files = self.memory.files
+        if wanted.what == SAVE:
+            why = save_refused(files, self._size, protected=is_protected(path))
+            if not why:
+                save_eeprom(path, files, self._size)
+            return why
+        found = load_eeprom(path)
+        if found is None:
+            return NOT_VALID
+        if found[0] != self._size:
+            return OTHER_SIZE
+        for name in files.keys() | found[1].keys():
+            files.pop(name, None)
+            language.file_changed(name)
+        files.update(found[1])
+        return ""
+
     def write_back(self) -> list[str]:
         """Points and files that programs have written are on the disk before anything else happens."""
+        faults = []
+        for wanted in self.language.pendant.eeprom.take():
+            try:
+                answer = self._save_or_load(wanted)
+            except OSError as error:
+                answer = PROTECTED
+                faults.append(f"{self._eeprom}: {error.strerror}; the user memory is not saved")
+            self._port.tell("answered", ticket=wanted.ticket, error=answer)
+        return [*faults, *self._written()]
+
+    def _written(self) -> list[str]:
         files, faults = self.memory.files, []
         for name, data in changed(self._kept, files).items():
             path = self._path(name)
@@ -139,6 +189,7 @@ class Baps2Programs:
             with contextlib.suppress(OSError):
                 found = path.stat()
                 self._stamps[path.name] = (found.st_mtime_ns, found.st_size)
+                self.language.pendant.files.stamps.update(days_of({path.name: self._stamps[path.name]}))
         return faults
 
     def _path(self, name: str) -> pathlib.Path:

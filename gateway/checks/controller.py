@@ -113,8 +113,22 @@ def _stations(check: Context, table: Controller) -> None:
         check.fault("controller.station", str(double), "two stations have this number")
 
 
+def _eeprom(check: Context, table: Controller) -> None:
+    """The file of modes 9.6 and 9.7 (AX-1041)."""
+    if not table.eeprom:
+        return
+    path = pathlib.Path(check.cell.file).parent / table.eeprom
+    if not table.memory or not CONTROLLERS[table.kind].parameters:
+        check.fault("controller.eeprom", table.eeprom, "it keeps the memory of a rho3; [controller] has none")
+    elif path.is_dir() or not path.parent.is_dir():
+        check.fault(
+            "controller.eeprom", table.eeprom, "no such folder (looked for beside the cell file)", "a file in a folder that is there"
+        )
+
+
 def _memory(check: Context, table: Controller) -> None:
     """The programs of the interpreter (AX-860)."""
+    _eeprom(check, table)
     folder = memory_folder(check.cell)
     if folder is None:
         return

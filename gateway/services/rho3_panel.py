@@ -54,7 +54,9 @@ class Rho3Panel:
         functions = self.rho.functions
         if "key" in request:
             self._pressed, self._source = now, source
-            functions.press(str(request["key"]))
+            key = self.rho.memory.keys.named(str(request["key"]), functions.phg.mode)
+            if key is not None:
+                functions.press(key)
         if "mode" in request:
             self._pressed, self._source = now, source
             self.rho.panel.go(f"0.{request['mode']}".removesuffix(".0"))

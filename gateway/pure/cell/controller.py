@@ -91,6 +91,7 @@ class Controller:
     pic: Annotated[str, Pattern("^[A-Za-z][A-Za-z0-9_]{0,7}$|^$", "up to 8 letters, digits and _")] = (
         ""  # PIC program of the memory (AX-981)
     )
+    eeprom: str = ""  # file that modes 9.6 and 9.7 of the pendant save the memory to (AX-1041); relative to the cell file
     code_page: Literal["cp437", "cp850", "latin-1", "utf-8"] = "cp437"
     hardware: Literal["rho3.0", "rho3.1", "rho3.2"] = "rho3.1"  # rho3.0 | rho3.1 | rho3.2: unit of timers, multi-function I/O
     kinematics: Annotated[int, Ge(1), Le(10)] = 1

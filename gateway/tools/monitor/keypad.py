@@ -12,7 +12,10 @@ TYPED = {
     "m": "MODE", "i": "INFO", "enter": "ENTER", "backspace": "DELETE", "delete": "DELETE", "full_stop": ".", "comma": ".", "minus": "-",
     "up": "UP", "down": "DOWN", "left": "LEFT", "right": "RIGHT",
 }  # fmt: skip
-NAMES = frozenset(name for row in KEYPAD for name in row) | frozenset("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
+PLACES = frozenset(f"{level}K{number}" for level in ("SHIFT+", "ALT+") for number in range(1, 37)) | frozenset(
+    f"K{number}" for number in range(1, 37)
+)  # keys by their place: KEY.BNR says what they are
+NAMES = frozenset(name for row in KEYPAD for name in row) | frozenset("ABCDEFGHIJKLMNOPQRSTUVWXYZ") | PLACES
 
 
 def key_of(typed: str, character: str | None) -> str | None:

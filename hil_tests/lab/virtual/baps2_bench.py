@@ -257,6 +257,8 @@ class ProgramCell:
 
     def _obey(self, order: dict[str, Fact], port: VirtualPort, now: int) -> None:
         match order["do"]:
+            case "hello":
+                self.language.stop_all(now)
             case "start":
                 self.language.start_run(str(order["program"]), int(order["run"]), now)
             case "stop":

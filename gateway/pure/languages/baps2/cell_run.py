@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI, MULTI, Fact
 from gateway.pure.languages.baps2 import demands, lines
@@ -11,6 +11,8 @@ from gateway.pure.languages.baps2.cell_acts import TOLD, CellActs
 from gateway.pure.languages.baps2.cell_belts import CAM, CellBelt, CellBelts
 from gateway.pure.languages.baps2.cell_debugger import CellDebugger
 from gateway.pure.languages.baps2.cell_devices import CellDevices, SerialUnits, fault_of
+from gateway.pure.languages.baps2.cell_eeprom import EepromOrders
+from gateway.pure.languages.baps2.cell_files import CellFiles
 from gateway.pure.languages.baps2.control import Control, size_of
 from gateway.pure.languages.baps2.errors import TEXTS, fault
 from gateway.pure.languages.baps2.feed import Feed, UnitFeed
@@ -50,6 +52,15 @@ class _Begun:
     test: bool = False
 
 
+@dataclass(slots=True)
+class Pendant:
+    """What serves the pendant: the test system, and the files as it lists them."""
+
+    debugger: CellDebugger
+    files: CellFiles
+    eeprom: EepromOrders = field(default_factory=EepromOrders)
+
+
 class CellRun(Control):
     """All programs of a memory in one cell.  passing: P213, the distances of R_PTP = 1; one: robots move one at a time."""
 
@@ -75,7 +86,7 @@ class CellRun(Control):
         self._begun = _Begun()
         self._read: dict[int, set[tuple[int, int]]] = {}  # process -> places that have read in this turn
         self.pic: CellPic | None = None  # scanned beside the programs
-        self.test = CellDebugger(CellAccess(self), library.watched())
+        self.pendant = Pendant(CellDebugger(CellAccess(self), library.watched()), CellFiles(port))
         self.scheduler.debugger = self.test.debugger
         self._systems: dict[int, tuple[float, ...]] = {}  # ticket of a stretch -> workpiece system as told
 
@@ -159,6 +170,7 @@ class CellRun(Control):
 
     def stop_all(self, now: Ns) -> None:
         """Nothing runs any more, and no order is under way: the services have begun anew."""
+        self.pendant.files.again()
         for run in list(self._runs):
             self.stop_run(run, now)
         self.paths.drop()
@@ -202,8 +214,13 @@ class CellRun(Control):
         if answer is not None:
             if "ticket" in order:
                 self.test.answers.append((now, int(order["ticket"]), answer))
-        elif self.pic is not None:
+        elif not self.pendant.eeprom.hear(order) and self.pic is not None:
             self.pic.hear(order)
+
+    @property
+    def test(self) -> CellDebugger:
+        """Its test system."""
+        return self.pendant.debugger
 
     def task_of(self, run: int) -> Task | None:
         """A process by its run."""
@@ -220,6 +237,7 @@ class CellRun(Control):
         if self.pic is not None:
             self.pic.turn(now)
         self.now = now
+        self.pendant.files.turn(self.memory.files, now)
         for ticket, answer in self.test.told(now):
             self.port.tell("answered", ticket=ticket, error=answer)
         self._round += 1

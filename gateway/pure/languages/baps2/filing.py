@@ -84,6 +84,10 @@ class Filing:
                 self.files[name] = bytes(each.data)
         self._forget(name, owner)
 
+    def any_open(self) -> bool:
+        """Whether a program has a file open."""
+        return any(self._open.values())
+
     def close_all(self, owner: int) -> None:
         """A process is over."""
         for name in list(self._open):

@@ -212,8 +212,7 @@ def split_index(index: int) -> tuple[int, int]:
 
 PREFIX = "phg."  # of the names cells and tools use (AX-496)
 NOT_HERE = (  # codes from .. to: nothing of the kind is in this control
-    (33041, 33060), (33285, 33288), (33292, 33292), (33295, 33296), (33299, 33300), (33539, 33541), (34050, 34059), (34561, 34570),
-    (34816, 35071),
+    (33041, 33060), (33285, 33288), (33292, 33292), (33295, 33296), (33299, 33300), (33539, 33541), (34050, 34059),
 )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from gateway.pure.controllers.rho3.functions.messages import say
 from gateway.pure.controllers.rho3.functions.processes import ProcessFault, ProcessTable
 from gateway.pure.controllers.rho3.pendant.infos import Condition
 from gateway.pure.controllers.rho3.pendant.modes import MODES, RESET, Mode, spoken
+from gateway.pure.image.records.interpreter import Fact
 from motion.program.factors import Factors
 
 FACTOR_MODES: dict[Mode, str] = {(11, 4): "velocity", (11, 5): "acceleration", (11, 6): "deceleration"}
@@ -48,6 +49,21 @@ class Source(Protocol):
 
     def start(self, name: str) -> object:
         """A program; ProcessFault."""
+
+    def order_memory(self, what: str) -> str:
+        """Save to the EEPROM, load from there; why it is refused at once."""
+
+    def memory_outcome(self, what: str) -> str | None:
+        """What became of it; None: under way, or not ordered."""
+
+    def movement(self) -> bool:
+        """Whether tests move."""
+
+    def order_test(self, what: str, **facts: Fact) -> None:
+        """To the test system."""
+
+    def tested(self) -> Sequence[tuple[int, str, int, bool]]:
+        """Processes of the test: run, program, line, whether it is held."""
 
 
 def _nothing(row: int) -> str:
@@ -90,10 +106,8 @@ def page_of(mode: Mode, source: Source, language: str) -> Page:
         case (7, 3, 3):
             words = (say("phg_manual", language), say("phg_automatic", language))
             return Page(title, tuple(f"Kin. {n}: {words[auto]}" for n, auto in enumerate(source.automatic(), 1)))
-        case (10, 1):
-            return _start(title, source, language)
-        case (10, 2):
-            return _stop(title, source, language)
+        case (5, 9) | (5, 10) | (9, 6) | (9, 7) | (10, 1) | (10, 2):
+            return ORDERING[mode](title, mode, source, language)
     below = tuple(f"{each[-1]} {name}" for each, name in MODES.items() if each[:-1] == mode)
     return Page(title, below or (say("phg_not_here", language),))
 
@@ -106,7 +120,7 @@ def _listed(title: str, mode: Mode, source: Source, language: str) -> Page:
     return Page(title, rows or (say("phg_no_error", language),))
 
 
-def _start(title: str, source: Source, language: str) -> Page:
+def _start(title: str, mode: Mode, source: Source, language: str) -> Page:
     names = sorted(name for name in source.processes.programs if source.processes.named(name) is None)
 
     def choose(row: int) -> str:
@@ -122,13 +136,42 @@ def _start(title: str, source: Source, language: str) -> Page:
     return Page(title, tuple(names) or (say("phg_no_program", language),), choose)
 
 
-def _stop(title: str, source: Source, language: str) -> Page:
+def _stop(title: str, mode: Mode, source: Source, language: str) -> Page:
     processes = source.processes.processes
 
     def choose(row: int) -> str:
         return say("phg_stopped", language) if processes and source.processes.stop(processes[row % len(processes)].number) else ""
 
     return Page(title, tuple(each.name for each in processes) or (say("phg_no_process", language),), choose)
+
+
+def _eeprom(title: str, mode: Mode, source: Source, language: str) -> Page:
+    """9.6, 9.7: ENTER carries it out; then how it ended."""
+    what = "save" if mode == (9, 6) else "load"
+    outcome = source.memory_outcome(what)
+    row = say("phg_execute", language) if outcome is None else outcome or say("phg_done", language)
+    return Page(title, (row,), lambda _: source.order_memory(what))
+
+
+def _tested(title: str, mode: Mode, source: Source, language: str) -> Page:
+    """5.9: ENTER runs the next line of the process in the row; 5.10: ENTER switches, for all kinematics."""
+    if mode == (5, 10):
+
+        def switch(_: int) -> str:
+            source.order_test("movement", on=not source.movement())
+            return ""
+
+        return Page(title, (say("phg_with" if source.movement() else "phg_without", language),), switch)
+    tests = source.tested()
+
+    def step(row: int) -> str:
+        if tests:
+            run, _, _, held = tests[row % len(tests)]
+            source.order_test("step", run=run, how="into" if held else "hold")
+        return ""
+
+    rows = tuple(f"{name:<8} {line:>5} {say('phg_held', language) if held else ''}"[:COLUMNS] for _, name, line, held in tests)
+    return Page(title, rows or (say("phg_no_process", language),), step)
 
 
 def _factor(title: str, which: str, source: Source, language: str) -> Page:
@@ -145,3 +188,8 @@ def _factor(title: str, which: str, source: Source, language: str) -> Page:
         return say("phg_done", language)
 
     return Page(title, (f"{getattr(source.factors, which):.3f}",), edits=True, put=put)
+
+
+ORDERING: dict[Mode, Callable[[str, Mode, Source, str], Page]] = {
+    (5, 9): _tested, (5, 10): _tested, (9, 6): _eeprom, (9, 7): _eeprom, (10, 1): _start, (10, 2): _stop,
+}  # fmt: skip

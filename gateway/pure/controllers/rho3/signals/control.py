@@ -13,6 +13,7 @@ from gateway.pure.controllers.rho3.functions.display import COLUMNS, LINES, Laye
 from gateway.pure.controllers.rho3.functions.plc import Functions
 from gateway.pure.controllers.rho3.functions.processes import Kind, Process, ProcessTable, Program, State
 from gateway.pure.controllers.rho3.pendant.panel import Panel
+from gateway.pure.controllers.rho3.pendant.user_memory import UserMemory
 from gateway.pure.controllers.rho3.signals.codes import EMERGENCY_STOP, PIC_TIMER, PLC_SILENT, CycleErrors, code_text
 from gateway.pure.controllers.rho3.signals.commands import AxisCommands
 from gateway.pure.controllers.rho3.signals.control_state import ControlState
@@ -113,6 +114,11 @@ class RhoControl:
         return self.interface.pic
 
     @property
+    def memory(self) -> UserMemory:
+        """The user memory as the pendant sees it."""
+        return self.view.memory
+
+    @property
     def halted(self) -> bool:
         """The PIC's timer has failed: inputs and outputs stay 0 and READY stays open until a restart."""
         return (self._guard is not None and self._guard.stopped) or (self.pic is not None and self.pic.stopped)
@@ -142,6 +148,8 @@ class RhoControl:
             self.interface.faults.came(INTERPRETER_GONE, now=now)
         told += [refusal.text(setup.functions.language) for refusal in self.functions.step(inputs, image.outputs, now)]
         self.panel.step(now)
+        if "" in map(self.panel_view.memory_outcome, ("save", "load")):
+            self._start_up()
         self._end_moves()
         self._commands.drives(self._drive_on.look(image), self._drive_on.wanted, seen.disabled, now)
         self._office.bar(seen.disabled)
@@ -165,11 +173,21 @@ class RhoControl:
             if not state.emergency:
                 self.interface.faults.forget(EMERGENCY_STOP)  # released by another command source's fault reset
         set_bit(image.inputs, self.setup.numbers.chain, self._closed)
+        self.view.closed, self.view.hosted = self._closed, self.hosted
         self._overlay(cycle)
 
     def _overlay(self, cycle: bytes) -> None:
         merged = int.from_bytes(self.image.outputs, "little") & self._keep | int.from_bytes(cycle, "little") & ~self._keep
         self.image.outputs[:] = (merged & (1 << 8 * RC_BYTES) - 1).to_bytes(RC_BYTES, "little")
+
+    def _start_up(self) -> None:
+        """After the user memory was saved or loaded (L4881, L4905)."""
+        self.view.memory.ordered = "", 0
+        self.processes.control_reset(keep_permanent=False)
+        self.factor_table.happened(Operation.CONTROL_RESET)
+        if self.hosted is not None:
+            self.hosted.orders.append({"do": "hello"})
+        self.panel.enter(())
 
     def _supervise(self, now: Ns, *, heard: bool) -> None:
         if self._watch is None:

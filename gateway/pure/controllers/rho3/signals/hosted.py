@@ -11,6 +11,7 @@ from typing import Protocol
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.controllers.rho3.functions.processes import Body, Kind, Process, ProcessFault, ProcessTable, Program, State, Turn
+from gateway.pure.controllers.rho3.pendant.user_memory import UserMemory
 from gateway.pure.controllers.rho3.signals.fast_io import Channels, InputFault
 from gateway.pure.controllers.rho3.signals.pic import PicLink
 from gateway.pure.controllers.rho3.signals.steps import NOT_MOVED
@@ -30,6 +31,10 @@ class Mover(Protocol):
 
     processes: ProcessTable
     channels: Channels
+
+    @property
+    def memory(self) -> UserMemory:
+        """The user memory as the pendant sees it."""
 
     @property
     def pic(self) -> PicLink | None:
@@ -182,16 +187,23 @@ class HostedPrograms:
                     if said["code"] and body.process is not None:
                         self.told.append(f"{body.process.name}: {said['code']} {said['text']} ({said['place']})")
                     self._end(body, str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
-            case "answered":
-                self.answers[int(said["ticket"])] = str(said["error"])
-                for old in list(self.answers)[:-RESULTS]:
-                    del self.answers[old]
+            case "memory" | "answered":
+                self._informed(said)
             case "panel":
                 self.control.panel_text(str(said["text"]))
             case "pic" if self.control.pic is not None:
                 self.control.pic.hear(said, now)
             case "pic-stopped" if self.control.pic is not None:
                 self.control.pic.stopped = True
+
+    def _informed(self, said: Mapping[str, Fact]) -> None:
+        """Of the user memory, or what became of an order to the test system."""
+        if said["say"] == "memory":
+            self.control.memory.hear(said)
+            return
+        self.answers[int(said["ticket"])] = str(said["error"])
+        for old in list(self.answers)[:-RESULTS]:
+            del self.answers[old]
 
     def order(self, what: str, **facts: Fact) -> int:
         """To the test system of the interpreter; a ticket, under which `answers` has what became of it."""

@@ -8,6 +8,7 @@ from gateway.pure.controllers.rho3.signals.codes import code_text
 from gateway.pure.controllers.rho3.signals.control_state import ControlState
 from gateway.pure.controllers.rho3.signals.errors import RHO3
 from gateway.pure.image.records.cell import AxisFlag
+from gateway.pure.image.records.interpreter import Fact
 from motion.program.factors import Factors
 
 TEST_MN = "TEST_MN_RCI"
@@ -60,6 +61,43 @@ class PanelView:
             in_position=all(axis.flags & AxisFlag.IN_POSITION for axis in axes),
             test=bits.get(TEST_MN, 0) > 0 and control.image.input(bits[TEST_MN]),
         )
+
+    def order_memory(self, what: str) -> str:
+        """Modes 9.6 and 9.7; why it is refused at once."""
+        control = self._control
+        if control.hosted is None:
+            return "Option not found"
+        active = bool(control.processes.processes)
+        control.memory.ordered = what, control.hosted.order(what, stop=not control.closed, active=active)
+        return ""
+
+    def memory_outcome(self, what: str) -> str | None:
+        """What became of it; None: it is under way, or not ordered."""
+        control = self._control
+        ordered, ticket = control.memory.ordered
+        return control.hosted.answers.get(ticket) if control.hosted is not None and ordered == what else None
+
+    def movement(self) -> bool:
+        """Whether tests move."""
+        test = self._control.hosted.shown.get("test") if self._control.hosted is not None else None
+        return not isinstance(test, dict) or test.get("movement") is not False
+
+    def order_test(self, what: str, **facts: Fact) -> None:
+        """To the test system."""
+        if self._control.hosted is not None:
+            self._control.hosted.order(what, **facts)
+
+    def tested(self) -> Sequence[tuple[int, str, int, bool]]:
+        """Processes of the test: run, program, line, whether it is held."""
+        hosted = self._control.hosted
+        test = hosted.shown.get("test") if hosted is not None else None
+        runs = {each.get("run") for each in test["tested"]} if isinstance(test, dict) else set()
+        rows = hosted.rows if hosted is not None else []
+        return [
+            (int(str(row["run"])), str(row["program"]), int(str(row["line"])), row["state"] == "held")
+            for row in rows
+            if row["run"] in runs and not row["branch"]
+        ]
 
     def start(self, name: str) -> object:
         return self._control.processes.start(name)

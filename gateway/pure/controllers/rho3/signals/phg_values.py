@@ -1,10 +1,10 @@
 """PHG 2000 variables of a running control by name: phg.33026.85, coded phg.33282.2.3 (kinematic, axis), phg.33793.  AX-486, AX-496.
 
-What this control does not have (boards, files, text lists, object coordinates) is refused, never shown as a zero.
+What this control does not have (boards, object coordinates, files without a memory) is refused, never shown as a zero.
 """
 
-from gateway.pure.controllers.rho3.functions.system_variables import SystemVariables, VariableError
-from gateway.pure.controllers.rho3.pendant.catalogue import variable_of
+from gateway.pure.controllers.rho3.functions.system_variables import FILES, FREE, SystemVariables, VariableError
+from gateway.pure.controllers.rho3.pendant.catalogue import TEXT_LISTS, variable_of
 from gateway.pure.controllers.rho3.pendant.variables import AxisView, KinematicView, Machine, Message, SetBits, SetFactor, Value, Variables
 from gateway.pure.controllers.rho3.signals.codes import code_text
 from gateway.pure.controllers.rho3.signals.control_state import ControlState
@@ -22,12 +22,16 @@ class PhgValues:
 
     def __init__(self, control: ControlState) -> None:
         self._control = control
-        self._variables = Variables(Machine(), SystemVariables(control.processes, language=control.setup.functions.language))
+        self._listed = SystemVariables(control.processes, memory=control.setup.memory, language=control.setup.functions.language)
+        self._variables = Variables(Machine(), self._listed)
 
     def read(self, name: str) -> Value:
         """KeyError, VariableError."""
         variable, index = variable_of(name)
+        if not self._control.setup.memory and (FILES <= variable.code <= FREE or variable.code in TEXT_LISTS):
+            raise VariableError(f"{name} {variable.name}: this control has none; [controller] memory names its folder")
         self._variables.machine = self._machine()
+        self._listed.files = self._control.memory.files
         return self._variables.read(variable.code, index)
 
     def number(self, name: str) -> float:
@@ -67,6 +71,7 @@ class PhgValues:
             flags=bytes(control.image.flags)[:AREA].ljust(AREA, b"\0"),
             kinematics=self._kinematics(),
             factors=control.factor_table.global_factors(),
+            text_lists=control.memory.lists,
             clock_ms=control.now // 1_000_000,
             warnings=tuple(message for code, message in told if code >> 8 == WARNINGS),
             errors=tuple(message for code, message in told if code >> 8 != WARNINGS),

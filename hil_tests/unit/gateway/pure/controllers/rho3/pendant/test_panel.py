@@ -51,6 +51,21 @@ class Control:
     def conditions(self) -> Collection[Condition]:
         return self.holding
 
+    def order_memory(self, what: str) -> str:
+        return ""
+
+    def memory_outcome(self, what: str) -> str | None:
+        return None
+
+    def movement(self) -> bool:
+        return True
+
+    def order_test(self, what: str, **facts: str | int | float | bool) -> None:
+        pass
+
+    def tested(self) -> Sequence[tuple[int, str, int, bool]]:
+        return []
+
     def __post_init__(self) -> None:
         self.start: Callable[[str], Process] = self.processes.start
 
@@ -232,8 +247,8 @@ def test_keys_wait_while_the_plc_has_the_display_and_count_afterwards() -> None:
 
 
 def test_modes_without_a_function_say_so_in_both_languages() -> None:
-    assert Bench().types("MODE", "9.7", "ENTER").lines[:2] == ["9.7 EEPROM -> memory", "no function here"]
-    assert Bench("de").types("MODE", "9.7", "ENTER").lines[1] == "hier ohne Funktion"
+    assert Bench().types("MODE", "9.8", "ENTER").lines[:2] == ["9.8 Init SRAM card", "no function here"]
+    assert Bench("de").types("MODE", "9.8", "ENTER").lines[1] == "hier ohne Funktion"
     assert Bench("de").lines == ["Grundebene", "Automatik", "", ""]
 
 

@@ -1,0 +1,44 @@
+"""The user memory as the pendant sees it: its files, the lines of its text lists, its key assignment (AX-1041).
+
+The interpreter has the files; it reports them piece by piece, and again what has changed.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from gateway.pure.controllers.rho3.functions.system_variables import FileEntry
+from gateway.pure.controllers.rho3.pendant.keys import KeyTable
+from gateway.pure.image.records.interpreter import Fact
+
+SIZES = {"rho3.0": 128 * 1024, "rho3.1": 96 * 1024, "rho3.2": 96 * 1024}  # of the user memory (L4854-4856)
+MOST_LINES, LISTS = 999, 256
+
+
+@dataclass(slots=True)
+class UserMemory:
+    """Its mirror in the services."""
+
+    files: tuple[FileEntry, ...] = ()
+    lists: dict[int, list[str]] = field(default_factory=dict)  # number of VTLnnn.DAT -> its lines
+    keys: KeyTable = field(default_factory=KeyTable)
+    ordered: tuple[str, int] = ("", 0)  # of mode 9.6 or 9.7: save or load, ticket
+    _coming: list[FileEntry] = field(default_factory=list)
+
+    def hear(self, said: Mapping[str, Fact]) -> None:
+        """One piece."""
+        rows = str(said["text"]).split("\n") if said["text"] != "" or said["part"] == "list" else []
+        match said["part"]:
+            case "files":
+                if said["first"] == 0:
+                    self._coming.clear()
+                self._coming += [FileEntry(name, int(size), day, time) for name, size, day, time in (row.split("|") for row in rows)]
+                if len(self._coming) >= int(said["of"]):
+                    self.files = tuple(self._coming)
+            case "list":
+                lines = self.lists.setdefault(int(said["number"]), [])
+                del lines[int(said["first"]) :]
+                lines += rows[: int(said["of"]) - len(lines)]
+            case "no list":
+                self.lists.pop(int(said["number"]), None)
+            case "keys":
+                self.keys.load(bytes.fromhex(str(said["text"])))

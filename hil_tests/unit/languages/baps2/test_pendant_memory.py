@@ -1,0 +1,101 @@
+"""What the pendant has of the user memory of a cell: text lists, list of files, assignment of its keys."""
+
+import pytest
+
+from gateway.pure.controllers.rho3.functions.system_variables import VariableError
+from gateway.pure.controllers.rho3.pendant.keys import FIXED, INDEX, KeyTable, standard
+from gateway.services.rho3_panel import Rho3Panel
+from hil_tests.lab.virtual.baps2_bench import ProgramCell, one
+
+LONG = "\n".join(f"line {n}" for n in range(1, 1200))
+NOTHING = one("WAIT 0.1")
+
+
+def cell_with(**files: str) -> ProgramCell:
+    cell = ProgramCell(NOTHING | {name.replace("_", "."): text for name, text in files.items()})
+    cell.bench.run(0.5)
+    return cell
+
+
+@pytest.mark.requirement("RHO-PHG-04", by="gateway.pure.languages.baps2.cell_files:lines_of_list")
+def test_a_line_of_a_text_list_is_a_variable() -> None:
+    cell = cell_with(VTL005_DAT="first\r\nsecond\r\nPfad \u0084lter\r\nlast\r\n\x1a", VTL255_DAT=LONG)
+    read = cell.control.phg.read
+    assert [read(f"phg.34821.{n}") for n in (1, 2, 4, 5)] == ["first", "second", "last", ""]
+    assert read("phg.34821.3").__class__ is str and str(read("phg.34821.3")).startswith("Pfad ")
+    cell.until(lambda: read("phg.35071.999") == "line 999", 5.0)
+    assert read("phg.34816.1") == ""
+    with pytest.raises(VariableError, match="1 to 999"):
+        read("phg.34821.1000")
+
+
+@pytest.mark.requirement("RHO-PHG-04", by="gateway.pure.controllers.rho3.pendant.user_memory:UserMemory.hear")
+def test_a_text_list_that_changes_or_goes_is_seen() -> None:
+    cell = cell_with(VTL005_DAT="old one\nold two\nold three")
+    files, read = cell.memory.files, cell.control.phg.read
+    files["VTL005.DAT"] = b"new"
+    cell.until(lambda: [read(f"phg.34821.{n}") for n in (1, 2)] == ["new", ""], 2.0)
+    del files["VTL005.DAT"]
+    cell.until(lambda: read("phg.34821.1") == "", 2.0)
+
+
+def test_files_are_listed_with_size_and_date() -> None:
+    cell = cell_with(A_DAT="x" * 848)
+    cell.language.pendant.files.stamps["A.DAT"] = ("24.09.95", "09:40")
+    read = cell.control.phg.read
+    cell.until(lambda: read("phg.34561.1") == f"{'A.DAT':<12} {848:>8} Byte  24.09.95  09:40", 2.0)
+    assert str(read("phg.34564.2")).strip() == "P.QLL"
+    used = sum(len(data) for data in cell.memory.files.values())
+    assert [read("phg.34568"), read("phg.34569"), read("phg.34570")] == [98304, used, 98304 - used]
+
+
+def table_with(**codes: int) -> bytes:
+    data = bytearray(standard())
+    for place, code in codes.items():
+        data[int(place.removeprefix("at"))] = code
+    return bytes(data)
+
+
+@pytest.mark.requirement("RHO-PHG-10", by="gateway.pure.controllers.rho3.pendant.keys:KeyTable.named")
+def test_key_bnr_makes_another_key_of_a_place() -> None:
+    cell = cell_with()
+    cell.memory.files["KEY.BNR"] = table_with(at40=0x0A)
+    cell.language.stop_all(cell.bench.now)  # the services begin anew
+    cell.bench.run(0.5)
+    panel = Rho3Panel(cell.control, cell.bench.office)
+    for key in ("K17", "K21", "K34", "K29"):  # MODE 7 . 1
+        panel.answer({"key": key}, 1, cell.bench.now)
+    cell.bench.run(0.1)
+    assert cell.control.functions.phg.mode == "0"
+    panel.answer({"key": "K1"}, 1, cell.bench.now)
+    cell.bench.run(0.1)
+    assert cell.control.functions.phg.mode == "7.1", "K1 is ENTER"
+    panel.answer({"key": "SHIFT+K29"}, 1, cell.bench.now)
+    cell.bench.run(0.1)
+    assert cell.control.functions.phg.mode == "7", "the left arrow"
+
+
+@pytest.mark.requirement("RHO-PHG-10", by="gateway.pure.controllers.rho3.pendant.keys:KeyTable.load")
+def test_a_faulty_file_gives_the_standard_keys_without_a_message() -> None:
+    table = KeyTable()
+    assert table.load(table_with(at40=0x0A)) and table.named("K1") == "ENTER"
+    for place, _ in FIXED:
+        assert not table.load(table_with(**{"at40": 0x0A, f"at{place}": 0x41}))
+        assert table.named("K1") == "MOVE"
+    for data in (b"", table_with(at40=0x0A)[:255], table_with(at40=0x0A) + b" "):
+        assert not table.load(data) and table.named("K1") == "MOVE"
+    cell = cell_with(KEY_BNR="no table")
+    assert cell.control.memory.keys.named("K36") == "ENTER" and cell.told == []
+
+
+def test_levels_and_keys_without_effect() -> None:
+    table = KeyTable()
+    named = [table.named(key) for key in ("K36", "K35", "K34", "SHIFT+K1", "ALT+K1", "SHIFT+K26", "K28", "ALT+K3", "SHIFT+K18")]
+    assert named == ["ENTER", "DELETE", ".", "A", "_", "UP", None, None, "KIN"]
+    assert [table.named("K5", mode) for mode in ("0", "6.1", "3.2.1")] == ["WAIT", None, None]
+    assert table.named("K9", "6.1") == "BEGIN" and table.named("K9", "7.1") == "IF"
+    assert table.named("ENTER") == "ENTER", "a name is a key by itself"
+    assert table.load(table_with(at36=0x00)) and table.named("K9") is None
+    shift = INDEX[31]
+    assert table.load(table_with(**{f"at{shift}": 0x0A}))
+    assert table.named("K32") == "ENTER" and table.named("SHIFT+K1") is None and table.named("ALT+K1") == "_"
