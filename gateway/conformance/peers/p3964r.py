@@ -8,6 +8,7 @@ from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.stations import (
     DLE,
     NAK,
+    OWN_BLOCK,
     STX,
     AnswersLate,
     Built,
@@ -32,7 +33,7 @@ from gateway.conformance.serial.partners import (
 )
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, check_of
-from protocols.p3964r.events import BlockSent, Failure, Refusal, Stage
+from protocols.p3964r.events import BlockRefused, BlockSent, Failure, Refusal, Stage
 from protocols.p3964r.profiles import (
     LINUX,
     RHO3,
@@ -468,6 +469,57 @@ def _profile(**changes: Any) -> Callable[[], object]:
     return lambda: Built(replace(RHO3, **changes))
 
 
+class DeafAfter(Built):
+    """Hears nothing for a while after such an event."""
+
+    def __init__(self, event: type[BlockSent] | type[BlockRefused], how_long: Ns) -> None:
+        super().__init__(RHO3, LOW)
+        self._event, self._how_long, self._until = event, how_long, 0
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        if now < self._until and data == STX:
+            return []
+        events = super().receive(data, now)
+        if any(isinstance(event, self._event) for event in events):
+            self._until = now + self._how_long
+        return events
+
+
+class NakTwice(Built):
+    """Refuses with two NAK."""
+
+    def take_output(self) -> bytes:
+        output = super().take_output()
+        return NAK + NAK if output == NAK else output
+
+
+class WedgesInARow(Built):
+    """The twelfth job within ten seconds, and all behind it, are not sent."""
+
+    def __init__(self) -> None:
+        super().__init__(RHO3, LOW)
+        self._moments: list[Ns] = []
+
+    def stimulate(self, now: Ns, block: bytes = OWN_BLOCK) -> None:
+        self._moments = [moment for moment in self._moments if now - moment < ms(10_000)] + [now]
+        if len(self._moments) < 12:
+            super().stimulate(now, block)
+
+
+class FlipsPriority(Built):
+    """Each conflict changes its priority."""
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        met = data == STX and self.link._sender._state is Saying.CONNECT
+        events = super().receive(data, now)
+        if met:
+            self._met += 1
+            self.link._sender._priority = HIGH if self._met % 3 == 0 else LOW
+        return events
+
+    _met = 0
+
+
 def _mutant(name: str, what: str, expects: Sequence[str], make: Maker, priority: Priority = LOW) -> Mutant:
     return Mutant(name, what, tuple(expects), make, link_of(RHO3, priority), {})
 
@@ -608,6 +660,11 @@ MUTANTS = (
     ),
     _mutant("every-second-stx", "answers one STX of two", [f"{R}BV_01"], lambda: EverySecondStx(RHO3, LOW)),
     _mutant("nak-opens", "answers NAK in idle with STX, and sends nothing", [f"{R}BO_02"], lambda: NakOpens(RHO3, LOW)),
+    _mutant("deaf-after-nak", "deaf for 1 s after NAK", ["3964R_SEQ_RC_01"], lambda: DeafAfter(BlockRefused, ms(1000))),
+    _mutant("deaf-after-own", "deaf for 100 ms after its own block", ["3964R_SEQ_BO_01"], lambda: DeafAfter(BlockSent, ms(100))),
+    _mutant("nak-twice", "refuses with two NAK", ["3964R_SEQ_BI_01"], NakTwice),
+    _mutant("wedges", "sends no more after many jobs in a row", ["3964R_SND_ST_01"], WedgesInARow),
+    _mutant("flips-priority", "a conflict changes its priority", [f"{C}ST_01", f"{C}BV_03"], lambda: FlipsPriority(RHO3, LOW)),
     _mutant("extra-character", "a carriage return behind its block", [f"{S}BV_02"], lambda: Built(says=_extra)),
 )
 

@@ -97,6 +97,15 @@ class ReadsBeyond(Blocks):
         return super().read(db, word, words)
 
 
+class WritesToTheEnd(Blocks):
+    """What fits is written, then the job is refused."""
+
+    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
+        if db in self.content:
+            super().write(db, word, data[: max(0, 2 * (128 - word))])
+        return super().write(db, word, data)
+
+
 class WritesBeyond(Blocks):
     """Words behind the end land at the beginning."""
 
@@ -120,6 +129,18 @@ class Told(Passive):
     def take_output(self) -> bytes | None:
         output = super().take_output()
         return output if output is None else self._change(self._command, output)
+
+
+class StickyNumber(Told):
+    """The number of a refusal is in the next reaction to SEND as well."""
+
+    def __init__(self, blocks: Blocks) -> None:
+        super().__init__(blocks, self._stuck)
+        self._number = 0
+
+    def _stuck(self, command: bytes, said: bytes) -> bytes:
+        number, self._number = self._number, said[3]
+        return said[:3] + bytes((number,)) if number and len(said) == 4 and not said[3] else said
 
 
 class ShortSends(Passive):
@@ -519,6 +540,9 @@ MUTANTS = (
         "stops-at-command", "a command in place of the reaction ends its work", [f"{A}BI_09"], lambda: ActiveStation(roles=StopsAtCommand)
     ),
     _mutant("reaction-after-power", "reacts to a command of before the power failure", ["RK512_SUP_RC_01"], ReactsLate),
+    _mutant("sticky-number", "the number of a refusal is in the next reaction", [f"{P}RC_05"], _kind(StickyNumber)),
+    _mutant("writes-to-the-end", "a refused SEND is written up to the end", [f"{P}BI_16"], _memory(WritesToTheEnd)),
+    _mutant("reaction-ff", "the first reaction begins with FF", [f"{P}BV_01"], _passive(lambda command, said: b"\xff" + said[1:])),
     _mutant("wrong-amount", "announces another amount than it sends", [f"{A}BV_01"], WrongAmount),
 )
 

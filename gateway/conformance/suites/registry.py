@@ -54,9 +54,9 @@ def _generic(*parts: object) -> Sequence[Purpose[Tester]]:
 
 
 def _p3964r() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.p3964r import receive, send, supply
+    from gateway.conformance.suites.p3964r import receive, send, sequence, supply
 
-    return _generic(receive.RCV, send.SND, send.CON, supply.SUP)
+    return _generic(receive.RCV, send.SND, send.CON, sequence.SEQ, supply.SUP)
 
 
 def _rk512() -> Sequence[Purpose[Tester]]:

@@ -408,7 +408,12 @@ def next_job(t: LineTester) -> None:
 )
 def run(t: LineTester) -> None:
     for count in range(RUN if t.setup.stimulus_name != "operator" else 2):
-        t.starts_sending()
+        try:
+            t.starts_sending()
+        except Inconclusive as ended:
+            if not count or t.setup.stimulus_name == "operator":
+                raise
+            raise Fail(f"after {count} jobs it sends no more: {ended.reason}", "STX (02h)", ended.got) from ended
         block = t.take()
         if block.fault:
             raise Fail(f"block {count + 1}: {block.fault}", "a block by the rule", block.raw.hex(" ").upper())
@@ -532,10 +537,15 @@ def same_priority(t: LineTester) -> None:
     requirements=("RHO-SER-10",),
 )
 def rounds(t: LineTester) -> None:
-    for _ in range(ROUNDS if t.setup.stimulus_name != "operator" else 1):
+    low = None
+    for count in range(ROUNDS if t.setup.stimulus_name != "operator" else 1):
         t.starts_sending()
         t.say(STX)
         got = t.answer(min(t.profile.ack_delay // 2, ms(200)))
+        if low not in (None, got == Char.DLE):
+            words = ("gives way", "does not give way") if low else ("does not give way", "gives way")
+            raise Fail(f"it {words[0]} in {count} conflicts, then it {words[1]}", "the same priority each time", named(got))
+        low = got == Char.DLE
         with t.given():
             if got == Char.DLE:
                 t.say(wire_block(t.harmless, t.profile.block_check))

@@ -61,7 +61,7 @@ def borrowed(t: LineTester, words: int, word: int = 0) -> Iterator[int]:
 )
 def one_word(t: LineTester) -> None:
     found = ask(t, fetch(t.setup.db, 0, 1), judge_link=True)
-    if found.number or len(found.data) != 2:
+    if found.number or len(found.data) != 2 or found.raw[0]:  # FF: of a follow-on telegram
         raise Fail(f"FETCH DB{t.setup.db}.DW0, 1 word: {found.words()}", "00 00 00 00 and two bytes", found.words())
 
 
@@ -586,10 +586,32 @@ for _row in (
     preamble=(BASIC, WRITES),
 )
 def send_behind(t: LineTester) -> None:
+    last = (t.setup.size or 256) - 1
     with borrowed(t, 2) as db:
-        before = saved(t, db, 0, 2)
-        refused(t, "behind_the_end", header(SEND, DB, db, (t.setup.size or 256) - 1, 2) + b"\x5a\x5a\xa5\xa5", 0x14, (0x0A, 0x34))
+        before, end = saved(t, db, 0, 2), ask(t, fetch(db, last, 1)).data
+        telegram = header(SEND, DB, db, last, 2) + (b"\x5a\x5a" if end != b"\x5a\x5a" else b"\x3c\x3c") + b"\xa5\xa5"
+        refused(t, "behind_the_end", telegram, 0x14, (0x0A, 0x34))
         _compared(saved(t, db, 0, 2), before, "the block after a refused SEND")
+        after = ask(t, fetch(db, last, 1)).data
+        if after != end:
+            write(t, db, last, end)
+        _compared(after, end, f"DB{db}.DW{last}, the last word, after a refused SEND")
+
+
+@PAS.case(
+    "RC_05",
+    "the number of a refusal is not in the next reaction",
+    "die Nummer einer Ablehnung steht nicht in der nächsten Reaktion",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, REFUSES),
+)
+def forgotten_number(t: LineTester) -> None:
+    db = db_of(t)
+    before = saved(t, db, 0, 1)
+    for telegram in (header(0x51, DB, t.setup.db, 0, 1), fetch(t.setup.missing, 0, 1)):
+        if ask(t, telegram).number:
+            write(t, db, 0, before)
+            t.settle(ms(100))
 
 
 # ---- effects seen through the link
