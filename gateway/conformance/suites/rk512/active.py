@@ -49,7 +49,7 @@ def well_formed(t: LineTester) -> None:
 
 @ACT.case("BV_02", "after the right reaction it neither repeats nor complains", "nach der richtigen Reaktion wiederholt er nicht")
 def once(t: LineTester) -> None:
-    for _ in range(1 if t.setup.stimulus_name == "operator" else 2):  # jobs of two kinds may come in turn
+    for _ in range(1 if t.setup.stimulus_name == "operator" else 4):  # jobs of several kinds may come in turn
         _once(t)
 
 
