@@ -283,3 +283,42 @@ def test_a_chain_goes_on_behind_an_edge() -> None:
 def test_an_edge_whose_result_a_jump_enters_is_refused() -> None:
     text = EDGES.replace("      U     E      0.1;", "MARK: U     E      0.1;")
     assert [(each.line, "a jump leads to the statement behind FP" in each.reason) for each in imported(text).refused] == [(4, True)]
+
+
+LADDER = """ORGANIZATION_BLOCK OB1
+BEGIN
+      AN    T      10;
+      L     S5T#500MS;
+      SE    T      10;
+      A     I       0.0;
+      =     L      20.0;
+      A     L      20.0;
+      A     I       0.1;
+      JNB   _001;
+      L     7;
+      T     MB     10;
+_001: NOP   0;
+      A     L      20.0;
+      BLD   102;
+      =     Q       0.0;
+      CALL  FC     1;
+END_ORGANIZATION_BLOCK
+FUNCTION FC 1 : VOID
+BEGIN
+      A     I       0.2;
+      =     L      20.0;
+      AN    L      20.0;
+      =     Q       0.1;
+END_FUNCTION
+"""
+
+
+def test_a_ladder_as_step_7_prints_it_runs_with_local_bits_and_english_times() -> None:
+    rig = rig_of(LADDER)
+    assert [note for note in imported(LADDER).notes if "local" in note] == [
+        "OB1: local bits: LB20 is M510; no other program may use them",
+        "FC1: local bits: LB20 is M509; no other program may use them",
+    ]
+    assert [rig.scan(*high.split()).outputs[0] for high in ("", "E0.0", "E0.0 E0.2", "E0.2")] == [2, 3, 1, 0]
+    assert rig.plc.data.memory[10] == 0
+    assert rig.scan("E0.0", "E0.1").plc.data.memory[10] == 7

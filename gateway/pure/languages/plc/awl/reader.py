@@ -25,7 +25,8 @@ WORD = re.compile(
     r"(==[IDR]|<>[IDR]|[><]=?[IDRFG]|>=[IDFG]|<=[IDFG]|!=[FDG]|><[FDG]|[+\-*/:X][IDRFG]\b|\+|[A-Z]+\(|=|\)|[A-Z]+\b)\s*(.*)$", re.IGNORECASE
 )
 ENGLISH = {
-    "A": "U", "AN": "UN", "A(": "U(", "AN(": "UN(", "JU": "SPA", "JC": "SPB", "JCN": "SPBN", "BEC": "BEB", "BEU": "BEA",
+    "A": "U", "AN": "UN", "A(": "U(", "AN(": "UN(", "JU": "SPA", "JC": "SPB", "JCN": "SPBN", "JNB": "SPBNB", "JCB": "SPBB",
+    "BEC": "BEB", "BEU": "BEA",
     "CU": "ZV", "CD": "ZR", "SP": "SI", "SE": "SV", "SD": "SE", "SF": "SA", "AW": "UW", "AD": "UD", "CFW": "KEW", "CSW": "KZW",
     "OPN": "AUF", "C": "A", "JZ": "SPZ", "JN": "SPN", "JP": "SPP", "JM": "SPM", "JO": "SPO", "LOOP": "LOOP", "DO": "B",
 }  # fmt: skip
@@ -206,6 +207,6 @@ class Reader:
         operand = " ".join(operand.upper().split())
         if self.english:
             word = ENGLISH.get(word, word)
-            if found := re.match(r"([A-Z]+)\s*(?=\d)", operand):
+            if found := re.match(r"([A-Z]+)\s*(?=\d)(?![^ ]*#)", operand):  # S5T#1S is a constant
                 operand = OPERANDS.get(found[1], found[1]) + " " + operand[found.end() :]
         return Statement(number, label, word, operand, text)

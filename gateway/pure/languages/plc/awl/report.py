@@ -47,13 +47,13 @@ def words_of(table: str) -> tuple[Mapping[str, str], list[str]]:
     return found, wrong
 
 
-def spare_byte(text: str, words: Mapping[str, str]) -> str:
-    """The last marker byte that neither the list nor the table names; "": none is left."""
+def spare_bytes(text: str, words: Mapping[str, str]) -> list[str]:
+    """Marker bytes that neither the list nor the table names, the last first."""
     used: set[int] = set()
     for found in MARKER.finditer(f"{text.upper()} {' '.join(words.values())}"):
         first = int(found[1])
         used.update(range(first, first + 4))  # a double word at most
-    return next((f"M{byte}" for byte in range(511, -1, -1) if byte not in used), "")
+    return [f"M{byte}" for byte in range(511, -1, -1) if byte not in used]
 
 
 def imported(text: str, table: str = "") -> Imported:
@@ -63,9 +63,9 @@ def imported(text: str, table: str = "") -> Imported:
     words, wrong = words_of(table)
     result = Imported(refused=list(listing.refused), notes=[*listing.notes, *wrong])
     calls: dict[str, str] = {}
-    spare = spare_byte(text, words)
+    spare, *pool = spare_bytes(text, words) or [""]
     for block in listing.blocks:
-        translator = Translator(block, words, reader.english, spare)
+        translator = Translator(block, words, reader.english, spare, pool=pool)
         result.programs[block.name] = translator.run()
         result.statements += len(block.statements)
         known = {each.line for each in result.refused}
@@ -73,6 +73,9 @@ def imported(text: str, table: str = "") -> Imported:
         calls |= dict.fromkeys(translator.calls, block.name)
         if translator.spared:
             result.notes.append(f"{block.name}: {spare}.0 and {spare}.1 are auxiliary bits of edges; no other program may use them")
+        if translator.local:
+            rows = ", ".join(f"LB{byte} is {marker}" for byte, marker in sorted(translator.local.items()))
+            result.notes.append(f"{block.name}: local bits: {rows}; no other program may use them")
         if translator.narrow:
             result.notes.append(f"{block.name}: {NARROW} {', '.join(str(line) for line in sorted(set(translator.narrow)) if line)}")
         if block.name.startswith("OB") and block.name != "OB1":

@@ -11,6 +11,7 @@ from gateway.pure.languages.plc.steps import Wrong, step_of
 END = "_END"
 ONE = ("O M0.0", "ON M0.0")  # 1 whatever the marker holds
 BIT = re.compile(r"([EAM])\s*(\d+)\.(\d)\b")
+LOCAL = re.compile(r"L\s*(\d+)\.([0-7])\b")
 CELL = re.compile(r"([TZ])\s*(\d+)\b(?!\.)")
 BYTE = re.compile(r"([EAM])B\s*(\d+)\b")
 OPERAND_LIKE = re.compile(r"[A-Z]{1,3}\s*\d|[=#\"-]")  # anything else behind a single O is a comment
@@ -32,6 +33,7 @@ CALCULATES = {
     "BTI": "DH", "BTD": "DH", "ITB": "HD", "DTB": "HD",
 }  # fmt: skip
 SHIFTS = {"SLW": "SH L", "SRW": "SH R", "SLD": "SH L", "SRD": "SH R", "RLD": "RO L", "RRD": "RO R"}
+SAVING = {"SPBB": "SPB", "SPBNB": "SPBN"}  # they keep the VKE in BIE, which is refused where it is read
 EDGES = ("FP", "FN")  # constants that are loaded between an edge and its use leave the result alone
 NARROW = {"SLW", "KEW", "INVI", "XF", "*I", "+F", "+I", "-F", "-I", "/I", ":F"}
 REASONS = {
@@ -48,7 +50,7 @@ REASONS = {
     "AF": "there are no interrupts",
     "CALL": "subprograms have no parameters",
     **dict.fromkeys(
-        ("SPZ", "SPN", "SPP", "SPM", "SPO", "SPMZ", "SPPZ", "SPS", "SPU", "SPL", "SPBB", "SPBIN"), "there are no condition bits; compare"
+        ("SPZ", "SPN", "SPP", "SPM", "SPO", "SPMZ", "SPPZ", "SPS", "SPU", "SPL", "SPBI", "SPBIN"), "there are no condition bits; compare"
     ),
 }
 WORD_ORDER = "byte order of words: STEP has the high byte first, the integrated PLC the low one; give the word a marker with --words"
@@ -75,6 +77,8 @@ class Translator:
     english: bool = False
     spare: str = ""  # marker byte that nothing else uses; "": there is none
     spared: bool = False  # it is used
+    pool: list[str] = field(default_factory=list)  # further ones, for local bytes
+    local: dict[int, str] = field(default_factory=dict)  # local byte -> its marker byte
     lines: list[str] = field(default_factory=list)
     refused: list[Refused] = field(default_factory=list)
     calls: set[str] = field(default_factory=set)
@@ -140,6 +144,7 @@ class Translator:
             return self._use
         return {
             "L": self._load, "T": self._store, "SPA": self._branch, "SPB": self._branch, "SPBN": self._branch,
+            "SPBB": self._branch, "SPBNB": self._branch,
             "UC": self._branch, "CC": self._branch, "CALL": self._branch, "BA": self._branch, "BAB": self._branch,
             "BE": self._leave, "BEA": self._leave, "BEB": self._leave, "SET": self._constant, "CLR": self._constant, "NOT": self._constant,
             "NOP": self._nothing, "BLD": self._nothing, "A": self._open_data, "AUF": self._open_data, "AX": self._open_data,
@@ -160,10 +165,20 @@ class Translator:
             return self._marker(found[1], int(found[2])) + f".{found[3]}"
         if found := CELL.match(operand):
             return f"{found[1]}{int(found[2])}"
+        if found := LOCAL.match(operand):
+            return f"{self._local(int(found[1]))}.{found[2]}"
         if tabled := self._tabled(operand):
             return tabled
         self._symbol(operand)
         raise NoCounterpart(f"{operand or 'a missing operand'}: a bit of E, A or M, a timer or a counter is needed")
+
+    def _local(self, byte: int) -> str:
+        """The marker byte of a local byte: each block has its own."""
+        if byte not in self.local:
+            if not self.pool:
+                raise NoCounterpart("local bits need spare marker bytes; all of M0 to M511 are used")
+            self.local[byte] = self.pool.pop(0)
+        return self.local[byte]
 
     def _symbol(self, operand: str) -> None:
         if operand.startswith("="):
@@ -266,7 +281,9 @@ class Translator:
         """Edges by jumps: behind them the result is that of the edge, and the next statement has to use it."""
         after = self._next and self._next.word
         bit, number = self._operand(operand), self._edges
-        if after not in ("=", "S", "R", "SPB", "SPBN", "CC", "BEB", "ZV", "ZR", *TIMERS) or (self._next and self._next.label):
+        if after not in ("=", "S", "R", "SPB", "SPBN", "SPBB", "SPBNB", "CC", "BEB", "ZV", "ZR", *TIMERS) or (
+            self._next and self._next.label
+        ):
             self._edge_in_a_chain(word, bit)
             return
         self._edges += 1
@@ -335,6 +352,7 @@ class Translator:
 
     def _branch(self, word: str, operand: str) -> None:
         self._close_or()
+        word = SAVING.get(word, word)
         when = {"SPB": ",1", "CC": ",1", "BAB": ",1", "SPBN": ",0"}.get(word, "")
         if when:
             self._result_is_one()
