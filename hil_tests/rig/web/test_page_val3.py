@@ -66,6 +66,11 @@ def test_an_operator_works_with_the_user_page_of_an_application(web: WebRun, bos
     until(lambda: boss.is_hidden("#val3-prompt"), "it is answered")
     until(lambda: '"Box 4"' in boss.inner_text("table:has-text('sName')"), "its answer is in the variable")
     assert "script" not in boss.title() and "handler" not in boss.title(), "nothing of the page runs"
+    boss.select_option("#val3-mode", "local")
+    until(lambda: "local" in boss.inner_text("#val3-facts"), "the mode is another one")
+    boss.fill("#val3-speed", "40")
+    boss.press("#val3-speed", "Enter")
+    until(lambda: "40 %" in boss.inner_text("#val3-facts"), "the monitor speed is another one")
     boss.fill("#val3-name", "nCount")
     boss.fill("#val3-value", "99")
     boss.click("#val3-write")

@@ -20,6 +20,8 @@ NOT_MOVED = 150
 RESULTS = 64
 ORDERS = 200  # waiting for the interpreter
 MOST_TEXT = 256
+MODES = ("manual", "test", "local", "remote")
+MOST_RATIO = 250.0
 SEEN = ("val3", "variables", "shown", "popups", "screen")
 PATIENCE = ms(1_000)  # between two requests for control that are refused
 GONE = "the interpreter ended"
@@ -114,8 +116,27 @@ class HostedApplication:
             case "event" | "enter" | "answer" | "set":
                 facts = {key: str(request.get(key, ""))[:MOST_TEXT] for key in ("act", "what", "value", "attribute")}
                 self.orders.append({"do": "act", **facts})
+            case "mode" | "speed" | "ratio" as what:
+                return self._key(what, str(request.get("value", ""))[:MOST_TEXT])
             case other:
-                return {"error": f"act {other!r}; event, enter, answer, set, connect, hold are known"}
+                return {"error": f"act {other!r}; event, enter, answer, set, connect, hold, mode, speed, ratio are known"}
+        return {"ok": True}
+
+    def _key(self, what: str, value: str) -> dict[str, object]:
+        """Mode, monitor speed in %, refresh ratio of user boards, as set at the pendant."""
+        if what == "mode":
+            if value not in MODES:
+                return {"error": f"mode {value!r}: {', '.join(MODES)} are known"}
+            self.orders.append({"do": "mode", "mode": value})
+            return {"ok": True}
+        low, high = (0.0, 100.0) if what == "speed" else (1.0, MOST_RATIO)
+        try:
+            number = float(value)
+        except ValueError:
+            number = -1.0
+        if not low <= number <= high or (what == "ratio" and number != int(number)):
+            return {"error": f"{what} {value!r}: {low:g} to {high:g} is expected"}
+        self.orders.append({"do": what, "value": number})
         return {"ok": True}
 
     def _begin_by_itself(self) -> None:

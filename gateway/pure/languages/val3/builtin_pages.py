@@ -7,7 +7,8 @@ from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
-from gateway.pure.languages.val3.pages import Where
+from gateway.pure.languages.val3.page_catalogue import doubt, objects_of, page_path
+from gateway.pure.languages.val3.pages import MOST, Where
 from gateway.pure.languages.val3.strings import f_to_string
 from gateway.pure.languages.val3.values import ScreenV, cut
 
@@ -62,6 +63,19 @@ def f_page_bind(own: Instance, page: str, name: str, attribute: str, where: Wher
     warning = own.machine.pages.bind(page, name, attribute, where, size, way, refresh)
     if warning:
         own.machine.note(warning, "PAGE")
+    _judge(own, page, name, attribute)
+
+
+def _judge(own: Instance, page: str, name: str, attribute: str) -> None:
+    """What may not work as it should is a line of the log, once for each attribute."""
+    pages, folder = own.machine.pages, own.loaded.app.path
+    if (folder, page, name, attribute) in pages.judged or len(pages.judged) >= MOST:
+        return
+    pages.judged.add((folder, page, name, attribute))
+    if (folder, page) not in pages.objects:
+        pages.objects[folder, page] = objects_of(own.machine.disk.read(page_path(folder, page)))
+    if text := doubt(pages.objects[folder, page], page, name, attribute):
+        own.machine.note(text, "PAGE")
 
 
 def f_page_unbind(own: Instance, page: str, name: str, attribute: str) -> bool:
@@ -82,6 +96,7 @@ def f_page_unbind_event(own: Instance, page: str, name: str, event: str, where: 
 def f_page_set(own: Instance, page: str, name: str, attribute: str, value: object) -> None:
     """userPageSet; 70."""
     own.machine.pages.put(page, name, attribute, value)
+    _judge(own, page, name, attribute)
 
 
 def _answer(own: Instance, text: str, otherwise: str, kind: str) -> Generator[Ns | None, None, str]:

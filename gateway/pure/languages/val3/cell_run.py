@@ -24,6 +24,7 @@ from gateway.pure.languages.val3.loader import Loader, family_of_arm
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.robot_state import REMOTE, Service
 from gateway.pure.languages.val3.tasks import RUNNING, SUSPENDED, Task
+from gateway.pure.languages.val3.virtual_events import MODES
 from gateway.pure.languages.val3.virtual_sio import VirtualSio
 from motion.planner.robot import Machine as RobotMachine
 from motion.robot import Robot
@@ -181,6 +182,12 @@ class CellRun:
             case "act" if self.machine is not None and self.own is not None:
                 if words := act(self.machine, self.own, order):
                     self._said(words)
+            case "mode":
+                self._robot.mode = MODES[str(order["mode"])]
+            case "speed":  # the operator's: no rule of setMonitorSpeed
+                self.port.tell("speed", value=float(order["value"]) / 100.0)
+            case "ratio" if self._io.boards is not None:
+                self._io.boards.ratio = int(order["value"])
             case "io":
                 self._io.state(str(order["name"]), int(order["status"]))
 

@@ -64,6 +64,8 @@ class PageBoard:
     bindings: list[Binding] = field(default_factory=list)
     reactions: list[Reaction] = field(default_factory=list)
     fixed: dict[tuple[str, str, str], str] = field(default_factory=dict)
+    objects: dict[tuple[str, str], dict[str, str] | None] = field(default_factory=dict)  # folder and page -> types by id
+    judged: set[tuple[str, str, str, str]] = field(default_factory=set)  # attributes the catalogue was asked for
 
     # ---- instructions ------------------------------------------------------------------------------------------------------
     def load(self, page: str, folder: str = "") -> None:

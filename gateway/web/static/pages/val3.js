@@ -10,6 +10,8 @@ export function mount(root, { t, get, post, unable }) {
   const stop = h("button", { type: "button", id: "val3-stop", onclick: () => post("/api/program/stop", { name }, "The program is stopped") }, t("Stop"));
   const hold = h("button", { type: "button", id: "val3-hold", onclick: () => act({ act: "hold", on: !seen.hold }) });
   const connect = h("button", { type: "button", id: "val3-connect", onclick: () => act({ act: "connect" }) }, t("Connection move"));
+  const mode = h("select", { id: "val3-mode", "aria-label": t("mode"), onchange: () => act({ act: "mode", value: mode.value }) }, ...["manual", "test", "local", "remote"].map((each) => h("option", { value: each }, t(each))));
+  const speed = h("input", { id: "val3-speed", type: "number", min: "0", max: "100", "aria-label": t("monitor speed"), style: "width:5rem", onchange: () => act({ act: "speed", value: speed.value }) });
   const gone = h("p", { class: "badq", id: "val3-gone", role: "status" });
   const ask = h("form", { class: "card", id: "val3-prompt", hidden: true, onsubmit: (event) => { event.preventDefault(); answer(seen.kind === "prompt" ? `ok:${entry.value}` : "ok"); } });
   const question = h("p", {});
@@ -83,7 +85,7 @@ export function mount(root, { t, get, post, unable }) {
   }
 
   root.append(h("div", { class: "grid" },
-    h("section", { class: "card w5" }, h("div", { class: "bar" }, h("h2", { style: "margin:0", id: "val3-application" }, "VAL 3"), state, start, stop, hold, connect), gone, facts, ask, tasks.element, h("h2", {}, t("Popups")), popups, h("h2", {}, t("Text page")), screen),
+    h("section", { class: "card w5" }, h("div", { class: "bar" }, h("h2", { style: "margin:0", id: "val3-application" }, "VAL 3"), state, start, stop, hold, connect, mode, speed, "%"), gone, facts, ask, tasks.element, h("h2", {}, t("Popups")), popups, h("h2", {}, t("Text page")), screen),
     h("section", { class: "card w7" }, frame, h("h2", {}, t("Variables")), h("div", { class: "bar" }, variable, value, write), variables.element)));
   return {
     update(told) {
@@ -100,7 +102,9 @@ export function mount(root, { t, get, post, unable }) {
       grey(start, unable("operator") || (fault ? t("The program has errors.") : told.run ? t("running") : ""));
       grey(stop, unable("operator") || (told.run ? "" : t("No application runs.")));
       put(hold, seen.hold ? t("Go on") : t("Hold"));
-      for (const button of [hold, write]) grey(button, unable("operator") || (told.run ? "" : t("No application runs.")));
+      if (seen.mode && document.activeElement !== mode) mode.value = seen.mode;
+      if (seen.speed !== undefined && document.activeElement !== speed) speed.value = String(Math.round(seen.speed));
+      for (const button of [hold, write, mode, speed]) grey(button, unable("operator") || (told.run ? "" : t("No application runs.")));
       grey(connect, unable("operator") || (seen.connect ? "" : t("No connection move waits.")));
       put(facts, told.run && seen.mode ? `${t("mode")} ${t(seen.mode)}, ${t("monitor speed")} ${Math.round(seen.speed)} %, ${t("move")} ${seen.move}, ${seen.powered ? t("powered") : t("no power")}` : "");
       ask.hidden = !seen.kind;

@@ -104,6 +104,30 @@ def test_hold_and_what_is_refused() -> None:
     assert answer == {"error": "too many at once; try again"} and len(made.hosted.orders) <= 200
 
 
+@pytest.mark.requirement("VAL-ROB-02", by="gateway.pure.languages.val3.cell_run:CellRun.hear")
+def test_mode_and_monitor_speed_are_set_by_the_operator() -> None:
+    data = DATA + datum("nMode", "num") + datum("nSpeed", "num") + datum("nCode", "num")
+    loop = "enablePower()\nwhile true\nnMode=workingMode()\nnSpeed=getMonitorSpeed()\ndelay(0)\nendWhile"
+    made = Val3Cell(App("menu", data, {"start": loop, "menu": ""}).files(), "menu")
+    made.start()
+    made.until(lambda: made.language.own is not None and made.value("nMode") == 4.0)
+    for name, mode in (("manual", 1.0), ("test", 2.0), ("local", 3.0), ("remote", 4.0)):
+        assert act(made, act="mode", value=name) == {"ok": True}
+        made.bench.run(0.1)
+        assert made.value("nMode") == mode
+    made.until(lambda: made.value("nSpeed") == 100.0)
+    assert act(made, act="speed", value="35") == {"ok": True}
+    made.until(lambda: made.value("nSpeed") == pytest.approx(35.0), 2.0)
+    made.until(lambda: state(made)["speed"] == pytest.approx(35.0), 1.0)
+    for facts, words in (
+        ({"act": "mode", "value": "fast"}, "manual, test, local, remote are known"),
+        ({"act": "speed", "value": "101"}, "0 to 100 is expected"),
+        ({"act": "speed", "value": "x"}, "0 to 100 is expected"),
+        ({"act": "ratio", "value": "1.5"}, "1 to 250 is expected"),
+    ):
+        assert words in str(act(made, **facts)["error"])
+
+
 def test_an_application_that_does_not_run_is_not_operated() -> None:
     made = Val3Cell(App("menu", DATA, {"start": START}).files(), "menu")
     assert act(made, act="connect") == {"error": "no application runs"} and state(made) == {}

@@ -102,6 +102,25 @@ def test_a_binding_that_is_refused_stops_the_task_with_70(call: str) -> None:
     assert error_of(call, DATA) == 70
 
 
+@pytest.mark.requirement("VAL-UI-02", by="gateway.pure.languages.val3.page_catalogue:doubt")
+def test_an_attribute_is_looked_up_by_the_type_of_its_object() -> None:
+    page = b'<p id="p1">x</p><input id="i" type="number"><input id="r" type="range"><img id="g"><SELECT id="s"></SELECT><a id="a">y</a>'
+    calls = {
+        "p1.innerHTML": "", "p1.disabled": "not supported for p", "i.value": "", "i.innerHTML": "not supported for input", "r.max": "",
+        "r.style.color": "not supported for range", "g.src": "", "g.value": "not supported for img", "s.options": "", "s.max": "for select",
+        "a.href": "", "a.dataset.x": "", "a.style.visibility": "", "none.value": "page p has no object none",
+    }  # fmt: skip
+    code = "\n".join(f'userPageSet("p","{each.partition(".")[0]}","{each.partition(".")[2]}","1")' for each in calls)
+    made = Machine(Disk({**App(data=DATA, programs={"start": f"{code}\n{code}"}).files(), "demo/interface/p.html": page}))
+    own = made.instance("demo", "demo", "")
+    assert own is not None
+    Run(made, own, 10**9, []).go()
+    doubts = [line.partition("PAGE:")[2] for line in made.log if "PAGE:" in line]
+    wanted = [words for words in calls.values() if words]
+    assert len(doubts) == len(wanted), doubts
+    assert all(words in doubt for words, doubt in zip(wanted, doubts, strict=True)), doubts
+
+
 @pytest.mark.requirement("VAL-UI-03", by="gateway.pure.languages.val3.pages:PageBoard.happen")
 def test_events_set_and_toggle_variables_of_each_type() -> None:
     program = """userPageBindMousedown("p","b",sState,"PUSHED")

@@ -109,6 +109,15 @@ def test_a_cell_whose_boards_are_late_gives_codes_and_no_values() -> None:
     assert cell.value("nCode") == -3.0 and "error 125" in cell.programs.faults()[0]
 
 
+def test_the_operator_raises_the_ratio_and_the_values_are_valid_again() -> None:
+    late = user_boards("default", 1, {"ValveIO": 9000})
+    cell = cell_with("delay(0.05)\nnCode=ioStatus(diPart)\nwait(ioStatus(diPart)==0)\nnOne=1\nwait(diPart)", boards=late)
+    cell.start()
+    cell.until(lambda: cell.language.own is not None and cell.value("nCode") == -3.0, 1.0)
+    assert cell.programs.answer({"do": "act", "act": "ratio", "value": "3"}, 0) == {"ok": True}
+    cell.until(lambda: cell.value("nOne") == 1.0, 1.0)
+
+
 def test_a_cell_with_an_overrun_of_the_synchro_task_has_no_power() -> None:
     cell = cell_with("enablePower()\nnOne=1\nwait(isPowered())\nnOne=2", boards=user_boards("noJitter", 3, {"ValveIO": 4100}))
     cell.power()
