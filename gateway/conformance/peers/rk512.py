@@ -320,15 +320,14 @@ class HangsWhenLong(Active):
 
 
 class CommandTwice(ActiveStation):
-    """Each job is sent twice."""
+    """Each FETCH is sent twice."""
 
-    _sent = False
+    _repeated = 0
 
     def _serve(self, data: bytes, now: Ns) -> None:
-        if data[:4] == bytes(4):
-            self._sent = not self._sent
-            if self._sent and self._jobs % 2:
-                self.active.fetch(0, 2, block=5)
+        if data[:4] == bytes(4) and self._jobs % 2 and self._repeated != self._jobs:
+            self._repeated = self._jobs
+            self.active.fetch(0, 2, block=5)
         super()._serve(data, now)
 
 
@@ -535,7 +534,7 @@ MUTANTS = (
     _mutant("waits-for-ever", "waits for a reaction for ever", [f"{A}BI_09", f"{A}BI_10"], lambda: ActiveStation(active=WaitsForEver)),
     _mutant("hangs-at-14h", "stops after error number 14h", [f"{A}BI_01"], lambda: ActiveStation(active=HangsAtError)),
     _mutant("hangs-when-long", "stops after a reaction that is too long", [f"{A}BI_07"], lambda: ActiveStation(active=HangsWhenLong)),
-    _mutant("command-twice", "sends each command twice", [f"{A}BV_02"], CommandTwice),
+    _mutant("command-twice", "sends each FETCH twice", [f"{A}BV_02"], CommandTwice),
     _mutant(
         "stops-at-command", "a command in place of the reaction ends its work", [f"{A}BI_09"], lambda: ActiveStation(roles=StopsAtCommand)
     ),
