@@ -14,6 +14,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
+from hil_tests.house.statements import statements_in
 from hil_tests.matrix.spelled import claims
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -63,9 +64,9 @@ def read(path: str, text: str) -> Source:
 
 
 def _definitions(path: str, node: ast.AST, inside: str) -> Iterator[Definition]:
-    for child in ast.iter_child_nodes(node):
+    for child in statements_in(node):
         if not isinstance(child, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
-            yield from _definitions(path, child, inside) if not isinstance(child, ast.expr) else ()
+            yield from _definitions(path, child, inside)
             continue
         name = f"{inside}.{child.name}" if inside else child.name
         if not (_registered(child) or child.name.startswith("__") or CALLED_BY_NAME.fullmatch(child.name)):

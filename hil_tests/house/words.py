@@ -13,6 +13,8 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from hil_tests.house.statements import statements_in
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ALLOWED = pathlib.Path(__file__).with_name("words.toml")
 PACKAGES = ("gateway", "drivers", "motion", "protocols")
@@ -81,7 +83,7 @@ def _docstrings(node: ast.AST, public: bool) -> Iterator[tuple[int, bool]]:
     named = isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef))
     if named and body and isinstance(body[0], ast.Expr) and isinstance(body[0].value, ast.Constant):
         yield id(body[0].value), public
-    for child in ast.iter_child_nodes(node):
+    for child in statements_in(node):
         yield from _docstrings(child, public and not str(getattr(child, "name", "")).startswith("_"))
 
 

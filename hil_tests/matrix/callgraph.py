@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from hil_tests.house.statements import statements_in
 from hil_tests.matrix.catalogue import OURS, ROOT
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -168,9 +169,7 @@ def _imports(tree: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
         for node in level:
             if isinstance(node, (ast.Import, ast.ImportFrom)):
                 yield node
-            for inner in ("body", "handlers", "orelse", "finalbody", "cases"):
-                found = getattr(node, inner, ())
-                deeper += found if isinstance(found, list) else ()
+            deeper += statements_in(node)
         level = deeper
 
 
