@@ -17,6 +17,7 @@ from gateway.pure.controllers.reis.regulator import Reference
 from gateway.pure.controllers.rho3.functions.addresses import STROBE_TIME, Places
 from gateway.pure.controllers.rho3.functions.plc import Settings
 from gateway.pure.controllers.rho3.pendant.infos import SIGNALS
+from gateway.pure.controllers.rho3.pendant.operation import PhgError, operation
 from gateway.pure.controllers.rho3.pendant.user_memory import SIZES
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.coupling import Coupling, Ranges
@@ -153,10 +154,19 @@ def rho_setup(cell: Cell, controller: Controller, tables: DatTables, owners: Map
             name: found.at.number for name in (TEST_MN, *(row[1] for row in SIGNALS)) if (found := signals.named(name)) is not None
         },
         option=option_of(cell),
+        p35=p35_of(cell),
         memory=SIZES[controller.hardware] if controller.memory else 0,
         pic=bool(controller.pic),
         robot_masks=robot_masks(cell) if controller.memory else (),
     )  # fmt: skip
+
+
+def p35_of(cell: Cell) -> int:
+    """P35, the mode of the PHG 2000.  ValueError."""
+    try:
+        return operation(Parameters(cell).number("P35", 0)).mode.value
+    except PhgError as error:
+        raise ValueError(str(error)) from error
 
 
 def robot_masks(cell: Cell) -> tuple[int, ...]:

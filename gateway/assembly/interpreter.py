@@ -21,9 +21,11 @@ from gateway.pure.controllers.rho3.signals.timers import TimersAndCounters
 from gateway.pure.languages.baps2.cell_belts import CellBelt
 from gateway.pure.languages.baps2.cell_eeprom import NOT_VALID, OTHER_SIZE, PROTECTED, SAVE, Wanted, refused, save_refused
 from gateway.pure.languages.baps2.cell_run import CellRun, changed
+from gateway.pure.languages.baps2.feed import UnitFeed
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.robots import CellRobot
+from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.pic.cell_pic import CellPic
 from gateway.pure.languages.pic.symbols import named_in
@@ -64,6 +66,8 @@ def language_of(cell: Cell, memory: Memory, port: Port, p5_ms: int) -> CellRun:
         one=not lanes_of_cell(cell),
         belts=belts_in(cell),
     )
+    if cell.controller is not None and cell.controller.phg_unit:
+        language.devices[cell.controller.phg_unit] = Device(UnitFeed())
     language.pic = pic_of(cell, memory, port)
     return language
 

@@ -129,6 +129,8 @@ def _eeprom(check: Context, table: Controller) -> None:
 def _memory(check: Context, table: Controller) -> None:
     """The programs of the interpreter (AX-860)."""
     _eeprom(check, table)
+    if table.phg_unit and any(unit.device == table.phg_unit for line in check.cell.line for unit in line.program):
+        check.fault("controller.phg_unit", table.phg_unit, "this unit is on a line of the cell")
     folder = memory_folder(check.cell)
     if folder is None:
         return

@@ -64,7 +64,8 @@ class Rho3Panel:
             if refused:
                 return {"error": f"mode {request['mode']}: {refused}"}
         display = functions.display
-        return {"screen": list(display.screen()), "mode": functions.phg.mode, "lost_keys": display.lost_keys}
+        shown = {"screen": list(display.screen()), "mode": functions.phg.mode, "lost_keys": display.lost_keys}
+        return shown | {"graphic": self.rho.screen.shown()}
 
     # ---- variables of the PHG 2000 -----------------------------------------------------------------------------------
     def read(self, name: str) -> Value:

@@ -33,6 +33,7 @@ from gateway.pure.languages.pic.cell_pic import CellPic
 FIRST_INPUT, USER = 464, 120  # RC input of user input 1
 FIRST_INTEGER, INTEGERS = 401, 8
 EARLY = 1_000  # the same inputs, read while the block is prepared
+PIECE = 1_000  # characters of an output to the screen of a PHG 2000
 OUTPUTS = (*range(1, USER + 1), *range(FIRST_MULTI, FIRST_MULTI + MULTI))
 DRY_NS = 100_000_000  # with nothing to do for so long the order is given back
 OWN_RUNS = 1 << 20  # runs that programs start themselves
@@ -606,7 +607,11 @@ class CellRun(Control):
         """Warnings and output to devices; `ended` reports ends."""
         if event == "warning":
             self.port.told(task.unit.name, line, str(facts["text"]))
-        elif event == "write" and facts["device"] == "PHG":
+        elif event == "write" and facts["device"] != "PHG":
+            text = str(facts["hex"])
+            for at in range(0, max(len(text), 1), PIECE):
+                self.port.tell("phg2000", hex=text[at : at + PIECE], more=at + PIECE < len(text))
+        elif event == "write":
             self.port.panel(bytes.fromhex(str(facts["hex"])).decode("cp437"))
 
     def ended(self, process: Process, now: int) -> None:

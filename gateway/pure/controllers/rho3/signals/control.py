@@ -13,6 +13,7 @@ from gateway.pure.controllers.rho3.functions.display import COLUMNS, LINES, Laye
 from gateway.pure.controllers.rho3.functions.plc import Functions
 from gateway.pure.controllers.rho3.functions.processes import Kind, Process, ProcessTable, Program, State
 from gateway.pure.controllers.rho3.pendant.panel import Panel
+from gateway.pure.controllers.rho3.pendant.screen2000 import Screen2000
 from gateway.pure.controllers.rho3.pendant.user_memory import UserMemory
 from gateway.pure.controllers.rho3.signals.codes import EMERGENCY_STOP, PIC_TIMER, PLC_SILENT, CycleErrors, code_text
 from gateway.pure.controllers.rho3.signals.commands import AxisCommands
@@ -73,6 +74,7 @@ class RhoControl:
         self._closed = True  # the chain, as the interface was told last
         self.factor_table = FactorTable(setup.installation.kinematics, setup.option)
         self.view = ControlState(setup, errors, self.image, self.modes, self.user, self.processes, self.channels, self.factor_table, now)
+        self.view.screen.p35 = setup.p35
         self.panel_view = PanelView(self.view)
         self.panel = Panel(self.functions.display, self.functions.phg, self.functions.statuses, self.panel_view, setup.functions.language)
         self.phg = PhgValues(self.view)
@@ -112,6 +114,11 @@ class RhoControl:
     def pic(self) -> PicLink | None:
         """The PIC program of the interpreter, where the cell has one."""
         return self.interface.pic
+
+    @property
+    def screen(self) -> Screen2000:
+        """Of its PHG 2000."""
+        return self.view.screen
 
     @property
     def memory(self) -> UserMemory:

@@ -5,6 +5,7 @@ from typing import Protocol
 
 from gateway.pure.controllers.pic_image import PicImage
 from gateway.pure.controllers.rho3.functions.processes import ProcessTable
+from gateway.pure.controllers.rho3.pendant.screen2000 import Screen2000
 from gateway.pure.controllers.rho3.pendant.user_memory import UserMemory
 from gateway.pure.controllers.rho3.signals.fast_io import Channels
 from gateway.pure.controllers.rho3.signals.modes import OperatingModes
@@ -43,6 +44,7 @@ class ControlState:
     now: Ns
     closed: bool = True  # the emergency-stop chain
     hosted: HostedOrders | None = None  # programs of the interpreter
+    screen: Screen2000 = field(default_factory=Screen2000)
     memory: UserMemory = field(default_factory=UserMemory)
     cell: CellState = field(default_factory=CellState)
 

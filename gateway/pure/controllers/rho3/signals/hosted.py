@@ -11,6 +11,7 @@ from typing import Protocol
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.controllers.rho3.functions.processes import Body, Kind, Process, ProcessFault, ProcessTable, Program, State, Turn
+from gateway.pure.controllers.rho3.pendant.screen2000 import Screen2000
 from gateway.pure.controllers.rho3.pendant.user_memory import UserMemory
 from gateway.pure.controllers.rho3.signals.fast_io import Channels, InputFault
 from gateway.pure.controllers.rho3.signals.pic import PicLink
@@ -31,6 +32,10 @@ class Mover(Protocol):
 
     processes: ProcessTable
     channels: Channels
+
+    @property
+    def screen(self) -> Screen2000:
+        """Of the PHG 2000."""
 
     @property
     def memory(self) -> UserMemory:
@@ -187,7 +192,7 @@ class HostedPrograms:
                     if said["code"] and body.process is not None:
                         self.told.append(f"{body.process.name}: {said['code']} {said['text']} ({said['place']})")
                     self._end(body, str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
-            case "memory" | "answered":
+            case "memory" | "answered" | "phg2000":
                 self._informed(said)
             case "panel":
                 self.control.panel_text(str(said["text"]))
@@ -198,6 +203,9 @@ class HostedPrograms:
 
     def _informed(self, said: Mapping[str, Fact]) -> None:
         """Of the user memory, or what became of an order to the test system."""
+        if said["say"] == "phg2000":
+            self.control.screen.take(bytes.fromhex(str(said["hex"])), more=bool(said["more"]))
+            return
         if said["say"] == "memory":
             self.control.memory.hear(said)
             return

@@ -49,6 +49,7 @@ class Setup:
     limits: tuple[tuple[float, float], ...] = ()  # of the axes, in these units
     info_bits: Mapping[str, int] = field(default_factory=dict)  # RC inputs the pendant's INFO speaks of, by symbol
     option: int = 0  # P25 as the option byte: what resets factors
+    p35: int = 0  # mode of the PHG 2000
     memory: int = 0  # bytes of the user memory; 0: there is none
     pic: bool = False  # the interpreter scans a PIC program
     robot_masks: tuple[int, ...] = ()  # axes (bit n-1 = axis n) of each robot of the cell
