@@ -5,6 +5,7 @@ import pathlib
 import time
 from collections.abc import Callable, Mapping
 from itertools import accumulate
+from typing import TYPE_CHECKING
 
 from gateway.assembly.controllers import installation
 from gateway.assembly.data_block_signals import signals_of
@@ -18,7 +19,7 @@ from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.rho3.pendant.user_memory import SIZES
 from gateway.pure.controllers.rho3.signals.timers import TimersAndCounters
-from gateway.pure.languages.baps2.cell_belts import CellBelt
+from gateway.pure.languages.baps2.cell_belts import CellBelt, CellSetup
 from gateway.pure.languages.baps2.cell_eeprom import NOT_VALID, OTHER_SIZE, PROTECTED, SAVE, Wanted, refused, save_refused
 from gateway.pure.languages.baps2.cell_run import CellRun, changed
 from gateway.pure.languages.baps2.feed import UnitFeed
@@ -32,6 +33,9 @@ from gateway.pure.languages.pic.symbols import named_in
 from gateway.runtime.safe_file import write_whole
 from protocols.base.machine import ms
 
+if TYPE_CHECKING:
+    from motion.program.passing import Presets
+
 
 def robots_of_cell(cell: Cell) -> tuple[CellRobot, ...]:
     """Every robot on its axes; MotionError: a model that does not fit."""
@@ -42,11 +46,30 @@ def robots_of_cell(cell: Cell) -> tuple[CellRobot, ...]:
     return tuple(CellRobot(number, first, machine) for number, (machine, first) in enumerate(zip(machines, firsts, strict=False), 1))
 
 
-def passing_of(cell: Cell) -> tuple[float, ...]:
-    """P213: distances of R_PTP = 1 for the axes of the first kinematic; none where it is not given."""
-    given = cell.rho3.others.get("P213", ()) if cell.rho3 else ()
-    row = given[0] if isinstance(given, list | tuple) and given and isinstance(given[0], list | tuple) else given
-    return tuple(float(each) for each in row if isinstance(each, int | float)) if isinstance(row, list | tuple) else ()
+def presets_of(cell: Cell) -> "list[Presets]":
+    """R and R_PTP of each robot: P212 radius and factor, P213 distances, P214 for each axis (0) or in space (1).  Lists in lists: a row for
+    each kinematic; a plain list is that of the first one."""
+    from motion.program.passing import Criterion, Presets
+
+    found = []
+    for number in range(len(cell.robot)):
+        radius, factor = (*_row(cell, "P212", number), 0.0, 0.0)[:2]
+        ways, space = _row(cell, "P213", number), _row(cell, "P214", number)[:1] == (1.0,)
+        if space:
+            found.append(Presets(radius, factor, (), ways[0] if ways else 0.0, Criterion.SPACE))
+        else:
+            found.append(Presets(radius, factor, ways))
+    return found
+
+
+def _row(cell: Cell, name: str, place: int) -> tuple[float, ...]:
+    """Numbers of a parameter for a kinematic, from 0."""
+    given = cell.rho3.others.get(name, ()) if cell.rho3 else ()
+    rows = given if isinstance(given, list | tuple) else (given,)
+    nested = any(isinstance(each, list | tuple) for each in rows)
+    row = rows[place : place + 1] if nested or name == "P214" else rows if place == 0 else ()
+    own = row[0] if nested and row else row
+    return tuple(float(each) for each in own if isinstance(each, int | float)) if isinstance(own, list | tuple) else ()
 
 
 def belts_in(cell: Cell) -> tuple[CellBelt, ...]:
@@ -62,9 +85,8 @@ def language_of(cell: Cell, memory: Memory, port: Port, p5_ms: int) -> CellRun:
         port,
         robots_of_cell(cell),
         ms(p5_ms),
-        passing=passing_of(cell),
+        setup=CellSetup(presets_of(cell), belts_in(cell), {each.channel: each.input for each in cell.measuring}),
         one=not lanes_of_cell(cell),
-        belts=belts_in(cell),
     )
     if cell.controller is not None and cell.controller.phg_unit:
         language.devices[cell.controller.phg_unit] = Device(UnitFeed())

@@ -90,6 +90,7 @@ def controller(check: Context) -> None:
         check.fault("controller.door", table.door, "no such command source")
     _stations(check, table)
     _memory(check, table)
+    _passing(check)
     _plc(check, table)
     _pic(check, table)
     sound = [_process(check, table, index) for index in range(len(table.process))]
@@ -149,6 +150,20 @@ def _memory(check: Context, table: Controller) -> None:
         for process in table.process:
             if process.name.upper() in programs:
                 check.fault(f"controller.process.{process.name}", process.name, f"{table.memory} has a program of this name")
+
+
+def _passing(check: Context) -> None:
+    """P212 to P214: a radius or distance below 0, a factor out of its range."""
+    others = check.cell.rho3.others if check.cell.rho3 else {}
+    if not {"P212", "P213", "P214"} & others.keys():
+        return
+    from gateway.assembly.interpreter import presets_of
+    from motion.errors import MotionError
+
+    try:
+        presets_of(check.cell)
+    except MotionError as error:
+        check.fault(f"rho3.{str(error).split()[0]}", others.get(str(error).split()[0], ""), str(error))
 
 
 def _plc(check: Context, table: Controller) -> None:

@@ -6,12 +6,11 @@ most one interpolation cycle; statements in between cost two interpolation cycle
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from motion.errors import MotionError
-from motion.measure.errors import INADMISSABLE_INPUT, ProgramFault
-from motion.measure.inputs import Board, Edge, InputKind, MeasuringInput, admitted
+from motion.measure.inputs import Edge, MeasuringInput
 
 BETWEEN = 2  # P5 cycles more when other statements stand between the wait and the movement (TO04)
 ROUNDING = 1e-6  # of a position-controller cycle: 0.15 s is 150 cycles of 1 ms, whatever its last bit says
@@ -65,41 +64,3 @@ class StartOff:
         seen = -(-stamp_ns // cycle) * cycle  # the board looks once a position-controller cycle
         delay = math.ceil(self.wait.max_time_s * 1e9 / cycle - ROUNDING) * cycle
         self.due_ns = seen + delay + (BETWEEN * self.clock.period_ns if self.wait.between else 0)
-
-
-@dataclass(slots=True)
-class StartOffs:
-    """The waits of one program, in the order of its statements: which kinematic each of them holds.
-
-    A wait belongs to the kinematic of the traverse block before it, not of the one behind: to change over, a dummy
-    MOVE_REL is programmed first (L1621-1631).  default: kinematic of a program without a block so far; None: a pure
-    input/output process, where the wait is refused (L1580-1582).
-    """
-
-    clock: Clock
-    boards: Mapping[int, Board]
-    default: int | None
-    _before: int | None = field(init=False)
-    _waits: dict[int, StartOff] = field(default_factory=dict, init=False)
-
-    def __post_init__(self) -> None:
-        self._before = self.default
-
-    def wait_until(self, channel: int, value: bool, *, max_time_s: float = 0.0, between: bool = False, error_part: bool = False) -> int:
-        """The statement; returns the kinematic it holds.  One high-speed input, no ERROR part (L1601-1619)."""
-        asked = admitted(channel, self.boards)
-        if asked.kind is not InputKind.HIGH_SPEED:
-            raise ProgramFault(INADMISSABLE_INPUT, f"fast start-off needs a high-speed input 6xy, not channel {channel}")
-        if error_part:
-            raise MotionError("WAIT UNTIL for a fast start-off has no ERROR part")
-        if not (math.isfinite(max_time_s) and max_time_s >= 0.0):
-            raise MotionError(f"MAX_TIME {max_time_s} s: a number from 0 on is needed")
-        if self._before is None:
-            raise MotionError("WAIT UNTIL for a fast start-off in a process without a kinematic")
-        self._waits[self._before] = StartOff(Wait(asked, value, max_time_s, between), self.clock)
-        return self._before
-
-    def block(self, kinematic: int) -> StartOff | None:
-        """A traverse block of this kinematic; the wait that holds it, None: it starts as any other."""
-        self._before = kinematic
-        return self._waits.pop(kinematic, None)

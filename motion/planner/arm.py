@@ -5,7 +5,6 @@ It is the `Mover` of the VAL 3 motion stack, and what tests, plots and interpret
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import inf
 
 from motion.execution.follower import Follower, Progress
 from motion.planner.planner import Planner
@@ -77,11 +76,6 @@ class Arm:
         block, share = self.planner.place(self._follower.tau)
         under_way = 0 if share >= 1.0 or block == 0 else 1
         return max(self.planner.waiting - under_way, 0)
-
-    @property
-    def remaining_s(self) -> float:
-        """At full speed, to the end of everything committed; infinite while more is known than that."""
-        return inf if self.planner.open else max(self.planner.end - self._follower.tau, 0.0)
 
     def place(self) -> Place:
         """Block, progress, rest, blocks that wait, joints."""

@@ -22,7 +22,7 @@ class Criterion(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Presets:
-    """P212, P213, P214 of one kinematic.  radius, space in m; axes in m or rad, one for each axis."""
+    """P212, P213, P214 of one kinematic.  radius, space: lengths; axes: a way of each axis; a range is in the same units."""
 
     radius: float = 0.0  # P212 in world coordinates; 0 (off) is what the manual recommends
     factor: float = 0.0  # P212 in joint coordinates
@@ -56,10 +56,6 @@ class Passing:
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
         self._radius, self._factor = presets.radius, presets.factor
-
-    def program_start(self) -> None:
-        """P212 is taken as default (L1888)."""
-        self._radius, self._factor = self._presets.radius, self._presets.factor
 
     def set_radius(self, radius: float) -> None:
         """R = x; acts beyond the block, until written over."""

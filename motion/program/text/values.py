@@ -10,13 +10,13 @@ from motion.geometry.units import to_si
 from motion.kinematics.base import Elbow, Shoulder, Wrist
 from motion.outputs.function import Function
 from motion.program.blocks import BeltCall, Blend, Block, Curving, Output, Pace, PoseTarget, Shift, Sync, Target, Until, changed
-from motion.program.preparation import MOST
 from motion.program.text import keys as textkeys
 from motion.program.text.words import Fault, name, number
 from motion.rho3.kinematic import PLANES, mirrored
 
 Part = TypeVar("Part", Pace, Blend, Curving, Block)
 BIG = textkeys.BIG
+MOST = 11  # blocks prepared while one runs (rho 3 L7953)
 FLAGS: dict[str, tuple[str, Enum]] = {
     word.value: (field, word) for field, words in (("shoulder", Shoulder), ("elbow", Elbow), ("wrist", Wrist)) for word in words
 }

@@ -2,11 +2,12 @@
 L6021-6460).  Pure.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.base.hosting import Port
+from motion.program.passing import Presets
 
 FIRST_CHANNEL = 500  # and the number of the belt
 PARALLEL, CAM = 1, 3  # types
@@ -19,6 +20,16 @@ class CellBelt:
     name: str
     unit: str
     robots: frozenset[int]
+
+
+@dataclass(frozen=True, slots=True)
+class CellSetup:
+    """What a cell has beside its robots.  presets: of R and R_PTP, by kinematic; wires: measuring inputs, and the RC input of each (-1: a
+    drive has it)."""
+
+    presets: Sequence[Presets] = ()
+    belts: Sequence[CellBelt] = ()
+    wires: Mapping[int, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

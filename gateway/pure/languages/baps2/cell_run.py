@@ -8,14 +8,14 @@ from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI
 from gateway.pure.languages.baps2 import demands, lines
 from gateway.pure.languages.baps2.cell_access import CellAccess
 from gateway.pure.languages.baps2.cell_acts import TOLD, CellActs
-from gateway.pure.languages.baps2.cell_belts import CAM, CellBelt, CellBelts
+from gateway.pure.languages.baps2.cell_belts import CAM, CellBelts, CellSetup
 from gateway.pure.languages.baps2.cell_debugger import CellDebugger
 from gateway.pure.languages.baps2.cell_devices import CellDevices, SerialUnits, fault_of
 from gateway.pure.languages.baps2.cell_eeprom import EepromOrders
 from gateway.pure.languages.baps2.cell_files import CellFiles
 from gateway.pure.languages.baps2.control import Control, size_of
 from gateway.pure.languages.baps2.errors import TEXTS, fault
-from gateway.pure.languages.baps2.feed import Feed, UnitFeed
+from gateway.pure.languages.baps2.feed import SECOND, Feed, UnitFeed
 from gateway.pure.languages.baps2.frames import to_workpiece
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.lines import Wanted
@@ -29,6 +29,7 @@ from gateway.pure.languages.base.path import Paths, Stretch
 from gateway.pure.languages.base.process import Process, ProcessState
 from gateway.pure.languages.base.requests import PENDING, Ns, Request, RuntimeFault
 from gateway.pure.languages.pic.cell_pic import CellPic
+from motion.program.passing import Presets
 
 FIRST_INPUT, USER = 464, 120  # RC input of user input 1
 FIRST_INTEGER, INTEGERS = 401, 8
@@ -63,7 +64,7 @@ class Pendant:
 
 
 class CellRun(Control):
-    """All programs of a memory in one cell.  passing: P213, the distances of R_PTP = 1; one: robots move one at a time."""
+    """All programs of a memory in one cell.  one: robots move one at a time."""
 
     def __init__(
         self,
@@ -73,14 +74,13 @@ class CellRun(Control):
         robots: Sequence[CellRobot],
         p5: Ns,
         *,
-        passing: Sequence[float] = (),
+        setup: CellSetup | None = None,
         one: bool = True,
-        belts: Sequence[CellBelt] = (),
     ) -> None:
         super().__init__(library, memory, Feed(p5=p5, belts={}))
-        self.port, self.robots, self.passing = port, tuple(robots), passing
+        self.port, self.robots, self.setup = port, tuple(robots), setup or CellSetup()
         self.paths = Paths(port, len(robots), one=one)
-        self.acts = CellActs(self, CellBelts(belts, port))
+        self.acts = CellActs(self, CellBelts(self.setup.belts, port))
         self.devices["PHG"] = Device(UnitFeed())
         self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its robot
         self._runs: dict[int, Task] = {}
@@ -151,7 +151,8 @@ class CellRun(Control):
                 raise fault(220, f"{name} is {number} here and {self._numbers[name]} in another program")
             moved = any(number in self._numbers_of(task) for task in self.tasks.values())
             if not moved:  # process start: factors of the kinematic are 1.0 again (L2707-2719)
-                self.lane(name).factors.clear()
+                preset = self._presets(number)
+                self.lane(name).factors = {"R": preset.radius, "R_PTP": preset.factor}  # L1888
                 self.lane(name).measured = None
 
     @staticmethod
@@ -314,15 +315,32 @@ class CellRun(Control):
         until = "" if request.until is None else self._until(request.until)
         factors = {**lane.factors, **dict(request.factors)}
         robot = self.robot_of(request.kinematic)
-        passing = self.passing if robot.number == 1 else ()
         how = request.way, request.via, request.joint, request.relative
         on_belt = self.acts.target(robot, lane, request, tuple(float(value) for value in request.target if value is not None))
         if on_belt and self.acts.belts.kind(self.acts.belts.number(lane.belt)) == CAM:
             on_belt += " " + self.acts.cam(lane, self.port.view.channels.factors, factors)
         block.before, lane.before = lane.before, ()
-        block.wanted = Wanted(robot, *how, block.target, factors, passing, lane.frame, until, on_belt)
+        held = "" if request.way == "circular" else self._held(task, request.kinematic)
+        until = f"{until} {held}".strip()
+        block.wanted = Wanted(robot, *how, block.target, factors, self._presets(robot.number), lane.frame, until, on_belt)
         if not request.relative and not request.joint and request.way != "circular":
             robot.target(block.target, lane.position)  # its faults belong to the statement
+
+    def _held(self, task: Task, kinematic: str) -> str:
+        """WAIT UNTIL of a high-speed input directly before a block: the cycle starts it (L1574-1655)."""
+        for item in reversed(task.queue):
+            if isinstance(item, Block) and item.kinematic != kinematic:
+                continue
+            own = isinstance(item, FastWait) and item.kinematic in (None, kinematic) and item.due is None
+            if not own or not isinstance(item, FastWait) or item.until.channel not in self.setup.wires:
+                return ""
+            task.queue.remove(item)
+            return f"wait={'' if item.until.level else '!'}ch{item.until.channel} delay={item.delay / SECOND:.10g}"
+        return ""
+
+    def _presets(self, robot: int) -> Presets:
+        """P212 to P214 of a kinematic."""
+        return self.setup.presets[robot - 1] if robot <= len(self.setup.presets) else Presets()
 
     def _until(self, until: demands.Until) -> str:
         """The input that ends a movement, as the planner knows it."""
@@ -544,6 +562,8 @@ class CellRun(Control):
         place = number - FIRST_FAST
         if 0 <= place < FAST and seen.fast_given >> place & 1:
             return seen.fast >> place & 1
+        if (wire := self.setup.wires.get(number, -1)) >= 0:
+            return seen.inputs[wire >> 3] >> (wire & 7) & 1
         if FIRST_MULTI <= number < FIRST_MULTI + MULTI and seen.multi is not None:
             return seen.multi >> (number - FIRST_MULTI) & 1
         raise RuntimeFault(206, f"{TEXTS[206]}: {channel}")

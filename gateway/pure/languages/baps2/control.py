@@ -217,13 +217,21 @@ class Control(ABC):
                 if item.due is None and item.until.test():
                     item.due = self.now + item.delay
                 if item.due is None or self.now < item.due:
-                    return False
+                    return self._overtakes(task, item) and self._act(task)
             case Block():
                 if not self._moves_on(task, item):
                     return False
         task.queue.popleft()
         if isinstance(item, Block) and not task.blocks(item.kinematic):
             self.lane(item.kinematic).owner = None
+        return True
+
+    def _overtakes(self, task: Task, wait: FastWait) -> bool:
+        """A wait holds its own kinematic: the block of another one behind it comes first (L1621-1631)."""
+        follows = task.queue[1] if len(task.queue) > 1 else None
+        if not isinstance(follows, Block) or wait.kinematic in (None, follows.kinematic):
+            return False
+        task.queue[0], task.queue[1] = follows, wait
         return True
 
     def _output(self, task: Task, item: Output) -> None:
@@ -307,7 +315,8 @@ class Control(ABC):
     def _at_rest(self, task: Task, request: Request) -> object:
         """Requests that begin when all that is prepared is done, but for high-speed inputs."""
         if isinstance(request, demands.WaitFor) and request.fast:
-            task.queue.append(FastWait(demands.Until(0, request.test), round((request.limit or 0) * SECOND)))
+            until = demands.Until(request.channel, request.test, level=request.level)
+            task.queue.append(FastWait(until, round((request.limit or 0) * SECOND), task.last))
             self._passed(task)
             return True
         if task.queue:
@@ -398,7 +407,7 @@ class Control(ABC):
             task, "move", block.line, n=block.number, kinematic=request.kinematic or "1", way=request.way, target=list(target),
             space="jc" if request.joint else "wc", **{"pass": "via" if request.via else "to"},
         )  # fmt: skip
-        lane.planned = target
+        lane.planned, task.last = target, request.kinematic
         task.queue.append(block)
         self._passed(task)
         if request.until is None:

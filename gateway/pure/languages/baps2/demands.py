@@ -61,11 +61,14 @@ class Dwell(Request):
 
 @dataclass(frozen=True, slots=True)
 class WaitFor(Request):
-    """True once `test` holds, False at the end of `limit`.  `fast`: a block of its own, the program goes on at once."""
+    """True once `test` holds, False at the end of `limit`.  `fast`: a block of its own, the program goes on at once; then `channel` is that
+    of its high-speed input, `level` the value it waits for."""
 
     test: Callable[[], bool]
     limit: float | None = None
     fast: bool = False
+    channel: int = 0
+    level: bool = True
 
 
 @dataclass(frozen=True, slots=True)

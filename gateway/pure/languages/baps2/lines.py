@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.baps2.frames import NO_FRAME, Frame
 from gateway.pure.languages.baps2.robots import CellRobot
+from motion.errors import MotionError
+from motion.program.blocks import Interpolation
+from motion.program.passing import Passing, Presets
 
 LEAST, MOST = 0.01, 500.0  # % of a speed, as the text form takes it
 KINDS = (("V", "path", "V_PTP", "speed", 0), ("A", "pathaccel", "A_PTP", "accel", 1), ("D", "pathdecel", "D_PTP", "decel", 2))
@@ -14,8 +17,8 @@ KINDS = (("V", "path", "V_PTP", "speed", 0), ("A", "pathaccel", "A_PTP", "accel"
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """A movement as the program wants it.  factors: V, A, D and the like in force, those behind WITH for this block alone; passing: of
-    R_PTP = 1 for each axis (P213), empty: none."""
+    """A movement as the program wants it.  factors: V, A, D and the like in force, those behind WITH for this block alone; presets: of
+    R and R_PTP (P212 to P214), in mm and deg."""
 
     robot: CellRobot
     way: str
@@ -24,7 +27,7 @@ class Wanted:
     relative: bool
     target: tuple[float, ...]
     factors: Mapping[str, float]
-    passing: Sequence[float] = ()
+    presets: Presets = Presets()
     frame: Frame = NO_FRAME
     until: str = ""
     on_belt: str = ""  # keys of a block in a synchronous part
@@ -97,10 +100,20 @@ def _percent(name: str, share: float) -> str:
 
 def _passed(wanted: Wanted) -> list[str]:
     """R of lines, R_PTP of PTP; TO stops."""
-    if not wanted.via or wanted.way == "circular":
+    if not wanted.via:
         return []
-    if wanted.way == "ptp":
-        factor = wanted.factors.get("R_PTP", 0.0)
-        return [f"zone={','.join(f'{each * factor:.10g}' for each in wanted.passing)}"] if factor and wanted.passing else []
-    radius = wanted.factors.get("R", 0.0)
-    return [f"radius={radius:.10g}"] if radius > 0.0 else []
+    passing = Passing(wanted.presets)
+    try:
+        if "R" in wanted.factors:
+            passing.set_radius(wanted.factors["R"])
+        if "R_PTP" in wanted.factors:
+            passing.set_factor(wanted.factors["R_PTP"])
+        found = passing.block(Interpolation(wanted.way))
+    except MotionError as error:
+        raise fault(218, str(error)) from error
+    if found.off:
+        return []
+    if not found.axes:
+        return [f"radius={found.radius:.10g}"]
+    size = wanted.robot.size
+    return [f"zone={','.join(f'{each:.10g}' for each in (*found.axes, *[0.0] * size)[:size])}"]

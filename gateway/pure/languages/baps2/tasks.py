@@ -47,10 +47,12 @@ class Output:
 
 @dataclass(slots=True, eq=False)
 class FastWait:
-    """A wait for a high-speed input among the blocks; `delay` behind it in ns."""
+    """A wait for a high-speed input among the blocks; `delay` behind it in ns; `kinematic`: of the traverse block before it, whose next
+    block it holds (L1621-1631), None: there was none."""
 
     until: Until
     delay: int
+    kinematic: str | None = None
     due: int | None = None
 
 
@@ -107,6 +109,7 @@ class Task:
     began: int | None = None  # the moment from which a wait counts
     block: Block | None = None  # of the move it waits for
     said: Statement | None = None  # that it waits for
+    last: str | None = None  # kinematic of its last traverse block
     children: list["Task"] = field(default_factory=list)
     semaphores: list[tuple[str, str]] = field(default_factory=list)
     conditions: dict[str, int] = field(default_factory=dict)

@@ -96,7 +96,8 @@ def wait(bodies: Writer, statement: WaitUntil) -> str:
     symbol = bodies.names.find(_input_of(statement.condition))
     fast = symbol is not None and _is_fast(symbol) and statement.otherwise is None
     name = bodies.new("m")
-    bodies.out.add(f"{name} = yield WaitFor(lambda: {condition}, {limit}, {fast})")
+    asked = f", {symbol.channel}, {_level(bodies, statement.condition)}" if fast and symbol is not None else ""
+    bodies.out.add(f"{name} = yield WaitFor(lambda: {condition}, {limit}, {fast}{asked})")
     return name
 
 

@@ -2,14 +2,16 @@
 
 import pathlib
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
 import configs
 from gateway.pure.arbitration.command_block import Code
+from gateway.pure.cell.rho3 import ParamValue, Rho3
 from gateway.pure.controllers.rho3.signals.hosted import HostedPrograms
 from gateway.pure.image.records.cell import Motion
-from hil_tests.lab.virtual.baps2_bench import ABORT, ACKNOWLEDGE, AUTOMATIC, CODE, KEEP, PARITY, RESET, SELECT, ProgramCell, one
+from hil_tests.lab.virtual.baps2_bench import ABORT, ACKNOWLEDGE, AUTOMATIC, CELL, CODE, KEEP, PARITY, RESET, SELECT, ProgramCell, one
 
 MEMORY = pathlib.Path(configs.__file__).parent / "cells" / "palletiser"
 
@@ -72,6 +74,46 @@ def test_with_acts_on_its_block_alone_and_via_is_passed_with_r() -> None:
     assert min((300 - x) ** 2 + (60 - y) ** 2 for x, y, _, _ in cell.places) > 4.0
 
 
+CORNER = """V = 300
+V_PTP = 0.5
+{before}MOVE {way} {with_}VIA @(300, 60, 40, 12)
+MOVE {way} {with_}VIA @(300, 260, 40, 12)
+MOVE {way} TO @(100, 260, 40, 12)"""
+
+
+def missed(before: str = "", way: str = "LINEAR", with_: str = "", **parameters: ParamValue) -> tuple[float, float]:
+    """How far the path leaves the first and the second corner aside, mm; parameters: of [rho3]."""
+    cell = ProgramCell(one(CORNER.format(before=before, way=way, with_=with_)), replace(CELL, rho3=Rho3(others=parameters)))
+    assert cell.run("P")[0] == "ended"
+    first, second = (min(((x - 300) ** 2 + (y - at) ** 2) ** 0.5 for x, y, _, _ in cell.places) for at in (60, 260))
+    return first, second
+
+
+@pytest.mark.requirement("RHO-MOT-08", by="motion.program.passing:Passing.block")
+def test_p212_holds_without_r_in_the_program_and_p214_takes_one_value_for_the_kinematic() -> None:
+    assert max(missed()) < 0.01, "nothing is given: the points are reached"
+    first, second = missed(P212=((40.0, 0.0),))
+    assert first > 2 and second == pytest.approx(first, rel=0.1)
+    by_axes, _ = missed(way="PTP", P212=((0.0, 1.0),), P213=((40.0, 40.0, 40.0, 40.0),))
+    in_space, _ = missed(way="PTP", P212=((0.0, 0.5),), P213=((40.0,),), P214=(1,))
+    assert by_axes > 2 and 1 < in_space < by_axes
+
+
+@pytest.mark.requirement("RHO-MOT-09", by="motion.program.passing:Passing.set_radius")
+def test_r_stays_with_r_holds_for_its_block_and_zero_switches_passing_off() -> None:
+    first, second = missed("R = 50\n")
+    assert first == pytest.approx(second, rel=0.15) and first > 2
+    one_block = "MOVE LINEAR WITH R = 20 TO @(60, 60, 40, 12)\n"
+    assert missed(f"R = 50\n{one_block}") == pytest.approx((first, second), abs=0.2)
+    assert missed("R = 50\n", with_="WITH R = 20 ")[0] == pytest.approx(0.4 * first, rel=0.3)
+    assert max(missed("R = 0\n", P212=((40.0, 0.0),))) < 0.01
+
+
+def test_r_ptp_outside_its_range_is_a_runtime_error() -> None:
+    cell = ProgramCell(one("R_PTP = 101\nMOVE PTP VIA @(80, 60, 40, 12)\nMOVE PTP TO @(80, 80, 40, 12)"))
+    assert cell.run("P")[1:3] == (218, "value out of range: R_PTP 101 is outside 0.01 .. 100 (0: off)")
+
+
 def test_outputs_and_waits_act_where_the_block_before_ends() -> None:
     cell = ProgramCell(
         one(
@@ -115,6 +157,17 @@ MOVE PTP TO @(60, 60, 40, 12)
     assert near(cell, 160, 100, 40, 12), "it waits"
     cell.give(2)
     assert cell.ends(run)[0] == "ended" and near(cell, 60, 60, 40, 12)
+
+
+@pytest.mark.requirement("RHO-MOT-51", by="gateway.pure.languages.baps2.control:Control._read_input")
+def test_a_normal_input_stops_the_preparation_and_its_asynchronous_twin_is_read_at_once() -> None:
+    body = "V = 100\nMOVE LINEAR TO (160, 60, 40, 12)\nN = EARLY\nM = LATE\nIF N = 1 THEN LAMP = 1\nIF M = 1 THEN HORN = 1"
+    cell = ProgramCell(one(body, "INPUT : 1 = LATE, 1001 = EARLY\nBINARY : N, M\nOUTPUT : 3 = LAMP, 4 = HORN"))
+    run = cell.start("P")
+    cell.until(lambda: cell.at()[0] > 80)
+    cell.give(1)
+    assert cell.ends(run)[0] == "ended"
+    assert [channel for _, channel, _ in cell.outputs] == [4], "1001 was 0 when the movement was prepared"
 
 
 def test_stop_on_the_path_and_resume_go_on_with_the_program() -> None:

@@ -99,6 +99,7 @@ def test_a_subroutine_without_end_of_calls_is_a_runtime_error() -> None:
 
 
 @pytest.mark.requirement("RHO-BAP-20", by="gateway.pure.languages.baps2.tasks:Task.prepared")
+@pytest.mark.requirement("RHO-MOT-51", by="gateway.pure.languages.baps2.tasks:Task.prepared")
 def test_normal_inputs_wait_for_the_last_two_p5_and_asynchronous_ones_do_not() -> None:
     text = body("MOVE LINEAR TO P1 B = S MOVE TO P2 B = N", "INPUT : 1 = N, 1001 = S BINARY : B")
     events = run(text, "p5_ms = 20\n[points.P]\nP1 = [1]\nP2 = [2]\n[[input]]\nchannel = 1\nat = 0.5")

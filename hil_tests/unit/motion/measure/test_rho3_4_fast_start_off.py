@@ -1,25 +1,21 @@
 """rho 3: fast, smooth start-off (part 1, section 4; TO04 section 2; TO05 section 15)."""
 
-from collections.abc import Callable
-
 import pytest
 
 from hil_tests.unit.motion.measure.benches import BOARDS, LRTAKT_NS, P5_NS, Rig, bench
 from motion.errors import MotionError
-from motion.measure.errors import ProgramFault
-from motion.measure.inputs import Edge
-from motion.measure.start_off import Clock, StartOff, StartOffs
+from motion.measure.inputs import Edge, admitted
+from motion.measure.start_off import Clock, StartOff, Wait
 
 CLOCK = Clock(P5_NS, LRTAKT_NS)
 
 
-def waits() -> StartOffs:
-    return StartOffs(CLOCK, BOARDS, 1)
+def waiting(channel: int = 611, *, value: bool = True, max_time_s: float = 0.0, between: bool = False) -> StartOff:
+    return StartOff(Wait(admitted(channel, BOARDS), value, max_time_s, between), CLOCK)
 
 
-def started_ns(held: StartOff | None, edge_ns: int) -> int:
+def started_ns(held: StartOff, edge_ns: int) -> int:
     """Instant of the first cycle whose set values have left the start, by a real stepper; the condition comes at edge_ns."""
-    assert held is not None
     rig = Rig(bench())
     held.begin(False, 0)
     for cycle in range(400):
@@ -33,94 +29,47 @@ def started_ns(held: StartOff | None, edge_ns: int) -> int:
 
 
 @pytest.mark.requirement("RHO-MOT-17", by="motion.measure.start_off:StartOff.step")
-@pytest.mark.requirement("RHO-MOT-17", by="motion.measure.start_off:StartOffs.block")
 def test_start_one_position_controller_cycle_after_the_condition_plus_at_most_one_interpolation_cycle() -> None:
     delays = []
     for edge_ns in range(40_000_001, 48_000_001, 123_457):
-        program = waits()
-        program.wait_until(611, True)
-        delays.append(started_ns(program.block(1), edge_ns) - edge_ns)
+        delays.append(started_ns(waiting(), edge_ns) - edge_ns)
     assert min(delays) >= 0 and max(delays) <= LRTAKT_NS + P5_NS
     assert max(delays) - min(delays) <= P5_NS, "jitter of one interpolation cycle"
 
 
 def test_a_condition_that_holds_already_starts_at_once() -> None:
-    program = waits()
-    program.wait_until(611, True)
-    held = program.block(1)
-    assert held is not None
+    held = waiting()
     held.begin(True, 8_000_000)
     assert held.step(8_000_000, []) is True
 
 
 def test_the_other_edge_and_other_inputs_start_nothing() -> None:
-    program = waits()
-    program.wait_until(612, False)
-    held = program.block(1)
-    assert held is not None
+    held = waiting(612, value=False)
     held.begin(True, 0)
     assert held.step(P5_NS, [Edge(612, 3, True), Edge(611, 4, False), Edge(610, 5, False)]) is False
     assert held.step(2 * P5_NS, [Edge(612, P5_NS + 6, False)]) is True
-
-
-@pytest.mark.requirement("RHO-MOT-18", by="motion.measure.start_off:StartOffs.wait_until")
-@pytest.mark.requirement("RHO-MOT-18", by="motion.measure.start_off:StartOffs.block")
-def test_without_the_dummy_block_the_wait_holds_the_next_block_of_the_old_kinematic() -> None:
-    program = waits()
-    assert program.block(2) is None  # (1) MOVE kin2
-    assert program.wait_until(611, True) == 2  # (3) WAIT UNTIL
-    assert program.block(1) is None, "(4) runs without waiting"
-    held = program.block(2)  # (5)
-    assert held is not None and started_ns(held, 41_000_001) >= 41_000_001
-
-    program = waits()
-    assert program.block(2) is None
-    assert program.block(1) is None  # (2) MOVE_REL kin1 (0,0,0)
-    assert program.wait_until(611, True) == 1
-    assert program.block(1) is not None and program.block(2) is None
 
 
 @pytest.mark.requirement("RHO-MOT-19", by="motion.measure.start_off:StartOff.step")
 @pytest.mark.requirement("RHO-MOT-19", by="motion.measure.start_off:StartOff._met")
 def test_max_time_0_15_starts_the_block_0_15_s_after_the_condition() -> None:
     for edge_ns in (40_000_001, 42_345_678, 43_999_999, 44_000_000):
-        program = waits()
-        program.wait_until(611, True, max_time_s=0.15)
-        delay = started_ns(program.block(1), edge_ns) - edge_ns
+        delay = started_ns(waiting(max_time_s=0.15), edge_ns) - edge_ns
         assert 150_000_000 <= delay <= 150_000_000 + LRTAKT_NS + P5_NS
 
 
 def test_max_time_counts_whole_position_controller_cycles() -> None:
-    program = waits()
-    program.wait_until(611, True, max_time_s=0.0103)
-    held = program.block(1)
-    assert held is not None
+    held = waiting(max_time_s=0.0103)
     held.begin(True, 0)
     assert held.due_ns == 11_000_000
 
 
 def test_statements_in_between_cost_two_interpolation_cycles() -> None:
-    program = waits()
-    program.wait_until(611, True, between=True)
-    held = program.block(1)
-    assert held is not None
+    held = waiting(between=True)
     held.begin(True, 0)
     assert [held.step(k * P5_NS, []) for k in range(4)] == [False, False, True, True]
 
 
-@pytest.mark.parametrize(
-    "faulty",
-    [
-        lambda: waits().wait_until(610, True),
-        lambda: waits().wait_until(9, True),
-        lambda: waits().wait_until(619, True),
-        lambda: waits().wait_until(611, True, error_part=True),
-        lambda: waits().wait_until(611, True, max_time_s=-0.1),
-        lambda: waits().wait_until(611, True, max_time_s=float("nan")),
-        lambda: StartOffs(CLOCK, BOARDS, None).wait_until(611, True),
-        lambda: Clock(4_000_000, 3_000_000),
-    ],
-)
-def test_what_is_no_fast_start_off_is_refused(faulty: Callable[[], object]) -> None:
-    with pytest.raises((MotionError, ProgramFault)):
-        faulty()
+def test_a_position_controller_cycle_divides_the_interpolation_cycle() -> None:
+    with pytest.raises(MotionError, match="does not divide"):
+        Clock(4_000_000, 3_000_000)
