@@ -5,7 +5,7 @@ import pytest
 from gateway.pure.controllers.rho3.serial.baps import CHARACTER, INTEGER, REAL, TEXT, point
 from gateway.pure.controllers.rho3.serial.events import Finished, ProgramAborted
 from gateway.pure.controllers.rho3.serial.manager import LineManager
-from gateway.pure.controllers.rho3.serial.programs import DirectiveError, FileConditions, ser_io_stop
+from gateway.pure.controllers.rho3.serial.programs import DirectiveError, ser_io_stop
 from gateway.pure.controllers.rho3.serial.setup import Condition, Function, Process, Setup
 from hil_tests.lab.virtual.rho3_line import DLE, NAK, ONE, STX, TWO, Desk, done, failed, v24_1, wire
 from protocols.base.machine import Damage, Ns, ms
@@ -170,22 +170,6 @@ def test_the_instruction_stands_once_at_the_beginning(source: str, words: str) -
     with pytest.raises(DirectiveError, match=words):
         ser_io_stop(source)
     assert ser_io_stop(";;PROCESS_TYPE = PERMANENT\n;;SER_IO_STOP -\nPROGRAM A") is False
-
-
-# ---- 9.3 files
-
-
-@pytest.mark.requirement("RHO-SER-33", by="gateway.pure.controllers.rho3.serial.programs:FileConditions.condition")
-def test_condition_of_a_file_is_0_or_minus_1() -> None:
-    files = FileConditions(lambda name: name == "DATA")
-    assert [files.condition(name) for name in ("DATA", "OTHER")] == [0, -1]
-    assert isinstance(files.condition("DATA"), Condition)
-
-
-def test_an_error_of_assign_is_told_once() -> None:
-    files = FileConditions(lambda name: True)
-    files.assign_failed("DATA", Condition.NO_INTERFACE)
-    assert [files.condition("DATA"), files.condition("DATA")] == [-1, 0]
 
 
 def test_a_block_received_well_leaves_the_condition_of_a_write_alone() -> None:

@@ -4,9 +4,8 @@ Source: rho 3 Releases part 1, sections 9.1 and 9.3; part 2, section 12.6 (FILE_
 """
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
-from gateway.pure.controllers.rho3.serial.setup import Condition
 from protocols.base.errors import ProtocolError
 
 SER_IO_STOP = re.compile(r";;\s*SER_IO_STOP\b\s*(?P<sign>[+-]?)\s*(;.*)?", re.IGNORECASE)
@@ -36,22 +35,3 @@ def ser_io_stop(source: str) -> bool:
 
 def _lines(source: str) -> Iterator[tuple[int, str]]:
     return ((number, line.strip()) for number, line in enumerate(source.splitlines(), 1) if line.strip())
-
-
-class FileConditions:
-    """CONDITION(file): `exists` is asked with the file's name."""
-
-    def __init__(self, exists: Callable[[str], bool]) -> None:
-        self._exists = exists
-        self._errors: dict[str, Condition] = {}
-
-    def assign_failed(self, file: str, error: Condition) -> None:
-        """ASSIGN met an error under `;;FILE_ERROR -`; it is kept until asked for."""
-        self._errors[file] = error
-
-    def condition(self, file: str) -> Condition:
-        """0 or -1; a kept error once, which is then forgotten (12.6)."""
-        kept = self._errors.pop(file, None)
-        if kept is not None:
-            return kept
-        return Condition.NO_ERROR if self._exists(file) else Condition.NO_INTERFACE
