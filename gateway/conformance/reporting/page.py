@@ -79,7 +79,7 @@ def _cover(found: Mapping[str, object], word: Word, de: bool) -> str:
     suite, counts, device = _table(found, "suite"), _table(found, "counts"), _table(found, "bench", "device")
     shown = {word(name) if name == "waived" else name: count for name, count in counts.items() if count}
     chips = "".join(f"<span style='color:{COLOURS.get(name, '#333')}'>{count} {name}</span>" for name, count in shown.items())
-    rows: list[tuple[str, object]] = [(word(str(key)), value) for key, value in device.items()] or [("", "-")]
+    rows: list[tuple[str, object]] = [(word(str(key).replace("_", " ")), value) for key, value in device.items()] or [("", "-")]
     port = _table(found, "bench", "port")
     facts = [
         (word("Suite"), f"{suite['name']} {suite['version']}"),

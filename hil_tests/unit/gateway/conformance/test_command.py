@@ -211,6 +211,7 @@ def test_the_page_is_german_where_it_is_wanted(tmp_path: pathlib.Path, capsys: p
     main(["run", "3964r", "--bench", str(BENCHES / "silent.toml"), "--report", str(tmp_path / "r"), "--language", "de", "--only", "BV"])
     page = (tmp_path / "r" / "report.html").read_text()
     assert "Konformitätsbericht" in page and "Seite 1 von" in page and "STX in Ruhe" in page
+    assert ">Hersteller<" in page and ">Seriennummer<" in page
     assert "FAIL" in capsys.readouterr().out
 
 
