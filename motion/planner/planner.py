@@ -93,6 +93,7 @@ class Planner:
     horizon_s: float = HORIZON_S
     ahead_s: float = AHEAD_S
     window: int = WINDOW
+    cuts: bool = False  # cut() may be asked for: the route behind each block that waits is kept
     _route: Route | TeamRoute = field(init=False)
     _fresh: deque[Stretch] = field(init=False, default_factory=deque)  # known, not planned
     _planned: deque[_Planned] = field(init=False, default_factory=deque)
@@ -107,7 +108,7 @@ class Planner:
 
     def __post_init__(self) -> None:
         self._route = TeamRoute(self.machine, self.start) if isinstance(self.machine, Team) else Route(self.machine, self.start)
-        if isinstance(self._route, Route):
+        if self.cuts and isinstance(self._route, Route):
             self._behind.append((0, self._route.kept()))
 
     @property
@@ -165,7 +166,7 @@ class Planner:
             case _:
                 raise MotionError("a team takes shared blocks, a robot alone its own")
         self._take()
-        if isinstance(self._route, Route):
+        if self.cuts and isinstance(self._route, Route):
             self._behind.append((number, self._route.kept()))
             while len(self._behind) > 1 and self._behind[1][0] < self._done:
                 self._behind.popleft()

@@ -441,7 +441,8 @@ class Programs:
         machine = self._robots()
         mask = self.cell.mask_of(machine)
         places = [standing[n] for n in range(len(standing)) if mask >> n & 1]
-        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=self._chain.spare, factors=self._job.factors)
+        chain, job = self._chain, self._job
+        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=chain.spare, factors=job.factors, cuts=job.streams)
 
     @property
     def preparing(self) -> bool:
