@@ -15,6 +15,7 @@ from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.jobs import AxisFacts, DispatcherEvent, Job, OnLoss, SourceState
 from gateway.pure.arbitration.overrides import Overrides
 from gateway.pure.arbitration.ownership import NOBODY, Ownership
+from gateway.pure.cell.web import PAGE_DOOR
 from gateway.pure.image.belt_texts import belt_words
 from gateway.pure.image.reasons import CommandState, Reason, Refusal
 from gateway.pure.image.records.cell import EVERY_AXIS, AxisFlag, CellState, Motion, Order, OrderRecord, Permit
@@ -224,7 +225,7 @@ class CommandDispatcher:
         `first_try`: a relative move of a single axis that has not been referenced yet (AX-312); everything else is judged as ever.
         """
         self._first_try = first_try
-        job = Job(self._next, door, command.code, mask=command.mask)
+        job = Job(self._next, door, command.code, mask=command.mask, held=door == PAGE_DOOR and command.code != Code.PROGRAM)
         self._next += 1
         state = self.door(door)
         state.last = state.by_code[command.code] = job
@@ -355,7 +356,7 @@ class CommandDispatcher:
                 self._may_move(cell, job.mask, referenced=False)
                 self._can_be_referenced(job.mask)
                 self._moving(job)
-                self._order(Order.REFERENCE, job.id, mask=job.mask)
+                self._order(Order.REFERENCE, job.id, mask=job.mask, reason=_without_services(job))
             case Code.PTP_ABSOLUTE | Code.PTP_RELATIVE:
                 self._ptp(job, command, cell, relative=code is Code.PTP_RELATIVE)
             case Code.PROGRAM:
@@ -412,16 +413,16 @@ class CommandDispatcher:
                 target[n] = wanted * axis.si
         piece = self._plan(start, target, job.mask, command.velocity, command.acceleration, job.id)
         self._moving(job)
-        self._order(Order.MOVE, job.id, mask=job.mask, piece=piece)
+        self._order(Order.MOVE, job.id, mask=job.mask, reason=_without_services(job), piece=piece)
 
     def order_program(self, door: int, number: int, now: Ns, velocity: float = 1.0, acceleration: float = 1.0) -> Job:
         """A command source selects a program of the cell by its number, whichever way it names it."""
         return self.command(door, Command(Code.PROGRAM, number, velocity, acceleration), now)
 
-    def order_stream(self, door: int, robot: int, mask: int) -> Job:
+    def order_stream(self, door: int, robot: int, mask: int, *, held: bool = False) -> Job:
         """The interpreter wants to move a robot (its number, from 1) in the name of a command source: blocks of a language follow one by
-        one, the planner judges each as it comes."""
-        job = Job(self._next, door, Code.PROGRAM, mask=mask, quiet=True, what=f"a stream of robot {robot}")
+        one, the planner judges each as it comes.  held: hold-to-run."""
+        job = Job(self._next, door, Code.PROGRAM, mask=mask, quiet=True, held=held, what=f"a stream of robot {robot}")
         self._next += 1
         state = self.door(door)
         state.last = state.by_code[Code.PROGRAM] = job
@@ -461,7 +462,7 @@ class CommandDispatcher:
         if self.planner is None:
             raise Refusal(Reason.NOT_READY, "the planner process does not run")
         self._moving(job)
-        self._order(Order.PROGRAM, job.id, mask=job.mask)
+        self._order(Order.PROGRAM, job.id, mask=job.mask, reason=_without_services(job))
         self._programs.append(order)
 
     def _in_loop(self, job: Job) -> int:
@@ -568,6 +569,11 @@ class CommandDispatcher:
     def owns(self, door: int) -> bool:
         """It has control: of the cell, or of some of its kinematics."""
         return self.control.axes_of(door) != 0
+
+
+def _without_services(job: Job) -> int:
+    """What the cycle has to know of it when the services die."""
+    return Reason.SERVICES_LOST if job.held else Reason.NONE
 
 
 def _named(axes: int) -> int:

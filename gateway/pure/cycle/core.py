@@ -169,8 +169,9 @@ class CycleLogic:
             return  # noticed before
         self._services_alive = False
         self.state.services_lost += 1
-        if not self._finish:
-            self._stop(Reason.SERVICES_LOST)
+        for lane in self.lanes:
+            if lane.held or not self._finish:
+                lane.stop(Reason.SERVICES_LOST)
 
     def _apply_override(self) -> None:
         """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""
@@ -264,7 +265,9 @@ class CycleLogic:
         lane = self._lead(record.mask or EVERY_AXIS)
         if lane is None:
             self.state.fail(record.job, Reason.BUSY)
-        elif record.order is Order.MOVE:
+            return
+        lane.held = record.reason == Reason.SERVICES_LOST
+        if record.order is Order.MOVE:
             lane.mover.move(record)
         else:
             for other in self.lanes:
@@ -299,6 +302,7 @@ class CycleLogic:
         elif not lane.mover.all_enabled(record.mask):
             self.state.fail(record.job, Reason.DRIVES_OFF)
         else:
+            lane.held = record.reason == Reason.SERVICES_LOST
             lane.homings.begin(record.job, record.mask)
 
     def feed(self, record: PieceRecord) -> None:

@@ -26,6 +26,7 @@ class Lane:
         self.homings, self.mover, self.state = homings, mover, state
         self.ramp = ramp
         self.override = 0.0  # as ordered
+        self.held = False  # what moves is hold-to-run: it stops without the services
         self.own = self.holds = own  # axes (bit n-1 = axis n)
         self.places: tuple[int, ...] = ()  # of those it holds, from 0
         self.hold(own)

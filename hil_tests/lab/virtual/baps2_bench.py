@@ -136,6 +136,7 @@ class ServodynBench(CellBench):
             core_axes(cell, self.p5_ms),
             period,
             self.generation,
+            finish_without_services=self.finish,
             override_step=cell.cell.override_step,
             belts=belts_of(cell, self.p5_ms) if cell.belt else None,
             functions=functions_of(cell, self.p5_ms),

@@ -74,7 +74,7 @@ class ReisCell:
 
     def __init__(self, files: dict[str, str], values: dict[str, str] | None = None, cell: Cell = CELL) -> None:
         self.cell = cell
-        self.bench = ServodynBench(cell=cell)
+        self.bench = ServodynBench(finish_without_services=cell.cell.on_services_loss == "finish_move", cell=cell)
         self.bench.office = CommandDispatcher(self.bench.office.axes, self.bench.office._plan, 1, {})
         self.errors = ErrorList()
         control, _ = make_control(cell, dict.fromkeys(range(RC_BYTES), 1), {"plc": DOOR}, self.bench.office, self.errors, self.bench.now)

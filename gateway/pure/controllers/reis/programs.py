@@ -189,7 +189,7 @@ class ReisPrograms:
         self.run = 0
 
     def _wants(self, ticket: int) -> None:
-        job = self.dispatcher.order_stream(self._mover, 1, self.axes)
+        job = self.dispatcher.order_stream(self._mover, 1, self.axes, held=not self.mode)
         self._job, self._ticket, self._leaving = job, ticket, False
         if job.open:
             self._answer("given", job=job.id)

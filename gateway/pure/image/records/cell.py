@@ -311,7 +311,7 @@ class OrderRecord:
     generation: int
     mask: int = 0  # bit n-1 = axis n
     value: float = 0.0
-    reason: int = 0  # why (for STOP: Reason number)
+    reason: int = 0  # why (for STOP: Reason number); of a move, program or reference run SERVICES_LOST: it stops when they are lost
     piece: bytes = b""
 
 

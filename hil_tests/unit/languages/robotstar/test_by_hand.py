@@ -2,13 +2,15 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import pytest
 
 from gateway.pure.arbitration.command_block import Code
+from gateway.pure.cell.cell import Cell
 from gateway.pure.image.records.cell import Motion
 from gateway.pure.languages.robotstar.mouse import MouseData
-from hil_tests.lab.virtual.reis_bench import AUTO, ReisCell, at, main
+from hil_tests.lab.virtual.reis_bench import AUTO, CELL, ReisCell, at, main
 from hil_tests.unit.languages.robotstar.memory import run
 
 HERE = (884.0, 0.0, 591.0)
@@ -28,13 +30,13 @@ CALIBRATED = (
 KEPT = main("VAR VM\nVAR V_KAL[6]", "V")
 
 
-def in_hand(body: str = "", coord: int = 1, files: dict[str, str] | None = None) -> ReisCell:
+def in_hand(body: str = "", coord: int = 1, files: dict[str, str] | None = None, cell: Cell = CELL) -> ReisCell:
     """At HERE, in HAND."""
-    cell = ReisCell(main(f"{body}{at(*HERE)}\nSTOP") | (files or {}))
-    assert cell.run()[0] == "ended", cell.told
-    to_hand(cell)
-    cell.control.put("reis.coord", coord)
-    return cell
+    made = ReisCell(main(f"{body}{at(*HERE)}\nSTOP") | (files or {}), cell=cell)
+    assert made.run()[0] == "ended", made.told
+    to_hand(made)
+    made.control.put("reis.coord", coord)
+    return made
 
 
 def to_hand(cell: ReisCell) -> None:
@@ -269,7 +271,7 @@ def test_a_stopped_program_is_led_back_after_movements_by_hand() -> None:
 
 @pytest.mark.parametrize("what", ["interpreter", "mode", "drives", "services"])
 def test_whatever_goes_the_axes_rest_and_nothing_begins_with_a_key_that_is_still_held(what: str) -> None:
-    cell = in_hand()
+    cell = in_hand(cell=replace(CELL, cell=replace(CELL.cell, on_services_loss="finish_move")))  # of programs, not of a key
     cell.control.put("reis.jog.2", 1)
     cell.until(lambda: cell.places[-1][1] > 40)
     match what:
@@ -281,7 +283,6 @@ def test_whatever_goes_the_axes_rest_and_nothing_begins_with_a_key_that_is_still
             cell.bench.give(Code.DISABLE, mask=cell.mask)
         case _:
             cell.bench.core.services_lost()
-            cell.language.stop_all(cell.bench.now)
     cell.bench.run(1.0)
     assert cell.bench.core.state.motion in (Motion.IDLE, Motion.STOPPED)
     here = cell.joints[-1]

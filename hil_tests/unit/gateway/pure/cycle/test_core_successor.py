@@ -3,6 +3,7 @@
 import pytest
 
 from gateway.pure.arbitration.command_block import Code
+from gateway.pure.cell.web import PAGE_DOOR
 from gateway.pure.image.reasons import Reason
 from gateway.pure.image.records.cell import Motion
 from hil_tests.lab.virtual.cell_bench import CellBench
@@ -21,3 +22,16 @@ def test_a_quick_successor_does_not_hide_the_death(finishes: bool, ends: Motion)
     assert cell.core.state.motion is ends
     assert cell.core.state.stop_cause == (0 if finishes else Reason.SERVICES_LOST)
     assert cell.core.state.services_lost == 1
+
+
+def test_a_jog_of_the_page_stops_without_the_services_even_where_moves_are_finished() -> None:
+    """Hold-to-run: nobody is left who hears the key being released."""
+    cell = CellBench(finish_without_services=True).ready()
+    cell.settle(cell.give(Code.RELEASE_CONTROL))
+    cell.settle(cell.give(Code.REQUEST_CONTROL, door=PAGE_DOOR))
+    cell.give(Code.PTP_ABSOLUTE, targets=FAR, door=PAGE_DOOR)
+    cell.run(0.5)
+    assert cell.core.state.motion is Motion.RUNNING
+    cell.core.services_lost()
+    cell.run(4.0)
+    assert (cell.core.state.motion, cell.core.state.stop_cause) == (Motion.STOPPED, Reason.SERVICES_LOST)

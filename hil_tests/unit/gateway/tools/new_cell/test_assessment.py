@@ -87,7 +87,7 @@ def test_nothing_is_promised_that_no_cell_can_do() -> None:
     """Rows that nothing but the API reaches: transparent output; what no part does: access levels, alter of VAL 3."""
     said = {key: str(read_texts("assess").said(f"r.control.{key}")) for key in ("rho3", "reis", "val3")}
     assert "transparent output to the pendant only as a Python API" in said["rho3"]
-    assert "no access levels" in said["reis"] and "alter only in virtual time" in said["val3"]
+    assert "no access levels" in said["reis"] and "moves, alter and user pages" in said["val3"]
 
 
 def test_programs_are_judged_by_the_control_they_were_written_for() -> None:
