@@ -4,8 +4,9 @@ from collections.abc import Mapping
 
 from gateway.cycle.recording_tap import CycleTap
 from gateway.pure.cell.cell import Cell
+from gateway.pure.cycle.correction_inputs import laid_over
 from gateway.pure.image.records.cell import InputImage, pack_inputs
-from gateway.pure.image.records.correction import CORRECTION_LAYOUT, ProgramCorrection, laid_over, unpack_correction
+from gateway.pure.image.records.correction import CORRECTION_LAYOUT, ProgramCorrection, unpack_correction
 from gateway.runtime.regions import RegionReader
 
 

@@ -245,6 +245,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     strict_raises()
     quick_hypothesis()
+    config.option.tbstyle = "native"  # pytest's own styles fail at an instruction of a mutant that has no line
     target, known = pathlib.Path(config.getoption("--mutants")), config.getoption("--mutants-known")
     mutants = Mutants(target, config.getoption("--mutants-sample"), pathlib.Path(known) if known else None)
     config.pluginmanager.register(mutants, "axisgate-mutants")

@@ -21,6 +21,7 @@ from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.val3.application import HostedApplication
 from gateway.pure.controllers.val3.io.control import Val3Control
 from gateway.pure.cycle.core import CycleLogic
+from gateway.pure.cycle.correction_inputs import laid_over
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records.cell import (
     RC_BYTES,
@@ -31,7 +32,7 @@ from gateway.pure.image.records.cell import (
     pack_cell_state,
     unpack_cell_state,
 )
-from gateway.pure.image.records.correction import laid_over, unpack_correction
+from gateway.pure.image.records.correction import unpack_correction
 from gateway.pure.image.records.interpreter import (
     Fact,
     pack_channels,

@@ -10,7 +10,7 @@ from typing import Protocol
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.controllers.val3.io.control import Val3Control
-from gateway.pure.image.reasons import CommandState, text
+from gateway.pure.image.reasons import CommandState, Reason, text
 from gateway.pure.image.records.cell import CellState, Motion
 from gateway.pure.image.records.interpreter import Fact
 from protocols.base.machine import Ns, ms
@@ -24,6 +24,7 @@ MODES = ("manual", "test", "local", "remote")
 MOST_RATIO = 250.0
 SEEN = ("val3", "variables", "shown", "popups", "screen")
 PATIENCE = ms(1_000)  # between two requests for control that are refused
+START_UP = ms(10_000)  # enablePower() waits so long for drives that do not answer yet
 GONE = "the interpreter ended"
 
 
@@ -81,6 +82,8 @@ class HostedApplication:
     _moves: bool = False  # the operator lets the arm move
     _leave: bool = False  # control goes back at rest
     _again: Ns = 0
+    _power_until: Ns = 0  # enablePower() was called, and drives may still start
+    _power_next: Ns = 0
     _refused: str = ""
     _control: bool | None = None  # as the interpreter knows it
     _states: dict[str, int] = field(default_factory=dict)
@@ -210,6 +213,7 @@ class HostedApplication:
         self.orders.append({"do": what, "id": self.language_id, "ticket": ticket, **facts})
 
     def _switch(self, now: Ns, *, on: bool) -> None:
+        self._power_until = now + START_UP if on else 0
         if not on:
             self._command(Command(Code.DISABLE, self.mask), now)
             return
@@ -219,6 +223,18 @@ class HostedApplication:
         self._command(Command(Code.ENABLE, self.mask), now)
         if cell is not None and cell.override <= 0.0:
             self._command(Command(Code.OVERRIDE, velocity=1.0), now)
+
+    def _power_again(self, now: Ns) -> None:
+        """Drives that start later than the application are switched on when they answer (AX-1064)."""
+        if now >= self._power_until:
+            return
+        job = self.dispatcher.door(self.source).by_code.get(Code.ENABLE)
+        if not self.run or job is None or job.state is CommandState.DONE or (not job.open and job.reason is not Reason.DRIVE_LOST):
+            self._power_until = 0
+        elif not job.open and self.dispatcher.owner == self.source:
+            if now >= self._power_next:
+                self._power_next = now + PATIENCE
+                self._command(Command(Code.ENABLE, self.mask), now)
 
     # ---- control of the kinematic
     def _take(self, now: Ns) -> bool:
@@ -271,6 +287,7 @@ class HostedApplication:
         cell = self.dispatcher.cell
         if cell is not None and self.source:
             self._move(cell, now)
+            self._power_again(now)
         path = self._path
         if path is not None and not path.job.open:
             self._path = None

@@ -4,7 +4,8 @@ import math
 import struct
 from dataclasses import dataclass
 
-from gateway.pure.image.records.correction import ProgramCorrection, end_bit, pack_correction
+from gateway.pure.cycle.correction_inputs import end_bit
+from gateway.pure.image.records.correction import ProgramCorrection, pack_correction
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.base.requests import Ns
 from motion.program.blocks import Alteration, Until

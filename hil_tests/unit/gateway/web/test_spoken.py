@@ -113,7 +113,7 @@ def test_reasons_of_drives_and_couplers_have_german_words() -> None:
         ("RC input 40 forced to 1 by anna", "RC-Eingang 40 auf 1 gesteuert von anna"),
         (
             "Modbus client far: no connection to tcp://127.0.0.1:9: Connection refused; it is tried again until it is there",
-            "Modbus-Client far: keine Verbindung zu tcp://127.0.0.1:9: Verbindung abgewiesen; es wird versucht, bis sie steht",
+            "Modbus-Client far: keine Verbindung zu tcp://127.0.0.1:9: Verbindung abgewiesen; neuer Versuch, bis sie hergestellt ist",
         ),
         (
             "cycle: broker:a-drives: nothing is sent as long as it speaks; another master speaks on this bus: SYNC (080h)",

@@ -51,6 +51,16 @@ def test_the_shipped_application_carries_a_part() -> None:
     cell.until(lambda: cell.bench.office.owner == 0, 2.0)
 
 
+def test_power_waits_for_drives_that_start_later_than_the_application() -> None:
+    cell = cell_of("nOne=1\nwait(diPart)")
+    cell.bench.silent.add(1)
+    cell.start()
+    cell.bench.run(3.0)
+    assert cell.language.own is not None and cell.value("nOne") == 0.0
+    cell.bench.silent.clear()
+    cell.until(lambda: cell.value("nOne") == 1.0, 3.0)
+
+
 def test_with_blending_the_arm_waits_at_leave_for_the_next_move() -> None:
     code = "movej(jA,tHand,mBlend)\ndelay(1.5)\njNow=herej()\nnOne=jNow.j1\nmovej(jC,tHand,mBlend)\nwaitEndMove()\nnTwo=1"
     cell = cell_of(code + "\nwait(diPart)")
