@@ -82,6 +82,7 @@ class HostedApplication:
     _moves: bool = False  # the operator lets the arm move
     _leave: bool = False  # control goes back at rest
     _again: Ns = 0
+    _power: Job | None = None  # the last request to switch on
     _power_until: Ns = 0  # enablePower() was called, and drives may still start
     _power_next: Ns = 0
     _refused: str = ""
@@ -228,7 +229,7 @@ class HostedApplication:
         """Drives that start later than the application are switched on when they answer (AX-1064)."""
         if now >= self._power_until:
             return
-        job = self.dispatcher.door(self.source).by_code.get(Code.ENABLE)
+        job = self._power
         if not self.run or job is None or job.state is CommandState.DONE or (not job.open and job.reason is not Reason.DRIVE_LOST):
             self._power_until = 0
         elif not job.open and self.dispatcher.owner == self.source:
@@ -246,6 +247,8 @@ class HostedApplication:
 
     def _command(self, command: Command, now: Ns) -> bool:
         job = self.dispatcher.command(self.source or self.own, command, now)
+        if command.code is Code.ENABLE:
+            self._power = job
         if job.state is not CommandState.REFUSED:
             self._refused = ""
             return True
