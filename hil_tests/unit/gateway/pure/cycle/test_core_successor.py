@@ -25,7 +25,7 @@ def test_a_quick_successor_does_not_hide_the_death(finishes: bool, ends: Motion)
 
 
 def test_a_jog_of_the_page_stops_without_the_services_even_where_moves_are_finished() -> None:
-    """Hold-to-run: nobody is left who hears the key being released."""
+    """Hold-to-run: without the services the release of the key is not received."""
     cell = CellBench(finish_without_services=True).ready()
     cell.settle(cell.give(Code.RELEASE_CONTROL))
     cell.settle(cell.give(Code.REQUEST_CONTROL, door=PAGE_DOOR))
