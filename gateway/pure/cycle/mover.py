@@ -267,7 +267,8 @@ class Mover:
             program.switch(ENTRIES[record.part](record))
         elif record.part is Part.LAST:
             program.complete = True
-            if not program.begun and (program.switches or self.start.on):  # nothing has moved, and something is done or waited for here
+            if not program.begun and (program.switches or self.start.on or program.met):
+                # nothing has moved, and something is done or waited for here, or an input that ends the part has its value already
                 self._begin(program.job)
                 program.begun = True
             elif not program.begun:
@@ -468,6 +469,8 @@ class Mover:
         if not late:
             if not self.program.failed:
                 self._state.done_job = self.running
+                if program.begun:
+                    self._state.met = program.met and not program.flushed  # of its last part, which nothing rests behind
             self._over()
         elif self._arriving * self._period > ARRIVAL_S:
             self._state.fail(self.running, Reason.FOLLOWING_ERROR)

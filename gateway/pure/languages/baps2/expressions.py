@@ -121,4 +121,4 @@ class ExpressionReader:
 
 
 def _number(text: str) -> int | float:
-    return float(text) if "." in text else int(text)
+    return int(text) if text.isdigit() else float(text)

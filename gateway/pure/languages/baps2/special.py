@@ -254,10 +254,10 @@ class Specials:
 
     def _delete(self, task: Task, source: str, target: str) -> int:
         name = file_name(source)
+        if name is not None and self._machine.filing.is_open(name):
+            return -5  # a new one, which nothing has closed yet, too
         if name is None or name not in self._machine.filing.files:
             return -2
-        if self._machine.filing.is_open(name):
-            return -5
         del self._machine.filing.files[name]
         self._machine.library.forget(name.partition(".")[0])
         return 0

@@ -60,12 +60,12 @@ class StatementReader:
             "REPEAT": self._repeat,
             "PARALLEL": self._parallel,
             "EXCLUSIVE": self._exclusive,
-            "JUMP": lambda at: Jump(at, self._stream.name("a label").key),
+            "JUMP": lambda at: Jump(at, self._called("a label")),
             "HALT": lambda at: Simple(at, "HALT"),
             "BREAK": lambda at: Simple(at, "BREAK"),
             "REF_PNT": lambda at: Simple(at, "REF_PNT", self._kinematic()),
-            "START": lambda at: StartStop(at, "START", self._stream.name("a program").key),
-            "STOP": lambda at: StartStop(at, "STOP", self._stream.name("a program").key),
+            "START": lambda at: StartStop(at, "START", self._called("a program")),
+            "STOP": lambda at: StartStop(at, "STOP", self._called("a program")),
             "SYNC": self._sync,
             "SYNCHRON": self._synchron,
             "SYNCHRON_END": lambda at: Simple(at, "SYNCHRON_END", self._belt()),
@@ -143,6 +143,13 @@ class StatementReader:
             self._stream.take()
 
     # ---- names that decide the grammar
+
+    def _called(self, what: str) -> str:
+        """The name of a label or program; a word that ends something, or begins a statement, is none: the name is missing."""
+        token = self._stream.token
+        if token.word in CLOSERS and not self._expressions.names_it(token):
+            self._stream.wrong(f"{what} is expected, not {token}")
+        return self._stream.name(what).key
 
     def _kinematic(self) -> str:
         """A kinematic in front of something else."""
@@ -224,11 +231,11 @@ class StatementReader:
                 return found
 
     def _legs(self) -> tuple[Leg, ...]:
-        found = []
+        """Targets; VIA and TO hold for all points of their list."""
+        found, through = [], False
         while True:
-            through = self._stream.word("VIA")
-            if not through:
-                self._stream.word("TO")
+            if self._stream.is_word(("VIA", "TO")):
+                through = self._stream.take().word == "VIA"
             found.append(Leg(self._expressions.sum(), through))
             if not (self._stream.sign(",") or self._stream.is_word(("TO", "VIA"))):
                 return tuple(found)

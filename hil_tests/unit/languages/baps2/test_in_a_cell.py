@@ -332,6 +332,23 @@ MOVE LINEAR UNTIL PROBE = 0 ERROR LAMP = 1 TO (300, 100, 70, 12)
     assert 150 < float(here) < 165, "it stopped on its path"
 
 
+@pytest.mark.requirement("RHO-MOT-11", by="gateway.pure.cycle.mover:Mover.judge")
+@pytest.mark.parametrize("when", ["before", "on the way", "never"])
+def test_the_error_part_of_move_until_is_run_only_where_the_input_never_came(when: str) -> None:
+    body = "MOVE LINEAR UNTIL PROBE = 1 ERROR JUMP MISSED TO (300, 60, 40, 12)\nFOUND = 1\nHALT\nMISSED:\nLOST = 1"
+    cell = ProgramCell(one(f"MOVE PTP TO @(60, 60, 40, 12)\n{body}", "INPUT : 1 = PROBE\nOUTPUT : 3 = FOUND, 4 = LOST"))
+    if when == "before":
+        cell.give(1)
+    run = cell.start("P")
+    if when == "on the way":
+        cell.until(lambda: cell.at()[0] > 150)
+        cell.give(1)
+    assert cell.ends(run)[0] == "ended"
+    assert [channel for _, channel, _ in cell.outputs] == [4 if when == "never" else 3]
+    assert (cell.at()[0] == 60) is (when == "before"), "an input that has the value already: no movement (L1126)"
+    assert (cell.at()[0] == 300) is (when == "never")
+
+
 @pytest.mark.requirement("RHO-BAP-12", by="gateway.pure.controllers.rho3.signals.hosted:HostedPrograms._program")
 def test_a_permanent_process_outlasts_a_control_reset_and_ends_by_the_abort_of_the_plc() -> None:
     files = one("AGAIN:\nLAMP = 1\nWAIT 0.1\nLAMP = 0\nWAIT 0.1\nJUMP AGAIN", "OUTPUT : 3 = LAMP", name="PALLET")

@@ -11,6 +11,7 @@ from gateway.pure.languages.baps2.tree import (
     Jump,
     Label,
     Move,
+    Number,
     Parallel,
     Set,
     StartStop,
@@ -170,6 +171,31 @@ def test_included_files_are_read_in_their_place_and_loops_of_them_end() -> None:
         ("include-loop", "HEAD.QLL", 2),
         ("include-missing", "HEAD.QLL", 3),
     ]
+
+
+def test_a_list_of_points_is_passed_as_its_first_word_says() -> None:
+    program, faults = read_text("PROGRAM P BEGIN MOVE LINEAR VIA P1, P2, P3 TO P4, P5 PROGRAM_END")
+    assert not len(faults) and program is not None
+    (move,) = program.main.body
+    assert isinstance(move, Move)
+    assert [leg.through for leg in move.legs] == [True, True, True, False, False]
+
+
+def test_a_name_that_is_missing_does_not_swallow_the_end_of_the_program() -> None:
+    for word, what in (("STOP", "a program"), ("START", "a program"), ("JUMP", "a label")):
+        text = f"PROGRAM P\nBEGIN\n{word}\nPROGRAM_END\nSUBROUTINE S\nBEGIN\nSUB_END"
+        program, faults = read_text(text)
+        assert [(fault.text, fault.position.line) for fault in faults] == [(f"{what} is expected, not 'PROGRAM_END'", 4)]
+        assert program is not None and [each.name for each in program.subroutines] == ["S"]
+
+
+def test_a_number_may_have_an_exponent_without_a_point() -> None:
+    program, faults = read_text("PROGRAM P BEGIN X = 1E3 X = 2.5e-1 X = .5E+1 PROGRAM_END")
+    assert not len(faults) and program is not None
+    found = [each.value for each in program.main.body if isinstance(each, Set)]
+    assert [each.value for each in found if isinstance(each, Number)] == [1000.0, 0.25, 5.0]
+    _, faults = read_text("PROGRAM P BEGIN X = 1EX PROGRAM_END")
+    assert ids_of(faults)[0][0] == "number-runs-into-word"
 
 
 def test_brackets_without_end_are_a_fault_and_no_crash() -> None:

@@ -273,3 +273,11 @@ def test_a_sync_waits_for_the_belt_and_sets_its_counter() -> None:
     declared = "K.BELT : 501 = B1 SPC_FCT : 28 = SETB(VALUE INTEGER : N VALUE REAL : V)"
     events = run(head + body("SETB(1, -20) SYNC B1 >= 100 WRITE B1", declared), "belts = [100]")
     assert [(event["t"], written([event])) for event in events if event["event"] == "write"] == [(1.0, ["-20.0"])]
+
+
+def test_command_refuses_to_delete_a_file_that_is_open_even_one_that_is_new() -> None:
+    declared = "SPC_FCT : 4 = CMD (VALUE INTEGER : C TEXT : S, T INTEGER : R)\nFILE : LOG, OLD\nTEXT : NAME\nINTEGER : R"
+    text = "WRITE_BEGIN LOG\nREAD_BEGIN OLD\nNAME = 'LOG.DAT'\nCMD (3, NAME, NAME, R)\nWRITE PHG, R\n"
+    text += "NAME = 'OLD.DAT'\nCMD (3, NAME, NAME, R)\nWRITE PHG, R\nCLOSE OLD\n"
+    text += "CMD (3, NAME, NAME, R)\nWRITE PHG, R\n" * 2
+    assert written(run(body(text, declared), **{"OLD.DAT": "1"})) == ["-5", "-5", "0", "-2"]
