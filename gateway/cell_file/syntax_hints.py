@@ -35,7 +35,7 @@ def _hint(message: str, bare: list[str], number: int) -> str:
     if (found := re.match(r"\[\s*([\w-]+)\s*\.\s*([\w.-]+)", line)) and any(
         re.match(rf"\s*\[\[\s*{found[1]}\s*\]\]", each) for each in bare
     ):
-        return f"[{found[1]}.{found[2]}] belongs to the last [[{found[1]}]] above it; it may stand once for each of them"
+        return f"[{found[1]}.{found[2]}] belongs to the last [[{found[1]}]] above it; write it at most once for each of them"
     if re.search(r"=\s*-?\d+,\d", line):
         return "numbers have a decimal point, no comma"
     if re.match(r"[\w.-]+\s*=\s*[A-Za-z]", line) or re.match(r"[\w.-]+\s*:", line):

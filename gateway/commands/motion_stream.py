@@ -109,7 +109,7 @@ def _play(client: ToolClient, cell: Cell, mask: int, source: TextIO, options: ar
 
 def _told(client: ToolClient, answer: Row, source: TextIO, options: argparse.Namespace) -> Row:
     """Until the stream has an outcome; what happens to its blocks is printed."""
-    job, shown, over, words = answer.get("job"), (0, 0), False, answer.get("told")
+    job, shown, over, words = answer.get("job"), (0, 0), False, answer.get("order_fault")
     typed = source is sys.stdin
     while answer["open"]:
         room = int(str(answer["said"])) - int(str(answer["passed"])) < WAITING
@@ -121,9 +121,9 @@ def _told(client: ToolClient, answer: Row, source: TextIO, options: argparse.Nam
             time.sleep(POLL_S)
             answer = client.ask("stream", do="look", job=job)
         shown = _show(answer, shown, as_json=options.json)
-        if answer["told"] not in ("", words):
-            print(answer["told"], file=sys.stderr)
-        words = answer["told"]
+        if answer["order_fault"] not in ("", words):
+            print(answer["order_fault"], file=sys.stderr)
+        words = answer["order_fault"]
     return answer
 
 

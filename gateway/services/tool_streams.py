@@ -110,7 +110,7 @@ class ToolStreams:
             "fault_block": state.fault_block if state.failed_job == job.id else 0,
             "fault_code": state.fault_code if state.failed_job == job.id else 0,
             "withheld": state.withheld,
-            "told": state.told,
+            "order_fault": state.order_fault,
             **self._standing(job, state, si),
         }
 

@@ -64,11 +64,11 @@ class StreamPrograms(Programs):
     def _obey(self, record: BlockRecord) -> Work[None]:
         orders = self._orders
         if record.say in ORDERS:
-            self.state = replace(self.state, told="")
+            self.state = replace(self.state, order_fault="")
             try:
                 yield from self._ordered(record)
             except MotionError as error:
-                self.state = replace(self.state, told=str(error))
+                self.state = replace(self.state, order_fault=str(error))
         elif record.say in (Say.FINISH, Say.END) and orders.withheld:
             orders.ending = orders.ending or record.say is Say.END
         else:
@@ -229,7 +229,7 @@ class StreamPrograms(Programs):
         try:
             rows = planner.remaining(behind, self._chain.near(planner.end), self._own_places())
         except MotionError as error:
-            self.state = replace(self.state, told=str(error))
+            self.state = replace(self.state, order_fault=str(error))
             rows = []
         if not rows:
             return False

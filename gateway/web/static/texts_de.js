@@ -7,7 +7,7 @@ export const DE = {
   "no connection": "keine Verbindung", "Connection lost; values are old. It connects again by itself.": "Verbindung verloren; die Werte sind veraltet. Sie wird automatisch wiederhergestellt.",
   "Set the first password": "Erstes Passwort setzen", "Until then, nothing can be changed. The first user is the administrator; 10 characters or more.": "Bis dahin sind Änderungen gesperrt. Der erste Benutzer ist Verwalter; mindestens 10 Zeichen.",
   "Name": "Name", "Password": "Passwort", "Logged in as": "Angemeldet als", "To the content": "Zum Inhalt", "STOP": "STOPP", "Stops all axes on the path. Not an emergency stop.": "Hält alle Achsen auf der Bahn an. Kein Not-Halt.", "Stop is ordered": "Stopp ist befohlen",
-  "viewer": "Betrachter", "operator": "Bediener", "setter": "Einrichter", "admin": "Verwalter", "nobody": "niemand",
+  "viewer": "Betrachter", "operator": "Bediener", "setter": "Einrichter", "admin": "Verwalter", "nobody": "nicht angemeldet",
   "process": "Prozess", "state": "Zustand", "restarts": "Neustarts", "life": "Lebenszeichen", "Processes": "Prozesse", "up": "läuft", "waiting": "wartet", "down": "beendet",
   "link": "Verbindung", "losses": "Ausfälle", "last command": "letztes Kommando", "advice": "Hinweis", "Links": "Verbindungen", "axis": "Achse", "drive": "Antrieb", "actual": "Ist", "lag": "Schleppabstand", "Drives": "Antriebe",
   "what": "was", "level": "Stufe", "by": "durch", "Evidence": "Nachweis", "emulator": "Emulator", "specified": "spezifiziert", "bench": "Prüfstand", "plant": "Anlage", "Errors, first one first": "Fehler, der erste zuerst",

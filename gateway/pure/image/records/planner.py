@@ -321,7 +321,7 @@ class PlannerState:
     withheld: int = 0  # blocks that wait for their step
     bound: str = ""  # what the part under way leads along beside its path: it can only be ended
     back: bool = False  # the axes are behind the furthest place that they have been at
-    told: str = ""  # about the last order to the stream that could not be done as it was given
+    order_fault: str = ""  # why the last order to the stream could not be executed
     others: tuple["PlannerState", ...] = ()  # of the lanes behind the first one, in a cell of several
 
     @property

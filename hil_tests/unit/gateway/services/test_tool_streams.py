@@ -148,3 +148,15 @@ def test_nothing_goes_on_without_its_enabling_inputs_and_an_ended_stream_takes_n
     assert tool.bench.end().state is CommandState.DONE
     with pytest.raises(ValueError, match="the stream is over: done"):
         tool.order("hold")
+
+
+def test_an_order_that_the_planner_cannot_execute_is_reported_until_the_next_one(tool: Tool) -> None:
+    tool.say(*LINES)
+    assert tool.answer["order_fault"] == ""
+    tool.order("step")
+    tool.until("order_fault", "the stream is not in single step")
+    tool.order("single")
+    tool.until("order_fault", "")
+    tool.order("single", on=False)
+    tool.say(then="finish")
+    tool.until("passed", 3)
