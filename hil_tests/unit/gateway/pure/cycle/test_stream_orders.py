@@ -286,7 +286,7 @@ def test_an_order_that_cannot_be_done_is_answered_in_words_and_the_stream_goes_o
     at(bench, 130, 115)
     bench.order_of(say, text)
     bench.passed(4)
-    assert words in bench.state().told, bench.state()
+    assert words in bench.state().order_fault, bench.state()
     assert bench.at()[:2] == (100.0, 100.0)
 
 
@@ -297,7 +297,7 @@ def test_a_stream_on_a_belt_can_only_be_ended(bench: StreamBench) -> None:
     bench.run(0.3)
     bench.order_of(Say.FLUSH)
     bench.run(0.1)
-    assert "a belt" in bench.state().told and bench.job.open
+    assert "a belt" in bench.state().order_fault and bench.job.open
     bench.passed(1)
     bench.say("synchron_end", HOME)
     bench.passed(2)
