@@ -1,6 +1,7 @@
 """[val3] of a cell: where its application is, its channels (AX-930)."""
 
 import datetime
+import math
 import pathlib
 import time
 
@@ -10,7 +11,7 @@ from gateway.assembly.programs import machines_of_cell, mask_of
 from gateway.files.find import beside
 from gateway.files.robots import load_robot
 from gateway.files.val3_disk import place_of
-from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.cell import Axis, Cell
 from gateway.pure.cell.val3 import MODES, Val3, Val3Channel, Val3UserIo
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
 from gateway.pure.languages.val3.boards import UserBoards, user_boards
@@ -18,6 +19,7 @@ from gateway.pure.languages.val3.cell_alter import AlterPlace
 from gateway.pure.languages.val3.cell_run import Setup
 from gateway.pure.languages.val3.dates import START
 from gateway.pure.languages.val3.robot_state import NO_DATA, Service
+from motion.geometry.units import to_si
 from motion.robot import with_limits
 
 KINDS = {"serial": Kind.SERIAL, "client": Kind.TCP_CLIENT, "server": Kind.TCP_SERVER, "udp": Kind.UDP}
@@ -67,6 +69,13 @@ def service_of(table: Val3) -> Service:
     return Service(given.brakes or (NO_DATA,), given.brake_position, given.hibernate, given.wake)
 
 
+def rated_force(axis: Axis) -> float:
+    """Of the joint at the rated torque of its motor, Nm or N; 0 where it is not known."""
+    mechanics = axis.mechanics
+    way = to_si(mechanics.feed_per_turn, axis.unit) / (2.0 * math.pi)  # rad or m of the axis, for a rad behind the gear
+    return (axis.drive.rated_torque or 0.0) * mechanics.ratio / (way if mechanics.direction == "+" else -way)
+
+
 def setup_of(cell: Cell, table: Val3) -> Setup:
     """All that the interpreter needs; MotionError, DiskUnreadable: `check` has refused it before."""
     folder, name = application_place(cell, table)
@@ -82,4 +91,5 @@ def setup_of(cell: Cell, table: Val3) -> Setup:
         table.strict_priorities, table.auto_connect, epoch, round(table.watchdog_s * 1e9), table.prompts == "page",
         alter_place(cell), boards_of(table), service_of(table), table.current_profile, {each.name: each.password for each in table.profile},
         {each.name: each.joints for each in table.reference}, {each.name: each.text for each in table.licence}, table.options,
+        tuple(map(rated_force, axes)),
     )  # fmt: skip

@@ -76,6 +76,7 @@ class CellPort:
             not state.emergency and bool(state.permits & Permit.CHAIN),
             self._belts(),
             tuple(kind for kind, _ in planner.types),
+            tuple(axis.torque for _, axis in axes),
         )
 
     def _belts(self) -> tuple[float, ...]:

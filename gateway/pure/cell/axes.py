@@ -21,6 +21,7 @@ class Drive:
     eds: str = ""
     serial: str = ""
     inc_per_turn: Annotated[int, Ge(64), Le(1 << 24), Unit("inc")] = 16384
+    rated_torque: Annotated[float | None, Gt(0), Le(10_000), Unit("Nm")] = None  # of the motor (6076h); None: forces of the joint are 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -183,6 +183,7 @@ class Val3Cell:
             state.motion,
             state.override,
             not state.emergency and bool(state.permits & Permit.CHAIN),
+            torque=tuple(axis.torque for _, axis in axes),
         )
         orders, self.hosted.orders = self.hosted.orders, []
         for order in (unpack_facts(pack_facts(each)) for each in orders):

@@ -41,6 +41,7 @@ class View:
     chain: bool = True  # the emergency-stop chain is closed, no emergency stop is latched
     belts: tuple[float, ...] = ()  # counters, in the unit of each
     belt_types: tuple[int, ...] = ()  # 1 parallel, 2 without parallel axis, 3 cam
+    torque: tuple[float, ...] = ()  # of the motors, as shares of their rated torque
 
     def path_of(self, robot: int) -> PathState:
         """By its number, from 1."""

@@ -177,10 +177,10 @@ def f_get_position_err(own: Instance) -> JointV:
 
 
 def f_get_joint_force(own: Instance, force: Place) -> None:
-    """No load; 70 for too small an array."""
+    """Of each axis, from the currents of the motors; 70 for too small an array."""
     if len(force[0]) - force[1] < own.machine.axes:
         raise Rte(70, f"{own.machine.axes} elements are needed")
-    force[0][force[1] : force[1] + own.machine.axes] = [0.0] * own.machine.axes
+    force[0][force[1] : force[1] + own.machine.axes] = moves_of(own).forces
 
 
 def f_get_move_id(own: Instance) -> float:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
@@ -23,15 +24,23 @@ from motion.val3.trsf import Trsf
 STANDARD_S = 0.1  # AX-931: half the period of the oscillation of an arm
 
 
+@dataclass(frozen=True, slots=True)
+class JointFacts:
+    """Of each joint.  largest: following error, in its unit; rated: force at the rated torque of its motor, Nm or N."""
+
+    largest: tuple[float, ...] = ()
+    rated: tuple[float, ...] = ()
+
+
 class CellMoves(Moves):
-    """machine: with the limits of the cell; largest: following error of each axis, in its unit."""
+    """machine: with the limits of the cell; largest, rated: JointFacts."""
 
     def __init__(
         self, robot: Robot, machine: Machine, port: Port, largest: Sequence[float], said: Callable[[str], None],
-        place: AlterPlace | None = None,
+        place: AlterPlace | None = None, rated: Sequence[float] = (),
     ) -> None:  # fmt: skip
         self._port, self._own, self._said, self._place = port, machine, said, place
-        self._largest = tuple(largest)  # in units
+        self._facts = JointFacts(tuple(largest), tuple(rated))
         self._settling = Settling(STANDARD_S)
         self.powered = False
         self._now: Ns = 0
@@ -44,7 +53,7 @@ class CellMoves(Moves):
         self.machine = self._own
         self.change = CellAlter(self._port, self._place)
         self.mover = StreamMover(self._port, self._own, "val3", self._set, self._said, self.change)
-        following = [to_si(value, unit) for value, unit in zip(self._largest, self.units, strict=True)]
+        following = [to_si(value, unit) for value, unit in zip(self._facts.largest, self.units, strict=True)]
         self.stack = MotionStack(self.mover, following)
 
     # ---- positions
@@ -72,6 +81,12 @@ class CellMoves(Moves):
         return tuple(from_si(wanted - found, unit) for wanted, found, unit in pairs) if self.powered else (0.0,) * len(self.units)
 
     @property
+    def forces(self) -> tuple[float, ...]:
+        """Nm or N, from the torque that each drive reports (L5982-5992); 0 where its rated torque is not known."""
+        shares = self._port.view.torque[: len(self._facts.rated)]
+        return tuple(share * rated for share, rated in zip(shares, self._facts.rated, strict=True)) if shares else super().forces
+
+    @property
     def resting(self) -> bool:
         """The set values stand."""
         return self.mover.resting
@@ -80,7 +95,7 @@ class CellMoves(Moves):
         """Position errors within bounds for a time (L5904-5939)."""
         now_s = self._now / 1e9
         if tool is None:
-            return self._settling.joints(self.errors, self._largest, now_s) and self.resting
+            return self._settling.joints(self.errors, self._facts.largest, now_s) and self.resting
         hand = tool.on_flange()
         wanted, found = (compose(self.machine.forward(places), hand) for places in (self._set(), self._actual()))
         way = math.dist(wanted.position, found.position)

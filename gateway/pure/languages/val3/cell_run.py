@@ -62,6 +62,7 @@ class Setup:
     references: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     licences: Mapping[str, str] = field(default_factory=dict)
     options: tuple[str, ...] = ()
+    rated: tuple[float, ...] = ()  # force of each joint at the rated torque of its motor, Nm or N; 0: not known
 
 
 @dataclass(eq=False)
@@ -123,7 +124,7 @@ class CellRun:
         robot.watchdog_broken = robot.dead_watch = False
         if setup.version:
             self._robot.version = setup.version
-        moves = CellMoves(setup.robot, setup.machine, self.port, setup.largest, self._said, setup.alter)
+        moves = CellMoves(setup.robot, setup.machine, self.port, setup.largest, self._said, setup.alter, setup.rated)
         moves.stack.auto_connect = setup.auto_connect
         machine = Machine(self.disk(), moves, LINE_NS, self._robot, setup.strict)
         machine.io, machine.sio = self._io, self.sio()

@@ -23,7 +23,7 @@ def links_of_files(applications: Iterable[Application]) -> tuple[list[Link], lis
     found, channels = [], []
     for app in applications:
         for declared in app.data.values():
-            for inner in _all(declared):
+            for inner in declarations(declared):
                 for value in inner.values:
                     link = value.attributes.get("link", "")
                     if inner.type_name in ("dio", "aio") and link:
@@ -35,11 +35,12 @@ def links_of_files(applications: Iterable[Application]) -> tuple[list[Link], lis
     return found, list(dict.fromkeys(channels))
 
 
-def _all(declared: Declaration) -> Iterator[Declaration]:
+def declarations(declared: Declaration) -> Iterator[Declaration]:
+    """It and the fields of its values."""
     yield declared
     for value in declared.values:
         for inner in value.fields.values():
-            yield from _all(inner)
+            yield from declarations(inner)
 
 
 def is_output(link: str, variable: str) -> bool:

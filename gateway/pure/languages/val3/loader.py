@@ -6,11 +6,23 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.val3.disk import Disk, PathFault, application_of
 from gateway.pure.languages.val3.files import Reader
+from gateway.pure.languages.val3.links import declarations
 from gateway.pure.languages.val3.model import BUILT_IN, FAMILIES, Application, Declaration, Type, UserType
 from gateway.pure.languages.val3.sealed import SealFault, library_of
 from gateway.pure.languages.val3.translate import Code, ProgramTranslator
+from motion.val3.mdesc import TOO_LARGE, matching
 
 DEEPEST = 20  # user types one in the other
+NOMINAL = 100.0  # %
+ABOUT = 0.1  # so far accel and decel may be off the square of the speed
+
+
+def _percent(text: str | None) -> float:
+    """A field of an mdesc; what is no number is a fault of its own."""
+    try:
+        return NOMINAL if text is None else float(text)
+    except ValueError:
+        return NOMINAL
 
 
 @dataclass(slots=True)
@@ -130,6 +142,7 @@ class Loader:
             if code is not None:
                 made.codes[program.name] = code
         self._families(app, faults)
+        self._speeds(app, faults)
         return made
 
     def _families(self, app: Application, faults: Faults) -> None:
@@ -139,6 +152,18 @@ class Loader:
                     f"'{declared.name}' : made for an {declared.family.upper()} arm, this is an {self.family.upper()}; using it is error 81"
                 )
                 faults.warning("val3-family", Position(declared.file, declared.line), text)
+
+    def _speeds(self, app: Application, faults: Faults) -> None:
+        """Above the nominal speed, accel and decel that do not go with it (L5654)."""
+        for declared in (inner for each in app.data.values() for inner in declarations(each) if inner.type_name == "mdesc"):
+            for value in declared.values:
+                vel, accel, decel = (_percent(value.attributes.get(name)) for name in ("vel", "accel", "decel"))
+                if not NOMINAL < vel <= TOO_LARGE:
+                    continue
+                rule = matching(vel).accel
+                if max(abs(accel - rule), abs(decel - rule)) > ABOUT * rule:
+                    text = f"'{declared.name}' : vel {vel:g} % goes with accel and decel of {rule:g} %, not {accel:g} % and {decel:g} %"
+                    faults.warning("val3-speed", Position(declared.file, declared.line), text)
 
     def _interfaces(self, app: Application, faults: Faults) -> None:
         """Libraries are only looked at for what they show (L3927)."""

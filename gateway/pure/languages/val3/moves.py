@@ -104,6 +104,11 @@ class Moves:
         """Position errors, deg and mm: the virtual arm has none."""
         return (0.0,) * len(self.units)
 
+    @property
+    def forces(self) -> tuple[float, ...]:
+        """Forces of the joints, Nm and N: the virtual arm has no load."""
+        return (0.0,) * len(self.units)
+
     def settled(self, tool: Tool | None = None, accuracy_m: float = 0.0, turn: float | None = None, seconds: float | None = None) -> bool:
         """The virtual arm follows without error: settled where it rests.  turn: rad."""
         return self.resting

@@ -10,13 +10,14 @@ from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.pages import EVENTS
 from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, NO_DATA, REMOTE, TEST
-from gateway.pure.languages.val3.values import AioV, DioV, Grid, places
+from gateway.pure.languages.val3.values import AioV, DioV, Grid, LinkV, places
 from gateway.pure.languages.val3.virtual_io import Status
 
 STATES = {"works": Status.WORKS, "locked": Status.LOCKED, "simulated": Status.SIMULATED, "fault": Status.FAULT, "unknown": Status.UNKNOWN}
 MODES = {"manual": MANUAL, "test": TEST, "local": LOCAL, "remote": REMOTE}
 REFRESH = ("default", "nojitter")
 MOST_RATIO, MOST_US = 250, 1e6
+NOWHERE = (LookupError, ValueError, AttributeError, TypeError, Rte)  # a path to a value that is not there
 WORDS = {"true": 1.0, "on": 1.0, "false": 0.0, "off": 0.0}
 
 
@@ -57,16 +58,34 @@ def happen(machine: Machine, own: Instance, event: Event) -> None:
     """What the operator, the plant or the safety board does."""
     kind, _, name = event.what.partition(".")
     if kind in PLANT and name:
-        PLANT[kind](machine, name, event)
+        PLANT[kind](machine, linked(machine, own, name) if kind in LINKED else name, event)
     elif event.what in OPERATOR:
         OPERATOR[event.what](machine, event)
     else:
         put(machine, own, event)
 
 
+def linked(machine: Machine, own: Instance, name: str) -> str:
+    """What a variable of the application is linked to; the name itself where it is that of an input, output or channel."""
+    plain, dot, last = name.rpartition(".")
+    if dot and last.isdecimal():  # a connection of a server
+        return f"{linked(machine, own, plain)}.{last}"
+    if machine.io.find(name) is None and not machine.sio.knows(name):
+        try:
+            container, place = _place(own, name)
+            found = places(container)[place]
+        except NOWHERE:
+            found = None
+        if isinstance(found, LinkV) and found.link:
+            return found.link
+    return name
+
+
 def signal(machine: Machine, name: str, event: Event) -> None:
     """dio.NAME=0 or 1, aio.NAME=value."""
     value = number(event)
+    if machine.io.find(name) is None:
+        machine.note(f"{event.what}: no data are linked to {name} so far", "SYS")
     machine.io.arrive(machine.io.declare(name), value if event.what.startswith("aio") else float(value != 0))
 
 
@@ -234,26 +253,15 @@ def page(machine: Machine, name: str, event: Event) -> None:
 
 def put(machine: Machine, own: Instance, event: Event) -> None:
     """A global: name, name[3], name[key], name.field."""
-    steps = event.what.replace("]", "").replace("[", ".[").split(".")
-    container: object = own.data.get(steps[0])
-    if container is None:
+    if event.what.partition(".")[0].partition("[")[0] not in own.data:
         raise EventFault(
             f"{event.what}: there is no global of that name; dio., aio., io., sio., page., board., mode, power, speed, estop, hold, "
             "joints, connect, refresh, ratio, brakes, hibernate, wakeup, profile, answer and app are known, too"
         )
-    place: object = 0
     try:
-        for step in steps[1:]:
-            if step.startswith("["):
-                container, place = _element(container, step[1:])
-            else:
-                value = places(container)[place]
-                inner = getattr(value, f"u_{step}", None)
-                container, place = (inner, 0) if inner is not None else (value, step)
-        if isinstance(container, dict | Grid) and place == 0:
-            raise LookupError
+        container, place = _place(own, event.what)
         old = places(container)[place]
-    except (LookupError, ValueError, AttributeError, TypeError, Rte):
+    except NOWHERE:
         raise EventFault(f"{event.what}: there is no such value") from None
     match old:
         case bool():
@@ -268,12 +276,30 @@ def put(machine: Machine, own: Instance, event: Event) -> None:
             raise EventFault(f"{event.what}: only numbers, bools, strings, dio and aio are set")
 
 
+def _place(own: Instance, text: str) -> tuple[object, object]:
+    """Container and key of a value: name, name[3], name[key], name.field.  NOWHERE: there is none."""
+    steps = text.replace("]", "").replace("[", ".[").split(".")
+    container: object = own.data[steps[0]]
+    place: object = 0
+    for step in steps[1:]:
+        if step.startswith("["):
+            container, place = _element(container, step[1:])
+        else:
+            value = places(container)[place]
+            inner = getattr(value, f"u_{step}", None)
+            container, place = (inner, 0) if inner is not None else (value, step)
+    if isinstance(container, dict | Grid) and place == 0:
+        raise LookupError
+    return container, place
+
+
 def _element(container: object, text: str) -> tuple[object, object]:
     if isinstance(container, Grid):
         return container.flat, container.at(*(float(part) for part in text.split(",")))
     return (container, text.strip('"')) if isinstance(container, dict) else (container, int(text))
 
 
+LINKED = ("dio", "aio", "io", "sio")  # a variable's name stands for what it is linked to
 PLANT: dict[str, Callable[[Machine, str, Event], None]] = {
     "dio": signal,
     "aio": signal,

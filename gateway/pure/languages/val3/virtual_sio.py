@@ -40,6 +40,10 @@ class VirtualSio:
         found = (name for name in self._declared if wanted in (name.lower(), name.lower().rpartition("\\")[2]))
         return next(found, text)
 
+    def knows(self, text: str) -> bool:
+        """Whether a channel of that path or last name is declared."""
+        return self.name_of(text) in self._declared
+
     def connect(self, text: str) -> None:
         """A partner is there: it answers a client, or comes to a server."""
         name = self.name_of(text)
