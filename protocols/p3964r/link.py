@@ -9,7 +9,7 @@ from protocols.p3964r.characters import DLE, NAK, STX
 from protocols.p3964r.events import BlockReceived, BlockRefused, Event, Outbox, SamePriority
 from protocols.p3964r.profiles import Priority, Profile
 from protocols.p3964r.receiver import Receiver
-from protocols.p3964r.sender import Sender
+from protocols.p3964r.sender import IDLE, Sender
 
 BLOCK_ENDS = (BlockReceived, BlockRefused)
 MOST_TIMERS = 8  # more than can be due at one moment
@@ -74,11 +74,13 @@ class Link:
 
     # ---- the machine
     def receive(self, data: bytes, now: Ns) -> list[Event]:
-        self._expire(now)  # what expired before these bytes came is told first
+        due = self._next_due()
+        if due is not None and due <= now:
+            self._expire(now)  # what expired before these bytes came is told first
         sender = self._sender
         at, size = 0, len(data)
         while at < size:
-            if not sender.busy:
+            if sender.state is IDLE:
                 at = self._listen(data, at, now)
             elif sender.hear(data[at], now):
                 if data[at] not in ANSWERS:
@@ -87,9 +89,9 @@ class Link:
             else:
                 self._gave_way = True
                 at = self._listen(data, at, now)
-            if sender.jobs:
+            if sender.jobs and sender.state is IDLE:
                 self._start(now)
-        return self._box.take_events()
+        return self._box.take_events() if self._box.events else []
 
     def damaged(self, kind: Damage, now: Ns) -> list[Event]:
         self._expire(now)
@@ -101,12 +103,14 @@ class Link:
         return self._box.take_events()
 
     def sent(self, now: Ns) -> list[Event]:
-        if not self._box.output:  # else the report is older than what we have to say now
-            self._sender.sent(now)
+        box, sender = self._box, self._sender
+        if not box.output:  # else the report is older than what we have to say now
+            if sender.state is not IDLE:
+                sender.sent(now)
             self._receiver.sent(now)
-            if self._sender.jobs:
+            if sender.jobs and sender.state is IDLE:
                 self._start(now)
-        return self._box.take_events()
+        return box.take_events() if box.events else []
 
     def wake(self, now: Ns) -> list[Event]:
         self._expire(now)
@@ -118,7 +122,8 @@ class Link:
         return self._next_due()
 
     def take_output(self) -> bytes:
-        return self._box.take_output()
+        box = self._box
+        return box.take_output() if box.output else b""
 
     def lost(self, now: Ns) -> list[Event]:
         self._box.output.clear()
@@ -135,8 +140,9 @@ class Link:
 
     def _listen(self, data: bytes, at: int, now: Ns) -> int:
         told = len(self._box.events)
-        at = self._receiver.hear(data, at, now)
-        if not self._receiver.busy:
+        receiver = self._receiver
+        at = receiver.hear(data, at, now)
+        if not receiver.busy:
             self._gave_way = False
             for event in self._box.events[told:]:
                 if isinstance(event, BLOCK_ENDS):
@@ -152,10 +158,11 @@ class Link:
             self._sender.start(now)
 
     def _next_due(self) -> Ns | None:
-        sender, receiver = self._sender.due, self._receiver.deadline()
-        if sender is None or receiver is None:
-            return receiver if sender is None else sender
-        return min(sender, receiver)
+        receiver = self._receiver
+        due, character, repeat = self._sender.due, receiver.due, receiver.repeats.due  # asked twice a burst: no call
+        if character is not None and (due is None or character < due):
+            due = character
+        return repeat if repeat is not None and (due is None or repeat < due) else due
 
     def _expire(self, now: Ns) -> None:
         rounds = 0

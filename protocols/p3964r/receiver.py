@@ -31,6 +31,7 @@ class State(Enum):
 
 IDLE, NO_BUFFER, DATA, ESCAPED, CHECK, DEAF = State  # asked at every character: State.DATA costs a search in its class
 INSIDE = (DATA, ESCAPED, CHECK)
+ENDS = (ETX, ETB)  # behind a DLE
 
 
 class Receiver:
@@ -40,13 +41,14 @@ class Receiver:
         self._profile, self._box = profile, box
         self._most = profile.most_received
         self._cut = profile.too_long is TooLong.NAK_AT_ONCE
+        self._block_check = profile.block_check
         self._state = IDLE
-        self._due: Ns | None = None  # end of the gap, of the wait for a buffer, or of the quiet after stray characters
+        self.due: Ns | None = None  # end of the gap, of the wait for a buffer, or of the quiet after stray characters
         self._why: Refusal | None = None  # first fault of the running block; it is heard to its end all the same (AX-007)
         self._check, self._data, self._count = 0, bytearray(), 0
         self._strays = 0
         self._guard = Remainders(box, profile.char_delay)
-        self._repeats = Repeats(box, profile.block_attempts, profile.block_wait)
+        self.repeats = Repeats(box, profile.block_attempts, profile.block_wait)
         self._buffer = BlockBuffer(keep_one, profile.no_buffer_wait, profile.no_buffer_poll)
 
     @property
@@ -62,13 +64,13 @@ class Receiver:
     # ---- the table
     def hear(self, data: bytes, at: int, now: Ns) -> int:
         """Take characters from index `at` on until idle again or none are left; returns the index of the next one."""
-        guard = self._guard
-        if guard.outrun:
+        guard, turn = self._guard, self._box.turn
+        if guard.early and guard.outrun:
             self._forget()
         size = len(data)
         while at < size:
             byte = data[at]
-            if guard.untouched and self._other_than_begun(byte):
+            if guard.untouched and (guard.doubted or turn == guard.opened_in) and self._other_than_begun(byte):
                 at += 1
             elif self._state is DATA and byte != DLE:
                 at = self._collect(data, at)
@@ -79,7 +81,7 @@ class Receiver:
                 break
         guard.heard_at = now
         if not guard.untouched and self._state is not IDLE and self._state is not NO_BUFFER:
-            self._due = now + self._profile.char_delay
+            self.due = now + self._profile.char_delay
         return at
 
     def _other_than_begun(self, byte: int) -> bool:
@@ -118,10 +120,10 @@ class Receiver:
         if byte == DLE:
             self._state = DATA
             self._store(DLE_BYTE)  # both enter the check, so they cancel
-        elif byte in (ETX, ETB):
+        elif byte in ENDS:
             self._check ^= DLE ^ byte
             self._state = CHECK
-            if not self._profile.block_check:
+            if not self._block_check:
                 self._judge(self._check)
         else:
             self._broken_pair(byte)
@@ -130,12 +132,25 @@ class Receiver:
         """A run of plain characters up to the next DLE, taken at once; the same as one step for each."""
         end = data.find(DLE_BYTE, at)
         run = data[at:] if end < 0 else data[at:end]
+        if 0 <= end < len(data) - 2 and data[end + 1] in ENDS and self._block_check and self._count + len(run) <= self._most:
+            self._end(run, data[end + 1], data[end + 2])
+            return end + 3
         if self._cut:
             run = run[: self._most + 1 - self._count]  # the first one too many ends the block
         self._check ^= check_of(run)
         self._store(run)
         self._guard.heard(inside=self._state in INSIDE)
         return at + len(run)
+
+    def _end(self, run: bytes, end: int, check: int) -> None:
+        """The last plain run of a block, DLE, what ends it and its check, taken at once."""
+        self._data += run
+        self._count += len(run)
+        self._check ^= check_of(run) ^ DLE ^ end
+        self._guard.heard(inside=True)
+        self._state = CHECK
+        self._judge(check)
+        self._guard.heard(inside=self._state in INSIDE)
 
     def _store(self, run: bytes) -> None:
         self._count += len(run)
@@ -169,11 +184,11 @@ class Receiver:
             self._stray(now)
         elif self._state is DEAF:
             self._strays += 1
-            self._due = now + self._profile.char_delay
+            self.due = now + self._profile.char_delay
         elif self._state is not NO_BUFFER:
             self._blame(Refusal.DAMAGED)
             self._guard.untouched = False
-            self._due = now + self._profile.char_delay
+            self.due = now + self._profile.char_delay
             if self._state is CHECK:
                 self._judge(self._check)  # the spoiled character was the check
             else:
@@ -193,7 +208,7 @@ class Receiver:
         self._box.say(DLE)
         self._box.tell(BlockReceived(data))
         self._buffer.store(data)
-        self._repeats.delivered()
+        self.repeats.delivered()
         self._rest()
 
     def _refuse(self, why: Refusal) -> None:
@@ -204,7 +219,7 @@ class Receiver:
         self._box.tell(BlockRefused(why, self._count))
         self._guard.refused()
         self._rest()
-        self._repeats.refused(why)
+        self.repeats.refused(why)
 
     def _break(self, now: Ns) -> None:
         """BREAK: no answer, and back to idle; from inside a block once the line is quiet (AX-228)."""
@@ -213,10 +228,10 @@ class Receiver:
             self._box.tell(BlockRefused(Refusal.BREAK, self._count) if self.busy else LineBreak())
         self._rest()
         if inside:
-            self._state, self._due, self._guard.untouched = DEAF, now + self._profile.char_delay, False
+            self._state, self.due, self._guard.untouched = DEAF, now + self._profile.char_delay, False
 
     def _rest(self) -> None:
-        self._state, self._due = IDLE, None
+        self._state, self.due = IDLE, None
         self._guard.begins()
         self._why, self._data, self._count, self._check = None, bytearray(), 0, 0
 
@@ -233,11 +248,11 @@ class Receiver:
     def _open(self, now: Ns) -> None:
         self.settle()
         self._guard.opening(now)
-        self._repeats.opened()
+        self.repeats.opened()
         if self._buffer.free:
             self._admit(now)
         elif self._buffer.wait:
-            self._state, self._due = NO_BUFFER, self._buffer.asked(now)
+            self._state, self.due = NO_BUFFER, self._buffer.asked(now)
         else:
             self._turn_away()
 
@@ -245,7 +260,7 @@ class Receiver:
         self._box.say(DLE)
         self._guard.answered()
         self._state = DATA
-        self._due = now + self._profile.char_delay  # prolonged when the DLE has left
+        self.due = now + self._profile.char_delay  # prolonged when the DLE has left
 
     def _forget(self) -> None:
         """In one burst with the STX and no whole block: the block begins now, behind our DLE."""
@@ -277,7 +292,7 @@ class Receiver:
         if self._profile.stray is Stray.NAK_AT_ONCE:
             self._box.say(NAK)
         self._strays += 1
-        self._due = now + self._profile.char_delay
+        self.due = now + self._profile.char_delay
         self.disquiet(now)
 
     def disquiet(self, now: Ns) -> None:
@@ -288,25 +303,22 @@ class Receiver:
         """Something else begins: report the stray characters so far."""
         if self._strays:
             self._box.tell(StrayCharacters(self._strays))
-            self._strays, self._due = 0, None
+            self._strays, self.due = 0, None
 
     # ---- time
-    def deadline(self) -> Ns | None:
-        repeat = self._repeats.due
-        if self._due is None or repeat is None:
-            return self._due if repeat is None else repeat
-        return min(self._due, repeat)
-
     def sent(self, now: Ns) -> None:
-        self._guard.left()
-        if self._guard.untouched and self._state is DATA:
-            self._due = now + self._profile.char_delay
-        self._repeats.left(now)
+        guard = self._guard
+        if guard.leaving:
+            guard.left()
+        if guard.untouched and self._state is DATA:
+            self.due = now + self._profile.char_delay
+        if self.repeats.awaited:
+            self.repeats.left(now)
 
     def expire(self, now: Ns) -> None:
         """The earlier of the timers is over."""
-        if self._due is None or self._due > now:
-            self._repeats.fail()
+        if self.due is None or self.due > now:
+            self.repeats.fail()
             return
         match self._state:
             case State.IDLE if self._guard.waits:
@@ -336,14 +348,14 @@ class Receiver:
             if look is None:
                 self._admit(now)
             else:
-                self._due = look
+                self.due = look
 
     def _look_for_room(self, now: Ns) -> None:
         """A polling step, or the end of the wait for a buffer."""
         if self._buffer.free:
             self._admit(now)
         elif now < self._buffer.last:
-            self._due = self._buffer.last
+            self.due = self._buffer.last
         else:
             self._turn_away()
 
@@ -360,4 +372,4 @@ class Receiver:
         if self.busy:
             self._box.tell(BlockRefused(Refusal.LOST, self._count))
         self._rest()
-        self._repeats.forget()
+        self.repeats.forget()

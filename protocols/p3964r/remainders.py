@@ -27,10 +27,10 @@ class Remainders:
         self.untouched = False  # nothing heard since our DLE
         self.torn = False  # a block was refused without having come to its end: its remainder may still come
         self._restless, self.heard_at = False, 0  # what was heard last had no place, or was refused; and when that was
-        self._doubted = False  # the opening under way came on such a line
-        self._leaving = False  # our DLE to it has not left
-        self._early = False  # what was heard of the block came in one burst with the STX
-        self._opened_in, self._ended_in = -1, -1  # turns of the box: our answer to STX, to the end of a block
+        self.doubted = False  # the opening under way came on such a line
+        self.leaving = False  # our DLE to it has not left
+        self.early = False  # what was heard of the block came in one burst with the STX
+        self.opened_in, self.ended_in = -1, -1  # turns of the box: our answer to STX, to the end of a block
         self.waits = False  # the last stray character was STX: a partner that waits for DLE, if nothing follows
         self._passed = b""  # the last two of them
 
@@ -38,55 +38,55 @@ class Remainders:
     @property
     def behind_an_end(self) -> bool:
         """What comes now is in one breath with the end of a block: part of it."""
-        return self._box.turn == self._ended_in
+        return self._box.turn == self.ended_in
 
     @property
     def same_burst(self) -> bool:
         """What comes now is in one burst with the STX: our DLE was not given out."""
-        return self._box.turn == self._opened_in
+        return self._box.turn == self.opened_in
 
     @property
     def outrun(self) -> bool:
         """In one burst with the STX came no whole block: the block begins now, behind our DLE."""
-        return self._early and self._box.turn != self._opened_in
+        return self.early and self._box.turn != self.opened_in
 
     def not_opened(self, byte: int) -> bool:
         """This first character behind a doubtful opening did not wait for our DLE: that STX was a character of a remainder."""
         same = self.same_burst
-        return self._doubted and (same or (self.torn and self._leaving)) and not (byte == STX and same)
+        return self.doubted and (same or (self.torn and self.leaving)) and not (byte == STX and same)
 
     @property
     def unsaid(self) -> bool:
         """Our DLE to the block under way was not given out, and nothing but that burst was heard of it."""
-        return self._early and self._box.turn == self._opened_in
+        return self.early and self._box.turn == self.opened_in
 
     # ---- what happens
     def opening(self, now: Ns) -> None:
         """STX, to be answered."""
         self.waits, self._passed = False, b""
-        self._doubted = self.torn or (self._restless and now - self.heard_at < self._char_delay)
+        self.doubted = self.torn or (self._restless and now - self.heard_at < self._char_delay)
         self._restless = False
 
     def answered(self) -> None:
         """DLE is said to it."""
-        self._opened_in, self._leaving, self.untouched = self._box.turn, True, True
+        self.opened_in, self.leaving, self.untouched = self._box.turn, True, True
 
     def left(self) -> None:
         """What we said has left the line."""
-        self._leaving = False
+        self.leaving = False
 
     def heard(self, *, inside: bool) -> None:
         """A character; `inside`: of a block."""
         self.untouched = False
-        self._early = inside and self._box.turn == self._opened_in
+        self.early = inside and self._box.turn == self.opened_in
 
     def begins(self) -> None:
         """The block begins anew, or there is none."""
-        self._early = False
+        self.early = False
 
     def ended(self) -> None:
         """A block has come to its end."""
-        self._ended_in, self.torn = self._box.turn, False
+        self.ended_in, self.torn = self._box.turn, False
 
     def refused(self) -> None:
         """A block was refused: its remainder would be heard as a block of its own."""
@@ -108,4 +108,4 @@ class Remainders:
     def lost(self) -> None:
         """The port is gone."""
         self.torn = self._restless = self.waits = False
-        self._opened_in = self._ended_in = -1
+        self.opened_in = self.ended_in = -1

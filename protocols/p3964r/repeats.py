@@ -10,12 +10,12 @@ class Repeats:
     def __init__(self, box: Outbox, attempts: int, wait: Ns) -> None:
         self._box, self._attempts, self._wait = box, attempts, wait
         self._refusals, self._first_why = 0, Refusal.GAP
-        self._awaited = False
+        self.awaited = False
         self.due: Ns | None = None  # end of the wait for the repeat
 
     def opened(self) -> None:
         """A block begins: the repeat, or another one."""
-        self._awaited, self.due = False, None
+        self.awaited, self.due = False, None
 
     def delivered(self) -> None:
         """A block was good."""
@@ -26,13 +26,13 @@ class Repeats:
         if self._refusals == 0:
             self._first_why = why
         self._refusals += 1
-        self._awaited = True
+        self.awaited = True
         if self._refusals == self._attempts:
             self.fail()
 
     def left(self, now: Ns) -> None:
         """What we said has left the line."""
-        if self._awaited and self.due is None:
+        if self.awaited and self.due is None:
             self.due = now + self._wait
 
     def fail(self) -> None:
@@ -42,4 +42,4 @@ class Repeats:
 
     def forget(self) -> None:
         """The port is gone, or it was reported."""
-        self._refusals, self._awaited, self.due = 0, False, None
+        self._refusals, self.awaited, self.due = 0, False, None

@@ -42,7 +42,7 @@ class Sender:
 
     def __init__(self, profile: Profile, priority: Priority, box: Outbox) -> None:
         self._profile, self._priority, self._box = profile, priority, box
-        self._state = IDLE
+        self.state = IDLE  # other than IDLE: a job is on the line
         self.due: Ns | None = None  # the deadline
         self.jobs: deque[Job] = deque()  # not yet sent or given up
         self._number = 0
@@ -61,7 +61,7 @@ class Sender:
     @property
     def busy(self) -> bool:
         """A job is on the line: what is heard is an answer to it."""
-        return self._state is not IDLE
+        return self.state is not IDLE
 
     def add(self, block: bytes, end: Char = Char.ETX) -> int:
         if len(self.jobs) >= MOST_JOBS:
@@ -88,7 +88,7 @@ class Sender:
     def replace(self, number: int, block: bytes, end: Char = Char.ETX) -> bool:
         """Another block for a job of which no character is on the line but STX; False: it is too late, or the job is over."""
         for at, job in enumerate(self.jobs):
-            if job.number == number and (at or self._state not in ON_THE_LINE):
+            if job.number == number and (at or self.state not in ON_THE_LINE):
                 self.jobs[at] = Job(number, block, end)
                 return True
         return False
@@ -104,9 +104,9 @@ class Sender:
     # ---- the table
     def hear(self, byte: int, now: Ns) -> bool:
         """Take one character; False: it is not for us, the partner has the line now."""
-        if self._state is SENDING and self._box.turn == self._block_in and byte != NAK:
+        if self.state is SENDING and self._box.turn == self._block_in and byte != NAK:
             self._take_back(now)
-        state = self._state
+        state = self.state
         if state is CONNECT:
             return self._hear_answer_to_stx(byte, now)
         if state is ANSWER:
@@ -120,7 +120,7 @@ class Sender:
         elif state is BACKING_OFF:
             self.due = now + self._profile.char_delay
         elif state is PAUSED and byte == STX:
-            self._state, self.due = IDLE, None
+            self.state, self.due = IDLE, None
             return False
         return True
 
@@ -149,10 +149,10 @@ class Sender:
         if kind is Damage.BREAK:
             self._box.output.clear()
             self._finish(SendFailed(self.jobs[0].number, Failure.BREAK, self._stage()))
-        elif self._state is CONNECT:
+        elif self.state is CONNECT:
             if self.due is not None:  # else no answer to it either
                 self._connect_failed(Failure.DAMAGED, now)
-        elif self._state is ANSWER:
+        elif self.state is ANSWER:
             self._block_failed(Failure.DAMAGED, now)
         else:
             self._early = None
@@ -171,21 +171,21 @@ class Sender:
             self._connects, self._blocks, self._yielded = 0, 0, True  # once: else both give way in every repeat and neither gets through
         else:
             self._connects += 1
-        self._state, self.due = IDLE, None
+        self.state, self.due = IDLE, None
         return False
 
     def _interrupted(self, now: Ns) -> None:
         self._early = None
         if self._profile.interruption is Interruption.BACK_OFF:
             self._box.output.clear()
-            self._state, self.due = BACKING_OFF, now + self._profile.char_delay
+            self.state, self.due = BACKING_OFF, now + self._profile.char_delay
 
     # ---- what the rows do
     def _connect(self) -> None:
         self._repeated_at = None
         self._box.say(STX)
         self._stx_in = self._box.turn
-        self._state, self.due, self._conflict = CONNECT, None, False  # the wait runs from `sent`
+        self.state, self.due, self._conflict = CONNECT, None, False  # the wait runs from `sent`
 
     def _transmit(self, now: Ns) -> None:
         if self._revoked:  # even after a successful connection
@@ -194,7 +194,7 @@ class Sender:
         self._said = wire_block(self.jobs[0].block, self._profile.block_check, self.jobs[0].end)
         self._box.output += self._said
         self._block_in = self._box.turn
-        self._state, self.due, self._early, self._begun = SENDING, None, None, now
+        self.state, self.due, self._early, self._begun = SENDING, None, None, now
 
     def _take_back(self, now: Ns) -> None:
         """A partner who said DLE waits for our block: what came with more behind it in one burst was no answer (AX-241)."""
@@ -233,7 +233,7 @@ class Sender:
                 pause, self._profile.char_delay
             )  # a partner who refuses to give way is let through, or both repeat in step (AX-243)
         if pause:
-            self._state, self.due = PAUSED, now + pause
+            self.state, self.due = PAUSED, now + pause
         else:
             self._connect()
             self._repeated_at = now
@@ -250,25 +250,25 @@ class Sender:
         self._box.tell(event)
         self.jobs.popleft()
         self._connects, self._blocks = 0, 0
-        self._state, self.due, self._revoked, self._yielded = IDLE, None, False, False
+        self.state, self.due, self._revoked, self._yielded = IDLE, None, False, False
 
     def _stage(self) -> Stage:
-        return Stage.BLOCK if self._state in ON_THE_LINE else Stage.CONNECT
+        return Stage.BLOCK if self.state in ON_THE_LINE else Stage.CONNECT
 
     # ---- time
     def sent(self, now: Ns) -> None:
         """All given out has left the line: the acknowledgement delay runs from here."""
-        if self._state is CONNECT and self.due is None:
+        if self.state is CONNECT and self.due is None:
             self.due = now + self._profile.ack_delay
-        elif self._state is SENDING:
+        elif self.state is SENDING:
             late = max(self._profile.early_answer, (now - self._begun) // DRIFT)
             if self._early is not None and now - self._early <= late:
                 self._succeed()  # the partner was faster than the port's report (AX-052)
                 return
-            self._state, self.due = ANSWER, now + self._profile.ack_delay
+            self.state, self.due = ANSWER, now + self._profile.ack_delay
 
     def expire(self, now: Ns) -> None:
-        match self._state:
+        match self.state:
             case State.CONNECT:
                 self._connect_failed(Failure.SILENT, now)
             case State.ANSWER:
@@ -288,7 +288,7 @@ class Sender:
         self.jobs.clear()
         self._revoked, self._yielded, self.overtook = False, False, 0
         self._connects, self._blocks = 0, 0
-        self._state, self.due = IDLE, None
+        self.state, self.due = IDLE, None
 
 
 def _kind(byte: int) -> Failure:

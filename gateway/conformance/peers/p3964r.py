@@ -121,12 +121,12 @@ class NoTimer(Receiver):
 
     def hear(self, data: bytes, at: int, now: Ns) -> int:
         found = super().hear(data, at, now)
-        self._due = None
+        self.due = None
         return found
 
     def sent(self, now: Ns) -> None:
         super().sent(now)
-        self._due = None
+        self.due = None
 
 
 class TimerOfBlock(Receiver):
@@ -141,24 +141,24 @@ class TimerOfBlock(Receiver):
 
     def hear(self, data: bytes, at: int, now: Ns) -> int:
         found = super().hear(data, at, now)
-        if self._due is not None and not self._guard.untouched and self._state in (Hearing.DATA, Hearing.ESCAPED, Hearing.CHECK):
-            self._due = min(self._due, self._began + self._profile.char_delay)
+        if self.due is not None and not self._guard.untouched and self._state in (Hearing.DATA, Hearing.ESCAPED, Hearing.CHECK):
+            self.due = min(self.due, self._began + self._profile.char_delay)
         return found
 
 
 class NoTimerBeforeCheck(Receiver):
     def hear(self, data: bytes, at: int, now: Ns) -> int:
         found = super().hear(data, at, now)
-        if self._state is Hearing.CHECK and self._due is not None:
-            self._due += ms(2000)
+        if self._state is Hearing.CHECK and self.due is not None:
+            self.due += ms(2000)
         return found
 
 
 class NoTimerInPair(Receiver):
     def hear(self, data: bytes, at: int, now: Ns) -> int:
         found = super().hear(data, at, now)
-        if self._state is Hearing.ESCAPED and self._due is not None:
-            self._due += ms(2000)
+        if self._state is Hearing.ESCAPED and self.due is not None:
+            self.due += ms(2000)
         return found
 
 
@@ -280,17 +280,17 @@ class AnyAcknowledges(Sender):
     """Any character after the block is an acknowledgement."""
 
     def hear(self, byte: int, now: Ns) -> bool:
-        return super().hear(Char.DLE if self._state is Saying.ANSWER else byte, now)
+        return super().hear(Char.DLE if self.state is Saying.ANSWER else byte, now)
 
 
 class NakAcknowledges(Sender):
     def hear(self, byte: int, now: Ns) -> bool:
-        return super().hear(Char.DLE if self._state is Saying.ANSWER and byte == Char.NAK else byte, now)
+        return super().hear(Char.DLE if self.state is Saying.ANSWER and byte == Char.NAK else byte, now)
 
 
 class SilenceAcknowledges(Sender):
     def expire(self, now: Ns) -> None:
-        if self._state is Saying.ANSWER:
+        if self.state is Saying.ANSWER:
             self._succeed()
         else:
             super().expire(now)
@@ -426,7 +426,7 @@ class ResetsOnConflict(Built):
     """Forgets the line when both send STX: no answer, no job."""
 
     def receive(self, data: bytes, now: Ns) -> Sequence[object]:
-        if data == STX and self.link._sender._state is Saying.CONNECT:
+        if data == STX and self.link._sender.state is Saying.CONNECT:
             fresh_link(self, self.priority)
             return []
         return super().receive(data, now)
@@ -510,7 +510,7 @@ class FlipsPriority(Built):
     """Each conflict changes its priority."""
 
     def receive(self, data: bytes, now: Ns) -> Sequence[object]:
-        met = data == STX and self.link._sender._state is Saying.CONNECT
+        met = data == STX and self.link._sender.state is Saying.CONNECT
         events = super().receive(data, now)
         if met:
             self._met += 1

@@ -47,6 +47,8 @@ class LineCore(Generic[E]):
 
     def __init__(self, machine: Machine[E], on_event: Callable[[E, Ns], None], on_fault: Callable[[Exception], None]) -> None:
         self.machine = machine
+        self._receive, self._sent = machine.receive, machine.sent  # these four are asked for each burst
+        self._take_output, self._deadline = machine.take_output, machine.deadline
         self.state = LineState()
         self.port: BytePort | None = None
         self._on_event, self._on_fault = on_event, on_fault
@@ -87,7 +89,7 @@ class LineCore(Generic[E]):
 
     def next_wake(self) -> Ns | None:
         """When to call wake at the latest."""
-        deadline, sent_at = self.machine.deadline(), self._sent_at
+        deadline, sent_at = self._deadline(), self._sent_at
         if deadline is None:
             return sent_at
         if deadline < self._rest_until:
@@ -106,7 +108,7 @@ class LineCore(Generic[E]):
             try:
                 if isinstance(item, bytes):
                     counters.received += len(item)
-                    events = self.machine.receive(item, now)
+                    events = self._receive(item, now)
                 else:
                     counters.damaged += 1
                     events = self.machine.damaged(item, now)
@@ -123,7 +125,7 @@ class LineCore(Generic[E]):
         """A moment named by next_wake has come (or not yet: no harm).  Raises PortError when the port is gone."""
         if self._sent_at is not None and now >= self._sent_at:
             self._look_for_sent(now)
-        due = self.machine.deadline()
+        due = self._deadline()
         if due is not None and now >= due and now >= self._rest_until:
             self.state.counters.latest_wake_ns = max(self.state.counters.latest_wake_ns, now - due)
             events = self._ask(self.machine.wake, now)
@@ -153,15 +155,18 @@ class LineCore(Generic[E]):
         if port is None:
             return  # what the machine has to say waits for the port; its times run from `sent`
         while True:
-            data = self.machine.take_output()
+            data = self._take_output()
             if data:
                 self._sent_owed = True
-                self._untaken = self._untaken + data if self._untaken else data
-            elif not self._untaken:
+                if self._untaken:
+                    data = self._untaken + data
+            elif self._untaken:
+                data = self._untaken
+            else:
                 break
-            count = port.write(self._untaken)
+            count = port.write(data)
             self.state.counters.sent += count
-            self._untaken = self._untaken[count:]
+            self._untaken = data[count:]
             if self._untaken:
                 if len(self._untaken) > UNTAKEN_LIMIT:
                     raise PortError(f"{port.name}: takes nothing any more, {len(self._untaken)} bytes wait; opened again")
@@ -174,14 +179,19 @@ class LineCore(Generic[E]):
 
     def _look_for_sent(self, now: Ns) -> bool:
         """Tells the machine `sent` if all has left, else says when to look again."""
-        if self.port is None or not self._sent_owed or self._untaken:
+        port = self.port
+        if port is None or not self._sent_owed or self._untaken:
             return False
-        left = self.port.unsent()
+        left = port.unsent()
         if left:
-            self._sent_at = now + (left * self.port.char_ns or 1_000_000)
+            self._sent_at = now + (left * port.char_ns or 1_000_000)
             return False
         self._sent_owed, self._sent_at = False, None
-        if events := self._ask(self.machine.sent, now):
+        try:
+            events = self._sent(now)
+        except Exception as error:  # as above
+            events = self._broken(error, now)
+        if events:
             self._tell(events, now)
         return True
 

@@ -55,9 +55,6 @@ class LineRunner(Generic[E]):
         self._loop.remove_reader(self._timer.fileno())
         self._timer.close()
 
-    def _on_readable(self) -> None:
-        self._guarded(self._core.readable)
-
     def _on_timer(self) -> None:
         self._timer.clear()
         self._armed = None
@@ -126,7 +123,7 @@ class LineRunner(Generic[E]):
                 break
         self._opener = None
         self._watched = port.fileno()
-        self._loop.add_reader(self._watched, self._on_readable)
+        self._loop.add_reader(self._watched, self._guarded, self._core.readable)
         self._guarded(lambda now: self._core.connect(port, now))
 
     def _report(self, error: Exception) -> None:
