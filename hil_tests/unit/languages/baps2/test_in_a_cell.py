@@ -12,6 +12,7 @@ from gateway.pure.cell.rho3 import ParamValue, Rho3
 from gateway.pure.controllers.rho3.signals.hosted import HostedPrograms
 from gateway.pure.image.records.cell import Motion
 from hil_tests.lab.virtual.baps2_bench import ABORT, ACKNOWLEDGE, AUTOMATIC, CELL, CODE, KEEP, PARITY, RESET, SELECT, ProgramCell, one
+from motion.paths.corner import MISS
 
 MEMORY = pathlib.Path(configs.__file__).parent / "cells" / "palletiser"
 
@@ -105,7 +106,11 @@ def test_r_stays_with_r_holds_for_its_block_and_zero_switches_passing_off() -> N
     assert first == pytest.approx(second, rel=0.15) and first > 2
     there, with_20 = "MOVE LINEAR TO @(60, 60, 40, 12)\n", "MOVE LINEAR WITH R = 20 TO @(60, 60, 40, 12)\n"
     assert missed(f"R = 50\n{with_20}") == pytest.approx(missed(f"R = 50\n{there}"), abs=0.01), "R = 50 again behind the block"
-    assert missed("R = 50\n", with_="WITH R = 20 ")[0] == pytest.approx(0.4 * first, rel=0.3)
+    smaller = missed("R = 50\n", with_="WITH R = 20 ")
+    half_step = 300 * 0.004 / 2  # mm: the place nearest to the corner is looked for among those of the cycles
+    aside = half_step**2 / (2 * 0.4 * first)
+    assert smaller == pytest.approx((0.4 * first, 0.4 * second), abs=aside), "the way past a corner grows with R"
+    assert smaller[1] == pytest.approx(MISS * 2**0.5 * 20, abs=aside), "a right angle"
     assert max(missed("R = 0\n", P212=((40.0, 0.0),))) < 0.01
 
 
