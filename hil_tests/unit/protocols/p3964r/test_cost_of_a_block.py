@@ -18,12 +18,16 @@ COUNTED = ("/protocols/p3964r/", "/gateway/links/serial/")
 PLAIN, DOUBLED = bytes(range(DLE + 1, DLE + 129)), bytes(range(128))  # without a DLE; with one, which is doubled on the line
 
 
+def broken(error: Exception) -> None:
+    raise error
+
+
 def exchange(block: bytes, count: int) -> Callable[[], list[Event]]:
     """A function that sends so many blocks from one station to the other and gives what both report."""
     one, other = memory_pair()
     told: list[Event] = []
     sending, receiving = Link(RHO3, Priority.HIGH), Link(RHO3, Priority.LOW)
-    cores = [LineCore(link, lambda event, now: told.append(event), pytest.fail) for link in (sending, receiving)]
+    cores = [LineCore(link, lambda event, now: told.append(event), broken) for link in (sending, receiving)]
     for core, port in zip(cores, (one, other), strict=True):
         core.connect(port, 0)
 
