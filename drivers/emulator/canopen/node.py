@@ -32,6 +32,7 @@ SYNC_ID, CYCLE_PERIOD, SYNC_OVERFLOW, GUARD_TIME, LIFE_FACTOR, ERROR_BEHAVIOUR, 
     0x1018,
 )
 HEARTBEAT_LOST, BUS_OFF_GONE, PDO_SHORT, PDO_LONG, SYNC_LENGTH, RPDO_LATE = 0x8130, 0x8140, 0x8210, 0x8220, 0x8240, 0x8250
+NO_SYNC = -1
 Handler = Callable[[Frame, Ns], None]
 
 
@@ -85,7 +86,8 @@ class CanopenNode:
 
     @property
     def sync_identifier(self) -> int:
-        return self.objects.whole((SYNC_ID, 0)) & cobid.ID_BITS
+        """NO_SYNC without 1005h: 0 would be the identifier of NMT."""
+        return self.objects.whole((SYNC_ID, 0)) & cobid.ID_BITS if (SYNC_ID, 0) in self.objects.values else NO_SYNC
 
     def _hook(self) -> None:
         objects = self.objects

@@ -66,6 +66,37 @@ from gateway.conformance.peers.canopen301_parts import (
     unchecked,
     when,
 )
+from gateway.conformance.peers.canopen301_states import (
+    any_entry_length,
+    any_heartbeat,
+    beats_toggle,
+    boots_twice,
+    coarse_beats,
+    crc_always,
+    emergencies_never_off,
+    emergencies_unhindered,
+    expedited_only,
+    guards_as_before,
+    keeps_pdos,
+    late_ready,
+    never_says_gone,
+    no_sdo_at_work,
+    no_wrap,
+    refuses,
+    register_sticks,
+    remaps_valid,
+    reports_again,
+    second_toggle,
+    sends_when_stopped,
+    skips_gaps,
+    starts_at_once,
+    starts_itself,
+    takes_invalid,
+    timers_run_on,
+    watches_unheard,
+    writes_aborted,
+)
+from gateway.conformance.peers.canopen301_states import remembers as remembers_all
 from gateway.conformance.peers.stations import Mutant, Variant
 from protocols.base.machine import Frame, ms
 from protocols.canopen import cob_id as cobid
@@ -307,6 +338,44 @@ MUTANT_ROWS: tuple[Row, ...] = (
         "TRC_BV_01",
         says=on(cobid.tpdo(1, NODE), lambda drive, frame: [frame, Frame(0x101, b"\x01")]),
     ),
+    _row("answer-toggle", "acknowledges each segment with toggle bit 0", "SDO_BV_11", says=when(1, lambda data: b"\x20" + data[1:])),
+    _row("second-toggle", "the toggle bit counts in the first segment only", "SDO_BI_11", second_toggle),
+    _row("writes-aborted", "writes what has come when a download is aborted", "SDO_BO_05", writes_aborted),
+    _row("skips-gaps", "does not miss a segment of a block", "SDO_BV_12", skips_gaps),
+    _row("crc-always", "checks a CRC that the client does not send", "SDO_BV_13", crc_always),
+    _row(
+        "abort-names-nothing",
+        "its aborts name 0000h:00",
+        "DIC_BI_07",
+        says=answers(lambda data: b"\x80\0\0\0" + data[4:] if data[0] == 0x80 else data),
+    ),
+    _row("no-sdo-at-work", "answers no SDO while operational", "NMT_BV_07", hears=no_sdo_at_work),
+    _row("boots-twice", "two boot-up messages", "NMT_BV_08", says=boots_twice),
+    _row("remembers-all", "reset node keeps what was written", "NMT_BV_09", remembers_all),
+    _row("keeps-pdos", "reset communication keeps PDO parameters", "PDO_BV_17", keeps_pdos),
+    _row("register-sticks", "1001h stays set when the error is gone", "ERR_BV_12", register_sticks),
+    _row("reports-again", "reports a lost heartbeat again and again", "ERR_BV_13", reports_again),
+    _row("any-heartbeat", "the heartbeat of any node will do", "ERR_BV_14", hears=any_heartbeat),
+    _row("watches-unheard", "misses a heartbeat that never came", "ERR_BO_01", watches_unheard),
+    _row("emcy-never-off", "bit 31 of 1014h does not count", "ERR_BV_15", emergencies_never_off),
+    _row(
+        "emcy-fixed",
+        "1014h does not change the identifier",
+        "ERR_BV_16",
+        says=on(0x6B2, lambda drive, frame: [frame._replace(identifier=cobid.emcy(NODE))]),
+    ),
+    _row("emcy-unhindered", "1015h does not count", "ERR_BV_17", emergencies_unhindered),
+    _row("guards-as-before", "guarding shows pre-operational for ever", "ERR_BV_18", says=guards_as_before),
+    _row("beats-toggle", "its heartbeat has a toggle bit", "ERR_BV_19", says=beats_toggle),
+    _row("sends-when-stopped", "sends TPDOs in state stopped", "PDO_BO_04", sends_when_stopped),
+    _row("timers-run-on", "event timers run on in pre-operational", "PDO_BO_05", timers_run_on),
+    _row("takes-invalid", "takes an RPDO that is not valid", "PDO_BV_12", takes_invalid),
+    _row("fixed-rpdo", "1400h:01 does not change its identifier", "PDO_BV_13", hears=deaf(0x6B3)),
+    _row("fixed-sync", "1005h does not change its identifier", "PDO_BV_14", hears=deaf(0x6B4)),
+    _row("no-wrap", "a SYNC counter that begins again is an error", "PDO_BV_15", hears=no_wrap),
+    _row("starts-at-once", "1800h:06 does not count", "PDO_BV_16", starts_at_once),
+    _row("any-entry-length", "maps an object with a wrong length", "PDO_BI_11", any_entry_length),
+    _row("remaps-valid", "a valid PDO can be mapped anew", "PDO_BI_12", remaps_valid),
 )
 
 
@@ -318,6 +387,10 @@ def _good(name: str, what: str, make: Callable[[], object], touch: bool = True, 
 
 
 PDOS = tuple(range(0x1400, 0x1404)) + tuple(range(0x1600, 0x1604)) + tuple(range(0x1800, 0x1804)) + tuple(range(0x1A00, 0x1A04))
+
+PARAMETERS, MAPPINGS = (range(0x1400, 0x1600), range(0x1800, 0x1A00)), (range(0x1600, 0x1800), range(0x1A00, 0x1C00))
+FIXED = tuple(range(index, index + 1) for index in (0x1005, 0x1014, 0x1015, 0x1019))
+MORE = tuple(range(0x1003, 0x1017)) + tuple(range(0x1019, 0x1201))
 
 
 def _no_such_service(*specifiers: int) -> Says:
@@ -343,5 +416,16 @@ VARIANTS = (
     _good("no-blocks", "refuses block transfers", lambda: Drive(hears=_no_such_service(5, 6))),
     _good("general-aborts", "refuses everything with 08000000h", lambda: Drive(says=answers(_general))),
     _good("untouchable", "nothing may be written by PDO", Drive, touch=False),
+    _good("fixed-mapping", "its mapping is constant", lambda: Drive(refuses(*MAPPINGS))),
+    _good("fixed-pdos", "PDO parameters and mapping are constant", lambda: Drive(refuses(*MAPPINGS, *PARAMETERS))),
+    _good("few-types", "transmission types 1, 254 and 255 only", lambda: Drive(refuses(*PARAMETERS, taken=(1, 254, 255)))),
+    _good("fixed-identifiers", "1005h, 1014h, 1015h and 1019h are constant", lambda: Drive(refuses(*FIXED))),
+    _good("starts-itself", "operational without a command", lambda: Drive(starts_itself)),
+    _good("expedited-only", "expedited transfers only", lambda: Drive(hears=expedited_only, lacks=(0x1008, 0x1009, 0x100A))),
+    _good("smallest", "1000h, 1001h, 1017h and 1018h only", lambda: Drive(lacks=(*PDOS, *MORE))),
+    _good("late-ready", "SDOs 800 ms after its boot-up message", lambda: Drive(late_ready)),
+    _good("coarse-beats", "a heartbeat by a clock of 10 ms", lambda: Drive(coarse_beats)),
+    _good("never-says-gone", "no EMCY 0000h", lambda: Drive(says=never_says_gone)),
+    _good("patient-consumer", "misses a heartbeat after 1.3 of its times", lambda: Drive(consumer(1.3))),
     _good("slow-tpdo", "TPDOs 2 ms after SYNC", lambda: Drive(settings=DriveSettings(QUICK, tpdo_delay_us=2000, tpdo_spread_us=500))),
 )

@@ -86,16 +86,38 @@ def _modbus_rtu() -> Sequence[Purpose[Tester]]:
 
 
 def _canopen301() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.canopen301 import dictionary, keep, life, network, pdo, pdo_wrong, sdo, sdo_wrong, supply
+    from gateway.conformance.suites.canopen301 import (
+        dictionary,
+        keep,
+        life,
+        network,
+        pdo,
+        pdo_states,
+        pdo_wrong,
+        sdo,
+        sdo_wrong,
+        supply,
+        transfers,
+        watching,
+    )
 
     return _generic(
         sdo.SDO,
         sdo_wrong.REFUSED,
+        transfers.MORE,
         dictionary.DIC,
+        transfers.NAMES,
         network.NMT,
+        watching.LIFE,
         life.ERR,
+        watching.WATCH,
+        watching.GUARD,
+        watching.BEATS,
         pdo.PDO,
+        pdo_states.SENT,
+        pdo_states.HEARD,
         pdo_wrong.RULES,
+        pdo_states.MAPPED,
         keep.STO,
         keep.LSS,
         network.TRC,

@@ -6,7 +6,7 @@ SCORES: dict[str, tuple[int, int]] = {
     "modbus-tcp": (69, 69),
     "modbus-rtu": (62, 62),
     "cia402": (72, 72),
-    "canopen-301": (95, 95),
+    "canopen-301": (123, 123),
     "servodyn": (55, 55),
     "interop": (51, 51),
 }

@@ -174,12 +174,17 @@ class NodeTester(CanTester):
             raise Inconclusive("preamble: no boot-up message after a reset", "700h + node, one byte 00", "nothing")
         self.ready()
 
-    def ready(self) -> None:
+    def ready(self, limit: Ns | None = None) -> None:
         """An SDO is answered; a device may need a moment after its boot-up message."""
-        until = self.now() + self.setup.boot
-        while not self.ask(sdo.initiate(Request.INITIATE_UPLOAD, DEVICE_TYPE)):
+        until = self.now() + (self.setup.boot if limit is None else limit)
+        missed = False
+        while len(got := self.ask(sdo.initiate(Request.INITIATE_UPLOAD, DEVICE_TYPE))) < 4 or sdo.key_of(got) != DEVICE_TYPE:
+            missed = True
+            self.pause(ms(20))
             if self.now() > until:
                 raise Inconclusive("preamble: no SDO answer after the boot-up message", "an answer", "nothing")
+        if missed:
+            self.pause(2 * self.setup.wait)  # an answer that was only late is none to the next request
 
     def state(self) -> int:
         """The NMT state, by heartbeat: the producer time is set for this moment."""

@@ -30,7 +30,22 @@ OBJECTS: dict[str, tuple[tuple[int, int], ...]] = {  # item of the PICS: objects
     "tpdo": ((0x1800, 1), (0x1A00, 0)),
     "rpdo": ((0x1400, 1), (0x1600, 0)),
 }
-ALL = (*OBJECTS, "reset", "segmented", "block", "lss", "mapping", "eds", "remote", "may_store", "may_number", "may_move", "write_pdo")
+ALL = (
+    *OBJECTS,
+    "reset",
+    "segmented",
+    "block",
+    "lss",
+    "mapping",
+    "eds",
+    "remote",
+    "may_store",
+    "may_number",
+    "may_move",
+    "write_pdo",
+    "tpdo_setup",
+    "rpdo_setup",
+)
 
 BOOTS = ms(3000)  # how long a device may take to answer for the first time
 
@@ -94,7 +109,7 @@ class NodeSession:
         self._long_object()
         if "lss" not in pics:
             self._set("lss", self._has_lss())
-        self._set("mapping", bool(pics["tpdo"]))
+        self._changeable()
         self._derived()
         if self._look is not None:
             self._look(tester, pics)
@@ -117,6 +132,33 @@ class NodeSession:
             self.pics[item] = found
             if not found:
                 self.assumed.append(f"no {item}: it is not there")
+
+    def _changeable(self) -> None:
+        """A small device has PDOs whose parameters, or whose mapping, are fixed: each is written back as it is."""
+        tester, pics = self.tester, self.pics
+        for item, part in (("tpdo_setup", 0x1800), ("rpdo_setup", 0x1400)):
+            self._set(item, bool(pics.get(item[:4])) and self._written_back(part))
+        found = False
+        if "mapping" not in pics and pics["tpdo_setup"]:
+            with suppress(Ended):
+                words = [tester.number((0x1A00, sub)) for sub in range(1, tester.number((0x1A00, 0)) + 1)]
+                entries = [((0x1A00, sub), word, 4) for sub, word in enumerate(words, 1)]
+                found = self._written_back(0x1800, ((0x1A00, 0), 0, 1), *entries, ((0x1A00, 0), len(words), 1))
+        self._set("mapping", found)
+
+    def _written_back(self, index: int, *more: tuple[tuple[int, int], int, int]) -> bool:
+        """Not valid meanwhile; False: something of it was refused."""
+        tester, found = self.tester, False
+        with suppress(Ended):
+            cob, kind = tester.number((index, 1)), tester.number((index, 2))
+            try:
+                tester.download((index, 1), cob | cobid.INVALID, 4)
+                for step in (((index, 2), kind, 1), *more):
+                    tester.download(*step)
+                found = True
+            finally:
+                tester.download((index, 1), cob, 4)
+        return found
 
     def _answers(self) -> bool:
         """One that was just switched on may need a moment."""
@@ -204,6 +246,7 @@ class NodeSession:
                 with suppress(Ended):
                     tester.command(nmt.Command.RESET_NODE)
                     tester.boot_up(min(self.setup.boot, ms(3000)))
+                    tester.ready(min(self.setup.boot, BOOTS))
         with suppress(Ended):
             tester.command(nmt.Command.PRE_OPERATIONAL)
         if self._opened.witness is not None:

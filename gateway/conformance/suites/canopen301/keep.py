@@ -192,8 +192,10 @@ def new_number(t: NodeTester) -> None:
 def _number_back(t: NodeTester, node: int) -> None:
     if t.setup.node == node:
         return
-    with suppress(Ended), _configuring(t):
-        _ask(t, Service.CONFIGURE_NODE, node)
+    with suppress(Ended):
+        t.ready()  # its identity is read by SDO
+        with _configuring(t):
+            _ask(t, Service.CONFIGURE_NODE, node)
     t.command(Command.RESET_COMMUNICATION)
     t.setup.node = node
     if t.boot_up() is None:

@@ -68,16 +68,16 @@ def guarding(t: NodeTester) -> None:
         with t.given():
             t.download(HEARTBEAT, 0, 2)
             t.pause(ms(5))
-        first = _guard(t)
+        first = guarded(t)
         for turn in range(1, 5):
-            got, wanted = _guard(t), first ^ (0x80 if turn % 2 else 0)
+            got, wanted = guarded(t), first ^ (0x80 if turn % 2 else 0)
             if got != wanted:
                 raise Fail(f"answer {turn + 1} to guarding is {got:02X}h", f"{wanted:02X}h", f"{got:02X}h")
     if first & 0x7F != State.PRE_OPERATIONAL:
         raise Fail(f"guarding shows state {first & 0x7F}", "127 (pre-operational)", str(first & 0x7F))
 
 
-def _guard(t: NodeTester) -> int:
+def guarded(t: NodeTester) -> int:
     identifier = cobid.heartbeat(t.setup.node)
     t.say(identifier | cobid.REMOTE)
     frame = t.hear((identifier,), t.setup.wait)
@@ -100,7 +100,7 @@ def toggle_begins(t: NodeTester) -> None:
             t.reset(Command.RESET_COMMUNICATION)
             t.download(HEARTBEAT, 0, 2)
             t.pause(ms(5))
-        if (got := _guard(t)) & 0x80:
+        if (got := guarded(t)) & 0x80:
             raise Fail(f"the first answer after a reset is {got:02X}h", "toggle bit 0", f"{got:02X}h")
 
 
@@ -119,32 +119,32 @@ def life_guarding(t: NodeTester) -> None:
             t.download((0x100C, 0), 30, 2)
             t.download((0x100D, 0), 2, 1)
             for _ in range(3):
-                _guard(t)
+                guarded(t)
                 t.pause(ms(30))
-        _emergency(t, 0x8130, ms(500), "guarding stays away")
+        emergency(t, 0x8130, ms(500), "guarding stays away")
     t.reset()
 
 
 # ---- the master's heartbeat
 @contextmanager
-def _watched(t: NodeTester) -> Iterator[None]:
+def watched_master(t: NodeTester) -> Iterator[None]:
     """Node 126 is watched, and has been heard; the errors are taken back afterwards."""
     with t.kept(CONSUMER):
         with t.given():
             t.download(CONSUMER, MASTER << 16 | SUPERVISED_MS, 4)
             for _ in range(3):
-                _beat(t)
+                master_beats(t)
         yield
     with suppress(Ended):
         t.reset()
 
 
-def _beat(t: NodeTester) -> None:
+def master_beats(t: NodeTester) -> None:
     t.say_on(cobid.heartbeat(MASTER), bytes((State.OPERATIONAL,)))
     t.pause(ms(SUPERVISED_MS // 3))
 
 
-def _emergency(t: NodeTester, code: int, wait: int, what: str) -> Emergency:
+def emergency(t: NodeTester, code: int, wait: int, what: str) -> Emergency:
     found = _decoded(t.hear((t.emcy,), wait), what, code)
     if found.code != code:
         raise Fail(f"{what}: EMCY {found.code:04X}h", f"EMCY {code:04X}h", f"EMCY {found.code:04X}h")
@@ -168,7 +168,7 @@ def _decoded(frame: Frame | None, what: str, code: int) -> Emergency:
     beside=Particulars(limits="80 to 150 % of 1016h after the last heartbeat"),
 )
 def lost(t: NodeTester) -> None:
-    with _watched(t):
+    with watched_master(t):
         t.pause(ms(2))
         t.say_on(cobid.heartbeat(MASTER), bytes((State.OPERATIONAL,)))
         last = t.asked_at
@@ -187,9 +187,9 @@ def lost(t: NodeTester) -> None:
     preamble=(BASIC, WRITE, LOST),
 )
 def watched(t: NodeTester) -> None:
-    with _watched(t):
+    with watched_master(t):
         for _ in range(15):
-            _beat(t)
+            master_beats(t)
         if found := [frame for frame in t.heard if frame.identifier == t.emcy]:
             raise Fail("an emergency while the master's heartbeat comes", "nothing", shown(found[0]))
 
@@ -203,9 +203,9 @@ def watched(t: NodeTester) -> None:
     preamble=(BASIC, WRITE, LOST),
 )
 def register(t: NodeTester) -> None:
-    with _watched(t):
+    with watched_master(t):
         with t.given():
-            found = _emergency(t, 0x8130, ms(10 * SUPERVISED_MS), "the heartbeat stays away")
+            found = emergency(t, 0x8130, ms(10 * SUPERVISED_MS), "the heartbeat stays away")
         got = t.number((0x1001, 0))
         if got & 0x11 != 0x11:
             raise Fail(f"1001h is {got:02X}h while the heartbeat is lost", "bits 0 and 4 set", f"{got:02X}h")
@@ -222,9 +222,9 @@ def register(t: NodeTester) -> None:
     preamble=(BASIC, WRITE, LOST),
 )
 def history(t: NodeTester) -> None:
-    with _watched(t):
+    with watched_master(t):
         with t.given():
-            _emergency(t, 0x8130, ms(10 * SUPERVISED_MS), "the heartbeat stays away")
+            emergency(t, 0x8130, ms(10 * SUPERVISED_MS), "the heartbeat stays away")
         count = t.number(HISTORY)
         newest = t.number((0x1003, 1)) & 0xFFFF if count else 0
         if not count or newest != 0x8130:
@@ -243,9 +243,9 @@ def history(t: NodeTester) -> None:
     preamble=(BASIC, WRITE, LOST),
 )
 def back(t: NodeTester) -> None:
-    with _watched(t):
+    with watched_master(t):
         with t.given():
-            _emergency(t, 0x8130, ms(10 * SUPERVISED_MS), "the heartbeat stays away")
+            emergency(t, 0x8130, ms(10 * SUPERVISED_MS), "the heartbeat stays away")
         t.say(cobid.heartbeat(MASTER), bytes((State.OPERATIONAL,)))
         frame = t.hear((t.emcy,), ms(SUPERVISED_MS // 2))
         if frame is None:
@@ -264,12 +264,12 @@ def back(t: NodeTester) -> None:
 )
 def behaviour(t: NodeTester) -> None:
     for value, state in ((0, State.PRE_OPERATIONAL), (1, State.OPERATIONAL), (2, State.STOPPED)):
-        with t.kept((0x1029, 1)), _watched(t), t.beating():
+        with t.kept((0x1029, 1)), watched_master(t), t.beating():
             with t.given():
                 t.download((0x1029, 1), value, 1)
                 t.command(Command.START)
                 for _ in range(3):
-                    _beat(t)
+                    master_beats(t)
                 entered(t, State.OPERATIONAL, "after start")
             t.pause(ms(2 * SUPERVISED_MS))
             entered(t, state, f"1029h:01 = {value}, heartbeat lost")
@@ -331,9 +331,9 @@ def emcy_identifier(t: NodeTester) -> None:
     preamble=(BASIC, WRITE, LOST, "CO301_ERR_BV_10"),
 )
 def again(t: NodeTester) -> None:
-    with _watched(t):
+    with watched_master(t):
         for turn in range(3):
-            _emergency(t, 0x8130, ms(10 * SUPERVISED_MS), f"loss {turn + 1} of the heartbeat")
+            emergency(t, 0x8130, ms(10 * SUPERVISED_MS), f"loss {turn + 1} of the heartbeat")
             for _ in range(3):
-                _beat(t)
+                master_beats(t)
             t.drain()  # the message that the error is gone

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from gateway.conformance.framework.base import hexed
-from gateway.conformance.suites.can.node import NodeTester
+from gateway.conformance.suites.can.node import Aborted, NodeTester
 from gateway.conformance.suites.can.tester import gaps, shown
 from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable, Warn
@@ -15,9 +15,10 @@ from protocols.canopen import pdo
 from protocols.canopen.dictionary import Key
 from protocols.canopen.emcy import decode
 from protocols.canopen.nmt import Command
+from protocols.canopen.sdo import Abort
 
 BASIC, WRITE, FIRST = "CO301_SDO_BV_01", "CO301_SDO_BV_03", "CO301_PDO_BV_01"
-SENDS, TAKES = ("tpdo", "sync"), ("rpdo", "sync", "write_pdo")
+SENDS, TAKES = ("tpdo", "sync", "tpdo_setup"), ("rpdo", "sync", "write_pdo", "rpdo_setup")
 PDO = Purposes[NodeTester]("CO301_PDO", "slave", "CiA 301, 7.2.2", preamble=(BASIC, WRITE, FIRST))
 TX, RX = 0x1800, 0x1400
 CONTROL: Key = (0x6040, 0)
@@ -27,6 +28,20 @@ SYNCS = 12
 def mapping(t: NodeTester, index: int) -> list[pdo.Mapped]:
     count = t.number((index, 0))
     return [pdo.mapped(t.number((index, sub))) for sub in range(1, count + 1)]
+
+
+def offered_types(t: NodeTester, index: int, *kinds: int) -> list[int]:
+    """Those a PDO takes, the last of them is set: a device need not offer each transmission type."""
+    found = []
+    for kind in kinds:
+        try:
+            t.download((index, 2), kind, 1)
+        except Aborted as refused:
+            if refused.code not in (Abort.VALUE, Abort.TOO_HIGH, Abort.TOO_LOW, Abort.GENERAL):
+                raise
+            continue
+        found.append(kind)
+    return found
 
 
 @contextmanager
@@ -41,7 +56,8 @@ def transmission(t: NodeTester, kind: int, event_ms: int = 0, inhibit: int = 0) 
     try:
         with t.given():
             t.download((TX, 1), cob | cobid.INVALID, 4)
-            t.download((TX, 2), kind, 1)
+            if kind not in offered_types(t, TX, kind):
+                raise NotApplicable(f"TPDO 1 does not offer transmission type {kind}")
             for sub, value in ((3, inhibit), (5, event_ms)):
                 if sub in there:
                     t.download((TX, sub), value, 2)
@@ -246,7 +262,8 @@ def reception(t: NodeTester, kind: int) -> Iterator[Target]:
     target = Target(t)
     with t.kept((RX, 2), target.key):
         with t.given():
-            t.download((RX, 2), kind, 1)
+            if not offered_types(t, RX, kind):
+                raise NotApplicable(f"RPDO 1 does not offer transmission type {kind}")
             t.download(target.key, 0, target.mask.bit_length() // 8)
         with t.operational():
             yield target

@@ -156,7 +156,7 @@ def too_long(t: NodeTester) -> None:
     "BI_06",
     "a reserved transmission type is refused",
     "eine reservierte Übertragungsart wird abgelehnt",
-    condition=("tpdo",),
+    condition=("tpdo", "tpdo_setup"),
     preamble=(BASIC, WRITE),
 )
 def reserved(t: NodeTester) -> None:
@@ -171,7 +171,7 @@ def reserved(t: NodeTester) -> None:
     "BI_07",
     "the identifier of a valid PDO cannot be changed",
     "die Kennung eines gültigen PDO lässt sich nicht ändern",
-    condition=("tpdo",),
+    condition=("tpdo", "tpdo_setup"),
     preamble=(BASIC, WRITE),
 )
 def valid_identifier(t: NodeTester) -> None:
@@ -191,7 +191,7 @@ def valid_identifier(t: NodeTester) -> None:
     "a restricted identifier is refused",
     "eine gesperrte Kennung wird abgelehnt",
     clause="CiA 301, 7.3.5",
-    condition=("tpdo",),
+    condition=("tpdo", "tpdo_setup"),
     preamble=(BASIC, WRITE),
 )
 def restricted(t: NodeTester) -> None:
@@ -212,6 +212,10 @@ def restricted(t: NodeTester) -> None:
 )
 def counter(t: NodeTester) -> None:
     with t.kept((0x1019, 0)):
+        try:
+            t.download((0x1019, 0), 10, 1)
+        except Fail as refused:
+            raise NotApplicable(f"1019h cannot be changed ({refused.got})") from refused
         for value in (1, 241):
             t.refused(write((0x1019, 0), value, 1), (Abort.VALUE, Abort.TOO_HIGH, Abort.TOO_LOW), f"{value} to 1019h", OTHERS)
 

@@ -4,13 +4,13 @@ from gateway.conformance.framework.base import hexed
 from gateway.conformance.suites.can.node import HEARTBEAT, NodeTester
 from gateway.conformance.suites.can.tester import shown
 from gateway.pure.conformance.purpose import Purposes
-from gateway.pure.conformance.verdict import Fail
+from gateway.pure.conformance.verdict import Fail, Warn
 from protocols.base.machine import ms
 from protocols.canopen import cob_id as cobid
 from protocols.canopen import nmt
 
 SUP = Purposes[NodeTester]("CO301_SUP", "device", "CiA 301, 7.3.2.2.1", condition=("power",), preamble=("CO301_SDO_BV_01",))
-PRE_OPERATIONAL = 0x7F
+PRE_OPERATIONAL, OPERATIONAL = 0x7F, 0x05
 ODD = 777
 
 
@@ -33,7 +33,9 @@ def boots(t: NodeTester) -> None:
     if again:
         raise Fail("it boots twice", "one boot-up message", shown(again[0]))
     t.ready()
-    if (state := t.state()) & 0x7F != PRE_OPERATIONAL:
+    if (state := t.state()) & 0x7F == OPERATIONAL:
+        raise Warn("it starts by itself (1F80h)", "7Fh: pre-operational", f"{state:02X}h")
+    if state & 0x7F != PRE_OPERATIONAL:
         raise Fail(f"state {state:02X}h after power-on", "7Fh: pre-operational", f"{state:02X}h")
 
 
