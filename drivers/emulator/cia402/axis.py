@@ -236,8 +236,8 @@ class Cia402Axis(DriveMotion):
         self._schedule()
 
     def _release(self, state: State) -> None:
-        """Power stage off; nothing moves."""
-        self._opening = self._stopping = False
+        """Power stage off; nothing moves.  A brake that was on its way shut no longer ends a stop."""
+        self._opening = self._stopping = self._braking = False
         self.servo.off()
         self._window()
         self._brake(False)

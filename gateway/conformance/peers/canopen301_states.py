@@ -1,11 +1,12 @@
 """CANopen: parts with faults of states, repetitions and order, as firmware errs between two services (used by peers.canopen301)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from drivers.emulator.canopen.guard import NEVER
 from drivers.emulator.canopen.node import CanopenNode
 from drivers.emulator.canopen.objects import OK, Objects
-from drivers.emulator.canopen.pdo import TYPE, Tpdo
+from drivers.emulator.canopen.pdo import TYPE, Pdo, Tpdo
 from drivers.emulator.canopen.sdo import Phase, SdoServer
 from gateway.conformance.peers.can_devices import NODE, Drive, Tune, put
 from gateway.conformance.peers.canopen301_parts import server
@@ -13,6 +14,7 @@ from protocols.base.machine import Frame, Ns, ms
 from protocols.canopen import cob_id as cobid
 from protocols.canopen import pdo, sdo
 from protocols.canopen.dictionary import Key
+from protocols.canopen.emcy import Emergency
 from protocols.canopen.nmt import State
 from protocols.canopen.sdo import Abort
 
@@ -178,9 +180,9 @@ def register_sticks(drive: Drive) -> None:
     emergencies = drive.node.emergencies
     report, reset = emergencies._tell, emergencies.reset
 
-    def told(message: object, now: Ns) -> None:
+    def told(message: Emergency, now: Ns) -> None:
         drive.tally |= int(emergencies.register)
-        report(message, now)  # type: ignore[arg-type]
+        report(message, now)
 
     def forgotten() -> None:
         drive.tally = 0
@@ -205,16 +207,25 @@ def beats_toggle(drive: Drive, frame: Frame) -> Sequence[Frame]:
 
 
 # ---- PDO
+def _after_loading(item: Pdo, act: Callable[[], None]) -> None:
+    """What becomes of a PDO whenever it takes over its parameters."""
+    own = item._load_own
+
+    def load() -> None:
+        own()
+        act()
+
+    put(item, _load_own=load)
+
+
 def takes_invalid(drive: Drive) -> None:
     """Bit 31 of an RPDO does not count."""
     for item in drive.node._rpdos:
-        own = item._load_own
+        _after_loading(item, partial(_made_valid, item))
 
-        def load(item: object = item, own: object = own) -> None:
-            own()  # type: ignore[operator]
-            put(item, valid=bool(item.mapping.parts))  # type: ignore[attr-defined]
 
-        put(item, _load_own=load)
+def _made_valid(item: Pdo) -> None:
+    item.valid = bool(item.mapping.parts)
 
 
 def no_wrap(drive: Drive, frame: Frame) -> Sequence[Frame]:
@@ -228,26 +239,19 @@ def no_wrap(drive: Drive, frame: Frame) -> Sequence[Frame]:
 def starts_at_once(drive: Drive) -> None:
     """1800h:06 does not count."""
     for item in drive.node._tpdos:
-        own = item._load_own
-
-        def load(item: object = item, own: object = own) -> None:
-            own()  # type: ignore[operator]
-            put(item, start_at=0, waits_for_start=False)
-
-        put(item, _load_own=load)
+        _after_loading(item, partial(put, item, start_at=0, waits_for_start=False))
 
 
 def any_entry_length(drive: Drive) -> None:
     """The length of an entry is not compared with its object."""
     for item in drive.node._tpdos:
-        sound = item._entry_sound
+        put(item, _entry_sound=partial(_sound_but_for_length, drive, item._entry_sound))
 
-        def taken(word: int, sound: object = sound) -> int:
-            part = pdo.mapped(word)
-            entry = drive.node.objects.dictionary.entry(part.index, part.sub)
-            return sound(word & ~0xFF | (entry.type.bits if entry is not None else part.bits))  # type: ignore[operator,no-any-return]
 
-        put(item, _entry_sound=taken)
+def _sound_but_for_length(drive: Drive, sound: Callable[[int], int], word: int) -> int:
+    part = pdo.mapped(word)
+    entry = drive.node.objects.dictionary.entry(part.index, part.sub)
+    return sound(word & ~0xFF | (entry.type.bits if entry is not None else part.bits))
 
 
 class FreeTpdo(Tpdo):

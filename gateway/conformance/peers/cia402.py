@@ -8,6 +8,22 @@ from drivers.emulator.cia402.states import BIT12, BIT13, TARGET, State
 from drivers.emulator.servo.settings import DriveSettings, ServoSettings
 from gateway.conformance.peers.can_devices import NODE, QUICK, Drive, Says, Tune, put
 from gateway.conformance.peers.canopen301_parts import Late, chatty, deaf, on
+from gateway.conformance.peers.cia402_states import (
+    SLOW_BRAKE,
+    SMALLEST,
+    display_frozen,
+    has_reference,
+    keeps_power,
+    mode_fixed_at_work,
+    no_limits_when_cyclic,
+    no_search,
+    other_code,
+    own_units,
+    resumes,
+    shown_later,
+    speed_reversed,
+    stop_unheard,
+)
 from gateway.conformance.peers.stations import Mutant, Variant
 from protocols.base.machine import Frame, Ns, ms
 from protocols.canopen import cob_id as cobid
@@ -270,6 +286,25 @@ ROWS: tuple[Row, ...] = (
     _row("no-sync", "does not hear SYNC", "CSP_BV_01", hears=deaf(cobid.SYNC)),
     _row("at-once", "set values do not wait for SYNC", "CSP_BO_01", _at_once),
     _row("half-way", "goes half the way in CSP", "CSP_BV_01", _value(od.TARGET_POSITION, lambda value: value // 2)),
+    _row("quick-5-as-1", "605Ah = 5 acts like 1", "PWR_BV_16", _as(od.QUICK_STOP_OPTION, 5, 1)),
+    _row("deaf-rpdo", "does not hear RPDO 1", "PWR_BV_17", hears=deaf(cobid.rpdo(1, NODE))),
+    _row("keeps-power", "reset node leaves operation enabled", "PWR_BV_18", keeps_power),
+    _row("stop-unheard", "NMT stop does not concern the drive", "FLT_BV_08", stop_unheard),
+    _row("other-code", "603Fh is not the code of the emergency", "FLT_BV_09", other_code),
+    _row("reset-makes-ready", "a fault reset with 008Fh makes ready as well", "FLT_BI_03", _jumps(S.FAULT, 0x8F, S.READY)),
+    _row("display-frozen", "6061h does not change while enabled", "MOD_BV_02", display_frozen),
+    _row("no-top-speed", "607Fh does not count", "POS_BV_08", _value(od.MAX_PROFILE_SPEED, lambda value: 2**31 - 1)),
+    _row("resumes", "goes on when enabled again", "POS_BO_01", resumes),
+    (
+        "no-halt-in-velocity",
+        "bit 8 does not count in profile velocity, 605Dh is missing",
+        ("CIA402_VEL_BV_04",),
+        lambda: Drive(_words(lambda drive, word: word & ~0x100 if drive.axis.mode.code == 3 else word), lacks=(0x605D,)),
+    ),
+    _row("speed-reversed", "606Ch counts against 6064h", "VEL_BV_05", speed_reversed),
+    _row("speed-reached-always", "bit 10 is always set in profile velocity", "VEL_BV_06", _bit(3, put_in=TARGET)),
+    _row("no-search", "attains homing without a search", "HOM_BV_03", no_search),
+    _row("no-limits-when-cyclic", "607Dh does not count in CSP", "CSP_BI_01", no_limits_when_cyclic),
     _row("no-follow-bit", "bit 12 is clear in CSP", "CSP_BV_02", _bit(8, clear=BIT12)),
 )
 MUTANTS = tuple(Mutant(name, what, expects, make, LINK, {}) for name, what, expects, make in ROWS)
@@ -289,5 +324,13 @@ VARIANTS = (
     _good("no-limits", "no software limits", lambda: Drive(lacks=(0x607D,))),
     _good("positions-only", "declares profile position only", Drive, pv=False, hm=False, csp=False),
     _good("elsewhere", "begins at 40 rad", lambda: Drive(settings=DriveSettings(ServoSettings(boot_s=0.01, start_rad=40.0)))),
+    _good("smallest", "profile position with what it needs, no 606Ch", lambda: Drive(lacks=SMALLEST), pp=True),
+    Variant("own-units", "speeds in another unit than positions", lambda: Drive(own_units), LINK | {"way": 8000}, {}),
+    _good("shown-later", "6061h follows after 80 ms", lambda: Drive(shown_later)),
+    _good("busy", "SDO answers after 30 ms", lambda: Late(ms(30))),
+    _good("has-reference", "an absolute encoder", lambda: Drive(has_reference)),
+    _good("slow-brake", "its brake needs 0.8 s", lambda: Drive(settings=SLOW_BRAKE)),
+    _good("no-6502", "6502h is missing", lambda: Drive(lacks=(0x6502,)), pp=True, pv=True, hm=True, csp=True),
+    _good("mode-fixed-at-work", "no other mode while enabled", lambda: Drive(mode_fixed_at_work)),
     _good("heavy", "five times the load", lambda: Drive(settings=DriveSettings(QUICK.__class__(boot_s=0.01, load_inertia_kgm2=0.006)))),
 )

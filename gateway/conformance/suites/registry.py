@@ -126,9 +126,12 @@ def _canopen301() -> Sequence[Purpose[Tester]]:
 
 
 def _cia402() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.cia402 import faults, modes, power, supply
+    from gateway.conformance.suites.cia402 import faults, lasting, modes, power, supply
 
-    return _generic(power.PWR, faults.FLT, modes.MOD, modes.POS, modes.VEL, faults.OPT, modes.HOM, modes.CYC, supply.SUP)
+    return _generic(
+        *(power.PWR, lasting.PWR, faults.FLT, lasting.FLT, modes.MOD, lasting.MOD, modes.POS, lasting.POS, modes.VEL, lasting.VEL),
+        *(faults.OPT, modes.HOM, lasting.HOM, modes.CYC, lasting.CYC, supply.SUP),
+    )
 
 
 def _servodyn() -> Sequence[Purpose[Tester]]:

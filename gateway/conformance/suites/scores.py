@@ -5,7 +5,7 @@ SCORES: dict[str, tuple[int, int]] = {
     "rk512": (60, 60),
     "modbus-tcp": (69, 69),
     "modbus-rtu": (62, 62),
-    "cia402": (72, 72),
+    "cia402": (86, 86),
     "canopen-301": (123, 123),
     "servodyn": (55, 55),
     "interop": (51, 51),

@@ -59,6 +59,7 @@ class NodeTester(CanTester):
         super().__init__(connect, witness)
         self.setup = setup
         self._grid: Ns = 0  # of the last SYNC
+        self.period: Ns = setup.cycle  # from SYNC to SYNC of `on_grid`
 
     @property
     def emcy(self) -> int:
@@ -231,7 +232,7 @@ class NodeTester(CanTester):
     def on_grid(self, count: int = 1) -> None:
         """So many SYNCs, each a cycle after the one before, whatever was done between."""
         for _ in range(count):
-            self._grid = max(self._grid + self.setup.cycle, self.now())
+            self._grid = max(self._grid + self.period, self.now())
             self.pause(self._grid - self.now())
             self.sync()
 

@@ -130,7 +130,12 @@ def position(t: NodeTester) -> int:
 
 
 def speed(t: NodeTester) -> int:
-    return t.number(SPEED, signed=True)
+    """606Ch; of a drive without it, by 6064h."""
+    if t.setup.pics.get("velocity"):
+        return t.number(SPEED, signed=True)
+    begin, before = t.now(), position(t)
+    t.pause(5 * STEP)
+    return round((position(t) - before) * 1e9 / max(t.now() - begin, 1))
 
 
 def standing(t: NodeTester) -> bool:

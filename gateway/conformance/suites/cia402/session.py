@@ -19,6 +19,9 @@ OBJECTS = {
     "limits": (0x607D, 1),
     "period": (0x60C2, 1),
     "window": (0x6067, 0),
+    "velocity": (0x606C, 0),
+    "top_speed": (0x607F, 0),
+    "modes": (0x6502, 0),
 }
 MODES = {"pp": PP, "pv": PV, "hm": HM, "csp": CSP}
 SPEED, WAY = 80_000, 8_000  # where neither bench nor device states one

@@ -6,14 +6,14 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from gateway.conformance.framework.base import Tester
+from gateway.conformance.framework import base
 from gateway.conformance.framework.run import Result, Runner
 from gateway.pure.conformance.purpose import Purpose
 from gateway.pure.conformance.verdict import Fail, Verdict
 from protocols.base.machine import Ns, ms
 
 
-class Late(Tester):
+class Late(base.Tester):
     """Held up by so much in every case."""
 
     def __init__(self, late: Ns) -> None:
@@ -26,7 +26,7 @@ class Late(Tester):
 
 @dataclass
 class Session:
-    tester: Tester
+    tester: base.Tester
     assumed: list[str] = field(default_factory=list)
 
     def discover(self) -> Mapping[str, object]:
@@ -48,14 +48,14 @@ class Session:
         """Nothing is held."""
 
 
-def played(late: Ns, body: Callable[[Tester], None]) -> Result:
+def played(late: Ns, body: Callable[[base.Tester], None]) -> Result:
     purpose = Purpose("X_BV_01", "server", "one", "eins", "1", body)
     (result,) = Runner(Session(Late(late)), [purpose]).run()
     return result
 
 
-def says(answers: Iterator[str]) -> Callable[[Tester], None]:
-    def body(t: Tester) -> None:
+def says(answers: Iterator[str]) -> Callable[[base.Tester], None]:
+    def body(t: base.Tester) -> None:
         said = next(answers)
         if said:
             raise Fail(f"said {said}", "nothing", said)
