@@ -18,6 +18,7 @@ from hil_tests.lab.virtual.bench import played
 from hil_tests.lanes import Lanes
 from hil_tests.matrix.marks import Marks
 from hil_tests.numbers import one_thread
+from hil_tests.pair import CLAIMS as MATES_CLAIMS
 from hil_tests.pair import MATE, RUNTIME, Mate, Pair
 from hil_tests.pair import REPORTS as MATES_REPORTS
 from hil_tests.purity import Purity
@@ -48,13 +49,13 @@ def pytest_configure(config: pytest.Config) -> None:
     plugins.register(Purity(), "axisgate-purity")
     plugins.register(Marks(config.getoption("--matrix")), "axisgate-marks")
     if REPORTS in os.environ:  # inside the guest
-        plugins.register(Reporter(config, pathlib.Path(os.environ[REPORTS])), "axisgate-reporter")
+        plugins.register(Reporter(config, pathlib.Path(os.environ[REPORTS]), dies=True), "axisgate-reporter")
         if CLAIMS in os.environ:  # beside another guest
             plugins.register(Mate(pathlib.Path(os.environ[CLAIMS])), "axisgate-mate")
     elif MATE in os.environ:  # the second process of the pure tests
-        shared = pathlib.Path(os.environ.pop(MATE))  # a test run that one of these tests starts is another matter
-        plugins.register(Reporter(config, shared / MATES_REPORTS), "axisgate-reporter")
-        plugins.register(Mate(shared), "axisgate-mate")
+        mine = pathlib.Path(os.environ.pop(MATE))  # a test run that one of these tests starts is another matter
+        plugins.register(Reporter(config, mine / MATES_REPORTS), "axisgate-reporter")
+        plugins.register(Mate(mine.parent / MATES_CLAIMS), "axisgate-mate")
     elif RIGS_REPORTS in os.environ:  # the process of the rig's tests
         reports = os.environ.pop(RIGS_REPORTS)
         plugins.register(Reporter(config, pathlib.Path(reports)), "axisgate-reporter")

@@ -1,9 +1,9 @@
 """The rig's tests of a whole run, in a process of their own, one module after the other; what a busy machine spoilt is played again.
 
-Modules that stand a busy machine (BESIDE in hil_tests/test_folders.py) are played beside the pure tests and the guests, where those have a
-clock of their own, by two processes like that: they wait more than they compute.  When all these have ended, two processes share what
-failed there and all other modules but those of ALONE.  ALONE is played last, one module at a time, with whatever failed beside another
-module.  A failure beside something else is no verdict: the module counts as not played.
+All modules but those of ALONE (hil_tests/test_folders.py) are played beside the pure tests and the guests, where those have a clock of
+their own, by two processes like that: they wait more than they compute, and pure tests and guests stand behind them (hil_tests/pair.py).
+When all these have ended, two processes share what failed there.  ALONE is played last, one module at a time, with whatever failed beside
+another module.  A failure beside something else is no verdict: the module counts as not played.
 
 A shared machine takes the processor away for tens of milliseconds, and a cell that runs on it then stops, as it must.  Witnesses
 (hil_tests/lab/judges/stolen.py) write it down: one of the highest priority a processor for 10 ms and more in which nobody ran there, an
@@ -14,7 +14,6 @@ test counts in P5.  A failure without such a time, and one that stays, is a fail
 """
 
 import contextlib
-import json
 import os
 import pathlib
 import subprocess
@@ -30,7 +29,7 @@ from hil_tests.lab.running.awake import awake
 from hil_tests.pair import forget_the_dead, surroundings, whole_run
 from hil_tests.rig.uml import guest
 from hil_tests.rig.uml.lane import Guests, folder_of, of_the_guest
-from hil_tests.test_folders import ALONE, BESIDE, NO_OWN_TIME, of_one, unhurried
+from hil_tests.test_folders import ALONE, LONG, NO_OWN_TIME, of_one, unhurried
 
 REPORTS = "AXISGATE_TEST_RIG"  # set in that process: file for its reports
 CLAIMS = "AXISGATE_TEST_CLAIMS"  # set in those that share modules: folder of claims (hil_tests/pair.py)
@@ -57,38 +56,35 @@ class Child:
         claims: pathlib.Path | None = None,
         quiet: bool = True,
     ) -> None:
-        self._config, self._folder = config, folder
-        self._results: dict[str, list[pytest.TestReport]] = {}
-        self._read = 0
-        self._file, self.log = folder / f"{name}.jsonl", folder / f"{name}.log"
+        file, self.log = folder / f"{name}.jsonl", folder / f"{name}.log"
+        self._told = reports.Coming(config, file)
         self._stolen = {**everywhere(folder / f"{name}.stolen"), folder / f"{name}.not-served": "--ordinary"}
         listed = folder / f"{name}.txt"
         listed.write_text("\n".join(ids))
         self._watch = contextlib.ExitStack()
         if quiet:  # beside the pure tests no processor sleeps anyhow
             self._watch.enter_context(awake())
-        for file, option in self._stolen.items():
-            self._watch.enter_context(witness(file, option))
+        for seen, option in self._stolen.items():
+            self._watch.enter_context(witness(seen, option))
         slower = {} if p5_ms is None else {P5: str(p5_ms)}
         sharing = {} if claims is None else {CLAIMS: str(claims)}
         command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "--color=no", f"@{listed}"]
         with self.log.open("wb") as log:
-            environment = surroundings(**{REPORTS: str(self._file)}, **slower, **sharing)
+            environment = surroundings(**{REPORTS: str(file)}, **slower, **sharing)
             self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment)
 
     def wait(self, ids: Sequence[str]) -> reports.Reports:
         """Until these tests have ended, or the process has."""
         while True:
             alive, results = self.look()
-            if not alive or ended(ids, results):
+            if not alive or reports.ended(ids, results):
                 return results
             time.sleep(POLL_S)
 
     def look(self) -> tuple[bool, reports.Reports]:
         """Whether the process lives, and what it has reported until now."""
         alive = self._process.poll() is None
-        self._take()
-        return alive, self._results
+        return alive, self._told.take()
 
     def leave(self) -> None:
         """All its tests have ended: it may finish."""
@@ -104,22 +100,11 @@ class Child:
 
     def spoilt(self, ids: Sequence[str]) -> list[tuple[float, float]]:
         """Times at which nobody ran while these tests did (s, wall clock)."""
-        found = [report for name in ids for report in self._results.get(name, ())]
+        results = self._told.take()
+        found = [report for name in ids for report in results.get(name, ())]
         times = [each for file in self._stolen if file.exists() for each in stolen(file)]
         since, to = min((r.start for r in found), default=0.0), max((r.stop for r in found), default=time.time())
         return [each for each in times if not left_alone(since, to, [each])]
-
-    def _take(self) -> None:
-        if not self._file.exists():
-            return
-        with self._file.open("rb") as file:
-            file.seek(self._read)
-            data = file.read()
-        lines = data[: data.rfind(b"\n") + 1]
-        self._read += len(lines)
-        for line in lines.splitlines():
-            report = reports.report_of(self._config, json.loads(line))
-            self._results.setdefault(report.nodeid, []).append(report)
 
 
 class Together:
@@ -129,9 +114,8 @@ class Together:
         claims = folder / f"{name}-claims"
         claims.mkdir()
         self._children = []
+        turn = [each for ids in modules for each in ids]
         for number in range(SHARERS):
-            first = number * len(modules) // SHARERS
-            turn = [each for ids in (*modules[first:], *modules[:first]) for each in ids]
             quiet = name != BESIDE_NAME and number == 0
             self._children.append(Child(config, folder, f"{name}-{number + 1}", turn, claims=claims, quiet=quiet))
         self.log = folder
@@ -140,7 +124,7 @@ class Together:
         while True:
             looks = [child.look() for child in self._children]
             results = {name: told for _, found in looks for name, told in found.items()}
-            if ended(ids, results) or not any(alive for alive, _ in looks):
+            if reports.ended(ids, results) or not any(alive for alive, _ in looks):
                 return results
             time.sleep(POLL_S)
 
@@ -195,7 +179,7 @@ class Host:
         for item in session.items:
             if on_host(item):
                 self._modules.setdefault(module_of(item), []).append(item)
-        modules = [module for module, items in self._modules.items() if of_one(items[0], BESIDE)]
+        modules = [module for module, items in self._modules.items() if not of_one(items[0], ALONE)]
         if modules and guest.own_time() and (os.cpu_count() or 1) > 1 and not session.testsfailed:
             self._share(BESIDE_NAME, modules)
 
@@ -244,7 +228,9 @@ class Host:
             self._launch(name, modules)
 
     def _share(self, name: str, modules: Sequence[str]) -> None:
+        """The long ones first: nobody waits for the last one."""
         self._begin()
+        modules = sorted(modules, key=lambda each: not of_one(self._modules[each][0], LONG))
         self._children[name] = played = Together(self._config, self._folder, name, [ids_of(self._modules[each]) for each in modules])
         self._by.update(dict.fromkeys(modules, played))
 
@@ -320,10 +306,6 @@ class Host:
         child = self._by[module]
         for item in self._waiting.pop(module):
             reports.tell(item, child.wait(()), f"the rig's process did not report the end of this test; see {child.log}")
-
-
-def ended(ids: Sequence[str], results: reports.Reports) -> bool:
-    return all(any(r.when == "teardown" for r in results.get(name, ())) for name in ids)
 
 
 def on_host(item: pytest.Item) -> bool:

@@ -1,25 +1,32 @@
-"""The pure tests of a whole run, and the rig's that only start commands, by two processes: ours takes files from the front, its mate
+"""The pure tests of a whole run, and the rig's that only start commands, by two processes: one takes files from the front, the other
 from the back, until they meet.  A selection is shared with `--pair` (make check).
 
-They need no quiet and no time of their own, so they may share the machine, also with a guest that has its own clock.
+They need no quiet and no time of their own, so they may share the machine, also with a guest that has its own clock.  In a whole run
+they stand behind the cells that are played beside them (`behind`): two mates do the work and this process waits, which is the parent
+of those cells' tests.  In a selection this process is one of the two.
 """
 
 import contextlib
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
+import time
+from collections.abc import Sequence
 
 import pytest
 
 from hil_tests import reports
+from hil_tests.background import behind
 from hil_tests.rig.uml.lane import of_the_guest
 from hil_tests.test_folders import unhurried
 
-MATE = "AXISGATE_TEST_MATE"  # set in the mate: folder of claims and reports
-REPORTS = "reports.jsonl"
+MATE = "AXISGATE_TEST_MATE"  # set in a mate: its folder, beside that of the claims
+CLAIMS, REPORTS = "claims", "reports.jsonl"
 RUNTIME = "AXISGATE_RUNTIME"
+POLL_S = 0.1
 
 
 class Claims:
@@ -47,55 +54,74 @@ class Mate:
         self._claims = Claims(folder)
 
     @pytest.hookimpl(tryfirst=True)
-    def pytest_runtest_protocol(self, item: pytest.Item) -> bool | None:
-        return None if self._claims.mine(item) else True
+    def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
+        if self._claims.mine(item):
+            return None
+        item.session._setupstate.teardown_exact(nextitem)  # the test before it left this one's folder set up
+        return True
 
 
 class Pair:
-    """Here: starts the mate, tells its results where they stand.  In a whole run, and in folders or files selected with `--pair`."""
+    """Here: starts the mates, tells their results where they stand.  In a whole run, and in folders or files selected with `--pair`."""
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
         self._folder = config.rootpath / "build" / "pair" / str(os.getpid())
-        self._claims = Claims(self._folder)
-        self._mate: subprocess.Popen[bytes] | None = None
-        self._results: reports.Reports | None = None
+        self._claims = Claims(self._folder / CLAIMS)
+        self._mates: list[subprocess.Popen[bytes]] = []
+        self._told: list[reports.Coming] = []
+        self._plays = False  # this process is one of the two
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session: pytest.Session) -> None:
         files = list(dict.fromkeys(str(item.path) for item in session.items if ours(item)))
         if len(files) > 1 and shared(self._config) and (os.cpu_count() or 1) > 1:
-            self._start(files)
+            forget_the_dead(self._folder.parent)
+            (self._folder / CLAIMS).mkdir(parents=True)
+            self._plays = not whole_run(self._config)
+            turns = {"back": files[::-1]} if self._plays else {"front": files, "back": files[::-1]}
+            for name, turn in turns.items():
+                self._start(self._folder / name, turn)
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
-        if self._mate is None or not ours(item) or self._claims.mine(item):
+        if not self._mates or not ours(item) or (self._plays and self._claims.mine(item)):
             return None
-        if self._results is None:
-            reports.no_time_out()
-            self._mate.wait()
-            self._results = reports.read(self._config, self._folder / REPORTS)
-        reports.replay(item, nextitem, self._results, f"the second process did not report the end of this test; see {self._log}")
+        reports.no_time_out()
+        why = f"no second process reported the end of this test; see pytest.log in the folders of {self._folder}"
+        reports.replay(item, nextitem, self._results(item.nodeid), why)
         return True
 
     def pytest_sessionfinish(self) -> None:
-        if self._mate is not None and self._mate.poll() is None:
-            self._mate.terminate()
-            self._mate.wait()
+        for mate in self._mates:
+            if mate.poll() is None:
+                mate.terminate() if self._plays else os.killpg(mate.pid, signal.SIGTERM)
+                mate.wait()
 
-    def _start(self, files: list[str]) -> None:
-        forget_the_dead(self._folder.parent)
-        self._folder.mkdir(parents=True)
-        listed = self._folder / "files.txt"
-        listed.write_text("\n".join(reversed(files)))
+    def _results(self, name: str) -> reports.Reports:
+        """Until this test has ended, or the mates have."""
+        while True:
+            alive = any(mate.poll() is None for mate in self._mates)  # before their last words are read
+            told = {name: next((found for each in self._told if (found := each.take().get(name))), [])}
+            if not alive or reports.ended([name], told):
+                return told
+            time.sleep(POLL_S)
+
+    def _start(self, folder: pathlib.Path, files: Sequence[str]) -> None:
+        folder.mkdir()
+        listed = folder / "files.txt"
+        listed.write_text("\n".join(files))
         command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "--color=no", f"@{listed}"]
-        with self._log.open("wb") as log:
-            environment = surroundings(**{MATE: str(self._folder)})
-            self._mate = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment)
-
-    @property
-    def _log(self) -> pathlib.Path:
-        return self._folder / "pytest.log"
+        with (folder / "pytest.log").open("wb") as log:
+            environment = surroundings(**{MATE: str(folder)})
+            alone = not self._plays  # a session of its own, which stands behind the others
+            mate = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment, start_new_session=alone
+            )
+        if alone:
+            behind(mate.pid)
+        self._mates.append(mate)
+        self._told.append(reports.Coming(self._config, folder / REPORTS))
 
 
 def whole_run(config: pytest.Config) -> bool:

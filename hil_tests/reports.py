@@ -15,14 +15,38 @@ Reports = Mapping[str, Sequence[pytest.TestReport]]  # by test id
 class Reporter:
     """There: every report becomes a line of JSON in a file."""
 
-    def __init__(self, config: pytest.Config, path: pathlib.Path) -> None:
-        self._config, self._path = config, path
+    def __init__(self, config: pytest.Config, path: pathlib.Path, *, dies: bool = False) -> None:
+        """`dies`: with a guest, whose files are written when it likes."""
+        self._config, self._path, self._dies = config, path, dies
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         data = self._config.hook.pytest_report_to_serializable(config=self._config, report=report)
         with self._path.open("a", encoding="utf-8") as file:
             print(json.dumps(data), file=file, flush=True)
-            os.fsync(file.fileno())  # a guest that dies has told all it knew
+            if self._dies:
+                os.fsync(file.fileno())  # a guest that dies has told all it knew
+
+
+class Coming:
+    """Here: what such a process has told until now, read as it comes."""
+
+    def __init__(self, config: pytest.Config, path: pathlib.Path) -> None:
+        self._config, self._path, self._read = config, path, 0
+        self._results: dict[str, list[pytest.TestReport]] = {}
+
+    def take(self) -> Reports:
+        """Whole lines only: the last one may be half written, or of a process that died."""
+        if not self._path.exists():
+            return self._results
+        with self._path.open("rb") as file:
+            file.seek(self._read)
+            data = file.read()
+        lines = data[: data.rfind(b"\n") + 1]
+        self._read += len(lines)
+        for line in lines.splitlines():
+            report = report_of(self._config, json.loads(line))
+            self._results.setdefault(report.nodeid, []).append(report)
+        return self._results
 
 
 def report_of(config: pytest.Config, data: object) -> pytest.TestReport:
@@ -48,6 +72,10 @@ def all_well(ids: Sequence[str], reports: Reports) -> bool:
     """Whether each of these tests ended, and none failed."""
     told = [reports.get(name, ()) for name in ids]
     return all(any(report.when == "teardown" for report in each) and not any(report.failed for report in each) for each in told)
+
+
+def ended(ids: Sequence[str], reports: Reports) -> bool:
+    return all(any(report.when == "teardown" for report in reports.get(name, ())) for name in ids)
 
 
 def replay(item: pytest.Item, nextitem: pytest.Item | None, reports: Reports, why: str) -> None:

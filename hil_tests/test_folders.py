@@ -1,7 +1,7 @@
 """Where the rig's modules are played in a whole run: folders of hil_tests/rig, or modules `folder/file`.
 
-In the order of a run: what needs no quiet, by two processes (hil_tests/pair.py), and beside it the guests (hil_tests/rig/uml/lane.py)
-and BESIDE; then, two at a time, what is named nowhere; then ALONE (hil_tests/host.py).
+In the order of a run: what needs no quiet, by two processes (hil_tests/pair.py), and beside it the guests (hil_tests/rig/uml/lane.py),
+BESIDE and what is named nowhere; then, two at a time, what failed beside them; then ALONE (hil_tests/host.py).
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,23 @@ from hil_tests import lanes
 RIG = "hil_tests/rig/"
 PURE = tuple(f"hil_tests/{folder}/" for folder, lane in lanes.FOLDERS.items() if lane == "pure")
 OWN_TIME = (  # in guests with a clock of their own: whole cells that a late cycle would stop; lines that wait for seconds
-    *("belts", "canopen", "planner", "scope", "shadow"),
+    *("belts", "planner", "scope", "shadow"),
+    *(
+        "canopen/test_commissioning.py",
+        "canopen/test_commissioning_ends.py",
+        "canopen/test_cycle_ring.py",
+        "canopen/test_demo_402.py",
+        "canopen/test_durand.py",
+        "canopen/test_emergency_storm.py",
+        "canopen/test_emulator_nodes.py",
+        "canopen/test_first_enable.py",
+        "canopen/test_judge_p402.py",
+        "canopen/test_look_before_talking.py",
+        "canopen/test_master_goes_on.py",
+        "canopen/test_route_to_a_parameter.py",
+        "canopen/test_s5_plays.py",
+        "canopen/test_shadow_on_canopen.py",
+    ),
     *("line_tools/test_learn_the_demo.py", "line_tools/test_tools_on_a_cable.py", "modbus/test_modbus_probe.py"),
     *("death/test_slow_monitor.py", "rho3/test_rho3_lines.py", "serial/test_line_3964r.py"),
 )
@@ -35,7 +51,7 @@ COMMANDS = (  # they start commands or call them and read files; no clock runs i
     *("trace/test_trace_guide.py", "trace/test_tshark.py", "val3_sio/test_guide.py", "web/test_store.py"),
 )
 BESIDE = (  # real processes that wait more than they compute, and whose times are long ones: they stood a machine six times too busy
-    *("bus_tools", "doctor", "monitor", "northbound", "retain", "bench/test_bench_short.py"),
+    *("bus_tools", "canopen/test_endless_upload.py", "doctor", "monitor", "northbound", "retain", "bench/test_bench_short.py"),
     *("bridge/test_cl300_bits.py", "bridge/test_couplers.py", "bridge/test_example_cells.py", "bridge/test_other_contacts.py"),
     *("bridge/test_pic_timer.py", "broker/test_broker.py", "broker/test_broker_python_can.py", "broker/test_wired_broker.py"),
     *(
@@ -78,6 +94,13 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("pythons", "web/test_page_faults.py", "web/test_page_values.py"),
 )
 
+LONG = (  # above half a minute each: the first of their play, so that none of them is waited for at its end
+    *("bench/test_bench_short.py", "cell/test_simulated_time_waits.py", "death/test_requests.py", "death/test_services_die.py"),
+    *("death/test_slow_retry.py", "death/test_terminal_signals.py", "line_tools/test_conformance_on_a_pty.py"),
+    *("line_tools/test_foreign_ttys.py", "monitor/test_monitor.py", "programs/test_programs_in_a_run.py"),
+    *("programs/test_robotstar_guide.py", "programs/test_serial_units_in_a_run.py", "programs/test_val3_guide.py"),
+    *("pythons/test_other_pythons.py", "web/test_page_faults.py", "web/test_page_first_steps.py"),
+)
 ALONE = (  # they measure times, load the machine, or start test runs and guests of their own
     *("broker/test_cycle_reference.py", "death/test_busy_machine.py", "demo/test_demo.py", "emulator/test_servo_reference.py"),
     *("house/test_played_again.py", "image/test_realtime.py", "serial/test_line_process.py", "uml", "web/test_page.py"),

@@ -25,6 +25,8 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from hil_tests.background import behind
+
 KERNEL = "linux.uml"  # Debian's
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 OWN_KERNEL = ROOT / "build" / "guest-kernel"  # kernel.sh's; CAN is built in
@@ -97,7 +99,9 @@ class Guest:
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, pass_fds=cable, start_new_session=True,
             env={"PATH": os.environ["PATH"], "HOME": str(self.folder), "TMPDIR": str(memory_folder(self.folder))},
         )  # fmt: skip
-        if not self.own_time:
+        if self.own_time:
+            behind(process.pid)
+        else:
             favour(process.pid)
         watchdog = threading.Timer(self.limit_s, end_group, [process.pid])
         watchdog.start()
