@@ -28,7 +28,7 @@ help:
 	@echo "make mutants          would those tests notice their function breaking? rewrites docs/proof.md (MUTANTS='-k NAME', '--sample 60 --seed 7': a part)"
 	@echo "make docs             pages made of decisions, errors, evidence; the site in build/site"
 	@echo "make pictures         docs/pictures from the last run of the page's tests"
-	@echo "make soak             a million 3964R and RK512 telegrams, a tenth of them spoiled (SOAK=50000: fewer); 1,000 motion programs (MOTION='100 20000': fewer); 10,000 lines beside a wrist pole (POLE=1000: fewer) and three minutes of curve in a cell; 200 deaths of interpreter and PLC under PALTEST (KILLS=20: fewer); ten minutes of everything hostile at once (HOSTILE=60: fewer seconds); then make losses"
+	@echo "make soak             a million 3964R and RK512 telegrams, a tenth of them spoiled (SOAK=50000: fewer); 1,000 motion programs (MOTION='100 20000': fewer); 10,000 lines beside a wrist pole (POLE=1000: fewer) and three minutes of curve in a cell; 60,000 emergency messages; 200 deaths of interpreter and PLC under PALTEST (KILLS=20: fewer); ten minutes of everything hostile at once (HOSTILE=60: fewer seconds); then make losses"
 	@echo "make losses           100 deaths of the cycle under moving drives of both families"
 	@echo "make branches         every branch of the serial protocols is tested"
 	@echo "make fuzz             bad input for Modbus, 3964R and RK512 from a seed (FUZZ='--seed 7 --seconds 600 --only rk512')"
@@ -146,6 +146,7 @@ soak: $(JUDGES)
 	@$(PY) -m hil_tests.soak $(SOAK)
 	@$(PY) -m hil_tests.soak.motion $(MOTION)
 	@AXISGATE_POLE_LINES=$(or $(POLE),10000) AXISGATE_WHOLE_CURVE=1 $(PY) -m pytest -q hil_tests/properties/test_pole_lines.py hil_tests/unit/motion/program/test_slow_programs.py
+	@AXISGATE_STORM=60000 $(PY) -m pytest -q hil_tests/rig/canopen/test_emergency_storm.py
 	@AXISGATE_PALTEST_KILLS=$(or $(KILLS),200) $(PY) -m pytest -q hil_tests/rig/programs/test_robotstar_guide.py -k killed
 	@$(PY) -m hil_tests.soak.hostile $(HOSTILE)
 	@$(MAKE) --no-print-directory losses

@@ -4,11 +4,11 @@ import contextlib
 import os
 import pathlib
 
-BEHIND = 10  # nice: a tenth of what a cell gets that wants the same processor
+BEHIND = 7  # nice: a fifth of what a cell gets that wants the same processor
 
 
 def behind(pid: int) -> None:
-    """This process, the first of its session, and all that it starts: they get what others leave of the processors, a tenth at least."""
+    """This process, the first of its session, and all that it starts: they get what others leave of the processors, a fifth of theirs at least."""
     with contextlib.suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, pid, BEHIND)
     with contextlib.suppress(OSError):

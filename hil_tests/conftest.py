@@ -1,5 +1,6 @@
 """What every test run of axisgate has: lanes, the purity guard, requirement marks, the guests, processes for pure tests and the rig."""
 
+import gc
 import os
 import pathlib
 import shutil
@@ -65,6 +66,11 @@ def pytest_configure(config: pytest.Config) -> None:
         plugins.register(GuestLane(config), "axisgate-guest")
         plugins.register(Pair(config), "axisgate-pair")
         plugins.register(Host(config), "axisgate-host")
+
+
+def pytest_collection_finish() -> None:
+    """What thousands of collected tests are made of lives to the end of the run: the collector need not walk over it each time."""
+    gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)

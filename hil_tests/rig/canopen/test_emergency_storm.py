@@ -22,7 +22,7 @@ from hil_tests.lab.running.cell_running import P5_MS, running_cell
 from protocols.base.machine import Frame
 
 NODE = 1
-STORM = 60_000
+STORM = int(os.environ.get("AXISGATE_STORM", "14000"))  # 60,000 in `make soak`
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def storm(ring: RingWriter, identifier: int, size: int, count: int) -> None:
         data = bytes((0x10 + n % 2, 0x43, 1, 0, 0, 0, 0, 0))[:size]
         ring.put(pack_aside(AsideRecord(Aside.FRAME, 0, identifier, data, time.monotonic_ns())))
         if n % 50 == 49:
-            time.sleep(0.002)
+            time.sleep(0.006)
 
 
 def test_nothing_is_kept_of_a_storm_and_every_message_is_counted(heard: tuple[CanopenMaster, RingWriter, list[str]]) -> None:
@@ -64,11 +64,11 @@ def test_nothing_is_kept_of_a_storm_and_every_message_is_counted(heard: tuple[Ca
     gc.collect()
     grown = tracemalloc.get_traced_memory()[0] - before
     tracemalloc.stop()
-    assert grown < 600_000, f"{grown} bytes: 0.5 KB of each would be 30 MB"
+    assert grown < 600_000, f"{grown} bytes: 0.5 KB of each would be 7 MB and more"
     row = next(row for row in master.status() if row["node"] == NODE)
     assert row["emergencies"] == 2000 + STORM + 1000
     assert not [words for words in told if "receiving failed" in words]
-    assert 2 <= sum("more emergency messages before" in words for words in told) <= 12, told
+    assert 2 <= sum("more emergency messages before" in words for words in told) <= 2 + STORM // 5_000, told
 
 
 def flood(name: str, stop: threading.Event, each: int, pause_s: float) -> None:
