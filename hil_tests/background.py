@@ -8,8 +8,8 @@ BEHIND = 7  # nice: a fifth of what a cell gets that wants the same processor
 
 
 def behind(pid: int) -> None:
-    """This process, the first of its session, and all that it starts: they get what others leave of the processors, a fifth of theirs at least."""
+    """This process, the first of its session, and all that it starts: they get what others leave of the processors, at least a fifth."""
     with contextlib.suppress(OSError):
-        os.setpriority(os.PRIO_PROCESS, pid, BEHIND)
+        os.setpriority(os.PRIO_PROCESS, pid, min(os.getpriority(os.PRIO_PROCESS, pid) + BEHIND, 19))
     with contextlib.suppress(OSError):
         pathlib.Path(f"/proc/{pid}/autogroup").write_text(str(BEHIND))  # where the host groups by session, nice alone counts within it
