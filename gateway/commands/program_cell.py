@@ -172,7 +172,8 @@ def _told(client: ToolClient, name: str, answer: Row, seconds: float) -> Row:
     rows = {str(row["name"]): float(str(row["actual"])) for row in client.axes()}
     places = ", ".join(f"{axis} {place:.3f}" for axis, place in rows.items())
     words = f"ended after {seconds:.2f} s" if answer["how"] == "ended" else str(answer["how"])
-    if answer["code"]:
-        words = f"{answer['how']}: {answer['place']}: {answer['code']} {answer['text']}".replace(": :", ":")
+    if answer["code"] or (answer["text"] and answer["how"] != "ended"):  # the controls have messages without a number, too
+        what = f"{answer['code']} {answer['text']}" if answer["code"] else str(answer["text"])
+        words = f"{answer['how']}: {answer['place']}: {what}".replace(": :", ":")
     facts = {"program": name, **{key: answer[key] for key in ("how", "code", "text", "place")}, "seconds": round(seconds, 3), "axes": rows}
     return {**facts, "sentence": f"{name} {words}; the axes stand at {places}"}

@@ -90,6 +90,7 @@ class Planner:
     next_id: int = 1
     slowed: dict[int, Slowed] = field(init=False, default_factory=dict)  # block -> what its worst axis cannot keep
     lead_s: float = LEAD_S
+    carried_s: float = 0.0  # a piece takes so long to the axes; a new tail counts when all of it is there
     horizon_s: float = HORIZON_S
     ahead_s: float = AHEAD_S
     window: int = WINDOW
@@ -420,8 +421,15 @@ class Planner:
             self._patience = min(2.0 * self._patience, PATIENCE)
             return []
         law = Law(made.law.s[cut:], made.law.speed[cut:], made.law.accel[cut:], STEP_S, _state(made.law, cut))
+        before = self.next_id, self._marks
         try:
             pieces = self._commit(run, law, at, first_id, _Origin(made, cut, last.width))
+            if at < self._tau + self.lead_s * IN_TIME + self.carried_s * len(pieces):  # the last of them would come too late
+                self._planned.pop()
+                self.next_id, self._marks = before
+                self._back(row)
+                self._patience = min(2.0 * self._patience, PATIENCE)
+                return []
         except TooLongError:  # fewer stretches at once; a single one goes on from rest
             self._back(row)
             if len(row) > 1:

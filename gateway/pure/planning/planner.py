@@ -67,6 +67,7 @@ from motion.sync.facts import BeltFacts
 from motion.timing.slices import Work
 
 CARRIED_S = 0.003  # a piece takes so long through the ring; a new tail has about as many as the one that it replaces
+TAKEN_S = 0.0045  # and so long where the cycle takes but one a period: a tail of many that has less time comes too late
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
 
 
@@ -576,7 +577,7 @@ class Programs:
             return
         job = self.state.job
         if self._job.streams and isinstance(planner, Planner):  # a new tail counts when all of it is there
-            planner.lead_s = LEAD_S + CARRIED_S * self._chain.ahead
+            planner.lead_s, planner.carried_s = LEAD_S + CARRIED_S * self._chain.ahead, TAKEN_S
         planner.begin(tau, hurry=self._quiet > QUIET_TURNS)
         planner.work()
         pieces = planner.take()

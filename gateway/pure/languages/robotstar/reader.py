@@ -69,11 +69,25 @@ def _step(reading: _Reading, number: int, line: int, text: str) -> Step:
     rest = found["rest"]
     if found["unit"] and found["unit"][1:-1].strip().lower() not in reading.words.units:
         rest = found["unit"] + rest
-    word = reading.words.words.get(spelling, "")
+    word, rest = _command(reading.words.words, spelling, rest)
     step = Step(number, word or spelling, line=line, valid=valid, macro=not word, text=text)
     if word == "C":
         return step
     return _with_parameters(reading, step, rest[1:] if rest.startswith(":") else rest)
+
+
+def _command(words: Mapping[str, str], spelling: str, rest: str) -> tuple[str, str]:
+    """The command, and what follows it; "" where there is none.  Some are printed in two words, BAHN RADIUS (L1774), and PALLET as PAL
+    (L4532)."""
+    word = words.get(spelling, "")
+    if word == "PAL" and "#" in rest:
+        return "PALLET", rest
+    if not word and (second := re.match(r"[^\W\d]\w*", rest)):
+        word = words.get(f"{spelling}_{second[0].upper()}", "")
+        rest = rest[second.end() :].strip() if word else rest
+        if word and (unit := re.match(r"\[[^\]\d]*\]\s*", rest)):
+            rest = rest[unit.end() :]
+    return word, rest
 
 
 def unnumbered(text: str) -> str:

@@ -18,6 +18,8 @@ I1 = "VAR name:I1\nVAR name:I2"
         ("UEBERSCHL #EIN", "ÜBERSCHL #ON"),
         ("COPY Source: 5, Variable: I1", "KOPIERE Quelle: 5, Ziel_Var: I1", "KOPIERE source:5,destination:I1", "copy 5,i1"),
         ("BEWEG_ART: #LINEAR", "INTERPOL #CP_LIN", "MOVE_MODE #LINEAR"),
+        ("BAHN_RADIUS 20.0", "BAHN RADIUS [mm]: 20.0", "Bahn Radius 20.0", "PATH_RADIUS[mm]:20.0"),
+        ("PTP_GESCHW 50", "PTP GESCHW: 50"),
     ],
 )
 def test_spellings_are_one_command(spellings: tuple[str, ...]) -> None:
@@ -28,6 +30,12 @@ def test_spellings_are_one_command(spellings: tuple[str, ...]) -> None:
         step = memory.programs["P"][0].steps[1]
         found.append((step.word, dict(step.slots)))
     assert found == [found[0]] * len(found)
+
+
+def test_pallet_is_printed_as_pal_too() -> None:
+    memory, faults = checked({"P.MPR": 'C pattern\nPAL "X", #INIT'})
+    assert memory.programs["P"][0].steps[2].word == "PALLET"
+    assert ["pallet program X not found" in text for text in map(str, faults)] == [True]
 
 
 @pytest.mark.requirement("RSV-LNG-02", by="gateway.pure.languages.robotstar.data_steps:invert")

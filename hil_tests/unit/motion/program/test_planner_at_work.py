@@ -9,7 +9,7 @@ from hil_tests.lab.cells import arms
 from hil_tests.lab.cells.arms import Array
 from motion.execution.timed import TimedPiece
 from motion.planner.planner import Planner
-from motion.program.blocks import Block, Interpolation
+from motion.program.blocks import Blend, Block, Interpolation, Rounding
 from motion.timing import banded, interior, topp
 
 TEXT = """robot portal
@@ -20,6 +20,7 @@ circular via pose 15 25 0 0 0 0 to pose 10 20 0 0 0 0
 ptp joints 0 0 0
 """
 START = (0.0, 0.0, 0.0)
+CORNER = Blend(Rounding.CARTESIAN, 2e-3, 2e-3)
 
 
 class Counted:
@@ -118,3 +119,23 @@ def test_a_law_goes_on_between_two_turns_for_whoever_has_the_time() -> None:
                     pass
             found += turn(made)
     assert all_helped == all_alone and turns < 20
+
+
+@pytest.mark.parametrize("carried_s", [0.0, 0.02])
+def test_a_new_tail_has_the_time_to_be_carried(carried_s: float) -> None:
+    """It counts when its last piece is with the axes; one of many pieces came too late, and the stream was aborted."""
+    planner, tau, late = Planner(arms.portal(), START), 0.0, []
+    planner.carried_s = carried_s
+    corners = [Block(Interpolation.LINEAR, arms.at(5.0 * n, 5.0 * (n % 2)), blend=CORNER) for n in range(1, 25)]
+    while corners or planner.open:
+        if corners and planner.waiting < 6:
+            planner.add(corners.pop(0))
+            if not corners:
+                planner.finish()
+        pieces = planner.plan(tau, hurry=True)
+        tail = [piece.id for piece in pieces if piece.id in planner.begins]
+        if any(piece.new_tail and piece.id == tail[0] for piece in pieces):
+            late.append(planner.begins[tail[0]] < tau + 0.02 * len(tail))
+        tau = min(tau + 5e-3, planner.end)
+    assert planner.place(planner.end) == (24, 1.0)
+    assert not any(late) if carried_s else any(late)
