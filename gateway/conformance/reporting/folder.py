@@ -3,7 +3,7 @@
 import hashlib
 import json
 import pathlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from gateway.conformance.framework.run import Result
 from gateway.conformance.reporting.document import KIND, Json, cases_of, checksum, trace
@@ -35,11 +35,30 @@ def write_folder(folder: pathlib.Path, found: Json, results: Sequence[Result], l
         if result.notes.trace:
             files[traces / f"{result.purpose.id}.txt"] = _text(result).encode()
             files[traces / f"{result.purpose.id}.pcapng"] = _capture(result)
-    for path, content in files.items():
-        path.write_bytes(content)
     sums = "".join(f"{hashlib.sha256(content).hexdigest()}  {path.relative_to(folder).as_posix()}\n" for path, content in files.items())
-    (folder / SUMS).write_text(sums, encoding="utf-8")
+    _forget(folder, files)
+    for path, content in (*files.items(), (folder / SUMS, sums.encode())):
+        _written(path, content)
     return list(files)
+
+
+def _forget(folder: pathlib.Path, files: Collection[pathlib.Path]) -> None:
+    """The list of an earlier report in this folder goes, and its traces that this report lacks: `verify` would call them added."""
+    (folder / SUMS).unlink(missing_ok=True)
+    for path in (folder / "traces").iterdir():
+        if path.suffix in (".txt", ".pcapng") and path not in files:
+            path.unlink()
+
+
+def _written(path: pathlib.Path, content: bytes) -> None:
+    """Whole or not at all: half a report would look like one."""
+    part = path.with_name(path.name + ".part")
+    try:
+        part.write_bytes(content)
+        part.replace(path)
+    except OSError:
+        part.unlink(missing_ok=True)
+        raise
 
 
 def _capture(result: Result) -> bytes:
@@ -65,12 +84,16 @@ def _text(result: Result) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _reason(error: OSError | UnicodeDecodeError) -> str:
+    return (error.strerror or str(error)) if isinstance(error, OSError) else "no text"
+
+
 def verify(folder: pathlib.Path) -> list[str]:
     """Every changed, missing or added file; [] where nothing is."""
     try:
         rows = (folder / SUMS).read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise BadReport(f"{folder / SUMS}: cannot be read ({error}); is this the folder of --report?") from error
+        raise BadReport(f"{folder / SUMS}: cannot be read ({_reason(error)}); is this the folder of --report?") from error
     faults, listed = [], {SUMS}
     for number, row in enumerate(rows, 1):
         digest, space, name = row.partition("  ")
@@ -119,6 +142,12 @@ def load(path: pathlib.Path) -> Json:
     if not isinstance(found, dict) or found.get("kind") != KIND or not isinstance(found.get("cases"), list):
         raise BadReport(f"{file}: is no report of axisgate conformance")
     return found
+
+
+def suite_of(found: Mapping[str, object]) -> str:
+    """The name of the suite that a report is of."""
+    suite = found.get("suite")
+    return str(suite.get("name", "?")) if isinstance(suite, dict) else "?"
 
 
 def compare(old: Mapping[str, object], new: Mapping[str, object]) -> list[tuple[str, str, str]]:

@@ -18,7 +18,7 @@ from gateway.conformance.framework.bench_file import BadFile, Bench, Waiver, loa
 from gateway.conformance.framework.run import Result, Runner, Session, ordered
 from gateway.conformance.framework.witness import Witness
 from gateway.conformance.reporting.document import Circumstances, cases_of, code_of, counts, document
-from gateway.conformance.reporting.folder import load, write_folder
+from gateway.conformance.reporting.folder import load, suite_of, write_folder
 from gateway.conformance.suites.opening import Opened, OpenPort, factory_of
 from gateway.conformance.suites.registry import SUITES, Suite
 from gateway.conformance.suites.scores import SCORES
@@ -82,7 +82,10 @@ def chosen(suite: Suite, arguments: argparse.Namespace) -> list[Purpose[Tester]]
         raise Stop(f"--only {', '.join(strange)}: no such case{hint} (axisgate conformance list {suite.name})")
     found = selected(purposes, arguments.only)
     if arguments.failed_from is not None:
-        failed = {str(case["id"]) for case in cases_of(load(arguments.failed_from)) if case["verdict"] in NOT_PASSED}
+        earlier = load(arguments.failed_from)
+        if (other := suite_of(earlier)) != suite.name:
+            raise Stop(f"--failed-from {arguments.failed_from}: is a report of the suite {other}, not of {suite.name}")
+        failed = {str(case["id"]) for case in cases_of(earlier) if case["verdict"] in NOT_PASSED}
         found = [purpose for purpose in found if purpose.id in failed]
     if not found:
         raise Stop("nothing is selected: --only and --failed-from leave no case")
@@ -134,18 +137,28 @@ def _played(
     ran = Circumstances(assumed, checked, arguments.seed, runner.interrupted)
     found = document(suite, bench, stated, results, ran, SCORES[suite.name])
     code = code_of(results)
-    if arguments.json:
-        print(json.dumps(found, ensure_ascii=False))
     if arguments.report is not None:
         try:
             write_folder(arguments.report, found, results, language(arguments, bench))
             print(f"report: {arguments.report / 'report.html'}", file=sys.stderr if arguments.json else sys.stdout)
         except OSError as error:
-            print(f"axisgate conformance: the report cannot be written to {arguments.report}: {error}", file=sys.stderr)
+            print(f"axisgate conformance: the report cannot be written to {arguments.report}: {error.strerror or error}", file=sys.stderr)
             code = code or ENVIRONMENT
-    if not arguments.json:
+    if arguments.json:
+        _print_json(found)
+    else:
         print(", ".join(f"{count} {name}" for name, count in counts(results).items() if count))
     return code
+
+
+def _print_json(found: Mapping[str, object]) -> None:
+    """Last of all: a full disk behind standard output costs no report."""
+    try:
+        print(json.dumps(found, ensure_ascii=False), flush=True)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise OSError(error.errno, f"the JSON cannot be written to standard output: {error.strerror or error}") from error
 
 
 def _checked(session: Session) -> Mapping[str, object]:

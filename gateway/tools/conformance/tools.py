@@ -6,7 +6,7 @@ import re
 import sys
 
 from gateway.conformance.peers.score import score
-from gateway.conformance.reporting.folder import compare, is_worse, load, verify
+from gateway.conformance.reporting.folder import compare, is_worse, load, suite_of, verify
 from gateway.conformance.suites.opening import Opened, factory_of
 from gateway.conformance.suites.registry import SUITES, Suite
 from gateway.conformance.suites.scores import SCORES
@@ -161,7 +161,10 @@ def play_mutants(arguments: argparse.Namespace) -> int:
 
 def compare_reports(arguments: argparse.Namespace) -> int:
     """Exit 1 where a verdict became worse."""
-    rows = compare(load(arguments.a), load(arguments.b))
+    old, new = load(arguments.a), load(arguments.b)
+    if suite_of(old) != suite_of(new):
+        raise Stop(f"{arguments.a} is a report of the suite {suite_of(old)}, {arguments.b} of {suite_of(new)}: nothing can be compared")
+    rows = compare(old, new)
     if arguments.json:
         print(json.dumps([{"id": name, "before": before, "now": now} for name, before, now in rows]))
     else:

@@ -1,6 +1,8 @@
 """`axisgate conformance` from end to end with machines in virtual time: files, JSON, exit codes, reports."""
 
+import errno
 import json
+import os
 import pathlib
 import shutil
 import subprocess
@@ -70,7 +72,7 @@ def test_the_json_has_all_fields_of_format_1(tmp_path: pathlib.Path, capsys: pyt
         ("modbus-rtu", "modbus-rtu", set(), 0),
         ("canopen", "canopen-301", set(), 0),
         ("canopen", "cia402", set(), 0),
-        ("cia402-no-limits", "cia402", {"CIA402_POS_BI_02"}, 1),
+        ("cia402-no-limits", "cia402", {"CIA402_POS_BI_02", "CIA402_CSP_BI_01"}, 1),
         ("canopen-no-sync", "canopen-301", {"CO301_PDO_BV_01", "CO301_PDO_BV_09"}, 1),
     ],
 )
@@ -205,6 +207,63 @@ def test_a_report_is_whole_and_any_changed_byte_is_found(tmp_path: pathlib.Path,
         shutil.rmtree(copy)
     with pytest.raises(BadReport):
         verify(tmp_path)
+
+
+def test_a_second_report_in_the_same_folder_is_whole(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Traces of the first one that the second one lacks are gone."""
+    folder = tmp_path / "report"
+    for more in ((), ("--only", "TI")):
+        run(capsys, "3964r", "--bench", BENCHES / "good.toml", "--report", folder, *more)
+        assert verify(folder) == []
+
+
+@pytest.mark.parametrize("full", ["report.json", "SHA256SUMS"])
+def test_a_full_disk_leaves_no_half_of_a_file(
+    full: str, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The verdicts are shown, the exit code is 3, and `verify` does not take what is left for a report."""
+    folder, write = tmp_path / "report", pathlib.Path.write_bytes
+    arguments = ["run", "3964r", "--bench", str(BENCHES / "good.toml"), "--report", str(folder)]
+    assert main(arguments) == 0
+
+    def no_room(path: pathlib.Path, content: bytes) -> int:
+        if path.name.startswith(full):
+            write(path, content[:50])
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return write(path, content)
+
+    monkeypatch.setattr(pathlib.Path, "write_bytes", no_room)
+    capsys.readouterr()
+    assert main(arguments) == 3
+    said = capsys.readouterr()
+    assert "81 PASS" in said.out
+    assert said.err == f"axisgate conformance: the report cannot be written to {folder}: No space left on device\n"
+    assert not list(folder.rglob("*.part"))
+    counts = load(folder)["counts"]
+    assert isinstance(counts, dict) and counts["PASS"] == 81
+    with pytest.raises(BadReport, match="SHA256SUMS: cannot be read \\(No such file or directory\\)"):
+        verify(folder)
+
+
+def test_json_for_a_full_disk_is_one_sentence_and_the_report_is_there(tmp_path: pathlib.Path) -> None:
+    command = [sys.executable, "-m", "gateway", "conformance", "run", "3964r", "--bench", str(BENCHES / "good.toml"), "--json"]
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run([*command, "--report", str(tmp_path)], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    said = [line for line in done.stderr.splitlines() if not line.startswith("[")]
+    wanted = "axisgate conformance: the JSON cannot be written to standard output: No space left on device"
+    assert done.returncode == 3 and wanted in said and "Traceback" not in done.stderr
+    assert verify(tmp_path) == []
+
+
+def test_reports_of_two_suites_are_not_compared(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    paths = [tmp_path / f"{suite}.json" for suite in ("3964r", "rk512")]
+    for path in paths:
+        _, found, _ = run(capsys, path.stem, "--bench", BENCHES / "good.toml", "--only", "BV")
+        path.write_text(json.dumps(found))
+    assert main(["compare", *map(str, paths)]) == 2
+    assert "3964r" in (said := capsys.readouterr().err) and "rk512: nothing can be compared" in said
+    assert main(["run", "3964r", "--bench", str(BENCHES / "good.toml"), "--failed-from", str(paths[1])]) == 2
+    assert "is a report of the suite rk512, not of 3964r" in capsys.readouterr().err
 
 
 def test_the_page_is_german_where_it_is_wanted(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
