@@ -164,7 +164,7 @@ def _unknown_key(path: Path) -> str:
     for name in known:
         column = column_of(table, name) if table else None
         if column and key in _keys(bare_type(column.annotation)):
-            return f"unknown key here; it belongs into {name}"
+            return f"unknown key here; it belongs in {name}"
     near = _near(key, known)
     return f"unknown key; {near}" if near else f"unknown key; known are {', '.join(known)}"
 

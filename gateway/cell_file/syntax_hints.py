@@ -39,7 +39,7 @@ def _hint(message: str, bare: list[str], number: int) -> str:
     if re.search(r"=\s*-?\d+,\d", line):
         return "numbers have a decimal point, no comma"
     if re.match(r"[\w.-]+\s*=\s*[A-Za-z]", line) or re.match(r"[\w.-]+\s*:", line):
-        return 'write key = value, texts in "quotes", truth as true or false'
+        return 'write key = value, texts in "quotes", Boolean values as true or false'
     if "overwrite" in message or "twice" in message:
         return "this key or table is already in the file"
     return ""

@@ -38,12 +38,12 @@ def _moved(check: Context, belt: Belt, where: str) -> None:
     cell = check.cell
     if not any(belt.factors) or not belt.factor:
         key = "factor" if not belt.factor else "factors"
-        check.fault(f"{where}.{key}", getattr(belt, key), "a belt that moves nothing (P503)")
+        check.fault(f"{where}.{key}", getattr(belt, key), "a belt with factors 0 moves nothing (P503)")
     for name, factors in belt.factors_of.items():
         if name not in (belt.robot or tuple(robot.name for robot in cell.robot)):
             check.fault(f"{where}.factors_of", name, "no robot of this belt", ", ".join(belt.robot))
         elif not any(factors):
-            check.fault(f"{where}.factors_of.{name}", list(factors), "a belt that moves nothing (P503)")
+            check.fault(f"{where}.factors_of.{name}", list(factors), "a belt with factors 0 moves nothing (P503)")
     if belt.axis:
         _parallel(check, belt, where)
 
@@ -62,7 +62,7 @@ def _parallel(check: Context, belt: Belt, where: str) -> None:
 def _one(check: Context, belt: Belt, number: int) -> None:
     where, cell = f"belt.{belt.name}", check.cell
     if belt.increment == 0.0:
-        check.fault(f"{where}.increment", 0, "an increment that is no way", "-100..100, not 0", belt.unit)
+        check.fault(f"{where}.increment", 0, "an increment must be a distance other than 0", "-100..100, not 0", belt.unit)
     if belt.byte + belt.bytes > 8:
         check.fault(f"{where}.byte", belt.byte, f"{belt.bytes} bytes from here are more than a telegram has", f"0..{8 - belt.bytes}")
     _moved(check, belt, where)
@@ -76,7 +76,7 @@ def _one(check: Context, belt: Belt, number: int) -> None:
     if bus is None:
         return
     if bus.protocol not in DRIVE_PROTOCOLS:
-        check.fault(f"{where}.bus", belt.bus, f"{bus.protocol}: only a drive bus is heard in every cycle ({', '.join(DRIVE_PROTOCOLS)})")
+        check.fault(f"{where}.bus", belt.bus, f"{bus.protocol}: only a drive bus is read in every cycle ({', '.join(DRIVE_PROTOCOLS)})")
     taken = set(FORMS.get(bus.protocol, ()))
     if BUS_PROTOCOLS[bus.protocol].nodes:
         taken |= {

@@ -223,7 +223,7 @@ def ranges(check: Context) -> None:
             if entry.min is not None and entry.max is not None and entry.min >= entry.max:
                 check.fault(_key(block, entry), f"min {number(entry.min)}, max {number(entry.max)}", "min has to be below max")
             if factor <= 0:
-                check.fault(_key(block, entry), entry.unit, 'a count is worth more than nothing: unit = "0.1 mm"')
+                check.fault(_key(block, entry), entry.unit, 'one count must be greater than 0: unit = "0.1 mm"')
                 continue
             counts = counts_of(entry, address) if address else None
             if counts:
@@ -244,7 +244,7 @@ def _overflow(check: Context, block: Db, entry: Entry, found: Found | None, fact
         check.fault(_key(block, entry), entry.unit, text, f">= {number(FULL / most)}", "% a count")
     largest = LARGEST.get(entry.signal)
     if largest is not None and most * factor < largest:
-        text = f"{entry.signal} goes to {largest}; {entry.type} at {entry.at} ends at {number(most * factor)} and would stand still there"
+        text = f"{entry.signal} goes to {largest}; {entry.type} at {entry.at} ends at {number(most * factor)} and would stop there"
         check.fault(_key(block, entry), entry.type, text)
 
 

@@ -64,7 +64,7 @@ def buses(check: Context) -> None:
         key = f"bus.{bus.name}"
         on_it = [axis for axis in check.cell.axis if axis.drive.bus == bus.name]
         if bus.bitrate != "1 Mbit/s":
-            check.fault(f"{key}.bitrate", bus.bitrate, "drives talk at 1 Mbit/s, fixed (rho3 L7280-7282)", '"1 Mbit/s"')
+            check.fault(f"{key}.bitrate", bus.bitrate, "drives communicate at a fixed 1 Mbit/s (rho3 L7280-7282)", '"1 Mbit/s"')
         if len(on_it) > MODULES:
             check.fault(key, f"{len(on_it)} axes", "take another bus for the others", f"at most {MODULES} axes")
         try:

@@ -77,13 +77,13 @@ def sheets(cell: Cell) -> Iterator[Notice]:
         sheet = read_eds(cell, axes[0], simulated=False)
         where = f"axis {', '.join(axis.name for axis in axes)}"
         if sheet is None:
-            text = f"{name}: no such data sheet; --sim plays the emulated drive's, a real bus needs the maker's"
+            text = f"{name}: no such data sheet; --sim uses that of the emulated drive, a real bus needs that of the maker"
             yield Notice("note", where, text)
             continue
         for fault in sheet.faults[:SHOWN]:
             yield Notice("note", where, f"{sheet.path.name} {fault}")
         if len(sheet.faults) > SHOWN:
-            yield Notice("note", where, f"{sheet.path.name}: {len(sheet.faults) - SHOWN} faults more")
+            yield Notice("note", where, f"{sheet.path.name}: {len(sheet.faults) - SHOWN} more faults")
 
 
 def stop_evidences(check: Context) -> None:

@@ -41,10 +41,10 @@ def _device(check: Context, io: Io) -> None:
         if getattr(device, name) not in ("", None) and device.type != kinds:
             check.fault(f"{key}.{name}", getattr(device, name), f"a {device.type} device has none; {kinds} has")
     if device.active_low and device.type != CHIP:
-        check.fault(f"{key}.active_low", "true", "only a gpiochip turns levels round")
+        check.fault(f"{key}.active_low", "true", "only a gpiochip inverts levels")
     bus = next((bus for bus in check.cell.bus if bus.name == device.bus), None)
     if device.type == COUPLER and bus is not None and not BUS_PROTOCOLS[bus.protocol].nodes:
-        check.fault(f"{key}.bus", device.bus, f'a CANopen coupler hangs on a bus with protocol = "canopen", not "{bus.protocol}"')
+        check.fault(f"{key}.bus", device.bus, f'a CANopen coupler belongs on a bus with protocol = "canopen", not "{bus.protocol}"')
     channel = device.input if device.output is None else device.output
     if device.type == COUPLER and channel is not None and channel >= CHANNELS:
         check.fault(key, channel, "", f"0..{CHANNELS - 1}", "channel")
@@ -70,7 +70,7 @@ def _output(check: Context, io: Io) -> None:
         known += [
             f"axis.{axis.name}.{what}" for axis in check.cell.axis for what in ("brake", "enabled", "referenced", "in_position", "fault")
         ]
-        check.fault(key, io.signal, f"no bit that can be shown; {near(io.signal, known) or 'as ' + ', '.join(known[:5])}")
+        check.fault(key, io.signal, f"an output cannot show this bit; {near(io.signal, known) or 'as ' + ', '.join(known[:5])}")
     if io.signal == WATCHDOG and io.toggle_ms < check.cell.cycle_ms:
         check.fault(f"io.{io.name}.toggle_ms", io.toggle_ms, "a watchdog toggles from completed cycles", f">= {check.cell.cycle_ms}", "ms")
 

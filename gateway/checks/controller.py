@@ -123,7 +123,7 @@ def _eeprom(check: Context, table: Controller) -> None:
         check.fault("controller.eeprom", table.eeprom, "it keeps the memory of a rho3; [controller] has none")
     elif path.is_dir() or not path.parent.is_dir():
         check.fault(
-            "controller.eeprom", table.eeprom, "no such folder (looked for beside the cell file)", "a file in a folder that is there"
+            "controller.eeprom", table.eeprom, "no such folder (looked for beside the cell file)", "the folder of the file must exist"
         )
 
 
@@ -277,7 +277,7 @@ def _point(check: Context, table: Controller, point: ControllerPoint) -> bool:
     if sum(each.name == point.name for each in table.point) > 1:
         check.fault(key, point.name, "two points of one name")
     if (point.bit is None) is (point.byte is None) or (point.byte is None) is not (point.steps == 0):
-        check.fault(key, point.name, "a digital point has bit = N, an analog one byte = N and steps = so many a unit")
+        check.fault(key, point.name, "a digital point has bit = N, an analog one byte = N and steps = the number of steps per unit")
     elif point.steps and (point.min >= point.max or max(abs(point.min), abs(point.max)) * point.steps > 32767):
         check.fault(key, f"{number(point.min)}..{number(point.max)}", "min below max, and both times steps within 16 bits")
     return len(check.faults) == before

@@ -66,7 +66,7 @@ def _suitable(check: Context, line: Line, station: Profile, name: str, value: in
     least = least_char_delay(line.baud) / 1e6 if name in ("ZVZ", "CDT") and (line.profile.startswith("siemens")) else 0.0
     if name in ("QVZ", "ADT", "ZVZ", "CDT") and value < max(two, least):
         hint = f"two characters take {two:.1f} ms at {line.format}"
-        hint += f"; the least of {station.name} at {line.baud} Bd is {least:.0f} ms" if least > two else ""
+        hint += f"; the minimum of {station.name} at {line.baud} Bd is {least:.0f} ms" if least > two else ""
         check.fault(key, value, hint, f">= {max(two, least):.0f}", "ms")
     settable = station.settable
     if settable is None or name not in ("QVZ", "ADT", "ZVZ", "CDT", "BWZ"):
@@ -109,7 +109,7 @@ def own_jobs(check: Context) -> None:
     for line in check.cell.line:
         mine = [block for block in check.cell.db if block.line == line.name and (block.every_ms or block.on_change)]
         if line.role == "active" and not mine and LINE_LAYERS[line.layer].blocks:
-            hint = 'no [[db]] of this line has every_ms or on_change: an active line would say nothing; role = "passive" serves the partner'
+            hint = 'no [[db]] of this line has every_ms or on_change: an active line would send nothing; role = "passive" serves the partner'
             check.fault(f"line.{line.name}.role", line.role, hint)
     for block in check.cell.db:
         at = lines.get(block.line)
@@ -125,7 +125,7 @@ def _own_job(check: Context, block: Db, line: Line, dialect: Dialect) -> None:
     if not (block.every_ms or block.on_change):
         for name, value in (("at_partner", block.at_partner), ("flag", block.flag)):
             if value:
-                check.fault(f"{key}.{name}", value, "only our own job has it: every_ms or on_change is missing")
+                check.fault(f"{key}.{name}", value, "only jobs of axisgate have it: every_ms or on_change is missing")
         return
     if line.role == "passive":
         name = "every_ms" if block.every_ms else "on_change"
@@ -133,7 +133,7 @@ def _own_job(check: Context, block: Db, line: Line, dialect: Dialect) -> None:
         check.fault(f"{key}.{name}", getattr(block, name), hint)
     fetch = block.writer == "plc"
     if fetch and block.on_change:
-        check.fault(f"{key}.on_change", "true", 'writer = "plc": we cannot know when it changed there; every_ms fetches it')
+        check.fault(f"{key}.on_change", "true", 'writer = "plc": the time of a change there is unknown; every_ms fetches it')
     if fetch and not dialect.reaction:
         check.fault(f"{key}.every_ms", block.every_ms, f"{dialect.name} has no reaction telegrams, which would carry the data of a FETCH")
     kind = block.at_partner[1:2].replace("B", "D") or block.kind

@@ -33,10 +33,10 @@ def _server(check: Context, door: Modbus, key: str) -> None:
     if door.serial and door.framing != "rtu":
         check.fault(f"{key}.framing", door.framing, 'a serial port carries RTU: framing = "rtu"')
     if door.tls is not None and (door.serial or door.framing == "rtu"):
-        check.fault(f"{key}.tls", "", "TLS carries Modbus TCP only: leave framing and port away")
+        check.fault(f"{key}.tls", "", "TLS carries Modbus TCP only: omit framing and port")
     if (door.tls is None) == bool(door.roles):
         hint = (
-            "roles come out of certificates: [modbus.tls] is missing" if door.roles else "without [[modbus.roles]] no client has any right"
+            "roles come from certificates: [modbus.tls] is missing" if door.roles else "without [[modbus.roles]] no client has any right"
         )
         check.fault(f"{key}.{'roles' if door.roles else 'tls'}", "", hint)
     if door.writers and (door.allow or door.tls is not None):
@@ -122,7 +122,7 @@ def _value_faults(value: ModbusValue, devices: Sequence[str]) -> Iterator[str]:
     if value.from_ and value.table in ("discrete", "input"):
         yield f"{value.table} values can only be read: use coil or holding"
     if value.scale == 0:
-        yield "scale 0 leaves nothing of a value"
+        yield "scale must not be 0"
     if not bits and value.type != "bit" and value.at + words_of(value.type) > 0x10000:
         yield f"{value.type} at {value.at} goes beyond register 65535"
 

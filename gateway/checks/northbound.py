@@ -22,7 +22,7 @@ def reachable(context: Context) -> None:
             hint = {
                 "mqtt.broker": "a broker on another computer is reached by TLS: give tls_ca",
                 "opcua.bind": "OPC UA is served unencrypted, so on loopback alone",
-                "metrics.bind": "reached from other computers, unencrypted: write open = true if you mean it",
+                "metrics.bind": "reached from other computers, unencrypted: write open = true to permit this",
             }[key]
             context.fault(f"northbound.{key}", bind, hint)
     for key, name in (("password_file", north.mqtt.password_file), ("tls_ca", north.mqtt.tls_ca)) if north.mqtt else ():

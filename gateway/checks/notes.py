@@ -165,7 +165,7 @@ def evidence(cell: Cell) -> Iterator[Notice]:
     """A SERVODYN bus on metal is not enabled on our own layout without evidence (design.md 5, AX-001)."""
     for bus in cell.bus:
         if BUS_PROTOCOLS[bus.protocol].boosted and not bus.simulated and not bus.layout_evidence:
-            text = "no layout_evidence: listen-only, `run` sends nothing on it; capture a living sister cell and name the file"
+            text = "no layout_evidence: listen-only, `run` sends nothing on it; record a running cell of the same type and name the file"
             yield Notice("warning", f"bus {bus.name}", text)
         elif BUS_PROTOCOLS[bus.protocol].boosted and not bus.simulated:
             text = f"layout {bus.layout} is axisgate's own (AX-001), not verified on hardware; evidence: {bus.layout_evidence}"

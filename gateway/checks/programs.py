@@ -186,7 +186,7 @@ def wires(cell: Cell) -> Iterator[Notice]:
             where = f"touch probe {each.probe} of {', '.join(each.drives)}"
             yield Notice("note", f"measuring.{each.channel}.drives", f"{where} measures, other axes at that instant (AX-569)")
             continue
-        way = "is heard in the cycle" if each.input in numbers else "comes through the services, a cycle or two later"
+        way = "is read in the cycle" if each.input in numbers else "comes through the services, a cycle or two later"
         yield Notice("note", f"measuring.{each.channel}.input", f"RC input {each.input} {way} (AX-481)")
 
 

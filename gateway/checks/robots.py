@@ -66,7 +66,7 @@ def _named(check: Context) -> None:
     known = ", ".join(there) or "none with a name"
     for key, names in tables:
         if not names and len(cell.robot) > 1:
-            check.fault(f"{key}.robot", "", "whose is it? this cell has several robots", known)
+            check.fault(f"{key}.robot", "", "name its robot; this cell has several robots", known)
         for name in [name for name in names if name not in there]:
             check.fault(f"{key}.robot", name, f"no [[robot]] has this name; this cell has {known}")
         for name in sorted({name for name in names if names.count(name) > 1}):

@@ -82,7 +82,7 @@ def _source(check: Context, key: str, text: str, place: Place) -> None:
         case World.BLOCK:
             block = _block(check.cell, place)
             if block is not None and block.writer == "axisgate":
-                check.fault(key, text, f"DB {place.db} is written by axisgate itself: name the value its entry has, not the place")
+                check.fault(key, text, f"DB {place.db} is written by axisgate itself: name the value of its entry, not the address")
             _inside(check, key, text, place, block)
         case World.CONTACT:
             _contact(check, key, text, place.name, output=False)

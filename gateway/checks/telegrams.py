@@ -86,7 +86,7 @@ def _one_scale(check: Context, key: str, unit: str, scale: float) -> None:
     if factor is not None and scale != 1.0:
         check.fault(key, unit, f"scale = {scale:g} sets the same: keep one of them")
     if factor == 0.0:
-        check.fault(key, unit, "a count is worth more than nothing")
+        check.fault(key, unit, "one count must be greater than 0")
 
 
 def _one_of(check: Context, key: str, part: TelegramMatch | TelegramPart, words: str) -> bool:

@@ -32,7 +32,7 @@ def faults(more: str, *edits: tuple[str, str]) -> list[str]:
         ("[controller]\nfiles = 'nowhere'", "no such folder"),
         ("[controller]\nmemory = 'nowhere'", "no such folder"),
         ("[controller]\neeprom = 'eeprom.zip'", "it keeps the memory of a rho3"),
-        ("[controller]\nmemory = '.'\neeprom = 'nowhere/eeprom.zip'", "a file in a folder that is there"),
+        ("[controller]\nmemory = '.'\neeprom = 'nowhere/eeprom.zip'", "the folder of the file must exist"),
         ("[controller]\n[rho3]\nP35 = 2", "0 (transparent, 9600 baud) or 1"),
         ("[controller]\nkind = 'val3'\nmemory = '.'", 'programs belong to kind = "rho3" and kind = "reis"'),
         ("[controller]\nmemory = '.'", "programs need the kinematics of a [robot] with a model"),

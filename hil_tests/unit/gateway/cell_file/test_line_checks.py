@@ -91,11 +91,11 @@ def test_open_choices_are_settings() -> None:
         ('profile = "vipa-cp240"', "ZVZ = 250", "times.ZVZ", "steps of 20 ms: 240 or 260"),
         ('profile = "vipa-cp240"', "BWZ = 6000", "times.BWZ", "0..5100"),
         ('profile = "rho3"\nformat = "300 8E1"', "CDT = 50", "times.CDT", "two characters take 73.3 ms at 300 8E1"),
-        ('profile = "siemens-cp341"\nformat = "600 8E1"', "ZVZ = 30", "times.ZVZ", "the least of siemens-cp341 at 600 Bd is 40 ms"),
+        ('profile = "siemens-cp341"\nformat = "600 8E1"', "ZVZ = 30", "times.ZVZ", "the minimum of siemens-cp341 at 600 Bd is 40 ms"),
         ('profile = "rho3"', "QVZ = 5", "times.QVZ", "10..65530 ms"),
         ('profile = "rho3"', "QVS = 500", "times.QVS", "did you mean QVZ?"),
         ('profile = "rho3"', "connect_attempts = 0", "times.connect_attempts", "1..255"),
-        ('profile = "rho3"\nQVZ = 500', "", "QVZ", "it belongs into times"),
+        ('profile = "rho3"\nQVZ = 500', "", "QVZ", "it belongs in times"),
     ],
 )
 def test_a_time_that_does_not_fit_is_told_with_figures(line: str, times: str, key: str, said: str) -> None:
@@ -132,8 +132,8 @@ def test_an_unknown_profile_names_the_near_ones() -> None:
     [
         ("", block(more="every_ms = 500"), "db.10.every_ms", 'role = "passive": it never sends by itself'),
         ("", block(more="on_change = true"), "db.10.on_change", 'role = "passive"'),
-        ('role = "active"', block(), "line.plc.role", "an active line would say nothing"),
-        ('role = "both"', block(writer="plc", more="on_change = true"), "db.10.on_change", "we cannot know when it changed there"),
+        ('role = "active"', block(), "line.plc.role", "an active line would send nothing"),
+        ('role = "both"', block(writer="plc", more="on_change = true"), "db.10.on_change", "the time of a change there is unknown"),
         ('role = "both"', block(more='at_partner = "DB20.DW0"'), "db.10.at_partner", "every_ms or on_change is missing"),
         ('role = "both"', block(more='every_ms = 500\nat_partner = "DB20"'), "db.10.at_partner", '"DB20.DW0"'),
         ('role = "both"', block(more='every_ms = 500\nat_partner = "DB256.DW0"'), "db.10.at_partner", "1..255"),

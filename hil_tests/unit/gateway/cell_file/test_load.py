@@ -210,7 +210,7 @@ def test_a_fault_tells_file_key_value_range_unit_and_hint() -> None:
     )
     assert (speed.value, speed.range, speed.unit) == ("0", "> 0", "mm/s")
     assert "reserved for a later version" in faults["line.old.protocol"].hint
-    assert "belongs into supervision" in faults["line.old.max_silence_ms"].hint
+    assert "belongs in supervision" in faults["line.old.max_silence_ms"].hint
     assert "types are bit, KF, DH, KH, KM, KY, KC, KT, KZ, KG, REAL, BCD" in faults["db.10.entries[DW 15].type"].hint
     assert str(target) == 'cell.toml:5: cell.target = "maschine": allowed machine | simulation: did you mean machine?'
 

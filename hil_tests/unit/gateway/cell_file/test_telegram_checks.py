@@ -86,7 +86,7 @@ SECOND = '\n[[telegram]]\nline = "V24_1"\nname = "{name}"\n{rest}\n'
         (replaced("length = 18", "length = 4001"), "telegram.ORDER.length", "allowed 1..4000 bytes"),
         (replaced("count = 2", 'count = 2, unit = "mm", scale = 2.0'), "telegram.ORDER.fields[3]", "CHARACTER has no scale"),
         (replaced('unit = "mm"', 'unit = "0.1 mm", scale = 0.1'), "telegram.ORDER.fields[2]", "sets the same"),
-        (replaced('unit = "mm"', 'unit = "0 mm"'), "telegram.ORDER.fields[2]", "worth more than nothing"),
+        (replaced('unit = "mm"', 'unit = "0 mm"'), "telegram.ORDER.fields[2]", "must be greater than 0"),
         (replaced('hex = "00 00" }, { byte', 'hex = "00 0" }, { byte'), "telegram.ORDER.match[0].hex", "two hex digits a byte"),
         (replaced('byte = 2, text = "OR"', 'byte = 2, text = "OR", hex = "4F"'), "telegram.ORDER.match[1]", "exactly one of hex, text"),
         (replaced('"order.height"', '"axis.A1.actual"'), "telegram.ORDER.fields[2]", "that is axisgate's name"),

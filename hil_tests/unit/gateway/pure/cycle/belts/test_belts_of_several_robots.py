@@ -238,14 +238,14 @@ SHARED = '[[shared_output]]\nname = "FU1"\noutput = 720\nselect = 736\nrobot = "
 @pytest.mark.parametrize(
     ("before", "after", "says"),
     [
-        (OWNER, OWNER.replace('robot = "scara"\n', ""), "belt.B5.robot: allowed arm, scara: whose is it. this cell has several robots"),
+        (OWNER, OWNER.replace('robot = "scara"\n', ""), "belt.B5.robot: allowed arm, scara: name its robot; this cell has several robots"),
         (OWNER, OWNER.replace("scara", "nobody"), "belt.B5.robot = nobody: no .*robot.* has this name; this cell has arm, scara"),
         ('robot = ["arm", "scara"]\nfactors', 'robot = ["arm", "arm"]\nfactors', "belt.B4.robot = arm: is listed twice"),
         ("factors_of = { scara", "factors_of = { other", "belt.B4.factors_of = other: allowed arm, scara: no robot of this belt"),
-        ("{ scara = [0.0, 1.0, 0.0] }", "{ scara = [0.0, 0.0, 0.0] }", "a belt that moves nothing"),
+        ("{ scara = [0.0, 1.0, 0.0] }", "{ scara = [0.0, 0.0, 0.0] }", "a belt with factors 0 moves nothing"),
         ("# ---- drives", belt_table(8).replace("B8", "B9").replace("504", "505") + "# ---- drives", "belts of one cell"),
-        ('every_ms = 4\nrobot    = ["arm", "scara"]', "every_ms = 4", "alter.robot: allowed arm, scara: whose is it"),
-        (f'input   = {PROBE[1]}\nrobot   = "scara"', f"input   = {PROBE[1]}", "measuring.620.robot: allowed arm, scara: whose is it"),
+        ('every_ms = 4\nrobot    = ["arm", "scara"]', "every_ms = 4", "alter.robot: allowed arm, scara: name its robot"),
+        (f'input   = {PROBE[1]}\nrobot   = "scara"', f"input   = {PROBE[1]}", "measuring.620.robot: allowed arm, scara: name its robot"),
         (f'input   = {PROBE[1]}\n', f'input   = {PROBE[1]}\naxes = ["J1"]\n', f"measuring.620.axes = J1: {NONE}"),
         ('function = 2\noutput   = 700\nrobot    = "scara"', "function = 2\noutput   = 700", "path_output.iol 2.robot: allowed arm, scara"),
         ("# ---- drives", SHARED.replace("S3", "J3") + "# ---- drives", f"shared_output.FU1.axes = J3: {NONE}"),

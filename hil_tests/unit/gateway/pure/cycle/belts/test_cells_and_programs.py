@@ -30,7 +30,7 @@ def test_a_cells_belts_are_read_whole() -> None:
         ('name = "B1"', 'name = "B2"', "another belt has this name"),
         ("type = 1\n", "type = 4\n", "belt.B1.type"),
         ("type = 1\n", "type = 1\nbyte = 6\n", "0..4"),
-        ("type = 1\n", "type = 1\nfactors = [0.0, 0.0, 0.0]\n", "a belt that moves nothing"),
+        ("type = 1\n", "type = 1\nfactors = [0.0, 0.0, 0.0]\n", "a belt with factors 0 moves nothing"),
         ("type = 1\n", "type = 1\ntolerance = 13\n", "1..12 interpolation cycles"),
         ("[plant.belt.B1]", "[plant.belt.B9]", "no such belt; there is B1, B2, B3"),
     ],

@@ -264,7 +264,7 @@ def test_an_arm_works_beside_the_belt_while_its_additional_axis_rides_along() ->
     [
         ('axis = "M"', 'axis = "N"', "belt.B1.axis"),
         ("modulo = 360.0\n", "", "an axis parallel to a belt is endless: modulo in its"),
-        ("factor = 0.36", "factor = 0.0", "a belt that moves nothing"),
+        ("factor = 0.36", "factor = 0.0", "a belt with factors 0 moves nothing"),
         ("factor = 0.36", "factor = nan", "belt.B1.factor"),
     ],
 )
