@@ -1,8 +1,10 @@
 """Modbus, writes that must leave nothing behind, the largest writes, and what another client sees (V1.1b3, 6.5 to 6.17)."""
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 
 from gateway.conformance.suites.modbus.content import kept, pattern, same_values
 from gateway.conformance.suites.modbus.tester import ModbusTester
@@ -67,6 +69,14 @@ def _refused(t: ModbusTester, pdu: bytes, code: int, what: str, others: tuple[in
         raise Warn(f"{what} is refused with {lived:02X}h", f"{code:02X}h", f"{lived:02X}h")
 
 
+@contextmanager
+def _unwritten(t: ModbusTester, table: int, at: int) -> Iterator[tuple[int, Callable[[str], None]]]:
+    """One value that the requests in the block must leave as it is: the value, and its comparison after what was asked."""
+    with kept(t, table, at, 1):
+        before = t.read(table, at, 1)
+        yield before[0], lambda what: same_values(t.read(table, at, 1), before, f"{at} after {what}")
+
+
 def _collect(prefix: str) -> Purposes[ModbusTester]:
     basic = f"{prefix}_FUN_BV_01"
     p = Purposes[ModbusTester](f"{prefix}_EFF", "server", "V1.1b3, 6", preamble=(basic,))
@@ -92,12 +102,11 @@ def _nowhere(p: Purposes[ModbusTester], number: int, write: Write) -> None:
         places = _missing(t, write.table, tuple(place for place in (0xFFFF, here + 0x100, here + 0x8000) if place <= 0xFFFF))
         if not places:
             raise NotApplicable("every address that was tried can be read")
-        with kept(t, write.table, here, 1):
-            before = t.read(write.table, here, 1)
+        with _unwritten(t, write.table, here) as (_, compare):
             for place in places:
                 what = f"FC {write.function} to {place}, which cannot be read,"
                 _refused(t, write.request(place), 2, what, (3,))
-                same_values(t.read(write.table, here, 1), before, f"{here} after {what}")
+                compare(what)
 
 
 def _across_the_end(p: Purposes[ModbusTester]) -> None:
@@ -115,11 +124,10 @@ def _across_the_end(p: Purposes[ModbusTester]) -> None:
             if last == 0xFFFF or not _missing(t, table, (last + 1,)) or _missing(t, table, (last,)):
                 raise NotApplicable("[touch] does not reach the last address of the table")
             value = b"\xff" if function == 15 else struct.pack(">HH", VALUE, VALUE)
-            with kept(t, table, last, 1):
-                before = t.read(table, last, 1)
+            with _unwritten(t, table, last) as (_, compare):
                 what = f"FC {function} of two from {last}, the last address,"
                 _refused(t, struct.pack(">BHHB", function, last, 2, len(value)) + value, 2, what, (3,))
-                same_values(t.read(table, last, 1), before, f"{last} after {what}")
+                compare(what)
 
 
 def _both(read: int, count: int, at: int, values: list[int], amount: int | None = None) -> bytes:
@@ -128,55 +136,47 @@ def _both(read: int, count: int, at: int, values: list[int], amount: int | None 
 
 
 def _read_and_write(p: Purposes[ModbusTester]) -> None:
-    needs = _needs(23)
+    case = partial(p.case, clause="V1.1b3, 6.17", condition=_needs(23))
 
-    @p.case(
+    @case(
         "BI_20",
         "FC 23: where the part to be read is missing nothing is written",
         "FC 23: fehlt der zu lesende Teil, wird nichts geschrieben",
-        clause="V1.1b3, 6.17",
-        condition=needs,
     )
     def unreadable(t: ModbusTester) -> None:
         at = t.setup.holding[0]
         places = _missing(t, 3, (0xFFFF,))
         if not places:
             raise NotApplicable("address 65535 can be read")
-        with kept(t, 3, at, 1):
-            before = t.read(3, at, 1)
-            _refused(t, _both(0xFFFF, 1, at, [before[0] ^ VALUE]), 2, "FC 23 that reads a missing register", (3,))
-            same_values(t.read(3, at, 1), before, f"{at} after FC 23 was refused")
+        with _unwritten(t, 3, at) as (before, compare):
+            _refused(t, _both(0xFFFF, 1, at, [before ^ VALUE]), 2, "FC 23 that reads a missing register", (3,))
+            compare("FC 23 was refused")
 
-    @p.case(
+    @case(
         "BI_21",
         "FC 23: a missing register is not written: 02h",
         "FC 23: ein fehlendes Register wird nicht geschrieben: 02h",
-        clause="V1.1b3, 6.17",
-        condition=needs,
     )
     def unwritable(t: ModbusTester) -> None:
         if not _missing(t, 3, (0xFFFF,)):
             raise NotApplicable("address 65535 can be read")
         _refused(t, _both(t.setup.holding[0], 1, 0xFFFF, [VALUE]), 2, "FC 23 that writes a missing register", (3,))
 
-    @p.case(
+    @case(
         "BI_22",
         "FC 23: 0 and 126 registers to read, and 0 to write, are refused with 03h",
         "FC 23: 0 und 126 zu lesende und 0 zu schreibende Register werden mit 03h abgelehnt",
-        clause="V1.1b3, 6.17",
-        condition=needs,
     )
     def amounts(t: ModbusTester) -> None:
         at = t.setup.holding[0]
-        with kept(t, 3, at, 1):
-            before = t.read(3, at, 1)
+        with _unwritten(t, 3, at) as (before, compare):
             for what, pdu in (
-                ("0 registers to read", _both(at, 0, at, [before[0] ^ VALUE])),
-                ("126 registers to read", _both(at, 126, at, [before[0] ^ VALUE])),
+                ("0 registers to read", _both(at, 0, at, [before ^ VALUE])),
+                ("126 registers to read", _both(at, 126, at, [before ^ VALUE])),
                 ("0 registers to write", _both(at, 1, at, [])),
             ):
                 _refused(t, pdu, 3, f"FC 23: {what}")
-                same_values(t.read(3, at, 1), before, f"{at} after FC 23 with {what}")
+                compare(f"FC 23 with {what}")
 
 
 def _largest(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
