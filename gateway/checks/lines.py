@@ -109,7 +109,9 @@ def own_jobs(check: Context) -> None:
     for line in check.cell.line:
         mine = [block for block in check.cell.db if block.line == line.name and (block.every_ms or block.on_change)]
         if line.role == "active" and not mine and LINE_LAYERS[line.layer].blocks:
-            hint = 'no [[db]] of this line has every_ms or on_change: an active line would send nothing; role = "passive" serves the partner'
+            hint = (
+                'no [[db]] of this line has every_ms or on_change: an active line would send nothing; role = "passive" serves the partner'
+            )
             check.fault(f"line.{line.name}.role", line.role, hint)
     for block in check.cell.db:
         at = lines.get(block.line)

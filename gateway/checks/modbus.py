@@ -35,9 +35,7 @@ def _server(check: Context, door: Modbus, key: str) -> None:
     if door.tls is not None and (door.serial or door.framing == "rtu"):
         check.fault(f"{key}.tls", "", "TLS carries Modbus TCP only: omit framing and port")
     if (door.tls is None) == bool(door.roles):
-        hint = (
-            "roles come from certificates: [modbus.tls] is missing" if door.roles else "without [[modbus.roles]] no client has any right"
-        )
+        hint = "roles come from certificates: [modbus.tls] is missing" if door.roles else "without [[modbus.roles]] no client has any right"
         check.fault(f"{key}.{'roles' if door.roles else 'tls'}", "", hint)
     if door.writers and (door.allow or door.tls is not None):
         check.fault(f"{key}.writers", "", "either allow (anywhere), writers (by addresses) or roles (by certificate): keep one of them")
