@@ -67,7 +67,8 @@ class KinematicsError(MotionError):
         self.joints: Joints = ()
         if number is not None:
             self.number = number
-        super().__init__(f"{RHO3_TEXT}: {message} (VAL 3 error {self.number})")
+        self.plain = f"{RHO3_TEXT}: {message}"  # for a control that has no such number
+        super().__init__(f"{self.plain} (VAL 3 error {self.number})")
 
 
 class Unreachable(KinematicsError):

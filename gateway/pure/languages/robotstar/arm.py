@@ -11,6 +11,7 @@ from motion.errors import MotionError
 from motion.geometry.conventions import convention
 from motion.geometry.frames import IDENTITY, Pose
 from motion.geometry.units import from_si, to_si
+from motion.kinematics.base import KinematicsError
 from motion.kinematics.identity import Identity
 from motion.planner.robot import Machine
 
@@ -113,6 +114,8 @@ class Arm:
             try:
                 flange = REIS.pose(self._filled(target, near)) @ self._tool(tool).inverse()
                 self.machine.inverse(flange, tuple(to_si(value, unit) for value, unit in zip(axes, self.units, strict=True)))
+            except KinematicsError as error:
+                return error.plain
             except MotionError as error:
                 return str(error)
         return ""

@@ -33,6 +33,11 @@ def test_a_position_of_a_station_is_one_in_its_frame() -> None:
     assert speed < 205, "the way is measured in one system"
 
 
+def test_a_position_out_of_reach_is_told_without_the_number_of_another_control() -> None:
+    how, _, text = cell_with(position(5850, 0, 400, frame=0)).run()[:3]
+    assert how == "aborted" and text.startswith("point not reachable: ") and "VAL 3" not in text
+
+
 def test_relative_and_calc_rel_count_in_the_frame_of_the_position() -> None:
     cell = cell_with(f"RELATIVE V1\n{position(20, 0, 91)}\nRELATIVE _VNULL\nCALC_REL V2\n{position(25, 5, 90)}", TABLE)
     assert cell.run()[0] == "ended", cell.told
