@@ -56,7 +56,7 @@ def test_mate():
 """
 STANDS_BEHIND = f"""
 def test_that_stands_behind_the_cells():
-    assert os.nice(0) >= min({os.nice(0)} + 7, 19) and os.getsid(0) != {os.getsid(0)}
+    assert os.nice(0) >= min({os.nice(0)} + 5, 19) and os.getsid(0) != {os.getsid(0)}
 """
 BY_MATE = "def test_mate(): pathlib.Path('mate').touch()\n"
 MEETS = """
