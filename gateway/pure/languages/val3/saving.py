@@ -1,5 +1,6 @@
 """Writes an application back as files that load again equal: what libSave leaves on the disk."""
 
+import math
 from collections.abc import Iterator, Mapping
 from xml.sax.saxutils import quoteattr
 
@@ -21,6 +22,7 @@ from gateway.pure.languages.val3.values import (
 HEAD = '<?xml version="1.0" encoding="utf-8"?>\n'
 XSI = 'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
 NAMES = {"tvel": "tmax", "rvel": "rmax"}
+LARGEST = math.nextafter(math.inf, 0.0)
 
 
 def save(own: Instance, folder: str, name: str) -> Iterator[tuple[str, bytes]]:
@@ -89,27 +91,34 @@ def _plain(own: Instance, value: object) -> dict[str, object]:
         case bool():
             return {"value": str(value).lower()}
         case float():
-            return {"value": repr(value)}
+            return {"value": _number(value)}
         case str():
             return {"value": value}
         case LinkV():
             return {"link": value.link} if value.link else {}
         case ToolV():
-            found = {**_plain(own, value.trsf), "otime": repr(value.otime), "ctime": repr(value.ctime)}
+            found = {**_plain(own, value.trsf), "otime": _number(value.otime), "ctime": _number(value.ctime)}
             return {**found, "ioLink": value.gripper.link or "", **_father(own, value.father)}
         case FrameV():
             return {**_plain(own, value.trsf), **_father(own, value.father)}
         case PointV():
             return {**_plain(own, value.trsf), **_plain(own, value.config), **_father(own, value.father)}
         case JointV():
-            return {name: repr(getattr(value, name)) for name in value.names()}
+            return {name: _number(getattr(value, name)) for name in value.names()}
         case Structure():
             return {NAMES.get(name, name): _shown(getattr(value, name)) for name in value.names()}
     return {}
 
 
 def _shown(value: object) -> str:
-    return value if isinstance(value, str) else repr(value)
+    return _number(value) if isinstance(value, float) else str(value)
+
+
+def _number(value: float) -> str:
+    """As a file has it: no infinity, which no file may hold."""
+    if math.isnan(value):
+        return "0.0"
+    return repr(max(-LARGEST, min(value, LARGEST)))
 
 
 def _father(own: Instance, father: FrameV | ToolV | None) -> dict[str, object]:

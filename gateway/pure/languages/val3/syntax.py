@@ -1,5 +1,6 @@
 """Tokens and expressions of one line.  Source: VAL 3 reference 2.2 and 3, L600-1080; priorities L1511-1579 with doubt D03."""
 
+import math
 import re
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -232,7 +233,10 @@ class Expressions:
         token = self.next
         if token.kind == "num":
             self.take()
-            return Number(token.start, token.end, float(token.text))
+            value = float(token.text)
+            if not math.isfinite(value):
+                raise CompileFault(f"'{token.text}' : number too large", token.start + 1)
+            return Number(token.start, token.end, value)
         if token.kind == "text":
             self.take()
             return Text(token.start, token.end, token.text[1:-1].replace('\\"', '"'))

@@ -208,7 +208,7 @@ class ProgramTranslator:
         return first
 
     def _do_begin(self, parser: Expressions, translator: Translator) -> None:
-        raise CompileFault("'begin' : instruction expected")
+        raise CompileFault(f"'{parser.tokens[0].text}' : instruction expected")
 
     _do_end = _do_begin
 

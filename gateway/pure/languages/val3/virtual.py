@@ -1,5 +1,6 @@
 """A virtual run: an application in virtual time, and its result as plain data."""
 
+import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
@@ -96,6 +97,8 @@ def shown(machine: Machine, value: object) -> object:
     """One value: numbers without a fraction as whole ones, structures by field."""
     match value:
         case float():
+            if not math.isfinite(value):
+                return str(value)  # JSON has no number for it
             return int(value) if value.is_integer() and abs(value) < 1e15 else value
         case DioV():
             point = machine.io.find(value.link) if value.link else None
