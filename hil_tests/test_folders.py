@@ -65,6 +65,7 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("modbus/test_mbpoll_run.py", "modbus/test_modbus_cell_run.py", "modbus/test_modbus_judges.py"),
     *("modbus/test_modbus_other_clients.py", "modbus/test_modbus_rtu.py", "modbus/test_modbus_server.py", "modbus/test_modbus_tls.py"),
     *("rho3/test_rho3_guide.py", "serial/test_line_runner.py", "serial/test_rfc2217.py"),
+    "programs/test_val3_imported.py",
     *("val3_sio/test_serial.py", "val3_sio/test_tcp_server.py", "val3_sio/test_udp.py"),
     *("bridge/test_route_figures.py", "cell/test_simulated_time_waits.py", "cycle/test_rho3_2_2_one_cycle.py"),
     *("death/test_cycle_dies.py", "death/test_cycle_dies_402.py", "death/test_every_loop_is_watched.py", "death/test_floods.py"),
