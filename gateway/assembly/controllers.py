@@ -142,7 +142,7 @@ def rho_setup(cell: Cell, controller: Controller, tables: DatTables, owners: Map
         assumed=tuple(getattr(numbers, name) for name, permit in PERMIT_BITS if assumed & permit),
         of_cycle=of_cycle(cell),
         emergency_op=140 if emergency is None else emergency.at.number,
-        fast=FastParts(boards_of(controller), p11_of(cell, controller), multi_function(cell, controller)),
+        fast=FastParts(boards_of(controller), p11_of(cell, controller), multi_function(cell, controller), bool(controller.memory)),
         coupling=coupling_of(cell),
         plc_silence=ms(controller.plc_silence_ms),
         pic_timeout=ms(controller.pic_timeout_ms),

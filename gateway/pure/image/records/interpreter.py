@@ -31,6 +31,7 @@ _TEXT = Layout(_Text, "programs/1")
 TEXT_SIZE, TEXT_LAYOUT = _TEXT.size, _TEXT.text
 FIRST_FAST, FAST = 610, 30  # high-speed inputs of three boards
 FIRST_MULTI, MULTI = 801, 4
+FIRST_REAL, REALS = 201, 24
 NO_MULTI = 0x80
 FLAG_BYTES = 2_048
 
@@ -65,7 +66,7 @@ def _multi_byte(value: int | None) -> int:
 class Channels:
     """The control as programs see it: RC inputs and outputs, INTEGER inputs as taken with their strobes, high-speed inputs that P11 gives
     and their values (bit 0 = channel 610), the multi-function inputs (None: the control has none), the global factors; of a ROBOTstar its
-    markers M0..M2047, with binary inputs and outputs."""
+    markers M0..M2047, with binary inputs and outputs.  reals: REAL inputs 201..224, reals_given: those that are wired."""
 
     inputs: Annotated[bytes, Code(f"{RC_BYTES}s")] = bytes(RC_BYTES)
     outputs: Annotated[bytes, Code(f"{RC_BYTES}s")] = bytes(RC_BYTES)
@@ -76,9 +77,11 @@ class Channels:
     multi_out: U8 = 0
     factors: Annotated[tuple[float, float, float], Code("3d")] = (1.0, 1.0, 1.0)
     flags: Annotated[bytes, Code(f"{FLAG_BYTES}s")] = bytes(FLAG_BYTES)
+    reals_given: U32 = 0
+    reals: Annotated[tuple[float, ...], Code(f"{REALS}d")] = (0.0,) * REALS
 
 
-_SEEN = Layout(Channels, "channels/3")
+_SEEN = Layout(Channels, "channels/4")
 SEEN_SIZE, SEEN_LAYOUT = _SEEN.size, _SEEN.text
 pack_channels, unpack_channels = _SEEN.pack, _SEEN.unpack
 

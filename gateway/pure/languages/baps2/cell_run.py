@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI, MULTI, Fact
+from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI, FIRST_REAL, MULTI, REALS, Fact
 from gateway.pure.languages.baps2 import demands, lines
 from gateway.pure.languages.baps2.cell_access import CellAccess
 from gateway.pure.languages.baps2.cell_acts import TOLD, CellActs
@@ -35,7 +35,12 @@ FIRST_INPUT, USER = 464, 120  # RC input of user input 1
 FIRST_INTEGER, INTEGERS = 401, 8
 EARLY = 1_000  # the same inputs, read while the block is prepared
 PIECE = 1_000  # characters of an output to the screen of a PHG 2000
-OUTPUTS = (*range(1, USER + 1), *range(FIRST_MULTI, FIRST_MULTI + MULTI))
+OUTPUTS = (
+    *range(1, USER + 1),
+    *range(FIRST_MULTI, FIRST_MULTI + MULTI),
+    *range(FIRST_REAL, FIRST_REAL + REALS),
+    *range(FIRST_INTEGER, FIRST_INTEGER + INTEGERS),
+)
 DRY_NS = 100_000_000  # with nothing to do for so long the order is given back
 OWN_RUNS = 1 << 20  # runs that programs start themselves
 NUMBERED = re.compile(r"\(rho 3 (\d+)\)$")
@@ -559,6 +564,8 @@ class CellRun(Control):
             return seen.inputs[bit >> 3] >> (bit & 7) & 1
         if FIRST_INTEGER <= number < FIRST_INTEGER + INTEGERS:
             return seen.integers[number - FIRST_INTEGER]
+        if 0 <= number - FIRST_REAL < REALS and seen.reals_given >> number - FIRST_REAL & 1:
+            return seen.reals[number - FIRST_REAL]
         place = number - FIRST_FAST
         if 0 <= place < FAST and seen.fast_given >> place & 1:
             return seen.fast >> place & 1

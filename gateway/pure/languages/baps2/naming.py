@@ -14,7 +14,7 @@ Programs = Callable[[str], Program | None]
 MOST_ELEMENTS = 100_000
 CHANNELS = {  # ranges of channels and the type of what is there (spec 0.3)
     "input": ((1, 199, BINARY), (201, 224, REAL), (401, 408, INTEGER), (600, 799, BINARY), (801, 804, BINARY)),
-    "output": ((1, 199, BINARY), (201, 299, REAL), (401, 499, INTEGER), (801, 804, BINARY)),
+    "output": ((1, 199, BINARY), (201, 224, REAL), (401, 408, INTEGER), (801, 804, BINARY)),
 }
 ASYNCHRONOUS = 1_000
 

@@ -15,6 +15,7 @@ from gateway.pure.controllers.rho3.functions.processes import Kind, Process, Pro
 from gateway.pure.controllers.rho3.pendant.panel import Panel
 from gateway.pure.controllers.rho3.pendant.screen2000 import Screen2000
 from gateway.pure.controllers.rho3.pendant.user_memory import UserMemory
+from gateway.pure.controllers.rho3.signals.analog import AnalogChannels
 from gateway.pure.controllers.rho3.signals.codes import EMERGENCY_STOP, PIC_TIMER, PLC_SILENT, CycleErrors, code_text
 from gateway.pure.controllers.rho3.signals.commands import AxisCommands
 from gateway.pure.controllers.rho3.signals.control_state import ControlState
@@ -258,6 +259,11 @@ class RhoControl:
         self.modes.ends(program, robot)
         self._jobs.pop((program, robot), None)
 
+    @property
+    def analog(self) -> AnalogChannels | None:
+        """Channels that carry numbers; None: the cell runs no BAPS2 programs."""
+        return self.channels.analog
+
     def panel_text(self, written: str) -> None:
         """WRITE PHG: line after line, CLS clears; what does not fit is lost at the top."""
         _, cleared, text = written.replace("\r", "").rpartition("\f")
@@ -276,6 +282,7 @@ class RhoControl:
         inputs = None if multi is None else sum(multi.read(first + n) << n for n in range(interpreter.MULTI))
         factors = self.factor_table.global_factors()
         integers = bytes(self.user.integer(401 + n) & 0xFF for n in range(8))
+        reals = (0, (0.0,) * interpreter.REALS) if self.analog is None else self.analog.seen
         return interpreter.Channels(
             bytes(self.image.inputs),
             bytes(self.image.outputs),
@@ -285,6 +292,8 @@ class RhoControl:
             inputs,
             0 if multi is None else multi.outputs,
             (factors.velocity, factors.acceleration, factors.deceleration),
+            reals_given=reals[0],
+            reals=reals[1],
         )
 
     def start(self, name: str) -> Process:
@@ -367,12 +376,15 @@ class RhoControl:
         integers = [f"rho3.integer.{channel}" for channel in range(401, 409)]
         board = [f"rho3.board.input.{n}" for n in range(BOARD_IN)] + [f"rho3.board.output.{n}" for n in range(BOARD_OUT)]
         pic = self.pic.names() if self.pic is not None else []
-        return (*integers, *(board if self.setup.coupling else []), *pic, *self.channels.names())
+        analog = self.analog.names() if self.analog is not None else ()
+        return (*integers, *analog, *(board if self.setup.coupling else []), *pic, *self.channels.names())
 
     def value(self, name: str) -> float:
         """One of them; KeyError."""
         if name not in self._names:
             raise KeyError(name)
+        if self.analog is not None and self.analog.has(name):
+            return self.analog.value(name)
         _, kind, *rest = name.split(".")
         number = int(rest[-1])
         if kind == "integer":
@@ -384,9 +396,12 @@ class RhoControl:
         return self.channels.value(name)
 
     def put(self, name: str, value: float) -> None:
-        """What is wired: inputs of boards and of the multi-function I/O; KeyError for anything else, ValueError out of range."""
+        """What is wired: inputs of boards, of the multi-function I/O, REAL inputs; KeyError for anything else, ValueError out of range."""
         if name not in self._names or not (".input." in name or ".fast." in name):
             raise KeyError(name)
+        if self.analog is not None and self.analog.has(name):
+            self.analog.wire(name, value)
+            return
         most = 255 if ".board." in name else 1
         if not 0 <= value <= most:
             raise ValueError(f"{name}: 0..{most}")

@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from gateway.pure.controllers.pic_image import PicImage
+from gateway.pure.controllers.rho3.signals.analog import AnalogChannels
 from gateway.pure.controllers.rho3.signals.user import INPUTS, OUTPUTS, UserPorts
 
 
@@ -162,6 +163,7 @@ class FastParts:
     boards: tuple[str, ...] = ()  # servo boards 1..3, keys of BOARDS
     p11: tuple[Configured, ...] = ()
     p36: tuple[int, int] | None = None  # multi-function I/O: inputs, outputs; None: the control has none
+    analog: bool = False  # programs have REAL channels
 
 
 class Channels:
@@ -172,6 +174,7 @@ class Channels:
         self._user = user
         self.fast = FastInputs([BOARDS[name] for name in parts.boards], parts.p11)
         self.multi = None if parts.p36 is None else MultiFunction(*parts.p36, occupied=occupied)
+        self.analog = AnalogChannels() if parts.analog else None
         self.terminals = 0  # wired inputs of the multi-function I/O, bits 0..3
 
     def step(self, image: PicImage) -> None:
@@ -193,6 +196,13 @@ class Channels:
         """P11 says how many of the four a program may use; without P11 they are P36's alone."""
         if self.fast.configured and channel - 800 > count:
             raise InputFault(f"inadmissable {way}: {channel}")
+
+    def put(self, channel: int, value: float) -> None:
+        """A program sets an output, whatever it carries; InputFault: there is none."""
+        if self.analog is not None and self.analog.writes(channel):
+            self.analog.write(channel, value)
+        else:
+            self.write(channel, bool(value))
 
     def write(self, channel: int, value: bool) -> None:
         """InputFault: there is no such output."""

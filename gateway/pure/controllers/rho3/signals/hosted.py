@@ -232,7 +232,7 @@ class HostedPrograms:
 
     def _output(self, channel: int, value: float) -> None:
         try:
-            self.control.channels.write(channel, bool(value))
+            self.control.channels.put(channel, value)
         except (InputFault, ValueError) as fault:
             self.told.append(f"output {channel}: {fault}")
 
