@@ -20,6 +20,7 @@ from gateway.pure.languages.baps2.frames import to_workpiece
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.lines import Wanted
 from gateway.pure.languages.baps2.memory import Memory
+from gateway.pure.languages.baps2.outside import PANEL
 from gateway.pure.languages.baps2.robots import CellRobot
 from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Statement, Task
 from gateway.pure.languages.baps2.translation import Unit
@@ -34,6 +35,7 @@ from motion.program.passing import Presets
 FIRST_INPUT, USER = 464, 120  # RC input of user input 1
 FIRST_INTEGER, INTEGERS = 401, 8
 EARLY = 1_000  # the same inputs, read while the block is prepared
+SAID_ANEW = "-"  # no type: what is read next is said, also when it is nothing
 PIECE = 1_000  # characters of an output to the screen of a PHG 2000
 OUTPUTS = (
     *range(1, USER + 1),
@@ -44,6 +46,7 @@ OUTPUTS = (
 DRY_NS = 100_000_000  # with nothing to do for so long the order is given back
 OWN_RUNS = 1 << 20  # runs that programs start themselves
 NUMBERED = re.compile(r"\(rho 3 (\d+)\)$")
+FOREIGN = re.compile(r" \(VAL 3 \d+\)")
 WAITS = {
     "MoveTo": "the blocks before", "ReadInput": "the end of a movement", "Dwell": "a time", "WaitFor": "a condition",
     "ReadDevice": "a device", "Branches": "its branches", "Drain": "the end of a movement", "Enter": "a semaphore",
@@ -86,7 +89,8 @@ class CellRun(Control):
         self.port, self.robots, self.setup = port, tuple(robots), setup or CellSetup()
         self.paths = Paths(port, len(robots), one=one)
         self.acts = CellActs(self, CellBelts(self.setup.belts, port))
-        self.devices["PHG"] = Device(UnitFeed())
+        self.devices[PANEL] = Device(UnitFeed())
+        self._read_by_panel = ""  # type of what a READ of the panel waits for
         self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its robot
         self._runs: dict[int, Task] = {}
         self._begun = _Begun()
@@ -217,6 +221,10 @@ class CellRun(Control):
     def hear(self, order: Mapping[str, Fact], now: Ns) -> None:
         """What the control has for the test system, and for the PIC."""
         self.now = now
+        if order["do"] == "phg-line":
+            self.devices[PANEL].pieces.append(bytearray(str(order["text"]).encode("latin-1", "replace")))
+            self._read_by_panel = SAID_ANEW
+            return
         answer = self.test.hear(order, now)
         if answer is not None:
             if "ticket" in order:
@@ -258,7 +266,20 @@ class CellRun(Control):
         while self._advance() and self._woken():
             busy = self.scheduler.run(now) == now
         self._settle()
+        self._say_read()
         return busy
+
+    def _say_read(self) -> None:
+        """The control takes keys of the panel for a program as long as one reads them."""
+        wanted = ""
+        for task in self.tasks.values():
+            asked = task.process.waits_for
+            waits = task.process.state is ProcessState.WAITING and isinstance(asked, demands.ReadDevice)
+            if waits and isinstance(asked, demands.ReadDevice) and self.units.place(task, asked.unit)[0] == PANEL:
+                wanted = "TEXT" if asked.count else asked.base
+        if wanted != self._read_by_panel:
+            self._read_by_panel = wanted
+            self.port.tell("phg-read", base=wanted)
 
     def _lines_turn(self) -> None:
         """What has come on the lines; a fault of an interface ends its program."""
@@ -675,9 +696,10 @@ class CellRun(Control):
 
 
 def numbered(error: RuntimeFault) -> RuntimeFault:
-    """The manual's own number where planner or cycle name one: `.. beltdistance is zero (rho 3 89)`."""
-    found = NUMBERED.search(error.text)
-    return RuntimeFault(int(found[1]), error.text) if found is not None else error
+    """The manual's own number where planner or cycle name one: `.. beltdistance is zero (rho 3 89)`; not those of others."""
+    text = FOREIGN.sub("", error.text)
+    found = NUMBERED.search(text)
+    return RuntimeFault(error.code if found is None else int(found[1]), text)
 
 
 def changed(before: Mapping[str, bytes], after: Mapping[str, bytes]) -> dict[str, bytes | None]:

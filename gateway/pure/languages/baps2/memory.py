@@ -9,6 +9,7 @@ from gateway.pure.languages.base.source import Position
 
 _POINT = re.compile(r"(?:[^\W\d]\w*\s*\.\s*)?(@?[^\W\d]\w*)\s*=\s*@?\s*\(?\s*([^()]*?)\s*\)?")
 Points = dict[str, tuple[float, ...]]
+POINT_DIGITS = 9  # behind the point: what an angle of 0 has beyond is the rest of a calculation
 
 
 def decoded(data: bytes) -> str:
@@ -53,7 +54,7 @@ class Memory:
 
 def with_point(text: str, name: str, value: tuple[float, ...]) -> str:
     """The text of a point file with this point in it: in its line, with the comment there, or in a new one at the end."""
-    line = f"{name} = {'@' if name.startswith('@') else ''}({', '.join(f'{each:.10g}' for each in value)})"
+    line = f"{name} = {'@' if name.startswith('@') else ''}({', '.join(f'{round(each, POINT_DIGITS) + 0.0:.10g}' for each in value)})"
     rows, found = text.splitlines(), False
     for index, row in enumerate(rows):
         match = _POINT.fullmatch(row.partition(";")[0].strip())

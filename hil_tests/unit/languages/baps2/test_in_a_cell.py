@@ -354,6 +354,18 @@ def test_the_error_part_of_move_until_is_run_only_where_the_input_never_came(whe
     assert (cell.at()[0] == 300) is (when == "never")
 
 
+def test_a_point_outside_the_travel_ends_the_program_in_the_words_of_the_rho_3_alone() -> None:
+    how, code, text, place = ProgramCell(one("MOVE LINEAR TO (100000, 60, 60, 0)")).run("P")
+    assert (how, code, place) == ("aborted", 253, "P.QLL line 8")
+    assert "axis X: point not reachable" in text and "VAL 3" not in text
+
+
+def test_a_calculated_angle_of_nothing_is_kept_as_0() -> None:
+    cell = ProgramCell(one("MOVE LINEAR TO (50, 60, 70, 0)\nHERE = POS", "DEF POINT : HERE"))
+    assert cell.run("P")[0] == "ended"
+    assert (cell.memory.text("P.PKT") or "").strip() == "HERE = (50, 60, 70, 0)"
+
+
 @pytest.mark.requirement("RHO-BAP-12", by="gateway.pure.controllers.rho3.signals.hosted:HostedPrograms._program")
 def test_a_permanent_process_outlasts_a_control_reset_and_ends_by_the_abort_of_the_plc() -> None:
     files = one("AGAIN:\nLAMP = 1\nWAIT 0.1\nLAMP = 0\nWAIT 0.1\nJUMP AGAIN", "OUTPUT : 3 = LAMP", name="PALLET")

@@ -12,6 +12,7 @@ from gateway.pure.controllers.rho3.functions.status_display import AUTOMATIC, MA
 from gateway.pure.controllers.rho3.pendant.infos import infos
 from gateway.pure.controllers.rho3.pendant.modes import RESET, Mode, select, spoken, up
 from gateway.pure.controllers.rho3.pendant.pages import Source, page_of
+from gateway.pure.controllers.rho3.pendant.reading import PanelReader
 from protocols.base.machine import Ns, ms
 
 REFRESH: Ns = ms(200)
@@ -36,6 +37,7 @@ class Panel:
         self._message = ""
         self._lines: list[str | None] = [None] * LINES  # as written last: only news covers what a higher layer let go
         self._drawn: Ns = 0
+        self.reader = PanelReader()
 
     @property
     def level(self) -> Mode:
@@ -47,12 +49,19 @@ class Panel:
         fresh = self._selection.mode != self._mode
         if fresh:
             self._enter()
-        while (key := self._display.system_key()) is not None:
-            self._take(key)
+        while (key := self._key()) is not None:
             fresh = True
+            if self._entry is not None or not self.reader.take(key):
+                self._take(key)
         if fresh or now - self._drawn >= REFRESH:
             self._drawn = now
             self._draw()
+
+    def _key(self) -> str | None:
+        """A program that reads has its keys also while the display is not the system's (L6715-6717)."""
+        if self.reader.asks:
+            return None  # typed ahead: it may be for the next READ
+        return self._display.read() if self.reader.wanted else self._display.system_key()
 
     def refuse(self, words: str) -> None:
         """Reason why a selection is not executed; shown in line 3 until the next key."""

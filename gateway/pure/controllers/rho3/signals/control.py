@@ -156,6 +156,7 @@ class RhoControl:
             self.interface.faults.came(INTERPRETER_GONE, now=now)
         told += [refusal.text(setup.functions.language) for refusal in self.functions.step(inputs, image.outputs, now)]
         self.panel.step(now)
+        self._echo()
         if "" in map(self.panel_view.memory_outcome, ("save", "load")):
             self._start_up()
         self._end_moves()
@@ -268,7 +269,18 @@ class RhoControl:
         """WRITE PHG: line after line, CLS clears; what does not fit is lost at the top."""
         _, cleared, text = written.replace("\r", "").rpartition("\f")
         self._written = (text if cleared else self._written + text)[-LINES * COLUMNS * 2 :]
-        rows = [row[at : at + COLUMNS] for row in self._written.split("\n") for at in range(0, max(len(row), 1), COLUMNS)][-LINES:]
+        self._show_written()
+
+    def _echo(self) -> None:
+        """What is typed for READ PHG stands behind what was written."""
+        reader = self.panel.reader
+        if reader.changed:
+            reader.changed, echo, reader.echo = False, reader.echo, ""
+            self.panel_text(echo)
+
+    def _show_written(self) -> None:
+        shown = self._written + self.panel.reader.typed
+        rows = [row[at : at + COLUMNS] for row in shown.split("\n") for at in range(0, max(len(row), 1), COLUMNS)][-LINES:]
         for number in range(LINES):
             self.functions.display.write(Layer.WRITE, number + 1, rows[number] if number < len(rows) else "")
 

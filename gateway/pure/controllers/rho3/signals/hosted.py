@@ -11,6 +11,7 @@ from typing import Protocol
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.controllers.rho3.functions.processes import Body, Kind, Process, ProcessFault, ProcessTable, Program, State, Turn
+from gateway.pure.controllers.rho3.pendant.panel import Panel
 from gateway.pure.controllers.rho3.pendant.screen2000 import Screen2000
 from gateway.pure.controllers.rho3.pendant.user_memory import UserMemory
 from gateway.pure.controllers.rho3.signals.fast_io import Channels, InputFault
@@ -32,6 +33,7 @@ class Mover(Protocol):
 
     processes: ProcessTable
     channels: Channels
+    panel: Panel
 
     @property
     def screen(self) -> Screen2000:
@@ -122,6 +124,7 @@ class HostedPrograms:
         if identity != self.language_id:
             self._lost()
             self.language_id = identity
+            self.control.panel.reader.reads("")
             if identity and self.control.pic is not None:
                 self.control.pic.welcome()
         self.rows = _rows(report.get("processes")) if identity else []
@@ -194,6 +197,8 @@ class HostedPrograms:
                     self._end(body, str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
             case "memory" | "answered" | "phg2000":
                 self._informed(said)
+            case "phg-read":
+                self.control.panel.reader.reads(str(said["base"]))
             case "panel":
                 self.control.panel_text(str(said["text"]))
             case "pic" if self.control.pic is not None:
@@ -276,6 +281,9 @@ class HostedPrograms:
             elif body.process.state is State.FAULTY and body.over is None:  # the control ended it: its mode was switched
                 self.orders.append({"do": "fail", "run": run, "code": body.process.error, "text": body.process.error_text})
                 self._end(body, "aborted", body.process.error, body.process.error_text)
+        reader = self.control.panel.reader
+        self.orders += [{"do": "phg-line", "text": line} for line in reader.lines]
+        reader.lines.clear()
         if self.control.pic is not None:
             self.orders += self.control.pic.orders
             self.control.pic.orders.clear()
