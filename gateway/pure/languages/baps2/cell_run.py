@@ -69,6 +69,7 @@ class Pendant:
     debugger: CellDebugger
     files: CellFiles
     eeprom: EepromOrders = field(default_factory=EepromOrders)
+    reading: str = ""  # type of what a READ of the panel waits for, as it was said
 
 
 class CellRun(Control):
@@ -90,7 +91,6 @@ class CellRun(Control):
         self.paths = Paths(port, len(robots), one=one)
         self.acts = CellActs(self, CellBelts(self.setup.belts, port))
         self.devices[PANEL] = Device(UnitFeed())
-        self._read_by_panel = ""  # type of what a READ of the panel waits for
         self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its robot
         self._runs: dict[int, Task] = {}
         self._begun = _Begun()
@@ -223,7 +223,7 @@ class CellRun(Control):
         self.now = now
         if order["do"] == "phg-line":
             self.devices[PANEL].pieces.append(bytearray(str(order["text"]).encode("latin-1", "replace")))
-            self._read_by_panel = SAID_ANEW
+            self.pendant.reading = SAID_ANEW
             return
         answer = self.test.hear(order, now)
         if answer is not None:
@@ -277,8 +277,8 @@ class CellRun(Control):
             waits = task.process.state is ProcessState.WAITING and isinstance(asked, demands.ReadDevice)
             if waits and isinstance(asked, demands.ReadDevice) and self.units.place(task, asked.unit)[0] == PANEL:
                 wanted = "TEXT" if asked.count else asked.base
-        if wanted != self._read_by_panel:
-            self._read_by_panel = wanted
+        if wanted != self.pendant.reading:
+            self.pendant.reading = wanted
             self.port.tell("phg-read", base=wanted)
 
     def _lines_turn(self) -> None:

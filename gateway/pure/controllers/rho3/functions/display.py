@@ -7,6 +7,8 @@ keeps them only until a lower layer writes there.
 from collections import deque
 from enum import IntEnum
 
+from gateway.pure.controllers.rho3.functions.reading import PanelReader
+
 LINES, COLUMNS = 4, 20
 KEYS = 64  # keys waiting (AX-536)
 _SYSTEM_OFF = (1, 2)  # lines 2 and 3: kept free of the system's messages by bit 35
@@ -39,6 +41,7 @@ class Display:
         self._selected = False
         self._keys: deque[str] = deque()
         self.lost_keys = 0
+        self.reader = PanelReader()
         self.tag = ""  # at the end of line 4 (MSD active)
 
     # ---- pages -------------------------------------------------------------------------------------------------------------

@@ -8,11 +8,11 @@ display is axisgate's own
 
 from gateway.pure.controllers.rho3.functions.display import COLUMNS, LINES, Display, Layer
 from gateway.pure.controllers.rho3.functions.phg_selection import PhgSelection
+from gateway.pure.controllers.rho3.functions.reading import PanelReader
 from gateway.pure.controllers.rho3.functions.status_display import AUTOMATIC, MANUAL, StatusDisplay
 from gateway.pure.controllers.rho3.pendant.infos import infos
 from gateway.pure.controllers.rho3.pendant.modes import RESET, Mode, select, spoken, up
 from gateway.pure.controllers.rho3.pendant.pages import Source, page_of
-from gateway.pure.controllers.rho3.pendant.reading import PanelReader
 from protocols.base.machine import Ns, ms
 
 REFRESH: Ns = ms(200)
@@ -37,7 +37,11 @@ class Panel:
         self._message = ""
         self._lines: list[str | None] = [None] * LINES  # as written last: only news covers what a higher layer let go
         self._drawn: Ns = 0
-        self.reader = PanelReader()
+
+    @property
+    def reader(self) -> PanelReader:
+        """READ PHG of a program."""
+        return self._display.reader
 
     @property
     def level(self) -> Mode:
