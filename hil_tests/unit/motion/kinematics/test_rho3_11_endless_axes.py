@@ -25,6 +25,8 @@ def speeds_of_the_master(axes: EndlessAxes) -> list[float]:
 
 @pytest.mark.requirement("RHO-MOT-30", by=("motion.kinematics.endless:EndlessAxes.span", "motion.kinematics.endless:axis_type"))
 def test_the_master_keeps_500_deg_per_s_over_all_points_and_the_slaves_follow() -> None:
+    kinds = [AxisType.MAIN, AxisType.MANUAL, AxisType.ENDLESS_MAIN, AxisType.ENDLESS_MANUAL]
+    assert [axis_type(number) for number in (0, 1, 3, 4)] == kinds
     axes = EndlessAxes((axis_type(3), *(axis_type(4),) * 4), (360.0,) * 5)
     assert speeds_of_the_master(axes) == pytest.approx([V] * 8)
     span = axes.span((105, 150, 0, 0, 0), (190, 300, 160, 0, 180), V)

@@ -35,6 +35,7 @@ def portal(systems: WcSystems, origin: Pose = IDENTITY) -> Rho3Kinematic:
 def test_a_frame_of_z_30_lifts_every_point_by_30() -> None:
     systems = WcSystems()
     machine = portal(systems)
+    assert machine.original((100, 200, 10, 5, 6, 7)) == pytest.approx((100, 200, 10, 5, 6, 7)), "no frame yet"
     assert machine.jc((100, 200, 10, 0, 0, 0), NEAR)[:3] == pytest.approx((100, 200, 10))
     systems.select("PAINT_1", SLIDE)
     assert close(machine.original((100, 200, 10, 5, 6, 7)), (100, 200, 40, 5, 6, 7))

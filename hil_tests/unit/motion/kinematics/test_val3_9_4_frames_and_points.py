@@ -76,7 +76,7 @@ def test_set_frame_in_a_moved_reference_and_for_a_frame_that_hangs_on_nothing() 
 def test_link_moves_a_frame_in_the_world_and_keeps_its_numbers() -> None:
     world = new_world()
     one, two = Frame(Trsf(100, 0, 0), world), Frame(Trsf(0, 10, 0, 0, 0, 90), world)
-    assert same(position(two, world), Trsf(0, 10, 0, 0, 0, 90))
+    assert position(two, world) == pytest.approx(Trsf(0, 10, 0, 0, 0, 90), abs=1e-9)
     link_frame(two, one)
     assert two.trsf == Trsf(0, 10, 0, 0, 0, 90)
     assert same(position(two, world), Trsf(100, 10, 0, 0, 0, 90))
@@ -99,7 +99,7 @@ def test_compose_turns_about_the_origin_of_the_reference() -> None:
     table = Frame(Trsf(100, 0, 0), world)
     point = Point(Trsf(200, 0, 0), Configuration(elbow=Elbow.POSITIVE), world)
     turned = compose_point(point, table, Trsf(0, 0, 0, 0, 0, 90))
-    assert same(turned.trsf, Trsf(100, 100, 0, 0, 0, 90)), "x, y move, too"
+    assert isinstance(turned, Point) and same(turned.trsf, Trsf(100, 100, 0, 0, 0, 90)), "x, y move, too"
     assert (turned.frame, turned.config) == (world, point.config)
     restored = turned.trsf._replace(x=200, y=0, z=0)
     assert same(restored, Trsf(200, 0, 0, 0, 0, 90)), "with x, y, z restored only the orientation is new"
@@ -115,6 +115,8 @@ def test_the_distance_of_two_points_is_that_of_their_places_in_the_world() -> No
     world = new_world()
     one = Point(Trsf(10, 20, 30, 4, 5, 6), FREE, Frame(Trsf(100, 50, 0, 10, 20, 30), world))
     two = Point(Trsf(-70, 0, 15, 0, 0, 90), FREE, Frame(Trsf(0, -30, 80, 0, 90, 0), world))
+    turned = Point(Trsf(1, 2, 3), FREE, Frame(Trsf(10, 0, 0, 0, 0, 90), world))
+    assert position(turned, world) == pytest.approx(Trsf(8, 1, 3, 0, 0, 90), abs=1e-9)
     expected = between(position(one, world), position(two, world))
     assert expected > 100
     assert math.isclose(distance(one, two), expected, abs_tol=1e-9)
@@ -124,6 +126,8 @@ def test_the_distance_of_two_points_is_that_of_their_places_in_the_world() -> No
 def test_a_point_that_was_never_linked_is_error_162() -> None:
     world = new_world()
     free = Point(Trsf(1, 2, 3))
+    assert code(free.linked) == 162
+    assert Point(Trsf(1, 2, 3), FREE, world).linked() is world
     uses: tuple[Callable[[], object], ...] = (
         lambda: position(free, world),
         lambda: distance(free, Point(Trsf(), FREE, world)),
@@ -164,6 +168,7 @@ def test_joint_to_point_and_back_with_the_same_configuration() -> None:
     robot = Arm(arm(), DEG)
     for joint in spread(40, (170, 120, 140, 170, 110, 170)):
         point = robot.joint_to_point(tool, table, joint)
+        assert isinstance(point, Point)
         assert point.config == robot.config(joint)
         back = robot.point_to_joint(tool, (0,) * 6, point)
         assert back is not None

@@ -19,6 +19,7 @@ from motion.timing import topp
 from motion.timing.banded import Banded
 from motion.timing.choice import Rounded, assembled, duration, fastest
 from motion.timing.jerk import jerk_limited, shares
+from motion.timing.law import Law
 from motion.timing.limiter import ABORT_TEXT, AxisTooFast, Monitoring, limited
 from motion.timing.limits import Cap, law_limits
 from motion.timing.override_ramp import OverrideRamp
@@ -123,6 +124,7 @@ def test_path_speed_100_mm_s_and_half_of_2000_mm_s2_are_ramps_and_a_constant_pha
     path = portal_path(line(point(0, 0, 0), point(0.12, 0.16, 0)))
     limits = law_limits(portal_limits(), way=(0.1, 0.5 * 2.0, 100.0))
     law = jerk_limited(path, limits)
+    assert isinstance(law, Law)
     s = law.at(np.arange(0.0, law.duration + 1e-3, 1e-3))
     speed, accel = np.diff(s) / 1e-3, np.diff(s, 2) / 1e-6
     assert np.max(speed) == pytest.approx(0.1, rel=1e-3)

@@ -5,6 +5,7 @@ import pytest
 
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.planner import MeasuringFacts
+from gateway.pure.image.records.points import LatchAt, ReferencePathPoint, latch_of, latch_record, tape_of, tape_record
 from gateway.pure.planning.cycle_view import CycleView
 from gateway.pure.planning.planner import CellPrograms, Programs
 from gateway.tools.motion.dry_run import DryRun, sections_of
@@ -115,6 +116,8 @@ def test_paper_goes_on_from_the_new_numbers_and_sees_no_movement_in_them() -> No
 @pytest.mark.requirement("RHO-MOT-38", by="gateway.pure.cycle.points:ReferencePathRecorder.recall")
 @pytest.mark.requirement("RHO-MOT-38", by="gateway.pure.image.records.points:tape_of")
 def test_each_13_mm_of_a_measuring_system_is_kept_and_the_program_goes_back_over_it(cell: Portal) -> None:
+    written = ReferencePathPoint(7, 0.25, 1, 0.013, kinematic=2)
+    assert tape_of(tape_record(1, 1, written)) == written, "through the ring of the cycle"
     assert (
         cell.run("record_on 1 13mm", "linear pose 165 120 50 0 0 0 path=40", "record_off", "linear pose 300 120 50 0 0 0")
         is CommandState.DONE
@@ -157,6 +160,8 @@ def arm() -> Probing:
 @pytest.mark.requirement("VAL-LATCH-01", by="gateway.pure.cycle.points:CoreLatch.store")
 @pytest.mark.requirement("VAL-LATCH-01", by="gateway.pure.image.records.points:latch_of")
 def test_set_latch_stores_where_the_axes_were_at_the_rising_edge_and_the_program_goes_there(arm: Probing) -> None:
+    asked = LatchAt(7, 0.25, 611, 0b11, "fIn0")
+    assert latch_of(latch_record(1, 1, asked)) == asked, "through the ring of the cycle"
     job = arm.order("set_latch fIn0", f"ptp joints {joints(50)}", "ptp mpos")
     stamp = arm.edge_at(20.0, FAST, ago=0.37)
     arm.cell.run(0.02)
