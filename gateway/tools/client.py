@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -26,6 +27,22 @@ Row = dict[str, object]
 
 class ToolError(Exception):
     """What the cell would not do, in a sentence."""
+
+
+@contextlib.contextmanager
+def interrupt_later() -> Iterator[None]:
+    """Raise KeyboardInterrupt behind this block, not within it; outside the main thread Python raises none."""
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+    came: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if came:
+        raise KeyboardInterrupt
 
 
 class ToolClient:
@@ -54,8 +71,9 @@ class ToolClient:
 
     def _asked(self, op: str, request: Mapping[str, object]) -> Row:
         try:
-            self._link.sendall(json.dumps({"op": op, **request}).encode() + b"\n")
-            answer: Row = json.loads(self._file.readline() or b"{}")
+            with interrupt_later():  # or the answer to this request would be read as the answer to the next one
+                self._link.sendall(json.dumps({"op": op, **request}).encode() + b"\n")
+                answer: Row = json.loads(self._file.readline() or b"{}")
         except (OSError, ValueError) as error:
             raise ToolError(f"run {self.run!r}: the services are gone ({error})") from error
         if "error" in answer:

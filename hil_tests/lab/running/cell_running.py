@@ -18,6 +18,7 @@ from drivers.emulator.servo.record import Record
 from drivers.emulator.servo.record import read as read_record
 from drivers.ports.base import PortError
 from gateway.cell_file.load import load_cell
+from gateway.commands.run import SLOW_P5
 from gateway.pure.image.records.cell import CellState, unpack_cell_state
 from gateway.runtime.realtime import realtime_allowed
 from gateway.runtime.regions import RegionReader, recv_fds
@@ -130,9 +131,12 @@ def free_port() -> int:
 class CellRun:
     """One run; made by `running_cell`."""
 
-    def __init__(self, folder: pathlib.Path, cell: str, name: str, p5_ms: int = P5_MS, more: Sequence[str] = ()) -> None:
-        self.folder, self.cell, self.name, self.p5_ms, self.more = folder, cell, name, p5_ms, more
+    def __init__(self, folder: pathlib.Path, cell: str, name: str, p5_ms: int | None = P5_MS, more: Sequence[str] = ()) -> None:
+        """`p5_ms` None: the product's choice, where simulated time waits for a late machine (AX-681, AX-915)."""
+        self.folder, self.cell, self.name = folder, cell, name
         self.demo = load_cell(cell)
+        self.p5_ms = p5_ms or (self.demo.cycle_ms if REALTIME else max(SLOW_P5, self.demo.cycle_ms))
+        self.more = more if p5_ms is None else ("--p5", str(p5_ms), *more)
         self.port = free_port()
         self.process = self._start()
         self._log_at = self._record_from = 0
@@ -141,7 +145,7 @@ class CellRun:
         self.disturbed = 0
 
     def _start(self) -> "subprocess.Popen[bytes]":
-        command = [sys.executable, "-m", "gateway", "run", self.cell, "--sim", "--name", self.name, "--p5", str(self.p5_ms)]
+        command = [sys.executable, "-m", "gateway", "run", self.cell, "--sim", "--name", self.name]
         command += ["--modbus-port", str(self.port), "--record", str(self.folder), "--die-with-parent", *self.more]
         with (self.folder / "run.log").open("ab") as log:
             process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True)
@@ -393,7 +397,7 @@ def runtime_folder() -> Iterator[pathlib.Path]:
 
 @contextlib.contextmanager
 def running_cell(
-    cell: str = "demo", name: str = "death", *, plc: bool = True, p5_ms: int = P5_MS, more: Sequence[str] = ()
+    cell: str = "demo", name: str = "death", *, plc: bool = True, p5_ms: int | None = P5_MS, more: Sequence[str] = ()
 ) -> Iterator[CellRun]:
     """A run with PLC 2 polling (and synchronised), started with `more` options; ended in order afterwards."""
     with runtime_folder() as folder:

@@ -78,7 +78,7 @@ class Buttons:
 
 
 def test_a_cell_that_its_pic_runs_alone(tmp_path: pathlib.Path) -> None:
-    with running_cell(a_cell(tmp_path), "pic", plc=False) as run:
+    with running_cell(a_cell(tmp_path), "pic", plc=False, p5_ms=None) as run:
         buttons = Buttons(run)
         until(lambda: buttons.programs() and buttons.alive(), "the PIC enables")
         buttons.wire(1)

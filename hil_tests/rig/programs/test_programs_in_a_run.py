@@ -101,7 +101,7 @@ def plant_in(folder: pathlib.Path, name: str) -> Iterator[Plant]:
         (folder / "palletiser" / "LOOP.QLL").write_text(LOOP)
         (folder / "palletiser" / "EXPROG.DAT").write_text(EXPROG)
     with contextlib.ExitStack() as stack:
-        run = stack.enter_context(running_cell(str(folder / "palletiser.toml"), name, plc=False))
+        run = stack.enter_context(running_cell(str(folder / "palletiser.toml"), name, plc=False, p5_ms=None))
         station = Rack.station()
         line = stack.enter_context(SyncLine(lambda: open_bytes(Rack.port_of(run.name), "38400 8E1"), station))
         yield Plant(run, SignalPlc(Rack(line, station)))

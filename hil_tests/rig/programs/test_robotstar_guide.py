@@ -55,7 +55,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellRun]:
     (memory / "PLC" / "OTHER.PLC").write_text("PLC OTHER\nL 5\nT M300\nEND\n")
     plc = memory / "PLC" / "MAIN.PLC"
     plc.write_text(plc.read_text().removesuffix("END\n") + ANSWERS)
-    with running_cell(str(folder / "reis-palletiser.toml"), "palrobot", plc=False) as run:
+    with running_cell(str(folder / "reis-palletiser.toml"), "palrobot", plc=False, p5_ms=None) as run:
         yield run
 
 
@@ -79,6 +79,13 @@ class Person:
         done = subprocess.run(self._words(command, *more), capture_output=True, text=True, timeout=PATIENCE_S, check=False)
         assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
         return done.stdout
+
+    def reads(self, command: "subprocess.Popen[str]") -> Row:
+        """The outcome that a command with --json prints at its end."""
+        printed, words = command.communicate(timeout=PATIENCE_S)
+        assert printed, words
+        outcome: Row = json.loads(printed)
+        return outcome
 
     def waits(self, test: Callable[[], bool], what: str) -> None:
         end = time.monotonic() + PATIENCE_S
@@ -116,7 +123,7 @@ def test_palletise_stop_jog_resume_and_force_a_marker(run: CellRun) -> None:
     person.waits(lambda: abs(person.joints()[0]) > 10, "on the way to a part")
     person.waits(lambda: run.state().motion is Motion.RUNNING, "under way")
     first.send_signal(signal.SIGINT)
-    told: Row = json.loads(first.communicate(timeout=PATIENCE_S)[0])
+    told: Row = person.reads(first)
     assert told["how"] == "stopped" and str(told["place"]).startswith(("PALTEST step ", "GRIP step "))
     here = person.joints()
     shown = person.types(status)
@@ -126,7 +133,7 @@ def test_palletise_stop_jog_resume_and_force_a_marker(run: CellRun) -> None:
     again = person.begins(resume, "--json")
     person.waits(lambda: abs(person.joints()[0] - here[0]) < 0.5, "back where it was stopped")
     person.types(force)
-    told = json.loads(again.communicate(timeout=PATIENCE_S)[0])
+    told = person.reads(again)
     assert told["how"] == "ended", told
     memory = pathlib.Path(person.file).parent / "reis-palletiser"
     person.waits(lambda: "ITOTAL = 7" in (memory / "PATTERN1.PAL.VAL").read_text(), "its values are kept")
@@ -163,7 +170,7 @@ def test_modes_keys_and_a_dead_interpreter(run: CellRun) -> None:
     held = person.begins("axisgate program run reis-palletiser PALTEST --ready", "--json")
     person.waits(lambda: abs(person.joints()[0]) > 10, "on the way to a part")
     dead, _ = run.kill("interpreter")
-    told = json.loads(held.communicate(timeout=PATIENCE_S)[0])
+    told = person.reads(held)
     assert told["how"] == "lost", told
     person.waits(lambda: run.processes()["interpreter"]["pid"] not in (None, dead), "a new one")
     person.waits(person.rests, "at rest on the path")
@@ -188,7 +195,7 @@ def test_paltest_whose_processes_are_killed_anywhere_rests_and_they_come_back(ru
         took = time.monotonic() - killed
         if name == "plc":
             held.send_signal(signal.SIGINT)
-        told = json.loads(held.communicate(timeout=PATIENCE_S)[0])
+        told = person.reads(held)
         assert told["how"] == ("lost" if name == "interpreter" else "stopped"), told
         person.waits(person.rests, f"at rest behind kill {number} of the {name}")
         run.forgive(name)

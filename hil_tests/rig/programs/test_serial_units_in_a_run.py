@@ -89,7 +89,7 @@ def partner_of(run: CellRun) -> Iterator[Partner]:
 
 
 def test_a_host_orders_by_3964r_and_the_plug_is_pulled_between(tmp_path: pathlib.Path) -> None:
-    with running_cell(a_cell(tmp_path), "units", plc=False) as run, partner_of(run) as host:
+    with running_cell(a_cell(tmp_path), "units", plc=False, p5_ms=None) as run, partner_of(run) as host:
         host.until(lambda: bool(asked(run, "process", do="list")["programs"]), "programs are read")
         assert "error" not in asked(run, "process", do="start", name="HOST")
         host.until(lambda: bool(asked(run, "process", do="list")["processes"]), "it runs")

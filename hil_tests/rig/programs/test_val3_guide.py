@@ -64,7 +64,7 @@ def test_the_guide_word_for_word(tmp_path: pathlib.Path) -> None:
     shutil.copytree(CELLS / "cs8", tmp_path / "cs8")
     shutil.copy(CELLS / "cs8.toml", tmp_path)
     for play in range(PLAYS):
-        with running_cell(str(tmp_path / "cs8.toml"), f"cs8-{play}", plc=False) as run:
+        with running_cell(str(tmp_path / "cs8.toml"), f"cs8-{play}", plc=False, p5_ms=None) as run:
             try:
                 follow(run)
             except Disturbed:

@@ -53,7 +53,7 @@ def test_a_card_becomes_a_cell_that_moves(tmp_path: pathlib.Path) -> None:
     assert table.val3 is not None
     machine = setup_of(table, table.val3).machine
     for play in range(PLAYS):
-        with running_cell(str(cell), f"glue-{play}", plc=False) as run:
+        with running_cell(str(cell), f"glue-{play}", plc=False, p5_ms=None) as run:
             try:
                 types(run, "axisgate program start cs8 glue")
                 waits(run, lambda: types(run, "axisgate var dio.done --name cs8").strip().endswith("1"), "the path is done")

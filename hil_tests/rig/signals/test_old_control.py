@@ -76,7 +76,7 @@ def plant_over(door: str, folder: pathlib.Path) -> Iterator[Plant]:
     (folder / "dat").mkdir()
     (folder / "dat" / "exprog.dat").write_bytes(EXPROG.encode("cp437"))
     (folder / "dat" / "PHGCODE.DAT").write_text("4 = 7.1\n")
-    with running_cell(signal_cell(folder, door, PROGRAMS, rho3=COUPLED), f"old-{door}", plc=False) as run:
+    with running_cell(signal_cell(folder, door, PROGRAMS, rho3=COUPLED), f"old-{door}", plc=False, p5_ms=None) as run:
         if door == "net":
             yield Plant(run, SignalPlc(Net(run.port)))
             return

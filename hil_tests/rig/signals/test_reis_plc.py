@@ -77,7 +77,7 @@ def plant(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Plant]:
     (programs / "TOGGLE.PLC").write_text("L M10\nZV ACCU,1\nT M10\nU E0.0\n= A0.7\nEND\n")
     (programs / "LONG.PLC").write_text("U E0.0\nM AGAIN\nSP AGAIN\nEND\n")
     with (
-        running_cell(str(file), "reisplc", plc=False) as run,
+        running_cell(str(file), "reisplc", plc=False, p5_ms=None) as run,
         ModbusTcpClient("127.0.0.1", port=run.port) as client,
         contextlib.closing(ToolClient(run.name)) as tool,
     ):

@@ -49,7 +49,7 @@ def test_points_are_one_picture_for_plc_and_program(tmp_path: pathlib.Path) -> N
     cell = pathlib.Path(signal_cell(tmp_path, "net", f'kind = "val3"\n{POINTS}'))
     text = cell.read_text().replace('name = "net"', f'name = "net"\nunits = [ {{ unit = {PICTURE}, view = "val3" }} ]')
     cell.write_text(text.replace('entries = [\n  { at = "DW 0", type = "KH", to = "MW 0" },', "entries = ["))
-    with running_cell(str(cell), "val3", plc=False) as run:
+    with running_cell(str(cell), "val3", plc=False, p5_ms=None) as run:
 
         def read(table: str, at: int, count: int = 1) -> list[int]:
             found = values_of(mbpoll(run.port, "-0", "-t", table, "-r", str(at), "-c", str(count), unit=PICTURE)[1])
