@@ -85,10 +85,14 @@ def clipped(wanted: float, block: float, share: float) -> float:
 
 def directions(before: Curve, after: Curve) -> tuple[Vector, Vector]:
     """Unit tangents at the end of `before` and at the start of `after`."""
-    u1, u2 = before.derivatives(before.length).p1, after.derivatives(0.0).p1
-    if norm(u1) == 0.0 or norm(u2) == 0.0:
+    return _tangents(before.derivatives(before.length), after.derivatives(0.0))
+
+
+def _tangents(into: Derivatives, out: Derivatives) -> tuple[Vector, Vector]:
+    one, two = norm(into.p1), norm(out.p1)
+    if one == 0.0 or two == 0.0:
         raise PathError("a path without way of the tool cannot be rounded off", 621)
-    return scale(u1, 1 / norm(u1)), scale(u2, 1 / norm(u2))
+    return scale(into.p1, 1 / one), scale(out.p1, 1 / two)
 
 
 def corner(before: Curve, after: Curve, leave: float, reach: float) -> Corner | Polynomial:
@@ -102,15 +106,20 @@ def corner(before: Curve, after: Curve, leave: float, reach: float) -> Corner | 
     point = after.at(0.0)
     if norm(sub(before.at(before.length).position, point.position)) > JOIN_M:
         raise PathError("a corner between curves that do not meet")
-    u1, u2 = directions(before, after)
+    into, out = before.derivatives(before.length), after.derivatives(0.0)
+    u1, u2 = _tangents(into, out)
     if norm(add(u1, u2)) < SHARPEST:
         raise PathError("the path goes back on itself: nothing rounds this corner")
-    turned = norm(add(_turned(before, before.length - leave, before.length), _turned(after, 0.0, reach)))
+    straight = _straight(before) and _straight(after)
+    if straight:
+        turned = norm(add(scale(into.w, leave), scale(out.w, reach)))
+    else:
+        turned = norm(add(_turned(before, before.length - leave, before.length), _turned(after, 0.0, reach)))
     if turned >= MOST_TURN:
         what = f"Cartesian blend: the tool turns by {math.degrees(turned):.6g} deg between leave and reach, less than 180 deg is possible"
         raise PathError(f"{what}: shorter ranges, or a point between", 554)
-    if _straight(before) and _straight(after):
-        return _between_lines(before, after, point, leave, reach)
+    if straight:
+        return _between_lines(into, out, point, leave, reach)
     return _between_curves(before, after, point, leave, reach)
 
 
@@ -128,8 +137,7 @@ def _straight(curve: Curve) -> bool:
     return isinstance(base, Polynomial) and all(len(row) <= 2 for row in base.rows)
 
 
-def _between_lines(before: Curve, after: Curve, point: Pose, leave: float, reach: float) -> Corner:
-    into, out = before.derivatives(before.length), after.derivatives(0.0)
+def _between_lines(into: Derivatives, out: Derivatives, point: Pose, leave: float, reach: float) -> Corner:
     back = transposed(point.rotation)
     u1, u2 = (*into.p1, *rotate(back, into.w)), (*out.p1, *rotate(back, out.w))
     rows = tuple(

@@ -20,8 +20,7 @@ LOOKS = np.array([0.15, 0.35, 0.5, 0.65, 0.85])
 
 def evened(path: JointPath) -> JointPath | None:
     """The same places by the new parameter; None where the axes swing nowhere, or no new parameter follows them."""
-    rate, _ = _rates(path, path.knots)
-    if float(rate.max()) <= 1.0:
+    if max(_square(path.coefficients[:, 1, : path.axes]), _square(path.at(path.knots[-1:], 1)[:, : path.axes])) <= RATE * RATE:
         return None
     s = path.knots
     for _ in range(HALVINGS):
@@ -31,6 +30,11 @@ def evened(path: JointPath) -> JointPath | None:
         middles = 0.5 * (s[:-1] + s[1:])[bad]
         s = np.sort(np.concatenate([s, middles]))
     return None
+
+
+def _square(slopes: Array) -> float:
+    """The largest of the axes' own rates, squared; slopes: of the axes at some places."""
+    return float((slopes * slopes).sum(axis=1).max())
 
 
 def _rates(path: JointPath, s: Array) -> tuple[Array, Array]:

@@ -5,6 +5,7 @@ orientation speed.  PTP is a straight line in the axes (s = travel of the axis t
 quintic of motion.paths.corner in axis space; between unlike blocks a quintic joins value, slope and bend of both.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -19,6 +20,8 @@ Array = NDArray[np.float64]
 DEGREE = 5
 JOIN, JOIN_SLOPE = 2e-8, 1e-5  # steps of value (m, rad) and slope (relative) allowed where paths meet
 NO_WAY = 1e-12
+RISING = np.arange(1, DEGREE + 1)  # powers that leave 0
+FACTORS = tuple(tuple(float(math.perm(k, order)) for k in range(DEGREE + 1)) for order in range(4))  # of derivatives, by power
 
 
 @dataclass(frozen=True)
@@ -40,15 +43,25 @@ class JointPath:
 
     def at(self, s: Array, order: int = 0) -> Array:
         """(n, axes + 2): the columns, or their derivative of this order (0 .. 3) by s."""
-        s = np.clip(s, 0.0, self.length)
-        index = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.coefficients) - 1)
-        u = (s - self.knots[index])[:, None]
-        rows = self.coefficients[index]
-        value = np.zeros((len(s), rows.shape[2]))
-        for k in range(DEGREE, order - 1, -1):
-            factor = float(np.prod(np.arange(k - order + 1, k + 1))) if order else 1.0
-            value = value * u + factor * rows[:, k]
+        s = np.minimum(np.maximum(s, 0.0), self.knots[-1])
+        if len(self.coefficients) == 1:
+            u, rows = s[:, None], self.coefficients
+        else:
+            index = self.knots[1:-1].searchsorted(s, side="right")
+            u, rows = (s - self.knots[index])[:, None], self.coefficients[index]
+        value = FACTORS[order][DEGREE] * rows[:, DEGREE]
+        for k in range(DEGREE - 1, order - 1, -1):
+            value = value * u
+            value += FACTORS[order][k] * rows[:, k] if order else rows[:, k]
         return value
+
+    @property
+    def reach(self) -> tuple[Array, Array]:
+        """(axes,) values none of the axes goes below, and above: not the nearest ones, but known at once."""
+        table = self.coefficients[:, :, : self.axes]
+        powers = (self.knots[1:] - self.knots[:-1])[:, None] ** RISING
+        away = (np.abs(table[:, 1:]) * powers[:, :, None]).sum(axis=1)
+        return (table[:, 0] - away).min(axis=0), (table[:, 0] + away).max(axis=0)
 
     def looks(self, count: int) -> Array:
         """Places to look at: so many even intervals, and the knots, which lie close where the axes swing."""
@@ -56,7 +69,13 @@ class JointPath:
 
     def q(self, s: float) -> tuple[float, ...]:
         """(axes,) at s."""
-        return tuple(float(v) for v in self.at(np.array([s]))[0, : self.axes])
+        s = min(max(s, 0.0), float(self.knots[-1]))
+        index = int(self.knots[1:-1].searchsorted(s, side="right"))
+        rows, u = self.coefficients[index, :, : self.axes], s - float(self.knots[index])
+        found = rows[DEGREE]
+        for k in range(DEGREE - 1, -1, -1):
+            found = found * u + rows[k]
+        return tuple(found.tolist())
 
 
 def joint_path(knots: Sequence[float], rows: Sequence[Sequence[Sequence[float]]]) -> JointPath:
@@ -93,6 +112,8 @@ def joint_part(path: JointPath, start: float, end: float) -> JointPath:
     """The stretch start .. end of a path."""
     if not -1e-12 <= start < end <= path.length * (1 + 1e-12) + 1e-12:
         raise PathError(f"{start} .. {end} is no stretch of a path of length {path.length}")
+    if len(path.coefficients) == 1:
+        return JointPath(np.array([0.0, end - start]), shifted(path.coefficients[0], float(start))[None])
     inner = path.knots[(path.knots > start + 1e-12) & (path.knots < end - 1e-12)]
     knots = np.concatenate([[start], inner, [end]])
     index = np.clip(np.searchsorted(path.knots, 0.5 * (knots[1:] + knots[:-1]), side="right") - 1, 0, len(path.coefficients) - 1)

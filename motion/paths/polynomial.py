@@ -12,6 +12,7 @@ from motion.paths.turning import rate, rate_change
 Row = tuple[float, ...]  # coefficients, lowest power first
 JOIN_M, JOIN_RAD = 1e-9, 1e-9  # largest step where curves of a chain meet
 JOIN_SLOPE = 1e-7  # relative
+STILL: Vector = (0.0, 0.0, 0.0)  # no turning
 
 
 def values(row: Row, u: float) -> tuple[float, float, float, float]:
@@ -25,6 +26,14 @@ def values(row: Row, u: float) -> tuple[float, float, float, float]:
     return f, f1, 2 * f2, 6 * f3
 
 
+def value(row: Row, u: float) -> float:
+    """At u."""
+    found = 0.0
+    for coefficient in reversed(row):
+        found = found * u + coefficient
+    return found
+
+
 @dataclass(frozen=True, slots=True)
 class Polynomial:
     """pose(s) = origin shifted by the first three rows (m, outside frame) and turned by exp of the last three (rad, its own frame)."""
@@ -36,15 +45,21 @@ class Polynomial:
     def at(self, s: float) -> Pose:
         """The pose at s."""
         u = min(max(s, 0.0), self.length)
-        x, y, z, a, b, c = (values(row, u)[0] for row in self.rows)
-        rotation = self.origin.rotation
-        return Pose(add(self.origin.position, (x, y, z)), product(rotation, rotation_by((a, b, c))) if a or b or c else rotation)
+        rows, rotation = self.rows, self.origin.rotation
+        place = add(self.origin.position, (value(rows[0], u), value(rows[1], u), value(rows[2], u)))
+        if not any(map(any, rows[3:])):
+            return Pose(place, rotation)
+        a, b, c = value(rows[3], u), value(rows[4], u), value(rows[5], u)
+        return Pose(place, product(rotation, rotation_by((a, b, c))) if a or b or c else rotation)
 
     def derivatives(self, s: float) -> Derivatives:
         """At s, in the outside frame."""
         u = min(max(s, 0.0), self.length)
-        table = [values(row, u) for row in self.rows]
+        turns = any(map(any, self.rows[3:]))
+        table = [values(row, u) for row in (self.rows if turns else self.rows[:3])]
         p1, p2, p3 = (_three(table, 0, k) for k in (1, 2, 3))
+        if not turns:
+            return Derivatives(p1, p2, p3, STILL, STILL)
         rho, rho1, rho2 = (_three(table, 3, k) for k in (0, 1, 2))
         rotation = self.origin.rotation
         return Derivatives(p1, p2, p3, rotate(rotation, rate(rho, rho1)), rotate(rotation, rate_change(rho, rho1, rho2)))

@@ -137,8 +137,11 @@ def stopping(
     seconds; else none.  moving: the first of them goes on with a motion, and is not counted."""
     if not any(stretch.kind is Kind.CORNER for stretch in row) or any(_fixed(stretch) for stretch in row):
         return [], 0.0
-    if passing <= sum(_shortest(row, machine, factors)[moving:]):
-        return [], 0.0
+    least = 0.0
+    for n, (way, slowest) in enumerate(_ways(row, machine, factors)):
+        least += _least(way, slowest, machine) if n >= moving else 0.0
+        if passing <= least:
+            return [], 0.0
     found: list[list[Stretch]] = [[]]
     seconds = 0.0
     for stretch in row:

@@ -11,7 +11,7 @@ leave over of the twist: J q' = x' - J_e e', and one order on J q'' = x'' - J' (
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +36,7 @@ LARGEST = 0.5  # m or rad between neighbouring knots
 AT_POLE = 5e-8  # m or rad of the tool: a curve that misses a pole by no more is led straight through it
 HERE = 1e-8  # m or rad of the tool: axes that stand so near to the beginning of the curve stand there
 SINGULAR = 1e-3  # smallest singular value of the Jacobian: less, and the axes lose digits of the pose
+RANK = 1e-9  # of the largest: a singular value that is smaller counts as none
 POLE = 1e-9  # and less than this: the Jacobian says nothing of how the axes go on
 STENCIL, STENCIL_STEP = (-8, -7, -6, -5, -4, -3, -2, -1, 1, 2, 3, 4, 5, 6, 7, 8), 5e-3  # places around a pole that say how; of the curve
 ENOUGH = 8  # of them
@@ -183,16 +184,16 @@ def _knot(
     first: Array = np.array([*by_s.p1, *by_s.w])
     second: Array = np.array([*by_s.p2, *by_s.w1])
     jacobian = kinematics.jacobian(q)
-    least = float(np.linalg.svd(jacobian[:, :arm], compute_uv=False)[-1])
+    solved, least = _solver(jacobian[:, :arm])
     e1: Array = np.array([slope for _, slope, _ in extra])
     e2: Array = np.array([bend for _, _, bend in extra])
-    q1 = np.concatenate([_solved(jacobian[:, :arm], first - jacobian[:, arm:] @ e1), e1])
+    q1 = np.concatenate([solved(first - jacobian[:, arm:] @ e1), e1])
     largest = float(np.max(np.abs(q1)))
     if largest > 0.0:
         e = EPSILON / largest
         ahead, behind = (kinematics.jacobian([a + k * e * float(b) for a, b in zip(q, q1, strict=True)]) for k in (1, -1))
         second = second - (ahead - behind) @ q1 / (2 * e)
-    q2 = np.concatenate([_solved(jacobian[:, :arm], second - jacobian[:, arm:] @ e2), e2])
+    q2 = np.concatenate([solved(second - jacobian[:, arm:] @ e2), e2])
     state = tuple((a, float(b), float(c)) for a, b, c in zip(q, q1, q2, strict=True))
     tool = rate_of(curve.derivatives(s))
     if least < POLE and (found := _at_pole(curve.length, flange, kinematics, course, s, q if stands else near)) is not None:
@@ -219,13 +220,21 @@ def _at_pole(length: float, flange: Mounted, kinematics: Kinematics, course: Seq
     return tuple((float(a), float(b) / step, 2.0 * float(c) / step**2) for a, b, c in made[:3].T)
 
 
-def _solved(jacobian: Array, twist: Array) -> Array:
-    """Joint rates for a twist; least squares where the robot has not six axes or stands in a singular pose."""
-    if jacobian.shape[1] == 6:
-        try:
-            solution = np.asarray(np.linalg.solve(jacobian, twist), dtype=np.float64)
-        except np.linalg.LinAlgError:
-            solution = np.full(6, np.inf)
-        if np.all(np.isfinite(solution)) and float(np.max(np.abs(solution))) < 1e6:
-            return solution
-    return np.asarray(np.linalg.lstsq(jacobian, twist, rcond=1e-9)[0], dtype=np.float64)
+def _solver(jacobian: Array) -> tuple[Callable[[Array], Array], float]:
+    """Joint rates for a twist, and the smallest singular value; least squares where the robot has not six axes or stands in a singular
+    pose."""
+    left, sizes, right = np.linalg.svd(jacobian, full_matrices=False)
+    counts = sizes > RANK * sizes[0]
+    inverse = (right[counts].T / sizes[counts]) @ left[:, counts].T
+
+    def solved(twist: Array) -> Array:
+        if jacobian.shape[1] == 6:
+            try:
+                solution = np.asarray(np.linalg.solve(jacobian, twist), dtype=np.float64)
+            except np.linalg.LinAlgError:
+                solution = np.full(6, np.inf)
+            if np.all(np.isfinite(solution)) and float(np.max(np.abs(solution))) < 1e6:
+                return solution
+        return np.asarray(inverse @ twist, dtype=np.float64)
+
+    return solved, float(sizes[-1])

@@ -105,6 +105,8 @@ class Planner:
     _tau: float = field(init=False, default=0.0)  # as of the last begin()
     _patience: float = field(init=False, default=1.0)  # times the lead, once a tail came too late
     _behind: deque[tuple[int, RouteState]] = field(init=False, default_factory=deque)  # blocks not done, and the route behind each
+    _looked: tuple[float, _Planned, tuple[int, float]] | None = field(init=False, default=None)  # tau, law, and place() there
+    _searched: bool = field(init=False, default=False)  # some block has BLOCK_SEARCH
     _given: int = field(init=False, default=0)  # last block of stretches another route made
 
     def __post_init__(self) -> None:
@@ -187,6 +189,7 @@ class Planner:
     def given(self, stretches: Sequence[Stretch]) -> None:
         """Up to a rest, made by another route, instead of blocks."""
         self._fresh.extend(stretches)
+        self._searched = self._searched or any(stretch.source.ahead > 0 for stretch in stretches)
         self._given = max([self._given, *(stretch.last for stretch in stretches)])
 
     def cut(self, number: int) -> bool:
@@ -240,6 +243,7 @@ class Planner:
         for stretch in self._route.take():
             check_outputs(stretch)
             self._fresh.append(stretch)
+            self._searched = self._searched or stretch.source.ahead > 0
             self.slowed |= worst([(stretch.block, stretch)])
 
     def reset(self, standing: Sequence[float]) -> None:
@@ -322,6 +326,8 @@ class Planner:
 
     def _ready(self, tau: float) -> int:
         """Fresh stretches that may be planned: of those with BLOCK_SEARCH, so many blocks behind the one under way."""
+        if not self._searched:
+            return len(self._fresh)
         under_way = self.place(tau)[0]
         behind = (n for n, each in enumerate(self._fresh) if each.source.ahead and each.last - under_way > each.source.ahead)
         return next(behind, len(self._fresh))
@@ -472,7 +478,9 @@ class Planner:
                 self._done = self._route.added  # all of them without way: there is no law they could end with
             return self._done, 1.0 if self._done else 0.0
         now = self._planned[0]
-        block, share = now.run.place(now.s(tau))
+        if self._looked is None or self._looked[0] != tau or self._looked[1] is not now:  # asked for several times a turn
+            self._looked = tau, now, now.run.place(now.s(tau))
+        block, share = self._looked[2]
         if tau >= self.end and now.stops and not self._fresh and self._work is None:
             block, share = (self.added if not self._route.pending else now.run.stretches[-1].block), 1.0
         self._done = max(self._done, block if share >= 1.0 else block - 1)

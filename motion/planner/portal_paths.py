@@ -1,4 +1,5 @@
-"""Portals without rotary axes: the axes are the coordinates, so lines and corners between lines need no inverse at all."""
+"""Portals: the linear axes are the coordinates, so lines and corners between lines along which the tool does not turn need no inverse at
+all, and the axes of the wrist stand still."""
 
 import math
 
@@ -12,10 +13,12 @@ from motion.paths.polynomial import Polynomial, Row, values, whole
 from motion.paths.tool_path import FINEST, Rate, divided
 from motion.planner.additional_axes import about
 
+STILL = 1e-9  # rad: an axis of the wrist that goes no further stands
+
 
 def exact_path(curve: Curve, kinematics: Kinematics, near: Joints, tool: Pose) -> JointPath | None:
     """The axes along a line or a symmetric corner of lines without turning; None where the general way has to be gone."""
-    if not isinstance(kinematics, Portal) or set(kinematics.letters) - set("xyz"):
+    if not isinstance(kinematics, Portal):
         return None
     base, start, end = whole(curve)
     if isinstance(base, Corner) and base.leave == base.reach:
@@ -26,12 +29,18 @@ def exact_path(curve: Curve, kinematics: Kinematics, near: Joints, tool: Pose) -
         return None
     if any(any(row[1:]) for row in rows[3:]) or (scale != 1.0 and (start, end) != (0.0, base.length)):
         return None
-    q = kinematics.inverse(curve.at(0.0) @ tool.inverse(), near)
-    kinematics.inverse(curve.at(curve.length) @ tool.inverse(), q)  # within reach and limits at both ends, so all along
+    flange = tool.inverse()
+    q = kinematics.inverse(curve.at(0.0) @ flange, near)
+    last = kinematics.inverse(curve.at(curve.length) @ flange, q)  # within reach and limits at both ends, so all along
     columns: list[Row] = []
-    for letter, value in zip(kinematics.letters, q, strict=True):
-        row = rows["xyz".index(letter)]
-        columns.append((value, *(c * scale**k for k, c in enumerate(row[1:], 1))))
+    for letter, value, there in zip(kinematics.letters, q, last, strict=True):
+        if letter in "xyz":
+            row = rows["xyz".index(letter)]
+            columns.append((value, *(c * scale**k for k, c in enumerate(row[1:], 1))))
+        elif abs(there - value) <= STILL:
+            columns.append((value,))
+        else:
+            return None
     if scale == 1.0:
         slope = math.sqrt(sum(row[1] ** 2 for row in columns if len(row) > 1))
         return joint_path([0.0, curve.length], [[*columns, (0.0, slope), (0.0,)]])
@@ -41,8 +50,10 @@ def exact_path(curve: Curve, kinematics: Kinematics, near: Joints, tool: Pose) -
 def _divided(columns: list[Row], length: float) -> JointPath:
     """The same polynomials in as many parts as the way of the tool needs to be true."""
 
+    moving = [row for row in columns if len(row) > 1]
+
     def rate(s: float) -> Rate:
-        table = [values(row, s) for row in columns]
+        table = [values(row, s) for row in moving]
         slope = math.sqrt(sum(first * first for _, first, _, _ in table))
         return Rate(slope, 0.0, sum(first * second for _, first, second, _ in table) / slope if slope > 0.0 else 0.0)
 

@@ -163,14 +163,14 @@ def _squares(path: JointPath, limits: LawLimits, s: Array) -> Array:
 def _entered(first: Array, second: Array, step: float, accel: Array, most: Array, b: float) -> topp.Topp:
     """The raw law from sdot^2 = b; where something slow became known late with all of the acceleration, and on another grid than before
     it may have to be a hair slower."""
-    for strength in (accel, accel / SHARE):
-        try:
-            return topp.solve(first, second, step, strength, most, b)
-        except MotionError:
-            bound = float(topp.solve(first, second, step, strength, most).controllable[0])
-    if b > bound * HAIR:
-        raise MotionError(f"the path cannot be entered at {b**0.5:.6g}: at most {bound**0.5:.6g} can still be braked")
-    return topp.solve(first, second, step, accel / SHARE, most, bound * (1 - 1e-12))
+    ready = topp.entries(first, second, step, accel, most)
+    if not ready.admit(b):
+        ready = topp.entries(first, second, step, accel / SHARE, most)
+    if not ready.admit(b):
+        if b > ready.most * HAIR:
+            raise MotionError(f"the path cannot be entered at {b**0.5:.6g}: at most {ready.most**0.5:.6g} can still be braked")
+        b = ready.most * (1 - 1e-12)
+    return ready.law(b)
 
 
 def _braking(first: Array, accel: Array, grid: Array, speed: float) -> Array:
@@ -224,10 +224,11 @@ def _lowered(
     s, step = made.law.s, float(grid[1] - grid[0])
     first = len(s) - len(at) - 2
     factor = np.ones(len(grid))
-    for k in np.nonzero(excess > 1.0)[0]:
-        low, high = s[min(max(first + int(k) - 4, 0), len(s) - 1)], s[min(first + int(k) + count, len(s) - 1)]
-        inside = (grid >= low - step) & (grid <= high + step)
-        factor[inside] = np.minimum(factor[inside], max(0.93 / float(excess[k]), 0.6))
+    over = np.flatnonzero(excess > 1.0)
+    low, high = (s[np.minimum(np.maximum(first + over + by, 0), len(s) - 1)] for by in (-4, count))
+    rows = zip(grid.searchsorted(low - step).tolist(), grid.searchsorted(high + step, side="right").tolist(), over.tolist(), strict=True)
+    for begin, end, k in rows:
+        np.minimum(inside := factor[begin:end], max(0.93 / float(excess[k]), 0.6), out=inside)
     touched = factor < 1.0
     running = touched & (raw.b > SLOWEST[late] * float(raw.b.max()))
     weaker = touched & ~running if late else touched

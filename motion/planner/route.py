@@ -124,6 +124,8 @@ class Route:
         if len(start) != machine.axes:
             raise MotionError(f"{len(start)} positions for {machine.axes} axes")
         self._machine = machine
+        self._low = np.array([axis.lower - TOUCH for axis in machine.limits])
+        self._high = np.array([axis.upper + TOUCH for axis in machine.limits])
         self._now = _State(tuple(start))
 
     @property
@@ -333,11 +335,12 @@ class Route:
     def _check_travel(self, stretch: Stretch) -> None:
         """Every axis within its travel all along; looked at densely enough for quintics of a few degrees."""
         path = stretch.path
+        lowest, highest = path.reach
+        if np.all(lowest >= self._low) and np.all(highest <= self._high):
+            return
         s = path.looks(LOOKS * len(path.coefficients))
         q = path.at(s)[:, : self._machine.axes]
-        low = np.array([axis.lower - TOUCH for axis in self._machine.limits])
-        high = np.array([axis.upper + TOUCH for axis in self._machine.limits])
-        outside = np.argwhere((q < low) | (q > high))
+        outside = np.argwhere((q < self._low) | (q > self._high))
         if len(outside):
             where, axis = int(outside[0][0]), int(outside[0][1])
             limits, value = self._machine.limits[axis], float(q[where][axis])

@@ -19,7 +19,7 @@ def located(block: Block, corrected: str = LETTERS) -> Block:
     """The block with its system inside its frame.  corrected: components that a system corrects (P313), as the letters of RHO3's."""
     system = block.system
     if system is None or system.values == WC_UR.values:
-        return replace(block, system=None)
+        return block if system is None else replace(block, system=None)
     functions = tuple(replace(each, system=system.values) if isinstance(each, Function) else each for each in block.functions)
     made = replace(block, frame=Frame(block.frame.name, system.pose @ block.frame.pose), functions=functions, system=None)
     if corrected == LETTERS:

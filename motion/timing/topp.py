@@ -3,8 +3,11 @@
 Grid s_i with step h, b = sdot^2, u = sddot.  Rows |q' u + q'' b| <= a at s_i and, with b + 2 h u, at s_(i+1).  Every pair of a
 lower and an upper row gives one bound of b that depends on the path alone: these are taken for all grid points at once in numpy;
 only the few rows against the next point's bound run point by point, on plain numbers: a dozen of them cost less than one call of numpy.
+Where the bounds of two neighbours allow each other, as along a way at the programmed speed, the pass is there at once.
 """
 
+from bisect import bisect_left
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf
 
@@ -21,6 +24,7 @@ BIG = 1e12  # stands for no limit on b
 FLAT = 1e-12  # coefficients of u below it say nothing about u
 FEW = 20  # rows: of fewer the search for those that count costs more than it saves
 NOISE = 1e-6  # of the largest coefficient of the path
+PORTION = 64  # places whose rows become plain numbers at once
 
 
 @dataclass(frozen=True)
@@ -75,6 +79,28 @@ class _Rows:
     most: Array
 
 
+@dataclass(frozen=True)
+class Entries:
+    """controllable: the largest b at every place from which the end can still be reached."""
+
+    rows: _Rows
+    controllable: Array
+    step: float
+
+    @property
+    def most(self) -> float:
+        """The largest b at the start."""
+        return float(self.controllable[0])
+
+    def admit(self, b_start: float) -> bool:
+        """Whether the path can be entered so fast."""
+        return b_start <= self.most * (1 + 1e-9) + 1e-15
+
+    def law(self, b_start: float) -> Topp:
+        """The fastest one from there, which admit() has looked at."""
+        return Topp(_forward(self.rows, self.controllable, self.step, b_start), self.controllable, self.step)
+
+
 def solve(first: Array, second: Array, step: float, accel: Array, most: Array, b_start: float = 0.0, b_end: float = 0.0) -> Topp:
     """As solve_work, at once."""
     return whole(solve_work(first, second, step, accel, most, b_start, b_end))
@@ -86,13 +112,27 @@ def solve_work(first: Array, second: Array, step: float, accel: Array, most: Arr
 
     Raises MotionError where no law leads from b_start to b_end.
     """
-    rows = _rows(first, second, step, np.broadcast_to(accel, (2, *first.shape)))
+    ready = yield from entries_work(first, second, step, accel, most, b_end)
+    if not ready.admit(b_start):
+        raise MotionError(f"the path cannot be entered at {b_start**0.5:.6g}: at most {ready.most**0.5:.6g} can still be braked")
     yield
-    controllable = _backward(rows, np.minimum(most, BIG), step, b_end)
-    if b_start > controllable[0] * (1 + 1e-9) + 1e-15:
-        raise MotionError(f"the path cannot be entered at {b_start**0.5:.6g}: at most {controllable[0] ** 0.5:.6g} can still be braked")
+    return ready.law(b_start)
+
+
+def entries(first: Array, second: Array, step: float, accel: Array, most: Array) -> Entries:
+    """How a path to rest may be entered: looked at once for several speeds at its start."""
+    return whole(entries_work(first, second, step, accel, most))
+
+
+def entries_work(first: Array, second: Array, step: float, accel: Array, most: Array, b_end: float = 0.0) -> Work[Entries]:
+    """As entries, a slice for the limits and one for the way back from the end."""
+    accel = np.broadcast_to(accel, (2, *first.shape))
+    moves = np.any((first != 0.0) | (second != 0.0), axis=0)  # what stands all along limits nothing
+    if np.any(moves) and not np.all(moves):
+        first, second, accel = first[:, moves], second[:, moves], accel[:, :, moves]
+    rows = _rows(first, second, step, accel)
     yield
-    return Topp(_forward(rows, controllable, step, b_start), controllable, step)
+    return Entries(rows, _backward(rows, np.minimum(most, BIG), step, b_end), step)
 
 
 def speed_limit(first: Array, speed: Array) -> Array:
@@ -149,12 +189,18 @@ def _backward(rows: _Rows, most: Array, h: float, b_end: float) -> Array:
     gain = np.where(leaning, inverse / np.where(leaning, tilt, 1.0), 0.0)
     base = np.where(leaning, -rows.low0 / np.where(leaning, tilt, 1.0), BIG)
     limit = np.minimum(most[:-1], rows.most)
-    result = np.empty(len(most))
-    result[-1] = k = min(b_end, float(most[-1]))
-    rows_of = zip(reversed(gain.tolist()), reversed(base.tolist()), reversed(limit.tolist()), strict=True)
-    for i, (gains, bases, bound) in zip(range(len(limit) - 1, -1, -1), rows_of, strict=True):
-        least = bound
-        for factor, constant in zip(gains, bases, strict=True):
+    result = np.append(limit, min(b_end, float(most[-1])))
+    holds = (np.min(gain * result[1:, None] + base, axis=1) >= limit) & (limit >= 0.0)
+    breaks, listed, bounds = np.flatnonzero(~holds).tolist(), _Listed(gain, base), result.tolist()
+    i, k = len(limit), float(result[-1])
+    while i > 0:
+        i -= 1
+        if k == bounds[i + 1] and holds[i]:  # at the limit here and before, as far as that holds
+            i = breaks[at - 1] + 1 if (at := bisect_left(breaks, i)) else 0
+            k = bounds[i]
+            continue
+        least = bounds[i]
+        for factor, constant in listed.at(i):
             value = factor * k + constant
             if value < least:
                 least = value
@@ -164,15 +210,38 @@ def _backward(rows: _Rows, most: Array, h: float, b_end: float) -> Array:
 
 def _forward(rows: _Rows, controllable: Array, h: float, b_start: float) -> Array:
     """The largest u at every point."""
-    b = np.empty(len(controllable))
+    b, twice = controllable.copy(), 2 * h
     b[0] = now = b_start
-    bounds = controllable.tolist()
-    twice = 2 * h
-    for i, (constants, slopes) in enumerate(zip(rows.high0.tolist(), rows.high1.tolist(), strict=True), 1):
+    most = np.min(rows.high0 + rows.high1 * controllable[:-1, None], axis=1)
+    holds = np.maximum(controllable[:-1] + twice * most, 0.0) >= controllable[1:]
+    breaks, listed, bounds = np.flatnonzero(~holds).tolist(), _Listed(rows.high0, rows.high1), controllable.tolist()
+    i, last = 0, len(bounds) - 1
+    while i < last:
+        if now == bounds[i] and holds[i]:
+            i = breaks[at] if (at := bisect_left(breaks, i)) < len(breaks) else last
+            now = bounds[i]
+            continue
         u = inf
-        for constant, slope in zip(constants, slopes, strict=True):
+        for constant, slope in listed.at(i):
             value = constant + slope * now
             if value < u:
                 u = value
+        i += 1
         b[i] = now = min(max(now + twice * u, 0.0), bounds[i])
     return b
+
+
+class _Listed:
+    """Rows of two tables as pairs of plain numbers, made of a portion of the places when one of them is asked for."""
+
+    def __init__(self, one: Array, two: Array) -> None:
+        self._one, self._two, self._first = one, two, -1
+        self._rows: list[tuple[list[float], list[float]]] = []
+
+    def at(self, i: int) -> Iterator[tuple[float, float]]:
+        first = i - i % PORTION
+        if first != self._first:
+            self._first, portion = first, slice(first, first + PORTION)
+            self._rows = list(zip(self._one[portion].tolist(), self._two[portion].tolist(), strict=True))
+        one, two = self._rows[i - first]
+        return zip(one, two, strict=True)

@@ -78,7 +78,7 @@ class Chain:
     @property
     def back(self) -> bool:
         """It is on a piece that it had left behind already."""
-        return 0 < self._now < (self._at or min(self._begins, default=self.spare) - 1) and self._now in self._blocks
+        return 0 < self._now < (self._at or next(iter(self._begins), self.spare) - 1) and self._now in self._blocks
 
     @property
     def block(self) -> int:
@@ -111,11 +111,13 @@ class Chain:
     @property
     def ahead(self) -> int:
         """Pieces that are not run yet."""
-        return sum(number > self._at for number in self._begins)
+        first = next(iter(self._begins), None)  # they rise by one each, up to the last one
+        return 0 if first is None else max(self.last_id - max(self._at, first - 1), 0)
 
     def forget(self) -> None:
         """Those the cycle has left behind."""
-        self._drop(number for number in list(self._begins) if number < self._at - 1)
+        while self._begins and (number := next(iter(self._begins))) < self._at - 1:
+            self._drop((number,))
 
     def _drop(self, numbers: Iterable[int]) -> None:
         for number in numbers:

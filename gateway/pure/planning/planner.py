@@ -109,6 +109,7 @@ class Programs:
         self._chain = Chain()
         self._seen = CycleView()  # of the turn before
         self._belts: Sequence[BeltFacts] = ()  # as programs have set them since the cycle began (SF 21)
+        self._typed: tuple[Sequence[BeltFacts], tuple[tuple[int, int], ...]] = ((), ())  # as published
         self._reading = Reading()  # records, and lines of a program of the cell
         self._placed = 0  # axes whose positions were set in this cycle (SF 3)
         self._tool = ToolShown()
@@ -146,7 +147,9 @@ class Programs:
 
     def _show(self) -> None:
         """Belts, axes, systems and tool as the page and the next planner read them."""
-        types = tuple((each.kind.value, each.tolerance) for each in self._belts)
+        if self._typed[0] is not self._belts:
+            self._typed = self._belts, tuple((each.kind.value, each.tolerance) for each in self._belts)
+        types = self._typed[1]
         self.workpiece.reached(self.state.block)
         self._tool.reached(self.state.block)
         systems, tool = self.workpiece.shown, self._tool.shown
@@ -542,16 +545,16 @@ class Programs:
         if last:
             self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
         new, speed = len(self._out) - before, self._job.factors.velocity * self._seen.override
-        self.state = replace(
-            self.state,
-            block=self._job.before + block,
-            share=share,
-            passed=self._job.before + self._chain.passed(piece, planner.added if not planner.open else 0),
-            waiting=planner.waiting,
-            handed=state.handed + new,
-            ended=state.ended or last,
-            warning=self.slowing.look(planner.slowed, self._job.before, block, speed, self._job.line_of),
-        )
+        state = self.state
+        passed = self._job.before + self._chain.passed(piece, planner.added if not planner.open else 0)
+        warning = self.slowing.look(planner.slowed, self._job.before, block, speed, self._job.line_of)
+        waiting, block, ended = planner.waiting, self._job.before + block, state.ended or last
+        was = state.block, state.share, state.passed, state.waiting, state.ended, state.warning
+        if new or was != (block, share, passed, waiting, ended, warning):
+            handed = state.handed + new
+            self.state = replace(
+                state, block=block, share=share, passed=passed, waiting=waiting, handed=handed, ended=ended, warning=warning
+            )
         if self.state.ended and not self._seen.moving and piece in (0, self._chain.last_id) and not new:
             self.state = replace(self.state, job=0, warning="")
             self.workpiece.reached(ALWAYS)

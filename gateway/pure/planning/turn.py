@@ -7,6 +7,8 @@ from gateway.pure.image.records.planner import BlockRecord, PieceRecord
 from gateway.pure.planning.cycle_view import CycleView
 from gateway.pure.planning.planner import Programs
 
+ON = int(AxisFlag.ON)
+
 
 def standing(state: CellState, count: int) -> list[float]:
     """Set values of the first `count` axes; m and rad."""
@@ -32,6 +34,6 @@ def follow(
         met=own.met,
         measured=[axis.measured if state.measured_mask >> n & 1 else None for n, axis in enumerate(axes)],
         override=own.override,
-        off=sum(1 << n for n, axis in enumerate(axes) if not axis.flags & AxisFlag.ON),
+        off=sum([1 << n for n, axis in enumerate(axes) if not int(axis.flags) & ON]),
     )
     return programs.turn(records, view)

@@ -41,7 +41,8 @@ class CellSystems:
         def own(n: int, part: Block) -> Block:
             kinematic = kinematic_of(machines[n])
             self.chosen(part.system, number, kinematic)
-            return located(replace(part, system=self._read.get(kinematic)), machines[n].corrects)
+            system = self._read.get(kinematic)
+            return located(part if part.system is system else replace(part, system=system), machines[n].corrects)
 
         return block.changed(own) if isinstance(block, Shared) else own(0, block)
 
