@@ -103,7 +103,7 @@ def line(bench: StreamBench, blocks: int, *, whole: bool) -> tuple[float, float,
         bench.planner.lines.appendleft(BlockRecord(Say.WHOLE, bench.job.id))
     bench.say(*texts, finish=False)
     bench.order_of(Say.END)
-    turn, feed, spent = bench.planner.turn, bench.planner.feed, [0]
+    turn, spent = bench.planner.turn, [0]
 
     def timed(*given: Any) -> None:
         began = time.process_time_ns()
@@ -111,17 +111,9 @@ def line(bench: StreamBench, blocks: int, *, whole: bool) -> tuple[float, float,
             turn(*given)
         spent[0] += time.process_time_ns() - began
 
-    def fed(*given: Any) -> None:
-        """What the cycle makes of a piece is its own time."""
-        began = time.process_time_ns()
-        feed(*given)
-        spent[0] -= time.process_time_ns() - began
-
     setattr(bench.planner, "turn", timed)  # noqa: B010 - of this one alone
-    setattr(bench.planner, "feed", fed)  # noqa: B010
     bench.settle(bench.job, 120.0)
     delattr(bench.planner, "turn")
-    delattr(bench.planner, "feed")
     assert not bench.state().fault, bench.state().fault
     places = [(s.axes[0].set, s.axes[1].set) for s in bench.seen]
     moved = [n for n, (a, b) in enumerate(pairwise(places)) if a != b]
