@@ -12,7 +12,7 @@ from drivers.drives.cia402_manual import ManualError
 from drivers.ports.base import PortError
 from gateway.pure.cell.cell import Axis, Bus, Cell
 from gateway.registry import BUS_PROTOCOLS, DRIVE_FAMILIES
-from gateway.tools.client import ToolError, running, simulated
+from gateway.tools.client import UNHURRIED_MS, ToolError, running, simulated
 from gateway.tools.command_support import BANNER, DONE, ENVIRONMENT, FINDING, USAGE, load
 from gateway.tools.drives.first_enable import TEXT, confirm, unconfirmed
 
@@ -188,7 +188,7 @@ def _loss_test(cell: Cell, arguments: argparse.Namespace) -> int:
     print(BANNER, file=sys.stderr)
     stops: list[losstest.Stop] = []
     for loss in wanted:
-        with simulated(arguments.place, arguments.p5) as (client, folder):
+        with simulated(arguments.place, arguments.p5 or UNHURRIED_MS) as (client, folder):
             stops += losstest.measure(client, cell, folder, loss, arguments.speed / 100.0)
     _tell_stops(cell, stops, arguments, "emulator")
     if not arguments.json:

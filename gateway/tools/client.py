@@ -21,7 +21,7 @@ from gateway.runtime.supervisor_client import wait_up
 POLL_S = 0.05
 ALIVE_S = 0.25  # reading is no sign of life: what is in control says so often that it is there
 START_UP_S = 40.0
-UNHURRIED_MS = 8  # clock of a simulation nobody asked a clock of: a shared machine steals 5 ms now and then
+UNHURRIED_MS = 8  # clock of a simulation that measures times: a shared machine steals 5 ms now and then
 Row = dict[str, object]
 
 
@@ -161,12 +161,16 @@ def running(run: str) -> Iterator[ToolClient]:
 
 @contextlib.contextmanager
 def simulated(cell: str, p5_ms: int | None = None, bus: str | None = None) -> Iterator[tuple[ToolClient, pathlib.Path]]:
-    """The cell under simulation in a runtime folder of its own, and the folder of its records; `bus`: a CAN port in place of the broker."""
+    """The cell under simulation in a runtime folder of its own, and the folder of its records.
+
+    `p5_ms`: plays by the clock of the wall; without it simulated time waits for a late machine (AX-681).
+    `bus`: a CAN port in place of the broker.
+    """
     before = os.environ.get("AXISGATE_RUNTIME")
     with tempfile.TemporaryDirectory(prefix="axg-", dir="/tmp") as folder:
         os.environ["AXISGATE_RUNTIME"] = f"{folder}/run"
         command = [sys.executable, "-m", "gateway", "run", cell, "--sim", "--name", "tool", "--modbus-port", "0", "--record", folder]
-        command += ["--p5", str(p5_ms or UNHURRIED_MS), *(("--bus", bus) if bus else ())]
+        command += [*(("--p5", str(p5_ms)) if p5_ms else ()), *(("--bus", bus) if bus else ())]
         process = subprocess.Popen(
             [*command, "--die-with-parent"],
             stdin=subprocess.DEVNULL,

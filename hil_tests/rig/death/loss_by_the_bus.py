@@ -9,7 +9,7 @@ from drivers.emulator.servo.record import read as read_record
 from gateway.assembly.plant import motor_rad
 from gateway.cell_file.load import load_cell
 from gateway.pure.cell.cell import Cell
-from gateway.tools.client import simulated
+from gateway.tools.client import UNHURRIED_MS, simulated
 from gateway.tools.drives import loss_test as losstest
 from gateway.tools.drives import loss_test_on_bus as losstest_bus
 from hil_tests.lab.judges import bus_log as buslog
@@ -20,7 +20,7 @@ STOLEN_MS = 150  # a shared machine may keep the emulator from speaking; the rec
 
 def test_what_the_bus_tells_of_the_stops_is_what_the_shafts_did() -> None:
     cell = load_cell("demo-402")
-    with simulated("demo-402") as (client, folder):
+    with simulated("demo-402", UNHURRIED_MS) as (client, folder):
         stops = losstest_bus.measure(client, cell, {"drives": f"broker:{client.run}-drives"}, 0.5)
         judge_by_record(cell, stops, folder)
 

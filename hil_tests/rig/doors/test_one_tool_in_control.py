@@ -1,6 +1,8 @@
 """AX-611: control of the commissioning tools belongs to one connection and ends with it; reading is no sign of life."""
 
 import contextlib
+import json
+import pathlib
 import time
 from collections.abc import Callable, Iterator
 
@@ -8,6 +10,7 @@ import pytest
 
 from gateway.cell_file.load import load_cell
 from gateway.pure.image.records.cell import Motion
+from gateway.runtime.supervisor_client import ask
 from gateway.services.tool_interface import MOST_SDO
 from gateway.tools.client import ToolClient, ToolError, mask_of, simulated
 
@@ -125,3 +128,12 @@ def test_sdo_requests_are_bounded_and_their_tickets_answered(first: ToolClient) 
     assert first.sdo(CELL.axis[0].name, 0x1018, 1)
     with pytest.raises(ToolError, match="no such ticket"):
         first.ask("ticket", ticket=99999)
+
+
+def test_a_command_that_starts_its_own_simulation_lets_it_wait_for_a_late_machine(first: ToolClient) -> None:
+    """Else `program run --sim` reports drive faults of a busy laptop (AX-681)."""
+    with ask(first.run, "status") as connection:
+        processes = json.loads(connection.makefile().readline())["processes"]
+    pid = next(each["pid"] for each in processes if str(each["name"]).startswith("emulator-"))
+    words = pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
+    assert b"--stretched" in words, words
