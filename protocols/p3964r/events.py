@@ -126,8 +126,7 @@ class Outbox:
         self.events.append(event)
 
     def take_output(self) -> bytes:
-        if not self.output:
-            return b""
+        """Asked only where there is some: it begins a new turn."""
         output = bytes(self.output)
         self.output.clear()
         self.turn += 1

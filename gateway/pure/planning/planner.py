@@ -67,7 +67,7 @@ from motion.sync.facts import BeltFacts
 from motion.timing.slices import Work
 
 CARRIED_S = 0.003  # a piece takes so long through the ring; a new tail has about as many as the one that it replaces
-TAKEN_S = 0.0045  # and so long where the cycle takes but one a period: a tail of many that has less time comes too late
+TAKEN_S = 0.0035  # and so long where the cycle takes but one a period: a tail of many that has less time comes too late
 QUIET_TURNS = 6  # turns without a new block after which what is known is run
 
 

@@ -235,3 +235,17 @@ def test_a_break_inside_a_block_is_told_at_once_and_the_tail_never_starts_a_new_
     line.hears(b"\x02EVIL\x10\x03\x00").damaged(Damage.BREAK).damaged(Damage.PARITY).says(b"").reports()
     line.at(ms(220) - 1).hears(b"x").says(b"").at(ms(440)).reports(StrayCharacters(10))
     line.hears(STX).says(DLE).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
+
+
+def test_a_gap_that_ended_before_the_next_bytes_is_reported_first() -> None:
+    link = Link(RHO3, Priority.LOW)
+    link.receive(STX + b"A", 0)
+    link.take_output()
+    assert BlockReceived(b"AB") not in link.receive(b"B", ms(5000))
+    link.send(b"AB", ms(9000))
+    link.take_output()
+    link.sent(ms(9001))
+    link.receive(DLE, ms(9002))
+    link.take_output()
+    link.sent(ms(9003))
+    assert link.sent(ms(9004)) == [], "a second report of what has left changes nothing"

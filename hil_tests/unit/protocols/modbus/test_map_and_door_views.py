@@ -252,7 +252,7 @@ from = "tank.pump"
         (CLIENT, 'to = "tank.heat"', 'to = "tank.heat"\nfrom = "tank.heat"', "exactly one of"),
         (CLIENT, 'type = "bit"', 'type = "REAL"', "do not fit"),
         (CLIENT, 'table = "coil"', 'table = "discrete"', "can only be read"),
-        (CLIENT, "at = 2\n", "at = 65535\nscale = 0.0\n", "scale 0"),
+        (CLIENT, "at = 2\n", "at = 65535\nscale = 0.0\n", "scale must not be 0"),
         (CLIENT, 'type = "REAL"', 'type = "LREAL"', ""),
         (REGISTERS, "at = 2100", "at = 2011", "taken by axis.A6.actual"),
         (REGISTERS, "at = 2000", "at = 60", "RC signals of the view"),
