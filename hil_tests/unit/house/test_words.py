@@ -23,6 +23,13 @@ def test_texts_of_the_product_have_no_forbidden_word() -> None:
     assert judged(found, allowed()) == []
 
 
+def test_decisions_are_read_and_none_is_allowed_a_word() -> None:
+    read = {str(path.relative_to(ROOT)) for path in files()}
+    decisions = {str(path.relative_to(ROOT)) for path in (ROOT / "docs" / "decisions.d").glob("*.md")}
+    assert decisions and decisions <= read
+    assert allowed() == {}, "the allow list is empty and stays so"
+
+
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
