@@ -1,0 +1,185 @@
+"""3964R: whole stations with one fault each, and what they say otherwise (used by peers.p3964r)."""
+
+from collections.abc import Sequence
+
+from gateway.conformance.peers.p3964r_senders import LateDleOpens
+from gateway.conformance.peers.stations import (
+    DLE,
+    NAK,
+    OWN_BLOCK,
+    STX,
+    Built,
+    fresh_link,
+)
+from gateway.conformance.serial.partners import (
+    DropsItsJob,
+    NeverDoubles,
+)
+from protocols.base.machine import Damage, Ns, ms
+from protocols.p3964r.characters import Char, check_of
+from protocols.p3964r.events import BlockRefused, BlockSent
+from protocols.p3964r.profiles import RHO3, Priority
+from protocols.p3964r.sender import State as Saying
+
+
+class LateDle(Built):
+    """A DLE after it gave up brings the block."""
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        sender = self.link._sender
+        if data == DLE and not sender.busy and not self.link._receiver.busy and isinstance(sender, LateDleOpens) and sender._lost_block:
+            lost, sender._lost_block = sender._lost_block, b""
+            self.link._box.output += lost + DLE + bytes((Char.ETX,))
+            return []
+        return super().receive(data, now)
+
+
+class BreakHangs(Built):
+    """After a BREAK in idle it hears nothing any more."""
+
+    _hung = False
+
+    def damaged(self, kind: Damage, now: Ns) -> Sequence[object]:
+        self._hung = self._hung or kind is Damage.BREAK
+        return super().damaged(kind, now)
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        return [] if self._hung else super().receive(data, now)
+
+
+class ResetsOnConflict(Built):
+    """Forgets the line when both send STX: no answer, no job."""
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        if data == STX and self.link._sender.state is Saying.CONNECT:
+            fresh_link(self, self.priority)
+            return []
+        return super().receive(data, now)
+
+
+# ---- what is said
+def seven_bits(byte: int) -> bytes:
+    return bytes((byte & 0x7F,))
+
+
+def extra(output: bytes) -> bytes:
+    return output + b"\r" if is_block(output) else output
+
+
+def is_block(output: bytes) -> bool:
+    return len(output) >= 4 and bytes((Char.DLE, Char.ETX)) in output
+
+
+def complement(block: bytes) -> int:
+    return block[-1] ^ 0xFF
+
+
+def wrong_own_check(output: bytes) -> bytes:
+    return output[:-1] + bytes((output[-1] ^ 0x40,)) if is_block(output) else output
+
+
+def check_without_end(output: bytes) -> bytes:
+    return output[:-1] + bytes((check_of(output[:-3]),)) if is_block(output) else output
+
+
+def no_check(output: bytes) -> bytes:
+    return output[:-1] if is_block(output) else output
+
+
+def no_end(output: bytes) -> bytes:
+    return output[:-3] if is_block(output) else output
+
+
+class DeafAfter(Built):
+    """Hears nothing for a while after such an event."""
+
+    def __init__(self, event: type[BlockSent] | type[BlockRefused], how_long: Ns) -> None:
+        super().__init__(RHO3, Priority.LOW)
+        self._event, self._how_long, self._until = event, how_long, 0
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        if now < self._until and data == STX:
+            return []
+        events = super().receive(data, now)
+        if any(isinstance(event, self._event) for event in events):
+            self._until = now + self._how_long
+        return events
+
+
+class NakTwice(Built):
+    """Refuses with two NAK."""
+
+    def take_output(self) -> bytes:
+        output = super().take_output()
+        return NAK + NAK if output == NAK else output
+
+
+class WedgesInARow(Built):
+    """The twelfth job within ten seconds, and all behind it, are not sent."""
+
+    def __init__(self) -> None:
+        super().__init__(RHO3, Priority.LOW)
+        self._moments: list[Ns] = []
+
+    def stimulate(self, now: Ns, block: bytes = OWN_BLOCK) -> None:
+        self._moments = [moment for moment in self._moments if now - moment < ms(10_000)] + [now]
+        if len(self._moments) < 12:
+            super().stimulate(now, block)
+
+
+class FlipsPriority(Built):
+    """Each conflict changes its priority."""
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        met = data == STX and self.link._sender.state is Saying.CONNECT
+        events = super().receive(data, now)
+        if met:
+            self._met += 1
+            self.link._sender._priority = Priority.HIGH if self._met % 3 == 0 else Priority.LOW
+        return events
+
+    _met = 0
+
+
+class NeverDoublesDle(NeverDoubles, Built):
+    """Sends a DLE of its data once."""
+
+
+class EverySecondStx(Built):
+    """One STX of two is not heard."""
+
+    _heard = b""
+    _count = 0
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        self._heard = data
+        return super().receive(data, now)
+
+    def take_output(self) -> bytes:
+        output = super().take_output()
+        if self._heard == STX and output == DLE:
+            self._count += 1
+            if self._count % 2:
+                fresh_link(self, Priority.LOW)
+                return b""
+        return output
+
+
+class NakOpens(Built):
+    """NAK in idle makes it send STX, and nothing after it."""
+
+    _opens = False
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        idle = self.link.deadline() is None and not self.link.pending
+        self._opens = data == NAK and idle
+        return super().receive(data, now)
+
+    def take_output(self) -> bytes:
+        output = super().take_output()
+        opens, self._opens = self._opens, False
+        return output or (STX if opens else b"")
+
+
+class Drops(DropsItsJob, Built):
+    pass
