@@ -4,357 +4,58 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from gateway.conformance.peers.powered import Powered
+from gateway.conformance.peers.rk512_active import (
+    CommandTwice,
+    Hangs,
+    HangsAtError,
+    HangsWhenLong,
+    HangsWhenShort,
+    StopsAtCommand,
+    WaitsForEver,
+    WrongAmount,
+)
+from gateway.conformance.peers.rk512_memories import (
+    AllAreas,
+    EveryTwelfth,
+    FirstWordOnly,
+    Growing,
+    LosesLast,
+    Memory,
+    NotWritten,
+    OffByOne,
+    ReadsBeyond,
+    Swapped,
+    WordsForBytes,
+    WritesBeyond,
+    WritesToTheEnd,
+    swap,
+)
+from gateway.conformance.peers.rk512_passive import (
+    Beside,
+    Change,
+    DiesOfErrors,
+    LockedByFollowOn,
+    NoFirstByte,
+    NoLength,
+    OneByteKills,
+    ReactsLate,
+    ShortSends,
+    SilentToErrors,
+    Slow,
+    StickyNumber,
+    Told,
+    Twice,
+    WritesThenRefuses,
+)
 from gateway.conformance.peers.stations import ActiveStation, AnswersLate, Built, Chatty, Maker, Mutant, Variant, link_of
-from gateway.conformance.serial.partners import Blocks, Late
-from protocols.base.machine import Ns, ms
+from gateway.conformance.serial.partners import Blocks
 from protocols.p3964r.profiles import RHO3, SIEMENS_CP341, VIPA_CP240, WAGO, Priority, Profile
-from protocols.rk512.active import Active
-from protocols.rk512.active import Event as ActiveEvent
 from protocols.rk512.dialects import DIALECTS, Dialect
 from protocols.rk512.flags import Flags
-from protocols.rk512.header import ErrorNumber, Header, Kind
-from protocols.rk512.passive import Areas, Passive, Refused
-from protocols.rk512.passive import Event as PassiveEvent
-from protocols.rk512.station import Event as StationEvent
-from protocols.rk512.station import Station as Roles
+from protocols.rk512.passive import Passive
 
 LOW = Priority.LOW
 P, A = "RK512_PAS_", "RK512_ACT_"
-Change = Callable[[bytes, bytes], bytes | None]  # command, reaction -> what is said instead
-
-
-class Memory(Blocks):
-    """Data blocks whose reads and writes are changed."""
-
-    def __init__(
-        self, read: Callable[[bytes, int, int, int], bytes] | None = None, where: Callable[[int, int], tuple[int, int]] | None = None
-    ) -> None:
-        super().__init__()
-        self._changed, self._where = read, where or (lambda db, word: (db, word))
-
-    def read(self, db: int, word: int, words: int) -> bytes | ErrorNumber:
-        found = super().read(*self._where(db, word), words)
-        return found if isinstance(found, ErrorNumber) or self._changed is None else self._changed(found, db, word, words)
-
-    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        return super().write(*self._where(db, word), data)
-
-
-class NotWritten(Blocks):
-    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        there = self.read(db, word, len(data) // 2)
-        return there if isinstance(there, ErrorNumber) else None
-
-
-class Swapped(Blocks):
-    """Exchanges the bytes of each word it writes."""
-
-    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        return super().write(db, word, b"".join(data[at + 1 : at + 2] + data[at : at + 1] for at in range(0, len(data), 2)))
-
-
-class OffByOne(Blocks):
-    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        return super().write(db, min(word + 1, 127 - len(data) // 2), data)
-
-
-class FirstWordOnly(Blocks):
-    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        return super().write(db, word, data[:2])
-
-
-class LosesLast(Blocks):
-    """The last word of a job of more than eight is not written."""
-
-    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        return super().write(db, word, data[:-2] if len(data) > 16 else data)
-
-
-class EveryTwelfth(Blocks):
-    """Each twelfth write is lost."""
-
-    _count = 0
-
-    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        self._count += 1
-        return None if self._count % 12 == 0 else super().write(db, word, data)
-
-
-class Growing(Blocks):
-    """Every block there is, zeros where nothing was written."""
-
-    def read(self, db: int, word: int, words: int) -> bytes | ErrorNumber:
-        return super().read(db, word, words) if db in self.content else bytes(2 * words)
-
-    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        return super().write(db, word, data) if db in self.content else None
-
-
-class ReadsBeyond(Blocks):
-    def read(self, db: int, word: int, words: int) -> bytes | ErrorNumber:
-        if db in self.content and word < 128 < word + words:
-            return (bytes(self.content[db][2 * word :]) + bytes(2 * words))[: 2 * words]
-        return super().read(db, word, words)
-
-
-class WritesToTheEnd(Blocks):
-    """What fits is written, then the job is refused."""
-
-    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        if db in self.content:
-            super().write(db, word, data[: max(0, 2 * (128 - word))])
-        return super().write(db, word, data)
-
-
-class WritesBeyond(Blocks):
-    """Words behind the end land at the beginning."""
-
-    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        if db in self.content and word + len(data) // 2 > 128:
-            return super().write(db, 0, data)
-        return super().write(db, word, data)
-
-
-class Told(Passive):
-    """Our passive station with one reaction changed: `change(command, reaction)`; None: nothing is said."""
-
-    def __init__(self, blocks: Blocks, change: Change, dialect: Dialect | None = None) -> None:
-        super().__init__(blocks, dialect)
-        self._change, self._command = change, b""
-
-    def telegram(self, data: bytes, now: Ns) -> list[PassiveEvent]:
-        self._command = data
-        return super().telegram(data, now)
-
-    def take_output(self) -> bytes | None:
-        output = super().take_output()
-        return output if output is None else self._change(self._command, output)
-
-
-class StickyNumber(Told):
-    """The number of a refusal is in the next reaction to SEND as well."""
-
-    def __init__(self, blocks: Blocks) -> None:
-        super().__init__(blocks, self._stuck)
-        self._number = 0
-
-    def _stuck(self, command: bytes, said: bytes) -> bytes:
-        number, self._number = self._number, said[3]
-        return said[:3] + bytes((number,)) if number and len(said) == 4 and not said[3] else said
-
-
-class ShortSends(Passive):
-    """Writes what came, whatever was announced."""
-
-    def _wrong_amount(self, header: Header, data_bytes: int) -> tuple[int, str] | None:
-        return None if header.command == 0x41 else super()._wrong_amount(header, data_bytes)
-
-
-class WritesThenRefuses(Passive):
-    """Writes what came, then finds the length wrong."""
-
-    def _wrong_amount(self, header: Header, data_bytes: int) -> tuple[int, str] | None:
-        fault = super()._wrong_amount(header, data_bytes)
-        if fault is not None and header.command == 0x41 and data_bytes:
-            self._blocks.write(header.db, header.address, b"\x77" * (data_bytes // 2 * 2 or 2))
-        return fault
-
-
-class NoLength(Passive):
-    """Does not look behind the header of a FETCH."""
-
-    def _wrong_amount(self, header: Header, data_bytes: int) -> tuple[int, str] | None:
-        return super()._wrong_amount(header, 0 if header.command == 0x45 else data_bytes)
-
-
-class NoFirstByte(Passive):
-    def _form(self, data: bytes) -> tuple[int, str] | None:
-        return super()._form(b"\x00" + data[1:] if data[:1] not in (b"\x00", b"\xff") else data)
-
-    def telegram(self, data: bytes, now: Ns) -> list[PassiveEvent]:
-        return super().telegram(b"\x00" + data[1:] if data[:1] == b"\x55" and len(data) > 9 else data, now)
-
-
-class LockedByFollowOn(Passive):
-    """A long job that is abandoned is waited for for ever."""
-
-    def _refuse(self, fault: tuple[int, str], data: bytes) -> Refused:
-        kept = self._open
-        refused = super()._refuse(fault, data)
-        self._open = kept
-        return refused
-
-
-class SilentToErrors(Passive):
-    def take_output(self) -> bytes | None:
-        output = super().take_output()
-        return None if output is not None and output[3] else output
-
-
-class DiesOfErrors(Passive):
-    """After four refusals nothing is served."""
-
-    _bad = 0
-
-    def take_output(self) -> bytes | None:
-        output = super().take_output()
-        if output is not None and output[3]:
-            self._bad += 1
-        return None if self._bad > 4 else output
-
-
-class Twice(Built):
-    """Each reaction comes twice."""
-
-    def _serve(self, data: bytes, now: Ns) -> None:
-        assert self.passive is not None
-        self.passive.telegram(data, now)
-        while (reaction := self.passive.take_output()) is not None:
-            self.link.send(reaction, now)
-            self.link.send(reaction, now)
-
-
-class OneByteKills(Built):
-    """A telegram of less than four bytes ends its service."""
-
-    def _serve(self, data: bytes, now: Ns) -> None:
-        if len(data) < 4:
-            self.passive = None
-        super()._serve(data, now)
-
-
-class Slow(Built):
-    """The reaction comes after seven seconds."""
-
-    _due: Ns | None = None
-    _waiting: bytes = b""
-
-    def _serve(self, data: bytes, now: Ns) -> None:
-        self._due, self._waiting = now + ms(7000), data
-
-    def deadline(self) -> Ns | None:
-        moments = [moment for moment in (super().deadline(), self._due) if moment is not None]
-        return min(moments, default=None)
-
-    def wake(self, now: Ns) -> Sequence[object]:
-        if self._due is not None and now >= self._due:
-            self._due = None
-            super()._serve(self._waiting, now)
-        due = self.link.deadline()
-        return super().wake(now) if due is not None and due <= now else []
-
-
-class Beside(Built):
-    """A command whose block check was wrong is executed all the same."""
-
-    def _handle(self, events: Sequence[object], now: Ns) -> Sequence[object]:
-        handled = super()._handle(events, now)
-        if any(type(event).__name__ == "BlockRefused" for event in events):
-            self._serve(bytes((0, 0, 0x45, 0x44, 10, 0, 0, 1, 0xFF, 0xFF)), now)
-        return handled
-
-
-class WordsForBytes(Areas):
-    """Counts words where bytes are meant."""
-
-    def read_area(self, kind: Kind, block: int, address: int, amount: int) -> bytes | ErrorNumber:
-        return bytes(2 * amount)
-
-    def write_area(self, kind: Kind, block: int, address: int, data: bytes) -> ErrorNumber | None:
-        return ErrorNumber.TYPE_NOT_SERVED
-
-
-class AllAreas(Areas):
-    """Serves all types."""
-
-    def read_area(self, kind: Kind, block: int, address: int, amount: int) -> bytes | ErrorNumber:
-        return bytes(kind.unit * amount)
-
-    def write_area(self, kind: Kind, block: int, address: int, data: bytes) -> ErrorNumber | None:
-        return None
-
-
-# ---- active
-class Hangs(Active):
-    """A reaction it does not like is waited for again, for ever."""
-
-    def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
-        if data[3:4] != b"\x00" or data[:1] not in (b"\x00", b"\xff"):
-            self._until = None
-            return []
-        return [*super().reaction(data, now)]
-
-
-class HangsWhenShort(Active):
-    def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
-        if len(data) < 4:
-            self._until = None
-            return []
-        return [*super().reaction(data, now)]
-
-
-class WaitsForEver(Active):
-    """No limit for the reaction."""
-
-    def acknowledged(self, now: Ns) -> list[ActiveEvent]:
-        events = super().acknowledged(now)
-        if self._until is not None:
-            self._until += ms(10_000_000)
-        return [*events]
-
-
-class HangsAtError(Active):
-    def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
-        if data[3:4] == b"\x14":
-            self._until = None
-            return []
-        return [*super().reaction(data, now)]
-
-
-class HangsWhenLong(Active):
-    def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
-        if self._until is not None and len(data) > 8:
-            self._until = None
-            return []
-        return [*super().reaction(data, now)]
-
-
-class CommandTwice(ActiveStation):
-    """Each FETCH is sent twice."""
-
-    _repeated = 0
-
-    def _serve(self, data: bytes, now: Ns) -> None:
-        if data[:4] == bytes(4) and self._jobs % 2 and self._repeated != self._jobs:
-            self._repeated = self._jobs
-            self.active.fetch(0, 2, block=5)
-        super()._serve(data, now)
-
-
-class StopsAtCommand(Roles):
-    """A command in place of the reaction is dropped, and so is all after it."""
-
-    _stopped = False
-
-    def block(self, data: bytes, now: Ns, overtaken: bool = False) -> list[StationEvent]:
-        if self.active.awaiting and len(data) > 4 and data[2] == 0x45:
-            self._stopped = True
-        return [] if self._stopped else super().block(data, now, overtaken)
-
-    def take_block(self) -> bytes | None:
-        return None if self._stopped else super().take_block()
-
-
-class WrongAmount(ActiveStation):
-    """Announces one word less than it sends."""
-
-    def _hand_over(self, now: Ns) -> None:
-        while (block := self.roles.take_block()) is not None:
-            if len(block) > 10 and block[2] == 0x41:
-                block = block[:7] + bytes((block[7] - 1,)) + block[8:]
-            elif len(block) == 10 and block[2] == 0x45:
-                block = block[:6] + b"\0\0" + block[8:]
-            self.link.send(block, now)
 
 
 def _passive(change: Change) -> Maker:
@@ -397,23 +98,6 @@ def _mutant(name: str, what: str, expects: Sequence[str], make: Maker) -> Mutant
     return Mutant(name, what, tuple(expects), make, link_of(RHO3, LOW), {})
 
 
-def _swap(data: bytes) -> bytes:
-    return b"".join(data[at + 1 : at + 2] + data[at : at + 1] for at in range(0, len(data), 2))
-
-
-class ReactsLate(Powered):
-    """What was asked before the power failure is answered after it."""
-
-    def __init__(self) -> None:
-        super().__init__(lambda: Late(RHO3, LOW, late=ms(20)))
-
-    def power(self, on: bool, now: Ns) -> None:
-        before = self._device
-        super().power(on, now)
-        if on:
-            self._device = before
-
-
 MUTANTS = (
     _mutant("no-reaction", "never reacts", [f"{P}BV_01"], _passive(lambda command, said: None)),
     _mutant("first-byte", "reactions begin with 01", [f"{P}BV_01"], _passive(lambda command, said: b"\x01" + said[1:])),
@@ -432,9 +116,7 @@ MUTANTS = (
     _mutant("send-refused", "refuses every SEND", [f"{P}BV_04"], _passive(_only_send(lambda command, said: said[:3] + b"\x0a"))),
     _mutant("not-written", "acknowledges a SEND without writing", [f"{P}BV_05"], _memory(NotWritten)),
     _mutant("swaps-written", "exchanges the bytes it writes", [f"{P}BV_05"], _memory(Swapped)),
-    _mutant(
-        "swaps-read", "exchanges the bytes it reads", [f"{P}BV_05"], _memory(lambda: Memory(lambda data, db, word, words: _swap(data)))
-    ),
+    _mutant("swaps-read", "exchanges the bytes it reads", [f"{P}BV_05"], _memory(lambda: Memory(lambda data, db, word, words: swap(data)))),
     _mutant(
         "reverse",
         "words in reverse order",

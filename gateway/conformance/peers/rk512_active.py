@@ -1,0 +1,90 @@
+"""RK512: active stations with one fault each (used by peers.rk512)."""
+
+from gateway.conformance.peers.stations import ActiveStation
+from protocols.base.machine import Ns, ms
+from protocols.rk512.active import Active
+from protocols.rk512.active import Event as ActiveEvent
+from protocols.rk512.station import Event as StationEvent
+from protocols.rk512.station import Station as Roles
+
+
+class Hangs(Active):
+    """A reaction it does not like is waited for again, for ever."""
+
+    def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
+        if data[3:4] != b"\x00" or data[:1] not in (b"\x00", b"\xff"):
+            self._until = None
+            return []
+        return [*super().reaction(data, now)]
+
+
+class HangsWhenShort(Active):
+    def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
+        if len(data) < 4:
+            self._until = None
+            return []
+        return [*super().reaction(data, now)]
+
+
+class WaitsForEver(Active):
+    """No limit for the reaction."""
+
+    def acknowledged(self, now: Ns) -> list[ActiveEvent]:
+        events = super().acknowledged(now)
+        if self._until is not None:
+            self._until += ms(10_000_000)
+        return [*events]
+
+
+class HangsAtError(Active):
+    def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
+        if data[3:4] == b"\x14":
+            self._until = None
+            return []
+        return [*super().reaction(data, now)]
+
+
+class HangsWhenLong(Active):
+    def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
+        if self._until is not None and len(data) > 8:
+            self._until = None
+            return []
+        return [*super().reaction(data, now)]
+
+
+class CommandTwice(ActiveStation):
+    """Each FETCH is sent twice."""
+
+    _repeated = 0
+
+    def _serve(self, data: bytes, now: Ns) -> None:
+        if data[:4] == bytes(4) and self._jobs % 2 and self._repeated != self._jobs:
+            self._repeated = self._jobs
+            self.active.fetch(0, 2, block=5)
+        super()._serve(data, now)
+
+
+class StopsAtCommand(Roles):
+    """A command in place of the reaction is dropped, and so is all after it."""
+
+    _stopped = False
+
+    def block(self, data: bytes, now: Ns, overtaken: bool = False) -> list[StationEvent]:
+        if self.active.awaiting and len(data) > 4 and data[2] == 0x45:
+            self._stopped = True
+        return [] if self._stopped else super().block(data, now, overtaken)
+
+    def take_block(self) -> bytes | None:
+        return None if self._stopped else super().take_block()
+
+
+class WrongAmount(ActiveStation):
+    """Announces one word less than it sends."""
+
+    def _hand_over(self, now: Ns) -> None:
+        while (block := self.roles.take_block()) is not None:
+            if len(block) > 10 and block[2] == 0x41:
+                block = block[:7] + bytes((block[7] - 1,)) + block[8:]
+            elif len(block) == 10 and block[2] == 0x45:
+                block = block[:6] + b"\0\0" + block[8:]
+            self.link.send(block, now)

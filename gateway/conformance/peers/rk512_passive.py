@@ -1,0 +1,167 @@
+"""RK512: passive stations with one fault each (used by peers.rk512)."""
+
+from collections.abc import Callable, Sequence
+
+from gateway.conformance.peers.powered import Powered
+from gateway.conformance.peers.stations import Built
+from gateway.conformance.serial.partners import Blocks, Late
+from protocols.base.machine import Ns, ms
+from protocols.p3964r.profiles import RHO3, Priority
+from protocols.rk512.dialects import Dialect
+from protocols.rk512.header import Header
+from protocols.rk512.passive import Event as PassiveEvent
+from protocols.rk512.passive import Passive, Refused
+
+Change = Callable[[bytes, bytes], bytes | None]  # command, reaction -> what is said instead
+
+
+class Told(Passive):
+    """Our passive station with one reaction changed: `change(command, reaction)`; None: nothing is said."""
+
+    def __init__(self, blocks: Blocks, change: Change, dialect: Dialect | None = None) -> None:
+        super().__init__(blocks, dialect)
+        self._change, self._command = change, b""
+
+    def telegram(self, data: bytes, now: Ns) -> list[PassiveEvent]:
+        self._command = data
+        return super().telegram(data, now)
+
+    def take_output(self) -> bytes | None:
+        output = super().take_output()
+        return output if output is None else self._change(self._command, output)
+
+
+class StickyNumber(Told):
+    """The number of a refusal is in the next reaction to SEND as well."""
+
+    def __init__(self, blocks: Blocks) -> None:
+        super().__init__(blocks, self._stuck)
+        self._number = 0
+
+    def _stuck(self, command: bytes, said: bytes) -> bytes:
+        number, self._number = self._number, said[3]
+        return said[:3] + bytes((number,)) if number and len(said) == 4 and not said[3] else said
+
+
+class ShortSends(Passive):
+    """Writes what came, whatever was announced."""
+
+    def _wrong_amount(self, header: Header, data_bytes: int) -> tuple[int, str] | None:
+        return None if header.command == 0x41 else super()._wrong_amount(header, data_bytes)
+
+
+class WritesThenRefuses(Passive):
+    """Writes what came, then finds the length wrong."""
+
+    def _wrong_amount(self, header: Header, data_bytes: int) -> tuple[int, str] | None:
+        fault = super()._wrong_amount(header, data_bytes)
+        if fault is not None and header.command == 0x41 and data_bytes:
+            self._blocks.write(header.db, header.address, b"\x77" * (data_bytes // 2 * 2 or 2))
+        return fault
+
+
+class NoLength(Passive):
+    """Does not look behind the header of a FETCH."""
+
+    def _wrong_amount(self, header: Header, data_bytes: int) -> tuple[int, str] | None:
+        return super()._wrong_amount(header, 0 if header.command == 0x45 else data_bytes)
+
+
+class NoFirstByte(Passive):
+    def _form(self, data: bytes) -> tuple[int, str] | None:
+        return super()._form(b"\x00" + data[1:] if data[:1] not in (b"\x00", b"\xff") else data)
+
+    def telegram(self, data: bytes, now: Ns) -> list[PassiveEvent]:
+        return super().telegram(b"\x00" + data[1:] if data[:1] == b"\x55" and len(data) > 9 else data, now)
+
+
+class LockedByFollowOn(Passive):
+    """A long job that is abandoned is waited for for ever."""
+
+    def _refuse(self, fault: tuple[int, str], data: bytes) -> Refused:
+        kept = self._open
+        refused = super()._refuse(fault, data)
+        self._open = kept
+        return refused
+
+
+class SilentToErrors(Passive):
+    def take_output(self) -> bytes | None:
+        output = super().take_output()
+        return None if output is not None and output[3] else output
+
+
+class DiesOfErrors(Passive):
+    """After four refusals nothing is served."""
+
+    _bad = 0
+
+    def take_output(self) -> bytes | None:
+        output = super().take_output()
+        if output is not None and output[3]:
+            self._bad += 1
+        return None if self._bad > 4 else output
+
+
+class Twice(Built):
+    """Each reaction comes twice."""
+
+    def _serve(self, data: bytes, now: Ns) -> None:
+        assert self.passive is not None
+        self.passive.telegram(data, now)
+        while (reaction := self.passive.take_output()) is not None:
+            self.link.send(reaction, now)
+            self.link.send(reaction, now)
+
+
+class OneByteKills(Built):
+    """A telegram of less than four bytes ends its service."""
+
+    def _serve(self, data: bytes, now: Ns) -> None:
+        if len(data) < 4:
+            self.passive = None
+        super()._serve(data, now)
+
+
+class Slow(Built):
+    """The reaction comes after seven seconds."""
+
+    _due: Ns | None = None
+    _waiting: bytes = b""
+
+    def _serve(self, data: bytes, now: Ns) -> None:
+        self._due, self._waiting = now + ms(7000), data
+
+    def deadline(self) -> Ns | None:
+        moments = [moment for moment in (super().deadline(), self._due) if moment is not None]
+        return min(moments, default=None)
+
+    def wake(self, now: Ns) -> Sequence[object]:
+        if self._due is not None and now >= self._due:
+            self._due = None
+            super()._serve(self._waiting, now)
+        due = self.link.deadline()
+        return super().wake(now) if due is not None and due <= now else []
+
+
+class Beside(Built):
+    """A command whose block check was wrong is executed all the same."""
+
+    def _handle(self, events: Sequence[object], now: Ns) -> Sequence[object]:
+        handled = super()._handle(events, now)
+        if any(type(event).__name__ == "BlockRefused" for event in events):
+            self._serve(bytes((0, 0, 0x45, 0x44, 10, 0, 0, 1, 0xFF, 0xFF)), now)
+        return handled
+
+
+class ReactsLate(Powered):
+    """What was asked before the power failure is answered after it."""
+
+    def __init__(self) -> None:
+        super().__init__(lambda: Late(RHO3, Priority.LOW, late=ms(20)))
+
+    def power(self, on: bool, now: Ns) -> None:
+        before = self._device
+        super().power(on, now)
+        if on:
+            self._device = before
