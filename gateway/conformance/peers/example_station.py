@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 from gateway.conformance.peers.can_devices import Drive
 from gateway.conformance.peers.interop import Gap
-from gateway.conformance.peers.modbus_devices import Answer, Device, padded, rewritten
+from gateway.conformance.peers.modbus_answers import padded, rewritten
+from gateway.conformance.peers.modbus_devices import Answer, Device
 from gateway.conformance.peers.stations import ActiveStation, Built
 from gateway.conformance.serial.partners import DropsItsJob, Late, NoNak, Silent
 from protocols.base.machine import ms

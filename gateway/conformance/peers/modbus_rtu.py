@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from gateway.conformance.peers.modbus_devices import Device, Row, mutants, variants
+from gateway.conformance.peers.modbus_devices import Device
+from gateway.conformance.peers.modbus_rows import Row, mutants, variants
 from protocols.base.machine import Ns
 from protocols.modbus.crc import sealed
 from protocols.modbus.mbap import Request

@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 
-from gateway.conformance.peers.modbus_devices import Device, ForgetsWithTheClient, Row, mutants, variants
+from gateway.conformance.peers.modbus_answers import ForgetsWithTheClient
+from gateway.conformance.peers.modbus_devices import Device
+from gateway.conformance.peers.modbus_rows import Row, mutants, variants
 from protocols.base.machine import Ns
 from protocols.modbus.mbap import ANSWER, HEADER, Closing, Foreign, Framing, Request
 
