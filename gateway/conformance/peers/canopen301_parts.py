@@ -1,146 +1,20 @@
 """CANopen: parts for the communication half of axisgate's emulated drive, each with one fault (used by peers.canopen301)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from drivers.emulator.canopen.guard import NEVER
 from drivers.emulator.canopen.node import CanopenNode
 from drivers.emulator.canopen.objects import OK
 from drivers.emulator.canopen.pdo import Rpdo
-from drivers.emulator.canopen.sdo import Phase, SdoServer
-from gateway.conformance.peers.can_devices import NODE, Drive, Says, Tune, put
+from gateway.conformance.peers.can_devices import Drive, Tune, put
+from gateway.conformance.peers.canopen301_frames import on_heartbeat_silent
 from protocols.base.machine import Frame, Ns
 from protocols.canopen import cob_id as cobid
-from protocols.canopen import lss, sdo
+from protocols.canopen import lss
 from protocols.canopen.dictionary import Key
 from protocols.canopen.emcy import Register
 from protocols.canopen.nmt import State
-from protocols.canopen.sdo import Abort, Answer
-
-
-# ---- what it says
-def answers(change: Callable[[bytes], bytes | None]) -> Says:
-    """Its SDO answers are changed; None: not sent."""
-
-    def says(drive: Drive, frame: Frame) -> Sequence[Frame]:
-        if frame.identifier != cobid.sdo_answer(NODE):
-            return [frame]
-        data = change(frame.data)
-        return [] if data is None else [frame._replace(data=data)]
-
-    return says
-
-
-def when(command: int, change: Callable[[bytes], bytes]) -> Says:
-    """Only answers with this command specifier."""
-    return answers(lambda data: change(data) if data[0] >> 5 == command else data)
-
-
-def abort_code(before: int, after: int) -> Says:
-    def change(data: bytes) -> bytes:
-        is_it = data[0] == Answer.ABORT << 5 and sdo.abort_of(data).code == before
-        return data[:4] + after.to_bytes(4, "little") if is_it else data
-
-    return answers(change)
-
-
-def on(identifier: int, change: Callable[[Drive, Frame], Sequence[Frame]]) -> Says:
-    return lambda drive, frame: change(drive, frame) if frame.identifier == identifier else [frame]
-
-
-def beats(change: Callable[[bytes], bytes]) -> Says:
-    return on(cobid.heartbeat(NODE), lambda drive, frame: [frame._replace(data=change(frame.data))])
-
-
-def deaf(identifier: int, size: int | None = None) -> Says:
-    return on(identifier, lambda drive, frame: [] if size is None or len(frame.data) == size else [frame])
-
-
-def commands(change: Callable[[int, int], tuple[int, int] | None]) -> Says:
-    """NMT commands it hears: (command, node)."""
-
-    def hears(drive: Drive, frame: Frame) -> Sequence[Frame]:
-        if frame.identifier != cobid.NMT or len(frame.data) != 2:
-            return [frame]
-        found = change(frame.data[0], frame.data[1])
-        return [] if found is None else [frame._replace(data=bytes(found))]
-
-    return hears
-
-
-# ---- parts
-class NoToggleCheck(SdoServer):
-    def handle(self, request: bytes, now: Ns) -> list[bytes]:
-        if self._phase in (Phase.UPLOAD, Phase.DOWNLOAD) and request[0] >> 5 in (0, 3):
-            request = bytes((request[0] & ~sdo.TOGGLE | sdo.TOGGLE * self._toggle,)) + request[1:]
-        return super().handle(request, now)
-
-
-class NoCrcCheck(SdoServer):
-    def _block_download_end(self, request: bytes) -> list[bytes]:
-        self._crc = False
-        return super()._block_download_end(request)
-
-
-class AnySize(SdoServer):
-    """Takes more bytes than were announced, and cuts."""
-
-    def _complete(self) -> int:
-        self._size = None
-        del self._data[2:]
-        return super()._complete()
-
-
-class AnyBlock(SdoServer):
-    def handle(self, request: bytes, now: Ns) -> list[bytes]:
-        if request[0] >> 5 == sdo.Request.BLOCK_UPLOAD and not request[0] & 3 and not 1 <= request[4] <= 127:
-            request = request[:4] + b"\x40" + request[5:]
-        return super().handle(request, now)
-
-
-class NoRepeat(SdoServer):
-    """Goes on behind what it sent, whatever was acknowledged."""
-
-    def _acknowledged(self, good: int, block: int) -> list[bytes]:
-        return super()._acknowledged(self._sequence, block)
-
-
-class BigBlocks(SdoServer):
-    """Ignores the block size of the client."""
-
-    def _next_block(self) -> list[bytes]:
-        self._wanted = 127
-        return super()._next_block()
-
-
-class Holds(SdoServer):
-    """A transfer begun is carried on, whatever comes."""
-
-    def handle(self, request: bytes, now: Ns) -> list[bytes]:
-        if self._phase is Phase.UPLOAD and request[0] >> 5 == sdo.Request.INITIATE_UPLOAD:
-            return self._abort(Abort.COMMAND)
-        return super().handle(request, now)
-
-
-class AnswersAborts(SdoServer):
-    def handle(self, request: bytes, now: Ns) -> list[bytes]:
-        said = super().handle(request, now)
-        return said or [sdo.abort((0, 0), Abort.GENERAL)] if request[0] == 0x80 else said
-
-
-class HangsInBlocks(SdoServer):
-    """A client that gives up a block upload is waited for."""
-
-    def handle(self, request: bytes, now: Ns) -> list[bytes]:
-        if self._phase is Phase.BLOCK_OUT_START and request[0] == 0x80:
-            return []
-        return [] if self._phase is Phase.BLOCK_OUT_START and request[0] >> 5 == 2 else super().handle(request, now)
-
-
-def server(kind: type[SdoServer]) -> Tune:
-    def tune(drive: Drive) -> None:
-        drive.node.sdo = kind(drive.node.objects)
-
-    return tune
+from protocols.canopen.sdo import Abort
 
 
 def unchecked(*keys: Key) -> Tune:
@@ -259,12 +133,6 @@ def toggle_stays(drive: Drive) -> None:
     put(node, _reset=kept)
 
 
-def no_toggle(drive: Drive, frame: Frame) -> Sequence[Frame]:
-    if frame.identifier == cobid.heartbeat(NODE) and frame.data[0] & 0x80:
-        return [frame._replace(data=bytes((frame.data[0] & 0x7F,)))]
-    return [frame]
-
-
 def life_never(drive: Drive) -> None:
     expire = drive.node.expire
 
@@ -326,11 +194,6 @@ def first_rpdo(drive: Drive) -> None:
     put(drive.node, _rpdo=taken)
 
 
-def short_taken(drive: Drive, frame: Frame) -> Sequence[Frame]:
-    """Fills up what is missing with zeros."""
-    return [frame._replace(data=frame.data.ljust(6, b"\0"))] if frame.identifier == cobid.rpdo(1, NODE) else [frame]
-
-
 def always_operational(drive: Drive) -> None:
     """PDOs whatever the state."""
     node = drive.node
@@ -355,21 +218,6 @@ def kept_rpdos(drive: Drive) -> None:
     put(node, _enter=entered)
 
 
-def stuck_contents(drive: Drive, frame: Frame) -> Sequence[Frame]:
-    return [frame._replace(data=bytes((frame.data[0] ^ 1,)) + frame.data[1:])] if frame.identifier == cobid.tpdo(1, NODE) else [frame]
-
-
-def each_50th(drive: Drive, frame: Frame) -> Sequence[Frame]:
-    if frame.identifier != cobid.tpdo(1, NODE):
-        return [frame]
-    drive.tally += 1
-    return [] if drive.tally % 50 == 0 else [frame]
-
-
-def fixed_identifier(drive: Drive, frame: Frame) -> Sequence[Frame]:
-    return [frame._replace(identifier=cobid.tpdo(1, NODE))] if frame.identifier == 0x6B0 else [frame]
-
-
 def served_when_stopped(drive: Drive) -> None:
     node = drive.node
 
@@ -378,15 +226,6 @@ def served_when_stopped(drive: Drive) -> None:
 
     put(node, _sdo=served)
     node._replan()
-
-
-def other_number(drive: Drive, frame: Frame) -> Sequence[Frame]:
-    """SDO requests to the next node are its own as well."""
-    return [frame._replace(identifier=cobid.sdo_request(NODE))] if frame.identifier == cobid.sdo_request(NODE + 1) else [frame]
-
-
-def lss_answers(change: Callable[[bytes], bytes]) -> Says:
-    return on(cobid.LSS_SLAVE, lambda drive, frame: [frame._replace(data=change(frame.data))])
 
 
 def any_serial(drive: Drive) -> None:
@@ -423,14 +262,6 @@ def number_ignored(drive: Drive) -> None:
     put(drive.node.lss, take_over=lambda: drive.node.lss.active)
 
 
-def tires(drive: Drive, frame: Frame) -> Sequence[Frame]:
-    """An answer in 250 is lost."""
-    if frame.identifier != cobid.sdo_answer(NODE):
-        return [frame]
-    drive.tally += 1
-    return [] if drive.tally % 250 == 0 else [frame]
-
-
 class KeepsUnsaved(Drive):
     """1017h survives a power failure without having been stored."""
 
@@ -449,10 +280,6 @@ class NoBootAtPower(Drive):
         super().power(on, now)
         if on:
             self._says = on_heartbeat_silent
-
-
-def on_heartbeat_silent(drive: Drive, frame: Frame) -> list[Frame]:
-    return [] if frame.identifier == cobid.heartbeat(NODE) else [frame]
 
 
 class Late(Drive):
@@ -499,8 +326,3 @@ def beats_on(drive: Drive) -> None:
         check(objects.values[0x1017, 0])
 
     objects.written[0x1017, 0] = written
-
-
-def chatty(drive: Drive, frame: Frame) -> Sequence[Frame]:
-    """Something of another node on the bus with every frame it sends."""
-    return [Frame(cobid.heartbeat(77), b"\x05"), frame]

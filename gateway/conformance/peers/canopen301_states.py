@@ -9,7 +9,7 @@ from drivers.emulator.canopen.objects import OK, Objects
 from drivers.emulator.canopen.pdo import TYPE, Pdo, Tpdo
 from drivers.emulator.canopen.sdo import Phase, SdoServer
 from gateway.conformance.peers.can_devices import NODE, Drive, Tune, put
-from gateway.conformance.peers.canopen301_parts import server
+from gateway.conformance.peers.canopen301_servers import server
 from protocols.base.machine import Frame, Ns, ms
 from protocols.canopen import cob_id as cobid
 from protocols.canopen import pdo, sdo

@@ -7,7 +7,8 @@ from drivers.emulator.cia402.errors import Error
 from drivers.emulator.cia402.states import BIT12, BIT13, TARGET, State
 from drivers.emulator.servo.settings import DriveSettings, ServoSettings
 from gateway.conformance.peers.can_devices import NODE, QUICK, Drive, Says, Tune, put
-from gateway.conformance.peers.canopen301_parts import Late, chatty, deaf, on
+from gateway.conformance.peers.canopen301_frames import chatty, deaf, on
+from gateway.conformance.peers.canopen301_parts import Late
 from gateway.conformance.peers.cia402_states import (
     SLOW_BRAKE,
     SMALLEST,
