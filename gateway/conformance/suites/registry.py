@@ -54,9 +54,9 @@ def _generic(*parts: object) -> Sequence[Purpose[Tester]]:
 
 
 def _p3964r() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.p3964r import receive, send, sequence, supply
+    from gateway.conformance.suites.p3964r import conflicts, failures, receive_times, sequence, supply
 
-    return _generic(receive.RCV, send.SND, send.CON, sequence.SEQ, supply.SUP)
+    return _generic(receive_times.RCV, failures.SND, conflicts.CON, sequence.SEQ, supply.SUP)
 
 
 def _rk512() -> Sequence[Purpose[Tester]]:
@@ -126,10 +126,10 @@ def _canopen301() -> Sequence[Purpose[Tester]]:
 
 
 def _cia402() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.cia402 import faults, lasting, modes, power, supply
+    from gateway.conformance.suites.cia402 import faults, lasting, modes, positioning, power, supply
 
     return _generic(
-        *(power.PWR, lasting.PWR, faults.FLT, lasting.FLT, modes.MOD, lasting.MOD, modes.POS, lasting.POS, modes.VEL, lasting.VEL),
+        *(power.PWR, lasting.PWR, faults.FLT, lasting.FLT, modes.MOD, lasting.MOD, positioning.POS, lasting.POS, modes.VEL, lasting.VEL),
         *(faults.OPT, modes.HOM, lasting.HOM, modes.CYC, lasting.CYC, supply.SUP),
     )
 

@@ -43,7 +43,8 @@ from gateway.conformance.suites.cia402.drive import (
     until,
 )
 from gateway.conformance.suites.cia402.faults import LOST, POWER, WATCHES, cyclic, faulty
-from gateway.conformance.suites.cia402.modes import METHOD, MOVES, OFFSET, homing, order, positioning, runs, shown_mode, turning
+from gateway.conformance.suites.cia402.modes import METHOD, OFFSET, homing, runs, shown_mode, turning
+from gateway.conformance.suites.cia402.positioning import MOVES, order, positioning
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
 from protocols.base.machine import ms
