@@ -226,6 +226,17 @@ class NodeTester(CanTester):
             self.command(nmt.Command.PRE_OPERATIONAL)
             self.pause(ms(2))
 
+    @contextmanager
+    def stopped(self) -> Iterator[None]:
+        """NMT state stopped meanwhile."""
+        self.command(nmt.Command.STOP)
+        self.pause(ms(5))
+        try:
+            yield
+        finally:
+            self.command(nmt.Command.PRE_OPERATIONAL)
+            self.pause(ms(5))
+
     def sync(self, data: bytes = b"") -> None:
         self.say_on(cobid.SYNC, data)
 

@@ -133,14 +133,9 @@ def unknown(t: NodeTester) -> None:
     preamble=(BASIC, STATES),
 )
 def stopped(t: NodeTester) -> None:
-    t.command(Command.STOP)
-    t.pause(ms(5))
-    try:
+    with t.stopped():
         t.say(cobid.sdo_request(t.setup.node), sdo.initiate(Request.INITIATE_UPLOAD, DEVICE_TYPE))
         t.silence(cobid.sdo_answer(t.setup.node), ms(100), "an SDO request in state stopped")
-    finally:
-        t.command(Command.PRE_OPERATIONAL)
-        t.pause(ms(5))
 
 
 @NMT.case(

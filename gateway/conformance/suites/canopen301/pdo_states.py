@@ -24,15 +24,9 @@ OTHER_SYNC, OTHER_RPDO, COUNT = 0x6B4, 0x6B3, 4
 
 @SENT.case("BO_04", "in state stopped no TPDO is sent", "im Zustand Stopped wird kein TPDO gesendet")
 def stopped(t: NodeTester) -> None:
-    with transmission(t, 1) as identifier:
-        t.command(Command.STOP)
-        try:
-            t.pause(ms(5))
-            if any(synced(t, identifier, 4)):
-                raise Fail("a TPDO in state stopped", "nothing", "a TPDO")
-        finally:
-            t.command(Command.PRE_OPERATIONAL)
-            t.pause(ms(5))
+    with transmission(t, 1) as identifier, t.stopped():
+        if any(synced(t, identifier, 4)):
+            raise Fail("a TPDO in state stopped", "nothing", "a TPDO")
 
 
 @SENT.case(

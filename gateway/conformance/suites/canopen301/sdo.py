@@ -131,13 +131,18 @@ def again(t: NodeTester) -> None:
     _same(t, Upload(t, t.setup.text, 2, resend=True).run())
 
 
+def block_ended(t: NodeTester, got: bytes, what: str) -> None:
+    """The end of a block download of VALUE was answered so; judged: the answer, and the effect."""
+    if len(got) != 8 or got[0] != Answer.BLOCK_DOWNLOAD << 5 | sdo.BLOCK_END:
+        raise Fail(f"the end of {what} is not acknowledged", "A1h", hexed(got))
+    effect(t, VALUE, what)
+
+
 @SDO.case("BV_09", "a block download has effect", "ein Block-Download wirkt", condition=("heartbeat", "block"), preamble=(BASIC, WRITE))
 def block_download(t: NodeTester) -> None:
     with t.kept(HEARTBEAT):
         got = write_block(t, HEARTBEAT, VALUE.to_bytes(2, "little"))
-        if len(got) != 8 or got[0] != Answer.BLOCK_DOWNLOAD << 5 | sdo.BLOCK_END:
-            raise Fail("the end of a block download is not acknowledged", "A1h", hexed(got))
-        effect(t, VALUE, "a block download")
+        block_ended(t, got, "a block download")
 
 
 @SDO.case(

@@ -3,7 +3,7 @@
 from gateway.conformance.framework.base import hexed
 from gateway.conformance.suites.can.blocks import block_download
 from gateway.conformance.suites.can.node import HEARTBEAT, Aborted, NodeTester, named
-from gateway.conformance.suites.canopen301.sdo import BASIC, VALUE, WRITE, effect
+from gateway.conformance.suites.canopen301.sdo import BASIC, VALUE, WRITE, block_ended, effect
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, Warn
 from protocols.base.machine import ms
@@ -18,13 +18,17 @@ ONE_SEGMENT, ONE_BLOCK = (BASIC, WRITE, "CO301_SDO_BV_05"), (BASIC, WRITE, "CO30
 DATA = VALUE.to_bytes(2, "little")
 
 
+def _segment(t: NodeTester, request: bytes, what: str, toggle: int) -> None:
+    wanted = Answer.DOWNLOAD_SEGMENT << 5 | toggle
+    if (got := t.asked(request, what))[0] != wanted:
+        raise Fail(f"{what} is acknowledged wrongly", f"{wanted:02X}h", hexed(got))
+
+
 def _begun(t: NodeTester) -> None:
     """A segmented download to 1017h is open, its first byte acknowledged."""
     with t.given():
         t.asked(sdo.initiate(Request.INITIATE_DOWNLOAD, HEARTBEAT, 2), "segmented download to 1017h", HEARTBEAT)
-    got = t.asked(sdo.segment(Request.DOWNLOAD_SEGMENT, False, DATA[:1], False), "the first of two segments")
-    if got[0] != Answer.DOWNLOAD_SEGMENT << 5:
-        raise Fail("the first of two segments is acknowledged wrongly", "20h", hexed(got))
+    _segment(t, sdo.segment(Request.DOWNLOAD_SEGMENT, False, DATA[:1], False), "the first of two segments", 0)
 
 
 @MORE.case(
@@ -37,9 +41,7 @@ def _begun(t: NodeTester) -> None:
 def two_segments(t: NodeTester) -> None:
     with t.kept(HEARTBEAT):
         _begun(t)
-        got = t.asked(sdo.segment(Request.DOWNLOAD_SEGMENT, True, DATA[1:], True), "the second of two segments")
-        if got[0] != Answer.DOWNLOAD_SEGMENT << 5 | sdo.TOGGLE:
-            raise Fail("the second of two segments is acknowledged wrongly", "30h", hexed(got))
+        _segment(t, sdo.segment(Request.DOWNLOAD_SEGMENT, True, DATA[1:], True), "the second of two segments", sdo.TOGGLE)
         effect(t, VALUE, "a download in two segments")
 
 
@@ -106,9 +108,7 @@ def gap(t: NodeTester) -> None:
             raise Warn("a lost segment ends the transfer; the client must begin anew", "A2h 00h", refused.got) from refused
         _acknowledged(t, 1, 1)
         got = t.asked(sdo.block_end(Request.BLOCK_DOWNLOAD, 5, sdo.crc(DATA)), "the end of a block download")
-        if got[0] != Answer.BLOCK_DOWNLOAD << 5 | sdo.BLOCK_END:
-            raise Fail("the end of a block download is not acknowledged", "A1h", hexed(got))
-        effect(t, VALUE, "a block download with a repeated segment")
+        block_ended(t, got, "a block download with a repeated segment")
 
 
 @MORE.case(
@@ -125,9 +125,7 @@ def no_crc(t: NodeTester) -> None:
             _opened(t, sdo.initiate_block(Request.BLOCK_DOWNLOAD, HEARTBEAT, 2, False))
             _acknowledged(t, 1, 1)
         got = t.asked(sdo.block_end(Request.BLOCK_DOWNLOAD, 5, 0), "the end of a block download without CRC")
-        if got[0] != Answer.BLOCK_DOWNLOAD << 5 | sdo.BLOCK_END:
-            raise Fail("the end of a block download without CRC is not acknowledged", "A1h", hexed(got))
-        effect(t, VALUE, "a block download without CRC")
+        block_ended(t, got, "a block download without CRC")
 
 
 @NAMES.case("BI_07", "an abort names the object that was asked for", "ein Abbruch nennt das angefragte Objekt")

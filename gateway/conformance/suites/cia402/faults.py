@@ -101,6 +101,15 @@ def master_lost(t: NodeTester) -> None:
             raise Fail("603Fh is 0 in fault", "an error code", f"{code:04X}h")
 
 
+def reset_by(t: NodeTester, word: int, what: str) -> None:
+    """The master is back; this controlword must reset the fault."""
+    with t.given():
+        control(t, 0)
+        beat(t)
+    control(t, word)
+    reaches(t, DISABLED, what)
+
+
 @FLT.case(
     "BV_02",
     "the rising edge of bit 7 resets a fault (transition 15), and 603Fh is 0",
@@ -110,11 +119,7 @@ def master_lost(t: NodeTester) -> None:
 )
 def reset(t: NodeTester) -> None:
     with faulty(t):
-        with t.given():
-            control(t, 0)
-            beat(t)
-        control(t, 0x80)
-        reaches(t, DISABLED, "fault reset")
+        reset_by(t, 0x80, "fault reset")
         if code := t.number(ERROR_CODE):
             raise Fail(f"603Fh is {code:04X}h after the reset", "0000h", f"{code:04X}h")
 

@@ -42,7 +42,7 @@ from gateway.conformance.suites.cia402.drive import (
     stays,
     until,
 )
-from gateway.conformance.suites.cia402.faults import LOST, POWER, WATCHES, cyclic, faulty
+from gateway.conformance.suites.cia402.faults import LOST, POWER, WATCHES, cyclic, faulty, reset_by
 from gateway.conformance.suites.cia402.modes import METHOD, OFFSET, homing, runs, shown_mode, turning
 from gateway.conformance.suites.cia402.positioning import MOVES, order, positioning
 from gateway.pure.conformance.purpose import Purposes
@@ -195,11 +195,7 @@ def same_code(t: NodeTester) -> None:
 )
 def reset_only(t: NodeTester) -> None:
     with faulty(t):
-        with t.given():
-            control(t, 0)
-            t.say_on(cobid.heartbeat(126), b"\x05")
-        control(t, 0x8F)
-        reaches(t, DISABLED, "fault reset with 008Fh")
+        reset_by(t, 0x8F, "fault reset with 008Fh")
         stays(t, DISABLED, "fault reset with 008Fh", ms(200))
 
 
