@@ -29,6 +29,17 @@ from gateway.conformance.peers.p3964r_receivers import (
     TopBitOfCheck,
     ZeroIsGood,
 )
+from gateway.conformance.peers.p3964r_repeats import (
+    AnswersOldStx,
+    ClashCheck,
+    ConnectCheck,
+    DropsWhenCorrupted,
+    KeepsBlocks,
+    KeepsConnects,
+    NaksLater,
+    RepeatCheck,
+    ShortRepeats,
+)
 from gateway.conformance.peers.p3964r_senders import (
     AnyAcknowledges,
     AnyIsDle,
@@ -86,7 +97,7 @@ from gateway.conformance.serial.partners import (
     includes_stx,
 )
 from protocols.base.machine import ms
-from protocols.p3964r.events import BlockRefused, BlockSent
+from protocols.p3964r.events import BlockReceived, BlockRefused, BlockSent
 from protocols.p3964r.profiles import (
     LINUX,
     RHO3,
@@ -211,6 +222,16 @@ MUTANTS = (
     _mutant("wedges", "sends no more after many jobs in a row", ["3964R_SND_ST_01"], WedgesInARow),
     _mutant("flips-priority", "a conflict changes its priority", [f"{C}ST_01", f"{C}BV_03"], lambda: FlipsPriority(RHO3, LOW)),
     _mutant("extra-character", "a carriage return behind its block", [f"{S}BV_02"], lambda: Built(says=extra)),
+    _mutant("repeat-check", "the check of a repeated block is wrong", [f"{S}BV_05"], _with(sender=RepeatCheck)),
+    _mutant("connect-check", "the check counts a repeated STX", [f"{S}BV_04"], _with(sender=ConnectCheck)),
+    _mutant("keeps-connects", "connection attempts are not counted anew", [f"{S}RC_02"], _with(sender=KeepsConnects)),
+    _mutant("keeps-blocks", "block attempts are not counted anew", [f"{S}RC_03", f"{S}BI_09"], _with(sender=KeepsBlocks)),
+    _mutant("short-repeats", "a repeated STX waits 120 ms", [f"{S}TI_04"], _with(sender=ShortRepeats)),
+    _mutant("clash-check", "its check is wrong after it gave way", [f"{C}BV_04"], ClashCheck),
+    _mutant("drops-when-corrupted", "a corrupted block in a conflict loses its job", [f"{C}BI_02"], DropsWhenCorrupted),
+    _mutant("answers-old-stx", "answers the STX of a conflict after its block", [f"{C}BO_01"], AnswersOldStx, HIGH),
+    _mutant("naks-later", "NAK 220 ms after a good block", ["3964R_SEQ_BO_02"], lambda: NaksLater(BlockReceived)),
+    _mutant("naks-after-own", "NAK 220 ms after its own block", ["3964R_SEQ_BO_03"], lambda: NaksLater(BlockSent)),
 )
 
 

@@ -1,7 +1,7 @@
 """How many of its faulty devices each suite finds, as last recorded by `axisgate conformance mutants SUITE`: (killed, mutants)."""
 
 SCORES: dict[str, tuple[int, int]] = {
-    "3964r": (80, 80),
+    "3964r": (90, 90),
     "rk512": (60, 60),
     "modbus-tcp": (69, 69),
     "modbus-rtu": (62, 62),

@@ -53,6 +53,23 @@ def first(t: LineTester) -> None:
     _conflict(t)
 
 
+def gives_way(t: LineTester) -> None:
+    """Both have sent STX and it answered DLE; a station with priority sends its block, and the case is N/A."""
+    t.starts_sending()
+    t.say(STX)
+    got = t.answer(min(t.profile.ack_delay // 2, ms(200)))
+    if got == Char.DLE:
+        return
+    t.say(DLE)
+    with t.given():
+        if t.read() is None:
+            raise Fail("its block does not come", "its block", t.last(8))
+    t.say(DLE)
+    if t.setup.priority is Priority.LOW:
+        raise Disturbed("it did not give way", "DLE (10h)", named(got))
+    raise NotApplicable("it has priority and does not give way")
+
+
 @CON.case(
     "BV_02",
     "after it gave way its own job comes",
@@ -60,18 +77,7 @@ def first(t: LineTester) -> None:
     requirements=("RHO-SER-10",),
 )
 def keeps_job(t: LineTester) -> None:
-    t.starts_sending()
-    t.say(STX)
-    got = t.answer(min(t.profile.ack_delay // 2, ms(200)))
-    if got != Char.DLE:
-        t.say(DLE)
-        with t.given():
-            if t.read() is None:
-                raise Fail("its block does not come", "its block", t.last(8))
-        t.say(DLE)
-        if t.setup.priority is Priority.LOW:
-            raise Disturbed("it did not give way", "DLE (10h)", named(got))
-        raise NotApplicable("it has priority and does not give way")
+    gives_way(t)
     t.say(wire_block(t.harmless, t.profile.block_check))
     with t.given():
         t.expect(Char.DLE, t.profile.ack_delay, "our block in a conflict")

@@ -30,7 +30,7 @@ def silent(t: LineTester) -> None:
     gives_up(t, got if got != Char.STX else None)
 
 
-def _answered(t: LineTester, answer: bytes | None, what: str) -> None:
+def answered(t: LineTester, answer: bytes | None, what: str) -> None:
     t.starts_sending()
     count, found = 0, None
     got: int | Damage | None = Char.STX
@@ -53,7 +53,7 @@ def _answered(t: LineTester, answer: bytes | None, what: str) -> None:
     preamble=(FIRST, SILENCE),
 )
 def nak_to_stx(t: LineTester) -> None:
-    _answered(t, NAK, "NAK")
+    answered(t, NAK, "NAK")
 
 
 @SND.case(
@@ -64,7 +64,7 @@ def nak_to_stx(t: LineTester) -> None:
     preamble=(FIRST, SILENCE),
 )
 def other_to_stx(t: LineTester) -> None:
-    _answered(t, b"U", "55h")
+    answered(t, b"U", "55h")
 
 
 @SND.case(
@@ -75,7 +75,7 @@ def other_to_stx(t: LineTester) -> None:
     preamble=(FIRST, SILENCE),
 )
 def damaged_to_stx(t: LineTester) -> None:
-    _answered(t, None, "a damaged character")
+    answered(t, None, "a damaged character")
 
 
 @SND.case("BI_05", "NAK while the block is under way: begins again with STX", "NAK während des Blocks: beginnt erneut mit STX")
