@@ -10,6 +10,8 @@ from gateway.conformance.peers.rk512_active import (
     HangsAtError,
     HangsWhenLong,
     HangsWhenShort,
+    NoCommand,
+    SmallType,
     StopsAtCommand,
     WaitsForEver,
     WrongAmount,
@@ -34,17 +36,22 @@ from gateway.conformance.peers.rk512_passive import (
     Beside,
     Change,
     DiesOfErrors,
+    KeepsPieces,
     LockedByFollowOn,
+    LowAmount,
+    NeverLocks,
     NoFirstByte,
     NoLength,
     OneByteKills,
     ReactsLate,
+    SendDx,
     ShortSends,
     SilentToErrors,
     Slow,
     StickyNumber,
     Told,
     Twice,
+    WritesLocked,
     WritesThenRefuses,
 )
 from gateway.conformance.peers.stations import ActiveStation, AnswersLate, Built, Chatty, Maker, Mutant, Variant, link_of
@@ -96,6 +103,14 @@ def _only_send(change: Change) -> Change:
 
 def _mutant(name: str, what: str, expects: Sequence[str], make: Maker) -> Mutant:
     return Mutant(name, what, tuple(expects), make, link_of(RHO3, LOW), {})
+
+
+SERVES = replace(Dialect(), coordination_flag="serve")
+
+
+def _flagged(name: str, what: str, expects: Sequence[str], make: Callable[[Blocks], Passive]) -> Mutant:
+    """Its PICS states that it keeps coordination flags."""
+    return replace(_mutant(name, what, expects, lambda: Built(passive=lambda station: make(station.blocks))), pics={"flags": True})
 
 
 MUTANTS = (
@@ -224,6 +239,13 @@ MUTANTS = (
     _mutant("sticky-number", "the number of a refusal is in the next reaction", [f"{P}RC_05"], _kind(StickyNumber)),
     _mutant("writes-to-the-end", "a refused SEND is written up to the end", [f"{P}BI_16"], _memory(WritesToTheEnd)),
     _mutant("reaction-ff", "the first reaction begins with FF", [f"{P}BV_01"], _passive(lambda command, said: b"\xff" + said[1:])),
+    _mutant("send-dx", "a SEND to DX is written to DB", [f"{P}BV_18"], _kind(SendDx)),
+    _mutant("low-amount", "the high byte of the amount does not count", [f"{P}BI_17", f"{P}BI_18"], _kind(LowAmount)),
+    _mutant("keeps-pieces", "what an abandoned SEND brought is in the next one", [f"{P}RC_06"], _kind(KeepsPieces)),
+    _flagged("never-locks", "a coordination flag locks nothing", [f"{P}CA_08"], lambda blocks: Passive(blocks, SERVES, flags=NeverLocks())),
+    _flagged("writes-locked", "writes a SEND that it refuses with 32h", [f"{P}BI_19"], lambda blocks: WritesLocked(blocks, SERVES)),
+    _mutant("small-type", "its SEND names type d", [f"{A}BV_03"], SmallType),
+    _mutant("no-command", "its SEND is command I", [f"{A}BV_03"], NoCommand),
     _mutant("wrong-amount", "announces another amount than it sends", [f"{A}BV_01"], WrongAmount),
 )
 
@@ -263,7 +285,8 @@ VARIANTS = (
     _variant(
         "flags",
         "serves coordination flags",
-        make=lambda: Built(passive=lambda station: Passive(station.blocks, replace(Dialect(), coordination_flag="serve"), flags=Flags())),
+        make=lambda: Built(passive=lambda station: Passive(station.blocks, SERVES, flags=Flags())),
+        flags=True,
     ),
     _variant("powered", "its supply can be switched", make=lambda: Powered(Built)),
     _variant("active", "both roles", make=ActiveStation),

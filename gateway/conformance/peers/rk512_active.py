@@ -78,6 +78,22 @@ class StopsAtCommand(Roles):
         return None if self._stopped else super().take_block()
 
 
+class SmallType(ActiveStation):
+    """Its SEND names type d (64h)."""
+
+    def _hand_over(self, now: Ns) -> None:
+        while (block := self.roles.take_block()) is not None:
+            self.link.send(block[:3] + b"d" + block[4:] if len(block) > 10 and block[2] == 0x41 else block, now)
+
+
+class NoCommand(ActiveStation):
+    """Its SEND is command I (49h)."""
+
+    def _hand_over(self, now: Ns) -> None:
+        while (block := self.roles.take_block()) is not None:
+            self.link.send(block[:2] + b"I" + block[3:] if len(block) > 10 and block[2] == 0x41 else block, now)
+
+
 class WrongAmount(ActiveStation):
     """Announces one word less than it sends."""
 

@@ -8,7 +8,8 @@ from gateway.conformance.serial.partners import Blocks, Late
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.profiles import RHO3, Priority
 from protocols.rk512.dialects import Dialect
-from protocols.rk512.header import Header
+from protocols.rk512.flags import Flags
+from protocols.rk512.header import ErrorNumber, Flag, Header
 from protocols.rk512.passive import Event as PassiveEvent
 from protocols.rk512.passive import Passive, Refused
 
@@ -101,6 +102,49 @@ class DiesOfErrors(Passive):
         if output is not None and output[3]:
             self._bad += 1
         return None if self._bad > 4 else output
+
+
+class SendDx(Passive):
+    """A SEND to DX lands in the data block of the same number."""
+
+    def telegram(self, data: bytes, now: Ns) -> list[PassiveEvent]:
+        return super().telegram(data[:2] + b"AD" + data[4:] if data[2:3] == b"O" else data, now)
+
+
+class LowAmount(Passive):
+    """The high byte of the amount does not count."""
+
+    def telegram(self, data: bytes, now: Ns) -> list[PassiveEvent]:
+        return super().telegram(data[:6] + b"\0" + data[7:] if data[:1] == b"\0" and len(data) >= 10 else data, now)
+
+
+class KeepsPieces(Passive):
+    """What an abandoned SEND brought is put before the next one."""
+
+    def telegram(self, data: bytes, now: Ns) -> list[PassiveEvent]:
+        before = b""
+        if self._open is not None and data[:1] == b"\0":
+            before, self._open = bytes(self._open.data), None
+        events = super().telegram(data, now)
+        if self._open is not None and data[2:3] == b"A" and data[:1] == b"\0":
+            self._open.data[:] = (before + bytes(self._open.data))[: len(self._open.data)]
+        return events
+
+
+class NeverLocks(Flags):
+    """A flag that is set locks nothing."""
+
+    def locks(self, flag: Flag | None) -> bool:
+        return False
+
+
+class WritesLocked(Passive):
+    """A SEND that it refuses with 32h is written."""
+
+    def _refuse(self, fault: tuple[int, str], data: bytes) -> Refused:
+        if fault[0] == ErrorNumber.LOCKED and data[2:3] == b"A":
+            self._blocks.write(data[4], data[5], data[10:])
+        return super()._refuse(fault, data)
 
 
 class Twice(Built):

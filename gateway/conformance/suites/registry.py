@@ -60,9 +60,9 @@ def _p3964r() -> Sequence[Purpose[Tester]]:
 
 
 def _rk512() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.rk512 import active, refusals, supply
+    from gateway.conformance.suites.rk512 import active, refusals, supply, targets
 
-    return _generic(refusals.PAS, active.ACT, supply.SUP)
+    return _generic(refusals.PAS, targets.PAS, active.ACT, supply.SUP)
 
 
 def _modbus_tcp() -> Sequence[Purpose[Tester]]:

@@ -2,7 +2,7 @@
 
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (90, 90),
-    "rk512": (60, 60),
+    "rk512": (67, 67),
     "modbus-tcp": (69, 69),
     "modbus-rtu": (62, 62),
     "cia402": (86, 86),

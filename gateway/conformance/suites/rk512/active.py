@@ -7,7 +7,7 @@ endlessly, and that it sends the next job.
 from collections.abc import Callable
 
 from gateway.conformance.suites.line import LineTester, named
-from gateway.conformance.suites.rk512.telegrams import FETCH, is_command, right_reaction
+from gateway.conformance.suites.rk512.telegrams import DX_SEND, FETCH, SEND, is_command, right_reaction
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, Inconclusive, NotApplicable
 from protocols.base.machine import ms
@@ -16,6 +16,7 @@ from protocols.p3964r.characters import Char
 FIRST = "RK512_ACT_BV_01"
 ACT = Purposes[LineTester]("RK512_ACT", "active", "serial-protocols 2.2", condition=("active",), preamble=(FIRST,))
 MOST_REPEATS = 12
+TYPES = b"DXEAMTZPBS"
 
 
 def command(t: LineTester) -> bytes:
@@ -45,6 +46,38 @@ def well_formed(t: LineTester) -> None:
         raise Fail(f"announces {size} bytes and carries {len(data) - 10}", f"{wanted} data bytes", data[:24].hex(" ").upper())
     with t.given():
         t.good(right_reaction(data), "the right reaction")
+
+
+@ACT.case(
+    "BV_03",
+    "each of its commands names a known type and announces what it carries",
+    "jeder seiner Befehle nennt einen bekannten Typ und kündigt an, was er trägt",
+    clause="serial-protocols 2.1",
+)
+def each_command(t: LineTester) -> None:
+    """Jobs of several kinds may come in turn."""
+    for _ in range(1 if t.setup.stimulus_name == "operator" else 4):
+        t.starts_sending()
+        data = t.take().data
+        _judge_header(data)
+        with t.given():
+            t.good(right_reaction(data), "the right reaction")
+        t.settle(ms(150))
+
+
+def _judge_header(data: bytes) -> None:
+    shown = data[:12].hex(" ").upper()
+    if len(data) < 10 or data[:2] != b"\0\0":
+        raise Fail(f"header {shown}", "00 00, command, type, address, amount, flag", shown)
+    if data[2] not in (SEND, FETCH, DX_SEND):
+        raise Fail(f"byte 3 is {data[2]:02X}h: no command", "41h (A), 45h (E) or 4Fh (O)", shown)
+    if data[3] not in TYPES:
+        raise Fail(f"byte 4 is {data[3]:02X}h: no data type", "one of " + " ".join(map(chr, TYPES)), shown)
+    amount = int.from_bytes(data[6:8], "big")
+    size = amount if data[3] in b"EAM" else 2 * amount
+    wanted = 0 if data[2] == FETCH else min(size, 128)
+    if amount == 0 or len(data) - 10 != wanted:
+        raise Fail(f"announces {size} bytes and carries {len(data) - 10}", f"{wanted} data bytes", shown)
 
 
 @ACT.case("BV_02", "after the right reaction it neither repeats nor complains", "nach der richtigen Reaktion wiederholt er nicht")

@@ -371,7 +371,7 @@ for _number, _words in ((14, 65), (15, 100), (16, 128)):
     _follow_on(_number, _words)
 
 
-def _send_long(t: LineTester, db: int, content: bytes, first_only: bool = False) -> None:
+def send_in_pieces(t: LineTester, db: int, content: bytes, first_only: bool = False) -> None:
     found = ask(t, header(SEND, DB, db, 0, len(content) // 2) + content[:128])
     if found.number in NO_FOLLOW_ON and not found.data:
         raise NotApplicable(f"refused with {number_words(found.number)}: no follow-on telegrams")
@@ -398,7 +398,7 @@ def send_long(t: LineTester) -> None:
     if words <= 64:
         raise NotApplicable(f"the block has {words} words for this bench")
     with borrowed(t, words) as db:
-        _send_long(t, db, pattern(words))
+        send_in_pieces(t, db, pattern(words))
         compared(saved(t, db, 0, words), pattern(words), f"{2 * words} bytes sent in follow-on telegrams")
 
 
@@ -415,11 +415,11 @@ def abandoned_send(t: LineTester) -> None:
     if words <= 64:
         raise NotApplicable(f"the block has {words} words for this bench")
     with borrowed(t, words) as db:
-        _send_long(t, db, saved(t, db, 0, words), first_only=True)
-        _served_again(t, "a SEND that was abandoned")
+        send_in_pieces(t, db, saved(t, db, 0, words), first_only=True)
+        served_again(t, "a SEND that was abandoned")
 
 
-def _served_again(t: LineTester, after: str) -> None:
+def served_again(t: LineTester, after: str) -> None:
     """The next job is served, at the latest the second one: the first may be refused with 36h."""
     for attempt in range(2):
         found = ask(t, fetch(t.setup.db, 0, 1))
@@ -442,4 +442,4 @@ def abandoned_fetch(t: LineTester) -> None:
     found = ask(t, fetch(t.setup.db, 0, 100))
     if found.number:
         raise NotApplicable(f"refused with {number_words(found.number)}: no follow-on telegrams")
-    _served_again(t, "a FETCH that was abandoned")
+    served_again(t, "a FETCH that was abandoned")

@@ -1,0 +1,159 @@
+"""RK512, passive side: what a job reaches (DX, amounts, locked jobs), and what an abandoned one leaves (serial-protocols 2.1, 2.5)."""
+
+from gateway.conformance.suites.line import LineTester
+from gateway.conformance.suites.rk512.passive import (
+    BASIC,
+    READ_BACK,
+    REFUSES,
+    WRITE,
+    WRITES,
+    borrowed,
+    compared,
+    pattern,
+    send_in_pieces,
+    served_again,
+)
+from gateway.conformance.suites.rk512.telegrams import DB, DX_SEND, FETCH, SEND, Reaction, ask, db_of, header, number_words, room, saved
+from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.verdict import Fail, NotApplicable
+
+PAS = Purposes[LineTester]("RK512_PAS", "passive", "serial-protocols 2", condition=("passive",), preamble=(BASIC,))
+DX = 0x58
+FLAG = b"\x06\x04"  # flag 6.4, no CPU
+LOCKED = 0x32
+LONG_SEND = "RK512_PAS_BV_17"
+MANY = 257  # words: one, if the high byte of the amount is lost
+
+
+@PAS.case(
+    "BV_18",
+    "SEND to DX leaves the data block of the same number alone",
+    "SEND in DX lässt den Datenbaustein gleicher Nummer unberührt",
+    clause="serial-protocols 2.1",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, READ_BACK),
+)
+def other_blocks(t: LineTester) -> None:
+    """DX gets the word that it has; where it cannot be read, one that differs from the word of the data block."""
+    with borrowed(t, 1) as db:
+        before = saved(t, db, 0, 1)
+        there = ask(t, header(FETCH, DX, db, 0, 1))
+        readable = there.number == 0 and len(there.data) == 2
+        if readable and there.data == before:
+            raise NotApplicable(f"DX{db} shows the words of DB{db}, or the same words")
+        word = there.data if readable else bytes(byte ^ 0x5A for byte in before)
+        found = ask(t, header(DX_SEND, DX, db, 0, 1) + word)
+        t.remark(f"SEND to DX: {number_words(found.number)}")
+        if saved(t, db, 0, 1) == word:
+            raise Fail(f"SEND to DX{db}.DW0 was written to DB{db}.DW0", before.hex(" ").upper(), word.hex(" ").upper())
+
+
+@PAS.case(
+    "BI_17",
+    "both bytes of the amount count: 257 words are not 1",
+    "beide Bytes der Anzahl zählen: 257 Wörter sind nicht 1",
+    clause="serial-protocols 2.1",
+    preamble=(BASIC, REFUSES),
+)
+def high_amount(t: LineTester) -> None:
+    found = ask(t, header(FETCH, DB, t.setup.db, 0, MANY))
+    if found.number == 0 and len(found.data) == 2:
+        raise Fail(f"FETCH of {MANY} words brings one word", "a refusal, or 128 bytes and follow-on telegrams", found.words())
+    if found.number == 0 and len(found.data) != 128:
+        raise Fail(f"FETCH of {MANY} words brings {len(found.data)} bytes", "a refusal, or 128 bytes", found.words())
+    served_again(t, f"a FETCH of {MANY} words")
+
+
+@PAS.case(
+    "BI_18",
+    "a SEND that announces 257 words and brings 1 is refused and writes nothing",
+    "ein SEND mit angekündigten 257 Wörtern und einem gesandten wird abgelehnt und schreibt nichts",
+    clause="serial-protocols 2.3",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, REFUSES),
+)
+def high_amount_send(t: LineTester) -> None:
+    with borrowed(t, 1) as db:
+        before = saved(t, db, 0, 1)
+        found = ask(t, header(SEND, DB, db, 0, MANY) + bytes(byte ^ 0xFF for byte in before))
+        served_again(t, f"a SEND that announces {MANY} words")
+        compared(saved(t, db, 0, 1), before, f"DB{db}.DW0 after a SEND that announces {MANY} words and brings 1")
+        if found.number == 0:
+            raise Fail(f"a SEND that announces {MANY} words and brings 1 is acknowledged", "34h: length wrong", found.words())
+
+
+@PAS.case(
+    "RC_06",
+    "what an abandoned SEND brought is not in the next one",
+    "was ein abgebrochener SEND brachte, steht nicht im nächsten",
+    clause="serial-protocols 2.3",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, READ_BACK, LONG_SEND),
+)
+def after_abandoned(t: LineTester) -> None:
+    words = room(t, 100)
+    if words <= 64:
+        raise NotApplicable(f"the block has {words} words for this bench")
+    with borrowed(t, words) as db:
+        send_in_pieces(t, db, pattern(words, 0x7001), first_only=True)
+        found = header(SEND, DB, db, 0, words) + pattern(words)[:128]
+        said = ask(t, found)
+        if said.number:  # 36h once is allowed: a follow-on telegram was due
+            said = ask(t, found)
+        if said.number:
+            raise Fail(f"a long SEND after one that was abandoned: {said.words()}", "00h, or 36h once", said.words())
+        _rest(t, db, pattern(words))
+        compared(saved(t, db, 0, words), pattern(words), f"{2 * words} bytes sent after an abandoned SEND")
+
+
+def _rest(t: LineTester, db: int, content: bytes) -> None:
+    """The follow-on telegrams of a SEND whose first piece was acknowledged."""
+    for at in range(128, len(content), 128):
+        said = ask(t, bytes((0xFF, 0, SEND, DB)) + content[at : at + 128])
+        if said.number or said.data:
+            raise Fail(f"piece of a long SEND to DB{db}: {said.words()}", "FF 00 00 00", said.words())
+
+
+# ---- coordination flags
+def _locked(t: LineTester) -> Reaction:
+    """A FETCH sets the flag, or finds it set: the reaction to the second one."""
+    telegram = header(FETCH, DB, t.setup.db, 0, 1, FLAG)
+    first = ask(t, telegram)
+    if first.number not in (0, LOCKED):
+        raise NotApplicable(f"serves no coordination flags: {number_words(first.number)}")
+    return ask(t, telegram)
+
+
+@PAS.case(
+    "CA_08",
+    "a job whose coordination flag is set is refused with 32h",
+    "ein Auftrag, dessen Koppelmerker gesetzt ist, wird mit 32h abgelehnt",
+    clause="serial-protocols 2.5",
+    condition=("flags",),
+    preamble=(BASIC, "RK512_PAS_CA_07"),
+)
+def locks(t: LineTester) -> None:
+    found = _locked(t)
+    if found.number != LOCKED:
+        raise Fail(f"flag 6.4 was set by the job before: {found.words()}", number_words(LOCKED), found.words())
+    if found.data:
+        raise Fail(f"{len(found.data)} data bytes behind 32h", "4 bytes", found.words())
+
+
+@PAS.case(
+    "BI_19",
+    "a SEND that is refused with 32h writes nothing",
+    "ein mit 32h abgelehnter SEND schreibt nichts",
+    clause="serial-protocols 2.5",
+    condition=("flags", "write"),
+    preamble=(BASIC, WRITES, READ_BACK, "RK512_PAS_CA_08"),
+)
+def locked_send(t: LineTester) -> None:
+    with borrowed(t, 1) as db:
+        before = saved(t, db_of(t), 0, 1)
+        with t.given():
+            _locked(t)
+        found = ask(t, header(SEND, DB, db, 0, 1, FLAG) + bytes(byte ^ 0xFF for byte in before))
+        if found.number != LOCKED:
+            raise Fail(f"a SEND whose flag is set: {found.words()}", number_words(LOCKED), found.words())
+        compared(saved(t, db, 0, 1), before, f"DB{db}.DW0 after a SEND refused with 32h")
