@@ -60,6 +60,11 @@ def reads_first(device: Device, asked: bytes, said: bytes) -> bytes:
     return said[:2] + struct.pack(f">{count}H", *found[at : at + count])
 
 
+def counts_written(device: Device, asked: bytes, said: bytes) -> bytes:
+    """The byte count of FC 23 is that of what was written."""
+    return said[:1] + asked[9:10] + said[2:] if said[0] == 23 else said
+
+
 class ReadsFirst(Device):
     def serve(self, request: Request, now: Ns) -> bytes:
         self._before = list(self.tables.words[Kind.HOLDING_REGISTERS])

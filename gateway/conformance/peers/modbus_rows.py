@@ -8,6 +8,7 @@ from gateway.conformance.peers.modbus_answers import (
     any_amount,
     any_coil_value,
     byte_more,
+    counts_written,
     each_70th,
     mask_or,
     mirrored,
@@ -44,8 +45,10 @@ from gateway.conformance.peers.modbus_tables import (
     ReversedCoils,
     SevenBits,
     Shifted,
+    SignedBytes,
     Sticky,
     Swapped,
+    WholeBytes,
 )
 from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.stations import Maker, Mutant, Variant
@@ -143,6 +146,9 @@ ROWS: tuple[Row, ...] = (
     _tables("ninety-registers", "the rest of a long write is lost", ["EFF_BV_01", "CON_BV_16"], Most),
     _answers("writes-unread", "FC 23 writes though its reading part is missing", ["EFF_BI_20"], writes_unread),
     _answers("reads-126", "FC 23 serves 126 registers", ["EFF_BI_22"], reads_126),
+    _tables("whole-bytes", "coils are read from whole bytes on", ["ANS_BV_03"], WholeBytes),
+    _tables("signed-bytes", "extends a value of one byte by its top bit", ["ANS_BV_02"], SignedBytes),
+    _answers("counts-written", "FC 23 counts what was written", ["ANS_BV_04"], counts_written),
     _answers("after-refusals", "fails after a hundred refusals", ["RC_02", "RC_03"], after_refusals),
     ("dead-after-power", "does not work after a power failure", ("SUP_RC_01",), lambda rtu: Powered(lambda: Device(rtu), False)),
     _answers("each-70th", "each 70th request is refused with 06", ["ST_01"], each_70th),

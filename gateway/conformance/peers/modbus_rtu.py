@@ -1,6 +1,7 @@
 """Modbus RTU: faulty and correct servers."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from gateway.conformance.peers.modbus_devices import Device
 from gateway.conformance.peers.modbus_rows import Row, mutants, variants
@@ -58,9 +59,42 @@ class ExceptionForBad(Device):
         return super()._take(events, now)
 
 
+class NoBroadcast(Device):
+    """Broadcasts are not heard, though its PICS has them."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        return super().serve(request, now) if request.unit else b""
+
+
 class AnswersBroadcast(Device):
     def serve(self, request: Request, now: Ns) -> bytes:
         return super().serve(request._replace(unit=1) if request.unit == 0 else request, now)
+
+
+class WritesForOthers(Device):
+    """What is for another unit is executed without an answer."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        if request.unit > 1:
+            super().serve(request._replace(unit=1), now)
+        return super().serve(request, now)
+
+
+class LosesNext(Device):
+    """The request after a frame that is too short is lost."""
+
+    _lost = False
+
+    def _take(self, events: Sequence[object], now: Ns) -> list[object]:
+        good: list[object] = []
+        for event in events:
+            if isinstance(event, Dropped) and event.why is Fault.SHORT:
+                self._lost = True
+            elif isinstance(event, Request) and self._lost:
+                self._lost = False
+                continue
+            good.append(event)
+        return super()._take(good, now)
 
 
 class Tires(Device):
@@ -87,8 +121,15 @@ MORE: tuple[Row, ...] = (
     ("any-unit", "answers for every unit", ("RTU_BI_04",), lambda rtu: AnyUnit(True)),
     ("exception-for-bad", "answers a bad frame with an exception", ("RTU_BI_01",), lambda rtu: ExceptionForBad(True)),
     ("answers-broadcast", "answers a broadcast", ("RTU_BI_06",), lambda rtu: AnswersBroadcast(True)),
+    ("writes-for-others", "executes writes to other units", ("ANS_BI_01",), lambda rtu: WritesForOthers(True)),
+    ("loses-next", "the request after a short frame is lost", ("ANS_RC_01",), lambda rtu: LosesNext(True)),
+    ("no-broadcast", "a broadcast has no effect", ("RTU_BV_01",), lambda rtu: NoBroadcast(True)),
     ("tires", "silent after 80 requests", ("RTU_ST_01", "FUN_BV_10"), lambda rtu: Tires(True)),
     ("noise-kills", "five spoiled frames end its service", ("RTU_BI_01",), lambda rtu: NoiseKills(True)),
 )
-MUTANTS = mutants("MBRTU", True, MORE, without=("after-refusals", "each-70th", "tires"))
+STATED: dict[str, dict[str, object]] = {"no-broadcast": {"broadcast": True}}
+MUTANTS = tuple(
+    replace(mutant, pics=dict(STATED.get(mutant.id, {})))
+    for mutant in mutants("MBRTU", True, MORE, without=("after-refusals", "each-70th", "tires"))
+)
 VARIANTS = variants(True)

@@ -90,6 +90,20 @@ class OneRegisterTable(Tables):
         self.words[Kind.INPUT_REGISTERS] = self.words[Kind.HOLDING_REGISTERS]
 
 
+class WholeBytes(Tables):
+    """Several coils are read from the beginning of a byte."""
+
+    def read_bits(self, kind: Kind, address: int, count: int) -> Sequence[bool] | ExceptionCode:
+        return super().read_bits(kind, address & ~7 if kind is Kind.COILS and count > 1 else address, count)
+
+
+class SignedBytes(Tables):
+    """A value of one byte is extended by its top bit."""
+
+    def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None:
+        return super().write_words(address, [value | 0xFF00 if value & 0x80 and value < 0x100 else value for value in values])
+
+
 class OneBitTable(Tables):
     def __init__(self) -> None:
         super().__init__()

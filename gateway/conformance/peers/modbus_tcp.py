@@ -69,6 +69,16 @@ class OneOfTen(Device):
         return found
 
 
+class LastTransaction(Device):
+    """The answer to FC 16 carries the transaction of the request before."""
+
+    _last = 0
+
+    def framed(self, said: bytes) -> bytes:
+        before, self._last = self._last, HEADER.unpack_from(said)[0]
+        return before.to_bytes(2, "big") + said[2:] if said[7] == 16 else said
+
+
 class WholeOnly(Device):
     """A request must come in one piece."""
 
@@ -137,6 +147,7 @@ MORE: tuple[Row, ...] = (
     ("unit-0-as-1", "answers unit 0 as unit 1", ("TCP_BV_10",), lambda rtu: OtherUnitZero(False, any_unit=True)),
     ("low-transaction", "eight bits of the transaction come back", ("FUN_BV_01", "TCP_BV_01"), lambda rtu: LowTransaction(False)),
     ("one-of-ten", "answers the first of several requests", ("TCP_BV_02",), lambda rtu: OneOfTen(False, late=1_000_000)),
+    ("last-transaction", "FC 16 has the transaction of the request before", ("ANS_BV_01",), lambda rtu: LastTransaction(False)),
     ("whole-only", "a request must come in one piece", ("TCP_BV_03",), lambda rtu: WholeOnly(False)),
     ("answers-foreign", "answers a frame that cannot be", ("TCP_BI_02", "TCP_BI_03"), lambda rtu: AnswersForeign(False)),
     ("locks-up", "a frame of another protocol ends its service", ("TCP_BI_01",), lambda rtu: LocksUp(False)),

@@ -3,8 +3,8 @@
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (90, 90),
     "rk512": (67, 67),
-    "modbus-tcp": (69, 69),
-    "modbus-rtu": (62, 62),
+    "modbus-tcp": (73, 73),
+    "modbus-rtu": (68, 68),
     "cia402": (86, 86),
     "canopen-301": (123, 123),
     "servodyn": (55, 55),

@@ -307,7 +307,8 @@ def broadcast(t: ModbusTester) -> None:
     try:
         _silence(t, t.frame(struct.pack(">BHH", 6, at, wanted), unit=0), "a broadcast write")
         if t.registers(3, at, 1) != [wanted]:
-            raise Warn("a broadcast write has no effect", f"{wanted:04X}", f"{t.registers(3, at, 1)[0]:04X}")
+            ended = Fail if t.setup.pics.get("broadcast_stated") else Warn
+            raise ended("a broadcast write has no effect", f"{wanted:04X}", f"{t.registers(3, at, 1)[0]:04X}")
     finally:
         try:
             t.ask(struct.pack(">BHH", 6, at, before))

@@ -80,6 +80,7 @@ class ModbusSession:
         pics["write_coils"] = bool(setup.coils) and bool(pics.get("coils"))
         self._writes()
         pics["tcp"], pics["several"] = not self._rtu, not self._rtu and not self.tester.wire.simulated
+        pics["broadcast_stated"] = "broadcast" in self._opened.pics
         pics.setdefault("broadcast", True)
         return pics
 

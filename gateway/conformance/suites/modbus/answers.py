@@ -1,0 +1,166 @@
+"""Modbus: the frame of every function's answer, bits and bytes in every place; RTU: other units, broadcasts, frames too short."""
+
+import struct
+from collections.abc import Iterator
+
+from gateway.conformance.suites.modbus.content import kept, same_values, write_back
+from gateway.conformance.suites.modbus.tester import ModbusTester
+from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable
+from protocols.modbus.crc import sealed
+
+OTHERS = (b"\x07", b"\x08\x00\x00\xa5\x37", b"\x0b", b"\x0c", b"\x11", b"\x2b\x0e\x01\x00")
+PLACES = (0x0080, 0x8000, 0x00FF, 0xFF00, 0x7FFF, 0x8001, 0x0100)
+ROW = 20  # coils: more than two bytes
+
+
+def _row(numbers: tuple[int, ...], least: int, what: str) -> int:
+    """The first of so many addresses without a hole that may be written."""
+    for at in numbers:
+        if all(at + offset in numbers for offset in range(least)):
+            return at
+    raise NotApplicable(f"no {least} {what} in a row may be written")
+
+
+def _writes(t: ModbusTester) -> Iterator[bytes]:
+    """What is there is written again, by each function."""
+    if t.setup.pics.get("write_coils"):
+        at = t.setup.coils[0]
+        bit = t.bits(1, at, 1)[0]
+        yield struct.pack(">BHH", 5, at, 0xFF00 * bit)
+        yield struct.pack(">BHHBB", 15, at, 1, 1, bit)
+    if t.setup.pics.get("write_holding"):
+        at = t.setup.holding[0]
+        value = t.registers(3, at, 1)[0]
+        yield struct.pack(">BHH", 6, at, value)
+        yield struct.pack(">BHHBH", 16, at, 1, 2, value)
+        yield struct.pack(">BHHH", 22, at, 0xFFFF, 0)
+        yield struct.pack(">BHHHHBH", 23, at, 1, at, 1, 2, value)
+
+
+def _frames(p: Purposes[ModbusTester], basic: str) -> None:
+    @p.case(
+        "BV_01",
+        "the answer of every function has the frame of its request: transaction or CRC, unit, function",
+        "die Antwort jeder Funktion hat den Rahmen ihrer Anfrage: Transaktion oder CRC, Gerät, Funktion",
+        clause="V1.1b3, 4.1",
+        preamble=(basic, basic.replace("BV_01", "BI_04")),
+    )
+    def body(t: ModbusTester) -> None:
+        with t.given():
+            writes = list(_writes(t))
+        reads = [struct.pack(">BHH", function, at, 1) for function, at in t.setup.base.items()]
+        others = [pdu for pdu in OTHERS if t.setup.pics.get(f"fc{pdu[0]}")]
+        for pdu in (*reads, *writes, *others):
+            t.ask(pdu, judge=True)
+
+
+def _places(p: Purposes[ModbusTester], con: str) -> None:
+    @p.case(
+        "BV_02",
+        "every bit of a register is its own: no byte is extended or cut",
+        "jedes Bit eines Registers ist ein eigenes: kein Byte wird erweitert oder gekürzt",
+        clause="V1.1b3, 4.2",
+        condition=("write_holding",),
+        preamble=(f"{con}_FUN_BV_01", f"{con}_CON_BV_06"),
+    )
+    def registers(t: ModbusTester) -> None:
+        at = t.setup.holding[0]
+        with kept(t, 3, at, 1):
+            for value in (*PLACES, *(1 << bit for bit in range(16))):
+                write_back(t, 3, at, [value])
+                same_values(t.registers(3, at, 1), [value], f"register {at} with {value:04X}h")
+
+    @p.case(
+        "BV_03",
+        "coils are read from any address, not from a whole byte on",
+        "Spulen werden ab jeder Adresse gelesen, nicht ab einem ganzen Byte",
+        clause="V1.1b3, 6.1",
+        condition=("write_coils",),
+        preamble=(f"{con}_FUN_BV_01", f"{con}_CON_BV_05"),
+    )
+    def coils(t: ModbusTester) -> None:
+        at = _row(t.setup.coils, ROW, "coils")
+        values = [int(offset % 3 == 0 or offset % 5 == 1) for offset in range(ROW)]
+        with kept(t, 1, at, ROW):
+            with t.given():
+                write_back(t, 1, at, values)
+            for first in range(1, 10):
+                same_values(t.bits(1, at + first, ROW - first), values[first:], f"{ROW - first} coils from {at + first}")
+
+    @p.case(
+        "BV_04",
+        "FC 23 that reads less than it writes: byte count and data of what is read",
+        "FC 23, das weniger liest als schreibt: Byteanzahl und Daten des Gelesenen",
+        clause="V1.1b3, 6.17",
+        condition=("write_holding", "fc23"),
+        preamble=(f"{con}_FUN_BV_01", f"{con}_CON_BV_23"),
+    )
+    def unequal(t: ModbusTester) -> None:
+        at = _row(t.setup.holding, 3, "registers")
+        with kept(t, 3, at, 3):
+            for count in (1, 2):
+                values = [0x1201 + count, 0x3402 + count, 0x5603 + count]
+                got = t.normal(struct.pack(">BHHHHB3H", 23, at, count, at, 3, 6, *values), "FC 23")
+                if len(got) != 2 + 2 * count or got[1] != 2 * count:
+                    why = f"FC 23 reads {count} and writes 3: byte count {got[1]}, {len(got) - 2} data bytes"
+                    raise Fail(why, f"byte count {2 * count}", t.words(got))
+                same_values(list(struct.unpack(f">{count}H", got[2:])), values[:count], "what FC 23 read")
+
+
+def _collect(prefix: str) -> Purposes[ModbusTester]:
+    basic = f"{prefix}_FUN_BV_01"
+    p = Purposes[ModbusTester](f"{prefix}_ANS", "server", "V1.1b3, 4", preamble=(basic,))
+    _frames(p, basic)
+    _places(p, prefix)
+    return p
+
+
+TCP_ANS = _collect("MBTCP")
+RTU_ANS = _collect("MBRTU")
+
+
+# ---- RTU only
+@RTU_ANS.case(
+    "BI_01",
+    "a write to another unit: silence, and nothing is written",
+    "ein Schreiben an ein anderes Gerät: Stille, und nichts wird geschrieben",
+    clause="serial line guide V1.02, 2.2",
+    condition=("write_holding", "fc6"),
+    preamble=("MBRTU_FUN_BV_01", "MBRTU_RTU_BI_04"),
+)
+def other_unit(t: ModbusTester) -> None:
+    at = t.setup.holding[0]
+    with kept(t, 3, at, 1):
+        before = t.registers(3, at, 1)
+        for unit in sorted({t.setup.missing, (t.setup.unit + 1) % 247 or 1} - {t.setup.unit}):
+            _unanswered(t, t.frame(struct.pack(">BHH", 6, at, before[0] ^ 0x5AA5), unit=unit), f"a write to unit {unit}")
+            same_values(t.registers(3, at, 1), before, f"{at} after a write to unit {unit}")
+
+
+def _unanswered(t: ModbusTester, frame: bytes, what: str) -> None:
+    t.quiet()
+    t.send(frame)
+    if found := t.answer_frame():
+        raise Fail(f"{what} was answered", "silence", t.words(found))
+
+
+@RTU_ANS.case(
+    "RC_01",
+    "the first request after a frame that is too short or spoilt is answered",
+    "die erste Anfrage nach einem zu kurzen oder gestörten Telegramm wird beantwortet",
+    clause="serial line guide V1.02, 2.5.1.1",
+    preamble=("MBRTU_FUN_BV_01", "MBRTU_RTU_BI_07"),
+)
+def next_request(t: ModbusTester) -> None:
+    function, at = next(iter(t.setup.base.items()))
+    good = struct.pack(">BHH", function, at, 1)
+    whole = t.frame(good)
+    for bad in (b"\x01", whole[:2], sealed(whole[:1]), whole[:-1], whole[:-1] + bytes((whole[-1] ^ 0x10,))):
+        _unanswered(t, bad, f"the frame {bad.hex(' ').upper()}")
+        try:
+            got = t.ask(good)
+        except Ended as ended:
+            raise Fail(f"after the frame {bad.hex(' ').upper()}: {ended.reason}", "an answer", ended.got) from ended
+        if not got:
+            raise Fail(f"after the frame {bad.hex(' ').upper()} the next request is lost", "an answer", t.words(got))
