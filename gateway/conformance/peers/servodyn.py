@@ -67,6 +67,14 @@ def _every(count: int) -> Told:
     return told
 
 
+def _zero_at_control(booster: Booster, value: ActualValue) -> ActualValue:
+    """It counts from where control began."""
+    if value.enabled and not (booster.kept and booster.kept.enabled):
+        booster.tally = value.position_inc
+    booster.kept = value
+    return value._replace(position_inc=value.position_inc - booster.tally)
+
+
 def _not_by_itself(booster: Booster, frame: Frame) -> Sequence[Frame]:
     """A fault is reported with the next SYNC only."""
     return [frame] if booster.tally == booster.now else []
@@ -324,6 +332,12 @@ ROWS: tuple[Row, ...] = (
     _heard("wrong-way", "goes the other way", "MOV_BV_01", _wrong_way),
     _told("frozen", "its position never changes", "MOV_BV_01", _frozen),
     _hears("lets-go", "control ends where one set value is missing", "MOV_BV_04", _no_set_value),
+    _answers(
+        "par-next", "answers with the next sequence number", "PAR_BV_01 PAR_BI_01", lambda b, a: a._replace(sequence=a.sequence + 1 & 0xFF)
+    ),
+    _told("zero-at-control", "its position is 0 when control begins", "MOV_BV_06", _zero_at_control),
+    _told("ready-goes-at-control", "ready goes when control begins", "MOV_BV_06", lambda b, v: v._replace(ready=v.ready and not v.enabled)),
+    _told("sixteen-bits", "its position has 16 bits", "MOV_BV_07", lambda b, v: v._replace(position_inc=v.position_inc & 0xFFFF)),
     _answers("par-silent", "does not answer known parameters", "PAR_BV_01", lambda b, a: a if a.number == 56 else None),
     _answers("par-sequence", "the sequence is always 0", "PAR_BV_01", _no_sequence),
     _answers("par-value", "answers with 0", "PAR_BV_01", lambda b, a: a._replace(value=0.0)),

@@ -42,6 +42,7 @@ class BoosterTester(CanTester):
         self.life_runs = True
         self._grid: Ns = 0
         self._sequence = 0
+        self.answers = False  # to a parameter, right or wrong
 
     @property
     def actual_id(self) -> int:
@@ -165,6 +166,7 @@ class BoosterTester(CanTester):
         self.drain()
         self.say(frame.identifier, frame.data)
         got = self.hear((answer_id(self.setup.module),), self.setup.wait)
+        self.answers = self.answers or got is not None
         if got is None:
             raise Fail(f"no answer to parameter {number}", f"an answer on {answer_id(self.setup.module)}", "nothing")
         try:

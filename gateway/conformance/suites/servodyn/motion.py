@@ -4,11 +4,11 @@ from gateway.conformance.suites.servodyn.booster import BoosterTester, words
 from gateway.conformance.suites.servodyn.cycle import BASIC, REST
 from gateway.conformance.suites.servodyn.power import CONTROL, ON
 from gateway.pure.conformance.purpose import Purposes
-from gateway.pure.conformance.verdict import Fail
+from gateway.pure.conformance.verdict import Fail, NotApplicable
 from protocols.servodyn.parameters import Status
 
 NEAR = 40  # increments at rest
-FOLLOWS = "SERVO_MOV_BV_01"
+FOLLOWS, BACK = "SERVO_MOV_BV_01", "SERVO_MOV_BV_02"
 MOV = Purposes[BoosterTester]("SERVO_MOV", "booster", "AX-083", condition=("may_move",), preamble=(BASIC, REST, ON, CONTROL))
 PAR = Purposes[BoosterTester]("SERVO_PAR", "booster", "AX-266", condition=("parameters", "may_store"), preamble=(BASIC, REST))
 POSITION_GAIN, USUAL, UNKNOWN_NUMBER = 7, 80.0, 56
@@ -87,6 +87,45 @@ def still(t: BoosterTester) -> None:
             found = t.turn()
             if abs(found.position_inc - wanted) > 2 * NEAR:
                 raise Fail(f"position {found.position_inc} at rest", f"{wanted}, within {2 * NEAR}", str(found.position_inc))
+
+
+@MOV.case(
+    "BV_06",
+    "control that begins changes neither its position nor ready",
+    "beginnende Regelung ändert weder die Lage noch Bereit",
+    preamble=(BASIC, REST, ON, CONTROL, FOLLOWS),
+)
+def begins(t: BoosterTester) -> None:
+    with t.powered(True):
+        t.move(t.setup.way)
+        with t.given():
+            t.give(enable=False)
+            t.until(lambda actual: not actual.enabled, "not enabled")
+            before = t.turn(10).position_inc
+            t.give(enable=True, position_inc=before)
+            t.until(lambda actual: actual.enabled, "enabled")
+        found = t.turn()
+        t.move(-t.setup.way)
+        if abs(found.position_inc - before) > NEAR:
+            raise Fail(f"position {found.position_inc} when control begins", f"{before}, within {NEAR}", str(found.position_inc))
+        if not found.ready:
+            raise Fail("ready goes when control begins", "ready and enabled", words(found))
+
+
+@MOV.case(
+    "BV_07",
+    "its position passes zero: it has a sign and more than 16 bits",
+    "die Lage geht durch null: sie hat ein Vorzeichen und mehr als 16 Bit",
+    preamble=(BASIC, REST, ON, CONTROL, FOLLOWS, BACK),
+)
+def through_zero(t: BoosterTester) -> None:
+    with t.powered(True):
+        start = t.value.position_inc
+        if abs(start) > t.setup.way:
+            raise NotApplicable(f"it is at {start}, farther from zero than its way of {t.setup.way}")
+        for target in (t.setup.way, -t.setup.way, start):
+            t.move(target - t.value.position_inc)
+            arrived(t, target, f"set position {target}")
 
 
 @MOV.case(
