@@ -150,6 +150,8 @@ def test_english_mnemonics() -> None:
         ("O E 41.0", "outside 0..39"),
         ("CALL PUMP", "a block is needed"),
         ("EIN :  E 1.0", "parameters"),
+        ("SPA FB [MW 20]", "indirect"),
+        ("ADD KF +300", "from -255 to 255"),
     ],
 )
 def test_what_has_no_counterpart_is_named_and_keeps_the_program_from_starting(line: str, reason: str) -> None:
@@ -322,3 +324,31 @@ def test_a_ladder_as_step_7_prints_it_runs_with_local_bits_and_english_times() -
     assert [rig.scan(*high.split()).outputs[0] for high in ("", "E0.0", "E0.0 E0.2", "E0.2")] == [2, 3, 1, 0]
     assert rig.plc.data.memory[10] == 0
     assert rig.scan("E0.0", "E0.1").plc.data.memory[10] == 7
+
+
+COUNTED = """ORGANIZATION_BLOCK OB 1
+BEGIN
+      L     0;
+      T     MB 50;
+m001: L     MB 50;
+      + 3;
+      T     MB 50;
+      + L#-2;
+      T     MB 51;
+      L     12;
+      L     MB 50;
+      >I;
+      JC    m001;
+      A     I      0.0;
+      JCN   i1;
+      =     Q      0.0;
+i1:   NOP   0;
+END_ORGANIZATION_BLOCK
+"""
+
+
+def test_english_labels_that_look_like_operands_and_constants_that_are_added() -> None:
+    assert imported(COUNTED).statements == 15
+    rig = rig_of(COUNTED)
+    assert rig.scan("E0.0").outputs[0] == 1
+    assert (rig.plc.marker(50), rig.plc.marker(51)) == (12, 10)

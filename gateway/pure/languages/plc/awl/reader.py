@@ -20,6 +20,7 @@ DECLARATION = re.compile(r"VAR(_TEMP|_INPUT|_OUTPUT|_IN_OUT)?\b", re.IGNORECASE)
 ADDRESSED = re.compile(r"[0-9A-F]{4,6}\s*(?=[:A-Z])", re.IGNORECASE)
 PARAMETER = re.compile(r"(?:[EAMTZDIQCB][BWD]?\s+\d|K[A-Z]\s|[A-Z]+/[A-Z]+/)", re.IGNORECASE)
 PRINTED = re.compile(r"\s*(?:[0-9A-F]{4,6}\s+)?[A-Z0-9_]{0,8}\s*:", re.IGNORECASE)
+ADDS = re.compile(r"(?:\d*\s*:)?\s*\+\s*-?\d")  # STEP 7 adds a constant: a statement without a letter
 LABELLED = re.compile(r"([A-Z_][A-Z0-9_]{0,23})?\s*:\s*(.*)$", re.IGNORECASE)
 WORD = re.compile(
     r"(==[IDR]|<>[IDR]|[><]=?[IDRFG]|>=[IDFG]|<=[IDFG]|!=[FDG]|><[FDG]|[+\-*/:X][IDRFG]\b|\+|[A-Z]+\(|=|\)|[A-Z]+\b)\s*(.*)$", re.IGNORECASE
@@ -153,7 +154,7 @@ class Reader:
             else:
                 self._begin(found[1] + found[2], number)
             return True
-        return NOISE.match(part) is not None or not re.search(r"[A-Z=)(]", part, re.IGNORECASE)
+        return NOISE.match(part) is not None or not (re.search(r"[A-Z=)(]", part, re.IGNORECASE) or ADDS.match(part))
 
     def _begin(self, name: str, number: int) -> None:
         name = "".join(name.upper().split())
@@ -207,6 +208,7 @@ class Reader:
         operand = " ".join(operand.upper().split())
         if self.english:
             word = ENGLISH.get(word, word)
-            if found := re.match(r"([A-Z]+)\s*(?=\d)(?![^ ]*#)", operand):  # S5T#1S is a constant
+            jumps = word.startswith("SP")  # to a label, which may look like an operand: M001, I1
+            if not jumps and (found := re.match(r"([A-Z]+)\s*(?=\d)(?![^ ]*#)", operand)):  # S5T#1S is a constant
                 operand = OPERANDS.get(found[1], found[1]) + " " + operand[found.end() :]
         return Statement(number, label, word, operand, text)

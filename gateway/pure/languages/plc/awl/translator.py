@@ -148,7 +148,7 @@ class Translator:
             "UC": self._branch, "CC": self._branch, "CALL": self._branch, "BA": self._branch, "BAB": self._branch,
             "BE": self._leave, "BEA": self._leave, "BEB": self._leave, "SET": self._constant, "CLR": self._constant, "NOT": self._constant,
             "NOP": self._nothing, "BLD": self._nothing, "A": self._open_data, "AUF": self._open_data, "AX": self._open_data,
-            "I": self._count_accu, "D": self._count_accu, "INC": self._count_accu, "DEC": self._count_accu,
+            "I": self._count_accu, "D": self._count_accu, "INC": self._count_accu, "DEC": self._count_accu, "+": self._add, "ADD": self._add,
         }.get(word)  # fmt: skip
 
     def _nothing(self, word: str, operand: str) -> None:
@@ -350,6 +350,16 @@ class Translator:
             raise NoCounterpart(f"{word} {operand}: a number from 0 to 255 is needed")
         self.lines.append(f"{'ZV' if word in ('I', 'INC') else 'ZR'} ACCU,{operand.split(maxsplit=1)[0]}")
 
+    def _add(self, word: str, operand: str) -> None:
+        """A constant is added to ACCU1, and ACCU2 stays: + 1, ADD BF +1, ADD KF -20."""
+        self._loaded = None
+        found = re.match(r"(?:(?:BF|BN|KF|DF|DH)\b\s*|L#)?([+-]?\s*\d+)\b(?![.#])", operand)
+        if not found or not -255 <= (number := int("".join(found[1].split()))) <= 255:
+            raise NoCounterpart(f"{word} {operand}: a constant from -255 to 255 can be added; load a larger one with L, and use +I")
+        if not operand.startswith("L#"):
+            self.narrow.append(self._line)
+        self.lines.append(f"{'ZV' if number >= 0 else 'ZR'} ACCU,{abs(number)}")
+
     def _branch(self, word: str, operand: str) -> None:
         self._close_or()
         word = SAVING.get(word, word)
@@ -364,6 +374,8 @@ class Translator:
             self.lines.append(f"SU {name}{when}")
             self._fresh, self._one, self._call = True, False, len(self.lines) - 1 if when else None
             return
+        elif "[" in operand:
+            raise NoCounterpart(REASONS["B"])
         elif word in ("SPA", "SPB", "SPBN") and (label := re.match(r"=?\s*([A-Z_][A-Z0-9_]*)", operand)):
             self.lines.append(f"SP {label[1]}{when}")
         else:
