@@ -8,7 +8,17 @@ from dataclasses import dataclass, field
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.control_steps import BYTES
-from gateway.pure.languages.robotstar.faults import INDEX_RANGE, IS_ARRAY, NO_ARRAY, NO_VARIABLE, NOT_FOUND, WRONG_TYPES, StepFault
+from gateway.pure.languages.robotstar.faults import (
+    INDEX_RANGE,
+    IS_ARRAY,
+    NO_ARRAY,
+    NO_VARIABLE,
+    NO_WRITING,
+    NOT_FOUND,
+    WRONG_TYPES,
+    StepFault,
+)
+from gateway.pure.languages.robotstar.literals import wrong_kind, wrong_literal
 from gateway.pure.languages.robotstar.memory import DEFAULT_TOOL, Memory
 from gateway.pure.languages.robotstar.operands import HIGHEST, LOWEST, Equate, Number, Operand, Ref, Text
 from gateway.pure.languages.robotstar.pallet import pattern_of
@@ -98,6 +108,8 @@ def _step(checking: _Check, program: Program, step: Step) -> None:
                 checking.late(program, step, "rsv.operand", f"{operand.name}: {wrong}")
     if step.word == "COPY" and _types_differ(checking.memory, step):
         checking.late(program, step, "rsv.operand", WRONG_TYPES)
+    elif wrong := wrong_kind(step, checking.memory.kind_of) or wrong_literal(step, lambda ref: _meant(checking, ref)):
+        checking.late(program, step, "rsv.operand", wrong)
 
 
 def _ranges(step: Step) -> Iterator[str]:
@@ -145,12 +157,16 @@ def _pattern(checking: _Check, program: Program, step: Step) -> str:
     return ""
 
 
+def _meant(checking: _Check, ref: Ref) -> list[Variable]:
+    """Variables of this name."""
+    if ref.name.startswith("_"):
+        return [checking.system[ref.name]] if ref.name in checking.system else []
+    return checking.known.get(ref.name, [])
+
+
 def _reference(checking: _Check, ref: Ref, written: bool) -> str:
     """A fault that is certain whatever program calls this one; "" for none."""
-    if ref.name.startswith("_"):
-        found = [checking.system[ref.name]] if ref.name in checking.system else []
-    else:
-        found = checking.known.get(ref.name, [])
+    found = _meant(checking, ref)
     if not found:
         return "" if ref.name == DEFAULT_TOOL else NOT_FOUND
     if len(found) > 1:
@@ -161,14 +177,18 @@ def _reference(checking: _Check, ref: Ref, written: bool) -> str:
     if ref.index is not None and not isinstance(variable, Array):
         return NO_ARRAY
     if isinstance(variable, Array):
-        return INDEX_RANGE if isinstance(ref.index, int) and not 1 <= ref.index <= len(variable.items) else ""
+        if isinstance(ref.index, int) and not 1 <= ref.index <= len(variable.items):
+            return INDEX_RANGE
+        return NO_WRITING if written and _read_only(variable.items[0]) else ""
     if ref.element and not (isinstance(variable, Structure) and ref.element in variable.parts):
         return WRONG_TYPES
     if written and variable.constant:
         return NO_VARIABLE
-    if written and isinstance(variable, SystemCell) and variable.put is None:
-        return "Writing not allowed!"
-    return ""
+    return NO_WRITING if written and _read_only(variable) else ""
+
+
+def _read_only(variable: Variable) -> bool:
+    return isinstance(variable, SystemCell) and variable.put is None
 
 
 def _types_differ(memory: Memory, step: Step) -> bool:

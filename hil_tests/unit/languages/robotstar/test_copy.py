@@ -3,7 +3,7 @@
 import pytest
 
 from gateway.pure.languages.robotstar.values import Structure
-from hil_tests.unit.languages.robotstar.memory import steps
+from hil_tests.unit.languages.robotstar.memory import run, steps
 
 ALL = (
     "\n".join(
@@ -127,3 +127,28 @@ def test_validity_of_each_element() -> None:
     ran = steps("COPY 4,I_A[3]\nCOPY I_A[3],I1\nCOPY I_A[4],I1", ALL)
     assert (ran.texts(), ran.value("I1"), ran.step) == (["Variable not initialized!"], 4, 4)
     assert steps("COPY 1,V1.X\nCOPY V1.Y,R1", ALL).texts() == ["Variable not initialized!"]
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ('COPY "ABCDEF",S1', "the text has 6 characters, the variable holds 5"),
+        ('COPY "ABCDEF",S_TWO[2]', "the text has 6 characters, the variable holds 5"),
+        ("COPY 101,_ISPL_TENS", "ISPL_TENS 101 is outside 0 .. 100"),
+        ("COPY -1,_IDEF_ACCTIM", "IACC_TIME -1 is outside 0 .. 50"),
+        ("COPY 5,_IBIN_IN[1]", "Writing not allowed!"),
+        ('ADD "A",I1', "Wrong operand types!"),
+        ("MUL 2,V1", "Wrong operand types!"),
+        ("AND 1.5,I1", "Wrong operand types!"),
+        ("COPY 1.0,R1\nOR R1,I1", "Wrong operand types!"),
+    ],
+)
+def test_a_value_that_fits_no_variable_is_found_before_the_start_and_at_the_step(text: str, said: str) -> None:
+    ran = steps(f"COPY 1,I1\nCOPY 1,V1.X\n{text}", f"{ALL}\nVAR S_TWO[2](5)")
+    assert [fault.rpartition(": ")[2] for fault in ran.faults] == ran.texts() == [said]
+
+
+def test_a_text_that_some_variable_of_the_name_takes_is_no_fault_before_the_start() -> None:
+    files = {"P.MPR": "LOC_VAR SX(2)\nCALL Q", "Q.SPR": 'COPY "ABC",SX', "R.MPR": "LOC_VAR SX(9)\nCALL Q"}
+    assert not run(files, "R").faults
+    assert run(files).texts() == ["the text has 3 characters, the variable holds 2"]
