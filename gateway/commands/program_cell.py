@@ -139,7 +139,7 @@ def play(client: ToolClient, cell: Cell, options: argparse.Namespace) -> Row:
                 client.ask("process", do="stop", name=options.program)
             answer = _over(client, run, options.program)
         seconds = time.monotonic() - began
-        _rest(client)
+        _rest(client, cell)
     finally:
         with contextlib.suppress(ToolError):
             if options.sim:
@@ -161,10 +161,12 @@ def _over(client: ToolClient, run: object, name: str) -> Row:
     return {**answer, **failed}
 
 
-def _rest(client: ToolClient) -> None:
-    """What a stopped program leaves is given up."""
+def _rest(client: ToolClient, cell: Cell) -> None:
+    """What a stopped program leaves is given up; a Reis keeps it for the next START."""
+    kept = cell.controller is not None and cell.controller.kind == "reis"
+    rest = (Motion.IDLE, Motion.STOPPED) if kept else (Motion.IDLE,)
     end = time.monotonic() + 5.0
-    while int(str(client.ask("axes")["motion"])) != Motion.IDLE and time.monotonic() < end:
+    while int(str(client.ask("axes")["motion"])) not in rest and time.monotonic() < end:
         time.sleep(POLL_S)
 
 

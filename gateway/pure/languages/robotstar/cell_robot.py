@@ -47,6 +47,11 @@ class CellRobot(Robot):
     _halting: bool = False  # the program ends where the last position is over
     _put: Go | None = None  # prepared
 
+    @property
+    def quits(self) -> str:
+        """How an error is acknowledged in a cell."""
+        return "acknowledge it with RC input 62 or the key Quit: axisgate var reis.key.quit --set 1, then --set 0"
+
     # ---- orders ----------------------------------------------------------------------------------------------------------
     def select(self, program: Program) -> None:
         """Chooses a program; what was interrupted is not resumed (L1262)."""

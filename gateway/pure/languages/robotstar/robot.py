@@ -99,6 +99,11 @@ class Robot:
         self.machine.repeats, self.machine.returns = self.mode.repeats, not self.mode.executer
         self.machine.simulated, self.machine.executer = self.mode.simulated, self.mode.executer
 
+    @property
+    def quits(self) -> str:
+        """How an error is acknowledged."""
+        return "ACK acknowledges it"
+
     # ---- orders ----------------------------------------------------------------------------------------------------------
     def select(self, program: Program) -> None:
         """Chooses a program; what was interrupted is not resumed (L1262)."""
@@ -114,7 +119,7 @@ class Robot:
     def start(self, now: Ns) -> str:
         """START; "" or why it is refused."""
         if not self.acknowledged:
-            return "the error is not acknowledged"
+            return f"the error is not acknowledged; {self.quits}"
         if self.machine.frame is None:
             return "no program is selected"
         if self.state in (State.RUNNING, State.WAITING):

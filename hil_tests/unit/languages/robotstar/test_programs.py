@@ -173,7 +173,7 @@ def test_directories_nest_six_deep() -> None:
 def test_an_error_needs_an_acknowledgement() -> None:
     files = {"P.MPR": "COPY I1,I2\nSTOP", "Q.MPR": "COPY 1,I1\nSTOP", **V}
     ran = run(files, at=("1 START", "2 ACK", "3 START Q", "4 START P"))
-    assert ran.texts() == ["Variable not initialized!", "START is refused: the error is not acknowledged"]
+    assert ran.texts() == ["Variable not initialized!", "START is refused: the error is not acknowledged; ACK acknowledges it"]
     assert (ran.state, ran.value("I2"), ran.step) == ("stopped", 1, 4)
 
 
