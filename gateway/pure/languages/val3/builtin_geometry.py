@@ -35,6 +35,8 @@ def frame_in(own: Instance, value: FrameV, depth: int = 0) -> cartesian.Frame:
     """With all it hangs on."""
     if depth > DEEPEST:
         raise Rte(165, "frames linked in a ring")
+    if value.lost is not None:
+        raise Rte(*value.lost)
     father = frame_in(own, value.father, depth + 1) if value.father is not None else None
     return cartesian.Frame(trsf_in(own, value.trsf), father, value.root)
 
@@ -43,6 +45,8 @@ def tool_in(own: Instance, value: ToolV, depth: int = 0) -> cartesian.Tool:
     """With all it hangs on."""
     if depth > DEEPEST:
         raise Rte(165, "tools linked in a ring")
+    if value.lost is not None:
+        raise Rte(*value.lost)
     father = tool_in(own, value.father, depth + 1) if value.father is not None else None
     return cartesian.Tool(trsf_in(own, value.trsf), father, value.root)
 
@@ -189,6 +193,11 @@ def f_link(own: Instance, what: FrameV | ToolV | PointV, reference: FrameV | Too
             raise Rte(165, "linked in a ring")
         here = here.father
     what.father = reference
+
+
+def f_link_to_local(own: Instance, what: FrameV | ToolV | PointV, reference: FrameV | ToolV) -> None:
+    """165: a local frame or tool ends with its program, what hangs on it does not."""
+    raise Rte(165, "linked to a local variable")
 
 
 def f_distance_point(own: Instance, first: PointV, second: PointV) -> float:

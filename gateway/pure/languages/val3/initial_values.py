@@ -75,7 +75,7 @@ MAKERS: dict[str, Callable[[], object]] = {
     "wrist": lambda: "wsame",
     "blend": lambda: "off",
 }
-Link = Callable[[str], object]  # a name as files write it -> frame or tool
+Link = Callable[[str, object], None]  # joins a value with the frame or tool that its file names
 
 
 def container_of(declared: Declaration, home: Surroundings, linked: bool, link: Link | None = None) -> Container:
@@ -124,9 +124,7 @@ def initial(declared: Declaration, value: Initial, home: Surroundings, linked: b
             if declared.family and isinstance(made, JointV | PointV):
                 made.family = declared.family
             if isinstance(made, FrameV | ToolV | PointV) and link is not None and given.get("fatherId"):
-                father = link(given["fatherId"])
-                if father is not None:
-                    made["father"] = father
+                link(given["fatherId"], made)
     return made
 
 

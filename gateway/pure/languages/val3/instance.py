@@ -8,10 +8,20 @@ from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.initial_values import Surroundings, container_of, default
 from gateway.pure.languages.val3.loader import Loaded
 from gateway.pure.languages.val3.model import ProgramText, UserType
+from gateway.pure.languages.val3.references import (
+    HANGING,
+    NOT_LOADED,
+    OUT_OF_SCOPE,
+    Reference,
+    element,
+    kind_for,
+    missing,
+    reference_of,
+)
 from gateway.pure.languages.val3.scope import width
 from gateway.pure.languages.val3.tasks import Step, bytes_of
 from gateway.pure.languages.val3.translate import Code
-from gateway.pure.languages.val3.values import Container, Grid, Structure
+from gateway.pure.languages.val3.values import Container, FrameV, PointV, ToolV
 
 PLAIN: dict[str, object] = {"num": 0.0, "bool": False, "string": ""}
 
@@ -89,6 +99,8 @@ class Instance:
     libraries: "dict[str, Instance | None]" = field(default_factory=dict)
     names: dict[str, object] = field(default_factory=dict)
     path: str = ""
+    _abroad: "list[tuple[Reference, FrameV | ToolV | PointV, str]]" = field(default_factory=list)  # values that hang on libraries
+    _joined: "dict[int, FrameV | ToolV]" = field(default_factory=dict)  # on what they hang through join(), by their id
 
     def __post_init__(self) -> None:
         app = self.loaded.app
@@ -101,35 +113,39 @@ class Instance:
 
     def _fathers(self, name: str) -> None:
         declared = self.loaded.app.data[name]
-        if declared.type not in ("frame", "tool", "point"):
-            if isinstance(declared.type, UserType):
-                self.data[name] = container_of(declared, self.home, True, self.linked)
+        if isinstance(declared.type, UserType):
+            self.data[name] = container_of(declared, self.home, True, self.hang)
+        if declared.type not in HANGING:
             return
-        container = self.data[name]
         for value in declared.values:
-            father = self.linked(value.attributes.get("fatherId", ""))
-            if father is None:
-                continue
-            if isinstance(container, dict):
-                one = container[value.key]
-            elif isinstance(container, Grid):
-                one = container.flat[container.at(*map(float, value.key.split(",")))]
-            else:
-                one = container[int(value.key)]
-            if isinstance(one, Structure):
-                one["father"] = father
+            if text := value.attributes.get("fatherId", ""):
+                self.hang(text, element(self.data[name], value.key))
 
-    def linked(self, text: str) -> object:
-        """world[0], fBase[2], lib:fPart[0]: the frame or tool of that name; None: there is none."""
-        name, _, index = text.rstrip("]").partition("[")
-        if name in ("world", "flange"):
-            return getattr(self.home, name)
-        container = self.data.get(name)
-        if isinstance(container, list) and index.isdecimal() and int(index) < len(container):
-            return container[int(index)]
-        if isinstance(container, dict):
-            return container.get(index.strip('"'))
-        return None
+    def hang(self, text: str, value: object) -> None:
+        """Joins a value with what its file names."""
+        if not isinstance(value, FrameV | ToolV | PointV):
+            return
+        reference, kind = reference_of(text), kind_for(value)
+        if reference is not None and reference.library in self.libraries:
+            self._abroad.append((reference, value, text))
+            value["father"] = missing(kind, NOT_LOADED, text)
+        elif reference is not None and not reference.library and reference.name in ("world", "flange"):
+            root = getattr(self.home, reference.name)
+            value["father"] = root if isinstance(root, kind) else missing(kind, OUT_OF_SCOPE, text)
+        else:
+            found = reference.of(self.data, kind) if reference is not None and not reference.library else None
+            value["father"] = found if found is not None else missing(kind, OUT_OF_SCOPE, text)
+
+    def join(self, identifier: str) -> None:
+        """A library is loaded: what hangs on its data is joined, unless a program has linked it to something else."""
+        library = self.libraries[identifier]
+        assert library is not None
+        public = {name: each for name, each in library.data.items() if library.loaded.app.data[name].public}
+        for reference, value, text in self._abroad:
+            if reference.library == identifier and (value.father is self._joined.get(id(value)) or (value.father and value.father.lost)):
+                found = reference.of(public, kind_for(value))
+                made = found if found is not None else missing(kind_for(value), OUT_OF_SCOPE, text)
+                value["father"] = self._joined[id(value)] = made
 
     @property
     def home(self) -> Surroundings:

@@ -8,6 +8,7 @@ from gateway.pure.languages.val3.disk import Disk, PathFault, application_of
 from gateway.pure.languages.val3.files import Reader
 from gateway.pure.languages.val3.links import declarations
 from gateway.pure.languages.val3.model import BUILT_IN, FAMILIES, Application, Declaration, Type, UserType
+from gateway.pure.languages.val3.references import check_references
 from gateway.pure.languages.val3.sealed import SealFault, library_of
 from gateway.pure.languages.val3.translate import Code, ProgramTranslator
 from motion.val3.mdesc import TOO_LARGE, matching
@@ -143,6 +144,7 @@ class Loader:
                 made.codes[program.name] = code
         self._families(app, faults)
         self._speeds(app, faults)
+        check_references(app, faults)
         return made
 
     def _families(self, app: Application, faults: Faults) -> None:

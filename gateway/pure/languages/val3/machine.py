@@ -123,6 +123,7 @@ class Machine(Controller):
         if found is None:
             return 24 if any(fault.id == "val3-type" for fault in loaded.faults) else 12
         own.libraries[identifier] = found
+        own.join(identifier)
         interface = own.loaded.app.interfaces.get(identifier)
         if interface is not None and not _provides(found, interface):
             return 11

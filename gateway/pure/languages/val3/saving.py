@@ -7,6 +7,7 @@ from xml.sax.saxutils import quoteattr
 from gateway.pure.languages.val3.files import ROOT
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.model import Declaration, Parameter, ProgramText, Type, UserType
+from gateway.pure.languages.val3.references import written
 from gateway.pure.languages.val3.values import (
     Container,
     FrameV,
@@ -126,11 +127,13 @@ def _father(own: Instance, father: FrameV | ToolV | None) -> dict[str, object]:
         return {}
     if father.root:
         return {"fatherId": "world[0]" if isinstance(father, FrameV) else "flange[0]"}
-    for name, container in own.data.items():
-        values = container.items() if isinstance(container, dict) else enumerate(container) if isinstance(container, list) else ()
-        for key, value in values:
-            if value is father:
-                return {"fatherId": f"{name}[{key}]"}
+    if father.lost is not None:
+        return {"fatherId": father.lost[1]}
+    abroad = ((f"{alias}:", library.data) for alias, library in own.libraries.items() if library is not None)
+    for prefix, data in (("", own.data), *abroad):
+        for name, container in data.items():
+            if found := written(name, container, father):
+                return {"fatherId": prefix + found}
     return {}
 
 

@@ -172,10 +172,11 @@ class FrameV(Structure):
     """frame: trsf and the frame it hangs on."""
 
     FIELDS = ("trsf", "father")
-    __slots__ = (*FIELDS, "root")
+    __slots__ = (*FIELDS, "lost", "root")
 
     def __init__(self, father: FrameV | None = None, root: bool = False) -> None:
         self.trsf, self.father, self.root = TrsfV(), father, root
+        self.lost: tuple[int, str] | None = None  # stands for a frame that is not there: code and name
 
     def same(self, other: object) -> bool:
         """The same reference and the same position."""
@@ -186,10 +187,11 @@ class ToolV(Structure):
     """tool: trsf, gripper and its times, and the tool it hangs on."""
 
     FIELDS = ("trsf", "gripper", "otime", "ctime", "father")
-    __slots__ = (*FIELDS, "root")
+    __slots__ = (*FIELDS, "lost", "root")
 
     def __init__(self, father: ToolV | None = None, root: bool = False) -> None:
         self.trsf, self.gripper, self.father, self.root = TrsfV(), DioV(None), father, root
+        self.lost: tuple[int, str] | None = None  # as of a frame
         self.otime = self.ctime = 0.0
 
     def same(self, other: object) -> bool:

@@ -9,7 +9,12 @@ DATA = "".join(datum(name, "num") for name in ("n", "i")) + datum("a", "num", "3
 DATA += '<Data name="c" access="public" xsi:type="collection" type="num" />'
 DATA += datum("di", "dio", values=value(link="UserIO\\%I0")) + datum("none", "dio") + datum("j", "joint", values=value(j3=90, j5=90))
 DATA += datum("jRs", "jointRs") + datum("p", "point", values=value(x=9999, fatherId="world[0]"))
-DATA += datum("bare", "Bare") + datum("m", "mdesc") + datum("t", "tool", values=value(fatherId="flange[0]"))
+DATA += (
+    datum("lost", "point", values=value(fatherId="nowhere[0]"))
+    + datum("bare", "Bare")
+    + datum("m", "mdesc")
+    + datum("t", "tool", values=value(fatherId="flange[0]"))
+)
 DATA += datum("f", "frame", values=value(fatherId="world[0]")) + datum("g", "frame", values=value(fatherId="f[0]"))
 TYPE = '<Type name="Bare" path="bare" />'
 BARE = App("bare", datum("p", "point") + datum("f", "frame") + datum("t", "tool"))
@@ -31,6 +36,7 @@ CODES: dict[int, str] = {
     45: "wdgRefresh()",
     70: 's=left("abc",-1)',
     80: "n=lib:nX",
+    82: "n=distance(lost,lost)",
     81: "movej(jRs,t,m)",
     90: 'taskCreate "x", 10, sub()\ntaskSuspend("x")\ntaskResume("x",50)',
     100: "m.vel=-1\nmovej(j,t,m)",
@@ -61,7 +67,7 @@ ELSEWHERE = {  # raised by tests of their own, or by programs of other files
 REASONS = {
     -1: "a status, no error", 0: "a status, no error", 1: "a status, no error",
     34: "no instruction of this control is bound to one task", 60: "sio returns codes and 125; no instruction has another longest time",
-    61: "an error of the interpreter itself: a fault of ours", 82: "references are judged when the application is loaded",
+    61: "an error of the interpreter itself: a fault of ours",
     124: "the points of a cell have no protection of their own", 126: "an aio point takes fractions, or rounds them where it is whole",
     999: "log entries name their cause",
 }  # fmt: skip

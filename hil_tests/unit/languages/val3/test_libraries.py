@@ -162,7 +162,8 @@ def test_what_is_saved_loads_again_equal() -> None:
     kept = {name: each for name, each in first.items() if name not in ("i", "j", "d", "t")}
     assert {name: copy[name] for name in kept} == kept
     points = own.data["p"]
-    assert isinstance(points, list) and isinstance(points[0], PointV) and points[0].father is own.linked("f[1]") is not None
+    assert isinstance(points, list) and isinstance(points[0], PointV) and points[0].father is not None
+    assert points[0].father is own.data["f"][1]  # type: ignore[index]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,129 @@
+"""The frame or tool that a value hangs on as files name it: `fatherId="fBase[2]"`, of a library `fatherId="cell:fPallet[1,0]"`.
+
+A library is in memory only after libLoad, and another one may take its place: what hangs on its data is joined again with each load.
+Until then, and where nothing has that name, the use of the value is a run-time error (80, 82; L3674-3676), never a position in world.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position
+from gateway.pure.languages.val3.links import declarations
+from gateway.pure.languages.val3.model import Application, Declaration
+from gateway.pure.languages.val3.values import Container, FrameV, Grid, PointV, ToolV
+
+NAMED = re.compile(r"(?:(\w+):)?(\w+)(?:\[(.*)\])?", re.ASCII)
+NOT_LOADED, OUT_OF_SCOPE = 80, 82
+HANGING = ("frame", "tool", "point")
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """library: "" for the application itself."""
+
+    library: str
+    name: str
+    index: str
+
+    def of(self, data: Mapping[str, Container], kind: type[FrameV] | type[ToolV]) -> FrameV | ToolV | None:
+        """The frame or tool of that name; None: there is none."""
+        found = element(data.get(self.name), self.index)
+        return found if isinstance(found, kind) else None
+
+
+def reference_of(text: str) -> Reference | None:
+    """As a file writes it."""
+    match = NAMED.fullmatch(text.strip())
+    return Reference(match.group(1) or "", match.group(2), match.group(3) or "") if match is not None else None
+
+
+def element(container: Container | None, index: str) -> object:
+    """container[index], without an index its first value; None: it has none."""
+    if isinstance(container, dict):
+        return container.get(index.strip('"'))
+    parts = [part.strip() for part in (index or "0").split(",")]
+    if container is None or not all(part.isascii() and part.isdecimal() for part in parts):
+        return None
+    places = [int(part) for part in parts]
+    if isinstance(container, Grid):
+        inside = len(places) == len(container.dims) and all(n < size for n, size in zip(places, container.dims, strict=True))
+        return container.flat[container.at(*map(float, places))] if inside else None
+    return container[places[0]] if len(places) == 1 and places[0] < len(container) else None
+
+
+def kind_for(value: FrameV | ToolV | PointV) -> type[FrameV] | type[ToolV]:
+    """Tools hang on tools, all else on frames."""
+    return ToolV if isinstance(value, ToolV) else FrameV
+
+
+def missing(kind: type[FrameV] | type[ToolV], code: int, text: str) -> FrameV | ToolV:
+    """Stands for what is not there; its use is the error."""
+    made = kind()
+    made.lost = (code, text)
+    return made
+
+
+def written(name: str, container: Container, wanted: FrameV | ToolV) -> str:
+    """How a file names a value of a container; "" where it does not have it."""
+    if isinstance(container, Grid):
+        for place, each in enumerate(container.flat):
+            if each is wanted:
+                return f"{name}[{','.join(map(str, _indices(place, container.dims)))}]"
+        return ""
+    values = container.items() if isinstance(container, dict) else enumerate(container)
+    return next((f"{name}[{key}]" for key, each in values if each is wanted), "")
+
+
+def _indices(place: int, dims: tuple[int, ...]) -> list[int]:
+    found = []
+    for size in reversed(dims):
+        place, index = divmod(place, size)
+        found.append(index)
+    return found[::-1]
+
+
+# ---- at load ---------------------------------------------------------------------------------------------------------------
+
+
+def check_references(app: Application, faults: Faults) -> None:
+    """Names that lead nowhere: a warning each, because the application runs until it uses the value."""
+    for declared in app.data.values():
+        for inner, text, line in _given(declared):
+            if why := _wrong(app, inner, text):
+                faults.warning("val3-reference", Position(declared.file, line), f"'{declared.name}' : fatherId {text!r}: {why}")
+
+
+def _given(declared: Declaration) -> Iterator[tuple[Declaration, str, int]]:
+    for inner in declarations(declared):
+        if inner.type in HANGING:
+            yield from ((inner, text, each.line) for each in inner.values if (text := each.attributes.get("fatherId", "")))
+
+
+def _wrong(app: Application, declared: Declaration, text: str) -> str:
+    wanted, reference = ("tool" if declared.type == "tool" else "frame"), reference_of(text)
+    if reference is None:
+        return f"the name of a {wanted} is expected"
+    if not reference.library and reference.name == ("flange" if wanted == "tool" else "world"):
+        return ""
+    data = app.data
+    if reference.library:
+        if reference.library not in app.libraries:
+            return f"there is no library {reference.library}"
+        interface = app.interfaces.get(reference.library)
+        if interface is None:
+            return ""  # its path is given by libLoad
+        data = {name: each for name, each in interface.data.items() if each.public}
+    found = data.get(reference.name)
+    if found is None or found.type != wanted:
+        return f"there is no {'public ' if reference.library else ''}{wanted} of that name"
+    return "" if _inside(found, reference.index) else "it has no such element"
+
+
+def _inside(declared: Declaration, index: str) -> bool:
+    if declared.dims == 0:
+        return any(each.key == index.strip('"') for each in declared.values)
+    parts = [part.strip() for part in (index or ",".join("0" for _ in declared.sizes)).split(",")]
+    digits = len(parts) == declared.dims and all(part.isascii() and part.isdecimal() for part in parts)
+    return digits and all(int(part) < size for part, size in zip(parts, declared.sizes, strict=True))

@@ -1,0 +1,100 @@
+"""What frames, tools and points of files hang on: elements of arrays, data of libraries, nothing (L3674-3676, L4811-4829)."""
+
+from typing import Any
+
+import pytest
+
+from gateway.pure.languages.val3.disk import Disk
+from gateway.pure.languages.val3.machine import Machine
+from hil_tests.unit.languages.val3.apps import App, check, datum, machine, run, value
+
+GRID = '<Data name="fGrid" access="public" xsi:type="array" type="frame" size="2,2">' + value("1,0", x=7, fatherId="world[0]") + "</Data>"
+NAMED = '<Data name="fOf" access="public" xsi:type="collection" type="frame">' + value("left side", x=9, fatherId="world[0]") + "</Data>"
+CELL = App(
+    "cell",
+    datum("fBase", "frame", "2", value("0", x=100, fatherId="world[0]") + value("1", x=50, fatherId="fBase[0]"))
+    + datum("tHand", "tool", values=value(z=70, fatherId="flange[0]"))
+    + datum("fOwn", "frame", values=value(fatherId="world[0]"), access="private"),
+)
+OTHER = App("other", datum("fBase", "frame", "2", value("1", x=2, fatherId="world[0]")) + datum("tHand", "tool"))
+USES = '<Library alias="lib" path="Disk://cell/cell.pjx" />'
+DATA = (
+    GRID
+    + NAMED
+    + datum("n", "num", "12")
+    + datum("pGrid", "point", values=value(x=1, fatherId="fGrid[1,0]"))
+    + datum("pNamed", "point", values=value(x=1, fatherId='fOf["left side"]'.replace('"', "&quot;")))
+    + datum("pLib", "point", values=value(x=1, fatherId="lib:fBase[1]"))
+    + datum("tLib", "tool", values=value(z=5, fatherId="lib:tHand[0]"))
+)
+
+
+def numbers(code: str, *others: App, data: str = DATA) -> tuple[list[float], int, list[str]]:
+    """n, the status of start(), the log."""
+    result: Any = run(App(data=data, libraries=USES, programs={"start": code}), *(others or (CELL, OTHER)), arm=True)
+    return [round(each, 9) for each in result["globals"]["n"]], result["tasks"].get("demo~", {"status": -1})["status"], result["log"]
+
+
+def test_points_hang_on_elements_of_arrays_and_collections() -> None:
+    found, status, log = numbers("n[0]=position(pGrid,world).x\nn[1]=position(pNamed,world).x")
+    assert (found[:2], status) == ([8, 10], -1), log
+
+
+def test_points_and_tools_hang_on_data_of_a_library_once_it_is_loaded() -> None:
+    code = 'n[0]=lib:libLoad("cell")\nn[1]=position(pLib,world).x\nn[2]=position(tLib,flange).z\nlib:fBase[0].trsf.x=200\n'
+    found, status, log = numbers(code + "n[3]=position(pLib,world).x")
+    assert (found[:4], status) == ([0, 151, 75, 251], -1), log
+
+
+def test_another_library_in_its_place_moves_the_points() -> None:
+    code = 'n[0]=lib:libLoad("cell")\nn[1]=position(pLib,world).x\nn[2]=lib:libLoad("other")\nn[3]=position(pLib,world).x\n'
+    found, status, log = numbers(code + 'link(pLib,world)\nn[4]=lib:libLoad("cell")\nn[5]=position(pLib,world).x')
+    assert (found[:6], status) == ([0, 151, 0, 3, 0, 1], -1), (log, "what a program has linked stays")
+
+
+@pytest.mark.parametrize(
+    ("father", "code", "words"),
+    [
+        ("lib:fBase[1]", 80, ""),
+        ("lib:fOwn[0]", 82, "there is no public frame of that name"),
+        ("lib:fBase[2]", 82, "it has no such element"),
+        ("none:fBase[0]", 82, "there is no library none"),
+        ("fGone[0]", 82, "there is no frame of that name"),
+        ("n[0]", 82, "there is no frame of that name"),
+        ("flange[0]", 82, "there is no frame of that name"),
+        ("fGrid[2,0]", 82, "it has no such element"),
+        ("fGrid[1]", 82, "it has no such element"),
+        ("f G", 82, "the name of a frame is expected"),
+    ],
+)
+def test_a_reference_that_is_not_there_is_never_world(father: str, code: int, words: str) -> None:
+    data = DATA + datum("p", "point", values=value(x=1, fatherId=father))
+    load = "" if code == 80 else 'n[0]=lib:libLoad("cell")\n'
+    found, status, log = numbers(load + "n[1]=9\nn[1]=position(p,world).x", data=data)
+    assert (found[1], status) == (9, code) and any(father in line for line in log), log
+    faults = check(App(data=data, libraries=USES), CELL)
+    named = [fault.text for fault in faults if fault.id == "val3-reference"]
+    assert named == ([f"'p' : fatherId {father!r}: {words}"] if words else [])
+    assert faults.errors == 0, "it runs until the point is used"
+
+
+def test_a_global_linked_to_a_local_is_165() -> None:
+    app = App(
+        data=datum("p", "point", values=value(fatherId="world[0]")) + datum("n", "num"),
+        programs={"start": (["frame l_f", "point l_p"], "link(l_f,world)\nlink(l_p,l_f)\nn=1\nlink(p,l_f)")},
+    )
+    result: Any = run(app)
+    assert (result["globals"]["n"], result["tasks"]["demo~"]["status"], result["tasks"]["demo~"]["line"]) == (1, 165, 5)
+
+
+def test_what_is_saved_hangs_on_the_same_data() -> None:
+    lost = datum("p", "point", values=value(fatherId="fGone[0]"))
+    app = App(data=DATA + lost, libraries=USES, programs={"start": 'lib:libLoad("cell")\nn=libSave("copy")'})
+    made = machine(app, CELL)
+    run(app, on=made)
+    saved = (made.disk.read("copy/copy.dtx") or b"").decode()
+    for father in ("fGrid[1,0]", "fOf[left side]", "lib:fBase[1]", "lib:tHand[0]", "fGone[0]"):
+        assert f'fatherId="{father}"' in saved, father
+    again = Machine(Disk(dict(made.disk.files)))
+    own = again.instance("copy", "copy", "")
+    assert own is not None and own.data["pGrid"][0].father is own.data["fGrid"].flat[2]  # type: ignore[index, union-attr]
