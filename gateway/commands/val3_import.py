@@ -4,10 +4,11 @@ import argparse
 import json
 import os
 import pathlib
+import shutil
 import sys
 
 from gateway.files.find import find_config, read_text
-from gateway.files.val3_card import read_card
+from gateway.files.val3_card import read_card, unpack_card
 from gateway.files.val3_disk import DiskUnreadable
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind, channel_named
 from gateway.pure.languages.val3.card import Card, card_of
@@ -23,7 +24,7 @@ CELLS = {"rx": "cs8", "rs": "scara"}  # family of arms -> shipped cell whose dri
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Of `axisgate val3 import`."""
-    parser.add_argument("card", metavar="CARD", type=pathlib.Path, help="copy of the flash card: the folder with usr in it")
+    parser.add_argument("card", metavar="CARD", type=pathlib.Path, help="copy of the flash card: the folder with usr in it, or its .zip")
     parser.add_argument("--application", metavar="NAME", help="where the card has several and none of them starts by itself")
     parser.add_argument("--out", metavar="FILE", type=pathlib.Path, help="cell file to write, never overwritten (default NAME.toml)")
     parser.add_argument("--json", action="store_true", help="file, application and doubts as JSON")
@@ -31,7 +32,17 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """DiskUnreadable, OSError."""
-    files = read_card(options.card)
+    folder = _folder(options.card, options.out)
+    try:
+        return _imported(options, folder)
+    except (DiskUnreadable, OSError):
+        if folder != options.card:  # made of the ZIP file a moment ago
+            shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _imported(options: argparse.Namespace, folder: pathlib.Path) -> int:
+    files = read_card(folder)
     card = card_of(files.configs)
     apps = applications(files.disk)
     chosen = choose(apps, files.disk, options.application or card.start)
@@ -55,6 +66,17 @@ def run(options: argparse.Namespace) -> int:
         for doubt in doubts:
             print(f"  {doubt}", file=sys.stderr)
     return Exit.OK
+
+
+def _folder(card: pathlib.Path, out: pathlib.Path | None) -> pathlib.Path:
+    """The card; of a ZIP file what it holds, in a folder beside the cell file."""
+    if not (card.is_file() and card.suffix.lower() == ".zip"):
+        return card
+    if out is not None and out.exists():
+        raise DiskUnreadable(f"{out} is there already and stays as it is; name another file with --out")
+    folder = out.with_suffix("") if out is not None else pathlib.Path(card.stem)
+    unpack_card(card, folder)
+    return folder
 
 
 def applications(disk: Disk) -> list[Application]:

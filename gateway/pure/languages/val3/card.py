@@ -86,7 +86,9 @@ def _root(card: Card, name: str, data: bytes) -> Element | None:
         card.doubts.append(f"{name}: {len(data)} bytes, {LONGEST} at most are read")
         return None
     try:
-        return parse_xml(data)
+        root = parse_xml(data)
+        card.doubts += [f"{name} line {line}: {doubt}" for line, doubt in root.doubts]
+        return root
     except XmlFault as fault:
         unclosed = LAST_TAG.search(data)
         if unclosed is not None:

@@ -206,6 +206,8 @@ class Reader:
         except XmlFault as fault:
             self._say(path, fault.line, fault.text)
             return None
+        for line, doubt in root.doubts:
+            self.faults.warning("val3-encoding", Position(path, line), doubt)
         named = root.get("xmlns", ROOT + space)
         if named.endswith("NameSpace"):  # ProjectNameSpace, DataNameSpace, ProgramNameSpace of s6
             written = next((each.get("version") for each in root.children if each.get("version")), "s6")

@@ -134,7 +134,7 @@ class Loader:
             return made
         faults = Faults()
         for fault in read_faults:
-            faults.error(fault.id, fault.position, fault.text)
+            (faults.error if fault.severity.value == "error" else faults.warning)(fault.id, fault.position, fault.text)
         self._interfaces(app, faults)
         made = Loaded(app, faults)
         self._loaded[key] = made

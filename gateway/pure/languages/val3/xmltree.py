@@ -3,6 +3,8 @@
 import xml.parsers.expat as expat
 from dataclasses import dataclass, field
 
+from gateway.pure.languages.val3.encodings import Undecodable, decoded
+
 DEEPEST = 200
 
 
@@ -24,6 +26,7 @@ class Element:
     children: list["Element"] = field(default_factory=list)
     text: str = ""
     text_line: int = 0  # line of the first character of `text`
+    doubts: tuple[tuple[int, str], ...] = ()  # of the root: line and sentence of what was read in another way than the file says
 
     def get(self, name: str, default: str = "") -> str:
         """An attribute."""
@@ -70,7 +73,11 @@ class _Builder:
 
 def parse_xml(data: bytes) -> Element:
     """The root element.  XmlFault with its line for anything else."""
-    parser = expat.ParserCreate()
+    try:
+        read = decoded(data)
+    except Undecodable as error:
+        raise XmlFault(1, str(error)) from None
+    parser = expat.ParserCreate("utf-8")
     parser.buffer_text = True
     parser.buffer_size = 1 << 16
     builder = _Builder(parser)
@@ -79,11 +86,20 @@ def parse_xml(data: bytes) -> Element:
     parser.CharacterDataHandler = builder.text
     parser.StartDoctypeDeclHandler = builder.refuse
     try:
-        parser.Parse(data, True)
+        parser.Parse(read.text.encode("utf-8", "replace"), True)
     except expat.ExpatError as error:
-        raise XmlFault(error.lineno, f"not well-formed XML: {expat.ErrorString(error.code)}") from None
-    except (ValueError, LookupError) as error:
-        raise XmlFault(1, f"unreadable text: {error}") from None
+        raise XmlFault(error.lineno, f"not well-formed XML: {_why(error, read.text)}") from None
     if builder.root is None:
         raise XmlFault(1, "the file is empty")
+    builder.root.doubts = read.doubts
     return builder.root
+
+
+def _why(error: expat.ExpatError, text: str) -> str:
+    """The words of the parser; a control character, which XML does not have, by its code."""
+    lines = text.splitlines()
+    line = lines[error.lineno - 1].encode("utf-8", "replace") if 1 <= error.lineno <= len(lines) else b""
+    letter = line[error.offset : error.offset + 1]
+    if letter and letter[0] < 32:
+        return f"a control character, {letter[0]:02X}h, in column {error.offset + 1}"
+    return expat.ErrorString(error.code)

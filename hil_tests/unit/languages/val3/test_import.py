@@ -4,6 +4,8 @@ import json
 import pathlib
 import shutil
 import tomllib
+import zipfile
+from collections.abc import Callable
 
 import pytest
 
@@ -180,3 +182,79 @@ def test_links_of_all_kinds_get_one_point_each(tmp_path: pathlib.Path) -> None:
 def test_what_is_not_understood_is_said(name: str, text: str, doubt: str) -> None:
     found = card_of({name: (HEAD + text).encode()})
     assert any(doubt in each for each in found.doubts), found.doubts
+
+
+def zipped(folder: pathlib.Path, target: pathlib.Path, under: str = "") -> pathlib.Path:
+    """The ZIP file of a card."""
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as made:
+        for path in sorted(folder.rglob("*")):
+            if path.is_file():
+                made.write(path, under + path.relative_to(folder).as_posix())
+    return target
+
+
+@pytest.mark.parametrize("under", ["", "backup 2019/flash/"])
+def test_a_zip_file_is_unpacked_beside_the_cell(tmp_path: pathlib.Path, under: str) -> None:
+    app = App("pick", datum("p", "point", values=value(fatherId="world[0]")))
+    archive = zipped(card(tmp_path, app, sio_cfx=SIO), tmp_path / "card.zip", under)
+    out = tmp_path / "cells" / "press.toml"
+    out.parent.mkdir()
+    assert main(["import", str(archive), "--out", str(out)]) == 0
+    cell = load_cell(str(out))
+    assert cell.val3 is not None and [each.name for each in cell.val3.channel][:1] == ["Serial\\portSerial"]
+    assert (out.parent / cell.val3.disk / "pick" / "pick.pjx").is_file() and cell.val3.disk.startswith("press/")
+
+
+def test_an_application_alone_is_imported_too(tmp_path: pathlib.Path) -> None:
+    usrapp = card(tmp_path, App("pick", libraries='<Library alias="lib" path="Disk://lib/lib.pjx" />'), App("lib")) / "usr" / "usrapp"
+    assert main(["import", str(usrapp.parent / "usrapp" / "pick"), "--application", "pick", "--out", str(tmp_path / "a.toml")]) == 0
+    assert main(["import", str(zipped(usrapp, tmp_path / "usrapp.zip")), "--application", "pick", "--out", str(tmp_path / "b.toml")]) == 0
+    for name in ("a", "b"):
+        cell = load_cell(str(tmp_path / f"{name}.toml"))
+        assert cell.val3 is not None and (tmp_path / cell.val3.disk / "lib" / "lib.pjx").is_file()
+
+
+def _escapes(made: zipfile.ZipFile) -> None:
+    made.writestr("usr/usrapp/../../../../escaped.pjx", "x")
+
+
+def _link(made: zipfile.ZipFile) -> None:
+    entry = zipfile.ZipInfo("usr/usrapp/a")
+    entry.external_attr = 0o120777 << 16
+    made.writestr(entry, "/etc/passwd")
+
+
+def _nothing(made: zipfile.ZipFile) -> None:
+    made.writestr("readme.txt", "no card")
+
+
+@pytest.mark.parametrize(
+    ("fill", "words"),
+    [
+        (_escapes, "leads out of the folder"),
+        (_link, "leads out of the folder"),
+        (_nothing, "there is no folder usrapp and no .pjx file"),
+        (None, "the ZIP file is damaged"),
+    ],
+)
+def test_a_zip_file_that_is_refused_leaves_nothing(
+    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str], fill: Callable[[zipfile.ZipFile], None] | None, words: str
+) -> None:
+    archive = tmp_path / "in" / "card.zip"
+    archive.parent.mkdir()
+    with zipfile.ZipFile(archive, "w") as made:
+        (fill or _nothing)(made)
+    if fill is None:
+        data = bytearray(archive.read_bytes())
+        data[40] ^= 0xFF  # of the content: its check sum is wrong
+        archive.write_bytes(data)
+    assert main(["import", str(archive), "--out", str(tmp_path / "press.toml")]) == 2
+    assert words in capsys.readouterr().err
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["in"]
+
+
+def test_a_folder_that_is_there_is_not_unpacked_into(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    archive = zipped(card(tmp_path, App("pick")), tmp_path / "card.zip")
+    (tmp_path / "press").mkdir()
+    assert main(["import", str(archive), "--out", str(tmp_path / "press.toml")]) == 2
+    assert "press is there already and stays as it is" in capsys.readouterr().err
