@@ -32,7 +32,7 @@ from gateway.pure.languages.base.hosting import PathState, View, paths_of
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.registry import language_in
 from gateway.runtime.journal import Journal
-from gateway.runtime.realtime import Timerfd, die_with_parent
+from gateway.runtime.realtime import Timerfd, die_with_parent, go_ahead
 from gateway.runtime.regions import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from motion.geometry.units import from_si
 
@@ -165,6 +165,7 @@ class InterpreterProcess:
         self._fresh = self.region.latest() is None  # the first of its run, and nothing has been started: an autostart may be
         self._heard = False  # the services have begun
         self._stop = False
+        self._phase = 0  # of the timer in its period
         self._have_read(self.programs.read(self._alive))
 
     def _alive(self) -> None:
@@ -179,7 +180,9 @@ class InterpreterProcess:
         """Until SIGTERM."""
         signal.signal(signal.SIGTERM, self._on_signal)
         timer = Timerfd()
-        timer.set(time.monotonic_ns() + self.period_ns, self.period_ns)
+        first = time.monotonic_ns() + self.period_ns
+        self._phase = first % self.period_ns
+        timer.set(first, self.period_ns)
         while not self._stop:
             select.select([timer], (), ())
             if timer.expired():
@@ -194,14 +197,15 @@ class InterpreterProcess:
 
     def turn(self) -> None:
         """Orders, programs, files, what others see."""
-        now = time.monotonic_ns()
+        began = time.monotonic_ns()
+        now = began - (began - self._phase) % self.period_ns  # that of the timer: how late this turn is must not move the next ones
         self.port.look()
         for _, data in self.orders.take(TAKEN):
             self._obey(unpack_facts(data), now)
-        while self.language.turn(now) and time.monotonic_ns() - now < WORKING_NS:
+        while self.language.turn(now) and time.monotonic_ns() - began < WORKING_NS:
             pass
         self._write_back()
-        self._report(now)
+        self._report(began)
         self._alive()
 
     def _obey(self, order: dict[str, Fact], now: int) -> None:
@@ -251,6 +255,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--fds", required=True)
     arguments = parser.parse_args(argv)
     die_with_parent(number=signal.SIGKILL)
+    go_ahead()  # as the planner: synchronous tasks begin with the period, whatever else wants the processor
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     plan = load_plan(arguments.plan)
     try:

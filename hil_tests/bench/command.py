@@ -97,8 +97,9 @@ def robotstar(arguments: argparse.Namespace) -> list[Figure]:
 
 def val3(arguments: argparse.Namespace) -> list[Figure]:
     from hil_tests.bench.val3_bench import run
+    from hil_tests.bench.val3_cell_figures import SYNC_S
 
-    return [dict(figure) for figure in run()]
+    return [dict(figure) for figure in run(arguments.seconds or SYNC_S)]
 
 
 def conformance(arguments: argparse.Namespace) -> list[Figure]:
@@ -135,7 +136,8 @@ def main(argv: list[str]) -> int:
     parser.add_argument(
         "--seconds",
         type=float,
-        help="of each block in bench cycle and planner (default 10) and drives (5, at half the period); of the scope in bench web (600)",
+        help="of each block in bench cycle and planner (default 10) and drives (5, at half the period); of the scope in bench web (600); "
+        "of the synchronous task in bench val3 (60)",
     )
     arguments = parser.parse_args(argv)
     missing = [name for name in ("cycle_ref", "modbus_load", "servo_ref") if not (ROOT / "build" / name).exists()]

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 
 from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.languages.val3.machine import Machine
+from hil_tests.bench import val3_cell_figures
 from hil_tests.bench.figure_row import Figure, row
 
 SPACE = "http://www.staubli.com/robotics/VAL3/"
@@ -101,7 +102,7 @@ def load_s() -> float:
     return time.perf_counter() - began
 
 
-def run() -> list[Figure]:
+def run(seconds: float = val3_cell_figures.SYNC_S) -> list[Figure]:
     """The anchor is an empty loop of Python in the same run."""
     began = time.perf_counter()
     for _ in range(10_000_000):
@@ -111,4 +112,5 @@ def run() -> list[Figure]:
         row("val3.lines", lines_s(), "1/s", FAST, beside, anchor, at_least=True),
         row("val3.mix", mix_s(), "1/s", MIXED, beside, anchor, at_least=True),
         row("val3.load_s", load_s(), "s", QUICK_S, beside, anchor),
+        *val3_cell_figures.run(beside, anchor, seconds),
     ]

@@ -1,15 +1,14 @@
 """The text of an XML file of a controller, whatever editor has had it: UTF-8 or UTF-16 with or without a mark, or what it declares."""
 
-import codecs
 import re
 from dataclasses import dataclass
 
 MARKS = (
-    (codecs.BOM_UTF8, "utf-8"),
-    (codecs.BOM_UTF32_LE, "utf-32-le"),  # before the mark of UTF-16, with which it begins
-    (codecs.BOM_UTF32_BE, "utf-32-be"),
-    (codecs.BOM_UTF16_LE, "utf-16-le"),
-    (codecs.BOM_UTF16_BE, "utf-16-be"),
+    (b"\xef\xbb\xbf", "utf-8"),
+    (b"\xff\xfe\0\0", "utf-32-le"),  # before the mark of UTF-16, with which it begins
+    (b"\0\0\xfe\xff", "utf-32-be"),
+    (b"\xff\xfe", "utf-16-le"),
+    (b"\xfe\xff", "utf-16-be"),
 )
 BARE = ((b"<\0", "utf-16-le"), (b"\0<", "utf-16-be"))  # without a mark
 DECLARED = re.compile(r"\s*<\?xml\b[^>]*?\bencoding\s*=\s*[\"']([^\"']*)[\"']")
@@ -23,7 +22,7 @@ class Undecodable(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Decoded:
-    """Without the declaration, its lines kept.  doubts: what was read in another way than the file says."""
+    """Without the declaration, its lines kept.  doubts: what was read in another way than the file declares."""
 
     text: str
     doubts: tuple[tuple[int, str], ...] = ()  # line, sentence
@@ -38,7 +37,7 @@ def decoded(data: bytes) -> Decoded:
     try:
         text = data[begin:].decode(name)
     except UnicodeDecodeError as error:
-        if not name.startswith("utf-8"):
+        if name not in ("utf-8", "utf8"):
             raise Undecodable(f"the text is no {name.upper()} from byte {begin + error.start} on") from None
         line = data.count(b"\n", 0, begin + error.start) + 1
         doubts.append((line, f"byte {data[begin + error.start]:02X}h is no UTF-8; the file was read as Windows-1252"))
@@ -55,11 +54,10 @@ def _declared(data: bytes) -> str:
     """What the declaration names; UTF-8 without one, and where it names two or four bytes a letter, which these are not."""
     match = DECLARED.match(data[:HEAD].decode("ascii", "replace"))
     name = match.group(1).lower() if match is not None else "utf-8"
+    if name.replace("_", "-").startswith(("utf-16", "utf16", "utf-32", "utf32", "utf-7", "utf7", "ascii", "us-ascii")):
+        return "utf-8"
     try:
-        known = codecs.lookup(name).name
-        if known.startswith(("utf-16", "utf-32", "utf-7", "ascii")):
-            return "utf-8"
-        b"<".decode(known)  # a codec that makes no text is a LookupError
+        b"<".decode(name)  # a codec that makes no text is a LookupError
     except (LookupError, ValueError):
         raise Undecodable(f"the encoding {name!r} is unknown; controllers write UTF-8") from None
-    return known
+    return name

@@ -26,7 +26,7 @@ class Element:
     children: list["Element"] = field(default_factory=list)
     text: str = ""
     text_line: int = 0  # line of the first character of `text`
-    doubts: tuple[tuple[int, str], ...] = ()  # of the root: line and sentence of what was read in another way than the file says
+    doubts: tuple[tuple[int, str], ...] = ()  # of the root: line and sentence of what was read in another way than the file declares
 
     def get(self, name: str, default: str = "") -> str:
         """An attribute."""

@@ -5,6 +5,7 @@ import pytest
 from gateway.pure.languages.val3.disk import Disk, PathFault, application_of, resolve
 from gateway.pure.languages.val3.loader import Loader
 from gateway.pure.languages.val3.machine import Machine
+from gateway.pure.languages.val3.references import element
 from gateway.pure.languages.val3.values import PointV
 from gateway.pure.languages.val3.virtual import shown_container
 from hil_tests.unit.languages.val3.apps import App, check, datum, disk, error_of, globals_of, machine, run, value
@@ -163,7 +164,7 @@ def test_what_is_saved_loads_again_equal() -> None:
     assert {name: copy[name] for name in kept} == kept
     points = own.data["p"]
     assert isinstance(points, list) and isinstance(points[0], PointV) and points[0].father is not None
-    assert points[0].father is own.data["f"][1]  # type: ignore[index]
+    assert points[0].father is element(own.data["f"], "1")
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,8 @@ import pytest
 
 from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.languages.val3.machine import Machine
+from gateway.pure.languages.val3.references import element
+from gateway.pure.languages.val3.values import PointV
 from hil_tests.unit.languages.val3.apps import App, check, datum, machine, run, value
 
 GRID = '<Data name="fGrid" access="public" xsi:type="array" type="frame" size="2,2">' + value("1,0", x=7, fatherId="world[0]") + "</Data>"
@@ -97,4 +99,6 @@ def test_what_is_saved_hangs_on_the_same_data() -> None:
         assert f'fatherId="{father}"' in saved, father
     again = Machine(Disk(dict(made.disk.files)))
     own = again.instance("copy", "copy", "")
-    assert own is not None and own.data["pGrid"][0].father is own.data["fGrid"].flat[2]  # type: ignore[index, union-attr]
+    assert own is not None
+    point, frame = element(own.data["pGrid"], "0"), element(own.data["fGrid"], "1,0")
+    assert isinstance(point, PointV) and point.father is frame is not None
