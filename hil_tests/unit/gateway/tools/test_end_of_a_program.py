@@ -54,7 +54,9 @@ class Moving:
         ("rho3-servodyn", (Motion.STOPPING, Motion.STOPPED, Motion.STOPPED, Motion.IDLE), 4),
     ],
 )
-def test_the_stopped_path_of_a_reis_is_its_rest(cell: str, motions: tuple[Motion, ...], asked: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_stopped_path_of_a_reis_is_its_rest(
+    cell: str, motions: tuple[Motion, ...], asked: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Nothing gives it up: the end came 5 s later."""
     monkeypatch.setattr(program_cell, "POLL_S", 0.0)
     client = Moving(*motions)

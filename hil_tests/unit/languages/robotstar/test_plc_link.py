@@ -41,7 +41,8 @@ def test_messages_by_m948() -> None:
     assert ran.texts() == ["part 42", "door open"] and ran.message()["class"] == "message"
     assert (ran.state, ran.value("I1")) == ("error", None)
     ran = run(robot, FOLLOW, 9, "3 START", "4 ACK", "4.5 START", texts=MESSAGES)
-    assert ran.texts()[2:] == ["START is refused: the error is not acknowledged; ACK acknowledges it"] and (ran.state, ran.value("I1")) == ("stopped", 1)
+    assert ran.texts()[2:] == ["START is refused: the error is not acknowledged; ACK acknowledges it"]
+    assert (ran.state, ran.value("I1")) == ("stopped", 1)
 
 
 def test_an_error_of_the_plc_stops_all() -> None:
