@@ -148,7 +148,8 @@ class Translator:
             "UC": self._branch, "CC": self._branch, "CALL": self._branch, "BA": self._branch, "BAB": self._branch,
             "BE": self._leave, "BEA": self._leave, "BEB": self._leave, "SET": self._constant, "CLR": self._constant, "NOT": self._constant,
             "NOP": self._nothing, "BLD": self._nothing, "A": self._open_data, "AUF": self._open_data, "AX": self._open_data,
-            "I": self._count_accu, "D": self._count_accu, "INC": self._count_accu, "DEC": self._count_accu, "+": self._add, "ADD": self._add,
+            "I": self._count_accu, "D": self._count_accu, "INC": self._count_accu, "DEC": self._count_accu,
+            "+": self._add, "ADD": self._add,
         }.get(word)  # fmt: skip
 
     def _nothing(self, word: str, operand: str) -> None:
