@@ -245,6 +245,7 @@ class ControllerKind:
     little: bool = False  # low byte first in operands
     plc: bool = False  # [controller.plc]: an integrated PLC
     memory: str = ""  # language of the programs in its memory
+    resumes: bool = False  # a stopped program keeps its path for the next START
 
 
 def _make_rho3(plan: "ControllerPlan") -> "tuple[Control, list[str]]":
@@ -267,7 +268,7 @@ def _make_val3(plan: "ControllerPlan") -> "tuple[Control, list[str]]":
 
 CONTROLLERS = _table(
     ControllerKind("rho3", "rho 3", _make_rho3, flags="flags", counters=True, parameters=True, memory="baps2"),
-    ControllerKind("reis", "Reis", _make_reis, flags="markers", markers=True, little=True, plc=True, memory="robotstar"),
+    ControllerKind("reis", "Reis", _make_reis, flags="markers", markers=True, little=True, plc=True, memory="robotstar", resumes=True),
     ControllerKind("val3", "VAL 3", _make_val3, points=True),
 )
 

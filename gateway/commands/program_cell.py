@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from gateway.assembly.run import slug_of
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.records.cell import Motion
-from gateway.registry import NO_PROGRAMS, language_in
+from gateway.registry import CONTROLLERS, NO_PROGRAMS, language_in
 from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
 
@@ -162,8 +162,8 @@ def _over(client: ToolClient, run: object, name: str) -> Row:
 
 
 def _rest(client: ToolClient, cell: Cell) -> None:
-    """What a stopped program leaves is given up; a Reis keeps it for the next START."""
-    kept = cell.controller is not None and cell.controller.kind == "reis"
+    """What a stopped program leaves is given up; a control that resumes keeps it for the next START."""
+    kept = cell.controller is not None and CONTROLLERS[cell.controller.kind].resumes
     rest = (Motion.IDLE, Motion.STOPPED) if kept else (Motion.IDLE,)
     end = time.monotonic() + 5.0
     while int(str(client.ask("axes")["motion"])) not in rest and time.monotonic() < end:
