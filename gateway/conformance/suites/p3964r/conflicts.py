@@ -5,7 +5,7 @@ from gateway.conformance.suites.p3964r.receive import BLOCK, CONNECT
 from gateway.conformance.suites.p3964r.send import FIRST, GAP, MOST, attempts, judge_count
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Disturbed, Fail, NotApplicable
-from protocols.base.machine import Damage, ms
+from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, wire_block
 from protocols.p3964r.profiles import Priority
 
@@ -81,9 +81,14 @@ def keeps_job(t: LineTester) -> None:
     t.say(wire_block(t.harmless, t.profile.block_check))
     with t.given():
         t.expect(Char.DLE, t.profile.ack_delay, "our block in a conflict")
-    got = t.answer(t.profile.char_delay + t.profile.ack_delay + ms(500))
+    takes_own_job(t, t.profile.char_delay, "our block")
+
+
+def takes_own_job(t: LineTester, delay: Ns, after: str) -> None:
+    """Its own block, which has waited for `after`; it may begin `delay` later."""
+    got = t.answer(delay + t.profile.ack_delay + ms(500))
     if got != Char.STX:
-        raise Fail(f"after our block it must send its own job: {named(got)}, the job is lost", "STX (02h)", named(got))
+        raise Fail(f"after {after} it must send its own job: {named(got)}, the job is lost", "STX (02h)", named(got))
     t.take()
 
 

@@ -1,7 +1,7 @@
 """3964R, the station sends again: form and times of a repeat, attempts of the next job, conflicts (serial-protocols 1.3, 1.6)."""
 
-from gateway.conformance.suites.line import DLE, NAK, STX, Block, LineTester, named
-from gateway.conformance.suites.p3964r.conflicts import gives_way
+from gateway.conformance.suites.line import DLE, NAK, STX, Block, LineTester
+from gateway.conformance.suites.p3964r.conflicts import gives_way, takes_own_job
 from gateway.conformance.suites.p3964r.failures import answered
 from gateway.conformance.suites.p3964r.receive import BLOCK, CONNECT, PAYLOAD
 from gateway.conformance.suites.p3964r.refusals import with_wrong_check
@@ -165,10 +165,7 @@ def corrupted(t: LineTester) -> None:
         t.on_block = None
     if came:
         return
-    got = t.answer(t.profile.block_wait + t.profile.ack_delay + ms(500))
-    if got != Char.STX:
-        raise Fail(f"after our repeat it must send its own job: {named(got)}, the job is lost", "STX (02h)", named(got))
-    t.take()
+    takes_own_job(t, t.profile.block_wait, "our repeat")
 
 
 @CON.case(

@@ -59,7 +59,7 @@ def kind_for(value: FrameV | ToolV | PointV) -> type[FrameV] | type[ToolV]:
 
 
 def missing(kind: type[FrameV] | type[ToolV], code: int, text: str) -> FrameV | ToolV:
-    """Stands for what is not there; its use is the error."""
+    """A frame or tool for a name that leads nowhere; using it is the error."""
     made = kind()
     made.lost = (code, text)
     return made

@@ -176,7 +176,7 @@ class FrameV(Structure):
 
     def __init__(self, father: FrameV | None = None, root: bool = False) -> None:
         self.trsf, self.father, self.root = TrsfV(), father, root
-        self.lost: tuple[int, str] | None = None  # stands for a frame that is not there: code and name
+        self.lost: tuple[int, str] | None = None  # where its name leads nowhere: error code, and the name
 
     def same(self, other: object) -> bool:
         """The same reference and the same position."""

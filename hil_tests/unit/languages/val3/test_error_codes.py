@@ -67,7 +67,7 @@ ELSEWHERE = {  # raised by tests of their own, or by programs of other files
 REASONS = {
     -1: "a status, no error", 0: "a status, no error", 1: "a status, no error",
     34: "no instruction of this control is bound to one task", 60: "sio returns codes and 125; no instruction has another longest time",
-    61: "an error of the interpreter itself: a fault of ours",
+    61: "an internal error of axisgate's interpreter",
     124: "the points of a cell have no protection of their own", 126: "an aio point takes fractions, or rounds them where it is whole",
     999: "log entries name their cause",
 }  # fmt: skip
