@@ -245,15 +245,14 @@ def core_processes(cell: Cell, period_ms: int, doors: Sequence[CommandSource], *
         ),
     ]
     if cell.robot:
-        core[0] = replace(core[0], regions=(*core[0].regions, "pieces", "planner"))
+        core[0] = replace(core[0], regions=(*core[0].regions, "pieces", "pieces-taken", "planner"))
         core[1] = replace(core[1], regions=(*core[1].regions, "blocks", "planner"))
-        core.append(
-            Child("planner", "gateway.processes.planner", (), ("axes", "blocks", "pieces", "planner"), "planner", PLANNER_LIFE_MS * MS)
-        )
+        own: tuple[str, ...] = ("axes", "blocks", "pieces", "pieces-taken", "planner")
+        core.append(Child("planner", "gateway.processes.planner", (), own, "planner", PLANNER_LIFE_MS * MS))
     if cell.robot and language_in(cell) is not None:
         core[1] = replace(core[1], regions=(*core[1].regions, *PROGRAM_REGIONS))
         core[2] = replace(core[2], regions=(*core[2].regions, "lines"))
-        own: tuple[str, ...] = ("axes", "planner", "lines", *PROGRAM_REGIONS, *(("belt_counters",) if reads_belts(cell) else ()))
+        own = ("axes", "planner", "lines", *PROGRAM_REGIONS, *(("belt_counters",) if reads_belts(cell) else ()))
         if _corrects(cell):
             core[0], own = replace(core[0], regions=(*core[0].regions, "correction")), (*own, "correction")
         core.append(Child("interpreter", "gateway.processes.interpreter", (), own, "interpreter", INTERPRETER_LIFE_MS * MS))
@@ -373,6 +372,7 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
     if plan.cell.robot:
         fds["blocks"] = create_ring("blocks", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)
         fds["pieces"] = create_ring("pieces", plannerrecords.piece_size(axes), plannerrecords.PIECES, plannerrecords.PIECE_LAYOUT)
+        fds["pieces-taken"] = create_region("pieces-taken", plannerrecords.TAKEN_SIZE, plannerrecords.TAKEN_LAYOUT)
         fds["planner"] = create_region("planner", plannerrecords.planner_bytes(lanes), "planner/1 json")
     if any(child.name == "interpreter" for child in plan.children):
         texts = interpreterrecords.TEXT_SIZE, interpreterrecords.RECORDS, interpreterrecords.TEXT_LAYOUT

@@ -29,6 +29,7 @@ from gateway.cycle.bus_link import BusLink
 from gateway.cycle.contacts import InputMarks, IoErrors, cycle_contacts
 from gateway.cycle.corrected import Corrected
 from gateway.cycle.native.quick import Collect, NativeParts
+from gateway.cycle.piece_ring import piece_ring
 from gateway.cycle.recording_tap import CycleTap
 from gateway.pure.buses.cia401 import CouplerFamily, contacts_lost
 from gateway.pure.controllers.rho3.can.family import RhoFamily
@@ -48,7 +49,7 @@ from gateway.pure.image.records.cell import (
     unpack_inputs,
     unpack_order,
 )
-from gateway.pure.image.records.planner import PIECE_LAYOUT, unpack_piece
+from gateway.pure.image.records.planner import unpack_piece
 from gateway.pure.recording.messages import What
 from gateway.pure.reports.waited import WaitedTime
 from gateway.pure.scope.records import SCOPE_LAYOUT, pack_scope
@@ -122,7 +123,7 @@ class Cycle:
         self.orders = RingReader(fds["orders"], "orders", ORDER_LAYOUT)
         self.acyclic = RingReader(fds["acyclic"], "acyclic", ASIDE_LAYOUT)
         self.heard = RingWriter(fds["heard"], "heard", ASIDE_LAYOUT)
-        self.pieces = RingReader(fds["pieces"], "pieces", PIECE_LAYOUT) if "pieces" in fds else None
+        self.pieces = piece_ring(fds)
         self.planner = RegionReader(fds["planner"], "planner") if "planner" in fds else None
         self._planner_pid = self.planner.writer_pid if self.planner else 0
         self.axes = quick.region(fds["axes"], "axes", CELL_STATE_LAYOUT)
@@ -212,6 +213,8 @@ class Cycle:
         state = self._pack_state(core.state)
         self.axes.write(state, now)
         self.outputs.write(core.outputs, now)
+        if self.pieces is not None:
+            self.pieces.publish(now)
         if self.marks is not None:
             self.marks.turn(now)
         if self.io_errors is not None:

@@ -19,11 +19,13 @@ from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, CellState, unpack
 from gateway.pure.image.records.planner import (
     PIECE_LAYOUT,
     SAY_LAYOUT,
+    TAKEN_LAYOUT,
     PlannerState,
     pack_piece,
     pack_planner,
     unpack_block,
     unpack_planner,
+    unpack_taken,
 )
 from gateway.pure.planning.trial import Files
 from gateway.runtime.journal import Journal
@@ -49,6 +51,7 @@ class PlannerProcess:
         self.blocks = RingReader(fds["blocks"], "blocks", SAY_LAYOUT)
         self.lines = RingReader(fds["lines"], "lines", SAY_LAYOUT) if "lines" in fds else None
         self.pieces = RingWriter(fds["pieces"], "pieces", PIECE_LAYOUT)
+        self.taken = RegionReader(fds["pieces-taken"], "pieces-taken", TAKEN_LAYOUT)
         self.region = RegionWriter(fds["planner"], "planner")
         self.count = len(plan.cell.axis)
         self.programs = lane_programs_of(plan.cell, self.machine, self.text, self.team, self._mask)
@@ -118,6 +121,7 @@ class PlannerProcess:
     def turn(self) -> None:
         """New statements, what the cycle does, pieces that are due."""
         now = time.monotonic_ns()
+        taken = self.taken.read()  # before the state: what counts as taken is in it
         payload = self.axes.read()
         state = CellState() if payload is None else unpack_cell_state(payload)
         records = [unpack_block(data) for _, data in self.blocks.take(TAKEN)]
@@ -128,7 +132,8 @@ class PlannerProcess:
             pass
         while time.monotonic_ns() - now < WORKING_NS and self.programs.work():
             pass
-        pieces = self.programs.turn(records, state, self.count)
+        waiting = 0 if taken is None else max(self.pieces.published - unpack_taken(taken), 0)
+        pieces = self.programs.turn(records, state, self.count, waiting)
         said = self.programs.state
         self._tell(said)
         self.region.write(pack_planner(said), now)  # a fault's words are there before the cycle hears of it

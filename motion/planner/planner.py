@@ -91,6 +91,7 @@ class Planner:
     slowed: dict[int, Slowed] = field(init=False, default_factory=dict)  # block -> what its worst axis cannot keep
     lead_s: float = LEAD_S
     carried_s: float = 0.0  # a piece takes so long to the axes; a new tail counts when all of it is there
+    queued_s: float = 0.0  # until what was handed on before is with the axes: a new tail comes behind it
     horizon_s: float = HORIZON_S
     ahead_s: float = AHEAD_S
     window: int = WINDOW
@@ -351,7 +352,7 @@ class Planner:
         last = self._planned[-1]
         if last.quick is None:
             return None
-        return next(((at, number) for at, number in last.cuts if at >= tau + self.lead_s * self._patience), None)
+        return next(((at, number) for at, number in last.cuts if at >= tau + self.lead_s * self._patience + self.queued_s), None)
 
     def _from_rest(self, row: list[Stretch]) -> Work[list[TimedPiece]]:
         """A law of its own: near the optimum where the path ends at rest by itself, a quick one where it will go on."""
@@ -430,7 +431,8 @@ class Planner:
         before = self.next_id, self._marks
         try:
             pieces = self._commit(run, law, at, first_id, _Origin(made, cut, last.width))
-            if at < self._tau + self.lead_s * IN_TIME + self.carried_s * len(pieces):  # the last of them would come too late
+            carried = self.queued_s + self.carried_s * len(pieces)
+            if at < self._tau + self.lead_s * IN_TIME + carried:  # the last of them would come too late
                 self._planned.pop()
                 self.next_id, self._marks = before
                 self._back(row)

@@ -25,6 +25,7 @@ class Chain:
     _over: int = 0
     _at: int = 0  # last piece the cycle was seen on; 0: the part has not begun
     _rest: float | None = None  # tau at which it ran out, until it goes on
+    sent: int = 0  # record of the ring that it ends with
     _unseen: int = 0  # turns since pieces were handed on behind a rest, and the cycle was seen on none of them
 
     def begin(self) -> None:
@@ -51,15 +52,16 @@ class Chain:
             del self._blocks[next(iter(self._blocks))]
         self.last_id, self.spare = made.id, made.id + 1
 
-    def tau(self, piece: int, end: float) -> float:
+    def tau(self, piece: int, end: float, *, waits: bool = False) -> float:
         """Where the follower may be at the latest: the end of the piece under way (0: none is), or of all there is (`end`) when it has run
-        out."""
+        out.  waits: some of the pieces are in the ring as yet, so it has not."""
         piece = max(piece, self._at) if piece else 0  # also while it goes back
         if piece in self._begins:
             self._at, self._rest, self._unseen = piece, None, 0
             return self._begins.get(piece + 1, end)
         if self._at and not piece and (self._rest is None or self._at < self.last_id):
-            self._runs_out(end)
+            if not waits:
+                self._runs_out(end)
             if self._rest is None:
                 return self._begins.get(self._at + 1, end)
         return 0.0 if self._rest is None else self._rest

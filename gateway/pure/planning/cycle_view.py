@@ -22,3 +22,5 @@ class CycleView:
     measured: Sequence[float | None] = ()  # where the axes were measured last; None: they were not
     off: int = 0  # axes (bit n-1 = axis n) not commanded on
     override: float = 1.0
+    waiting: int = 0  # records that the cycle has still to take from the ring, of all lanes
+    reached: int = ALWAYS  # record of the ring that the cycle took last, as the planner counts them

@@ -49,16 +49,18 @@ class LanePrograms:
             lane.follows(said)
         self._share_systems()
 
-    def turn(self, records: Sequence[BlockRecord], state: CellState, count: int) -> list[PieceRecord]:
-        """records: new ones; state: the cycle's, of a cell with `count` axes.  What is due for the ring of pieces."""
+    def turn(self, records: Sequence[BlockRecord], state: CellState, count: int, waiting: int = 0) -> list[PieceRecord]:
+        """records: new ones; state: the cycle's, of a cell with `count` axes; waiting: records in the ring of pieces that the cycle has not
+        taken.  What is due for that ring."""
         if len(self.lanes) == 1:
-            return follow(self.lanes[0], records, state, count)
+            return follow(self.lanes[0], records, state, count, waiting=waiting)
         heard: list[list[BlockRecord]] = [[] for _ in self.lanes]
         for record in records:
             heard[self._lane(record)].append(record)
         made: list[PieceRecord] = []
         for number, lane in enumerate(self.lanes):
-            made += follow(lane, heard[number], state, count, state.lanes[number] if number < len(state.lanes) else None)
+            own = state.lanes[number] if number < len(state.lanes) else None
+            made += follow(lane, heard[number], state, count, own, waiting + len(made))
         return made
 
     def lost(self, count: int) -> None:

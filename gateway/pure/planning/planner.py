@@ -26,6 +26,7 @@ from gateway.pure.image.records.planner import (
     run_of,
     switch_record,
 )
+from gateway.pure.planning.backlog import Backlog
 from gateway.pure.planning.belt_statements import act_order, act_record, belts_after, sets_type
 from gateway.pure.planning.cell_checks import Away, OfCell
 from gateway.pure.planning.chain import Chain
@@ -92,6 +93,7 @@ class CellPrograms:
     files: Files = Files()
     windows: Sequence[float] = ()  # of the axes of the cell, in position; m and rad
     team_of: Callable[[Sequence[Kinematic], int], Team] = no_team
+    backlog: Backlog = field(default_factory=Backlog)  # of the ring all lanes share
 
 
 class Programs:
@@ -144,6 +146,10 @@ class Programs:
         out = [record for record in self._out if record.job <= view.taken]  # a cycle that has not heard of the job would drop its fault
         self._out = [record for record in self._out if record.job > view.taken]
         return out
+
+    def handed_on(self, number: int) -> None:
+        """The last record of the turn, as the ring counts them."""
+        self._chain.sent = number
 
     def _show(self) -> None:
         """Belts, axes, systems and tool as the page and the next planner read them."""
@@ -525,7 +531,8 @@ class Programs:
                 self.workpiece.reached(ALWAYS)
                 self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
             return
-        tau = self._chain.tau(piece, planner.end)
+        waits = self._chain.sent > self._seen.reached
+        tau = self._chain.tau(piece, planner.end, waits=waits)
         before = len(self._out)
         try:
             self._hand_on(planner, tau)
@@ -555,7 +562,7 @@ class Programs:
             self.state = replace(
                 state, block=block, share=share, passed=passed, waiting=waiting, handed=handed, ended=ended, warning=warning
             )
-        if self.state.ended and not self._seen.moving and piece in (0, self._chain.last_id) and not new:
+        if self.state.ended and not (self._seen.moving or waits or new) and piece in (0, self._chain.last_id):
             self.state = replace(self.state, job=0, warning="")
             self.workpiece.reached(ALWAYS)
 
@@ -579,6 +586,8 @@ class Programs:
         if self._chain.full:
             return
         job = self.state.job
+        if isinstance(planner, Planner):
+            planner.queued_s = TAKEN_S * self._seen.waiting
         if self._job.streams and isinstance(planner, Planner):  # a new tail counts when all of it is there
             planner.lead_s, planner.carried_s = LEAD_S + CARRIED_S * self._chain.ahead, TAKEN_S
         planner.begin(tau, hurry=self._quiet > QUIET_TURNS)

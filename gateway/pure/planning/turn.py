@@ -16,12 +16,14 @@ def standing(state: CellState, count: int) -> list[float]:
 
 
 def follow(
-    programs: Programs, records: Sequence[BlockRecord], state: CellState, count: int, lane: LaneState | None = None
+    programs: Programs, records: Sequence[BlockRecord], state: CellState, count: int, lane: LaneState | None = None, waiting: int = 0
 ) -> list[PieceRecord]:
-    """records: new ones; state: the cycle's, of a cell with `count` axes; lane: the one these programs are on, None: the cell is one.
-    What is due for the ring of pieces."""
+    """records: new ones; state: the cycle's, of a cell with `count` axes; lane: the one these programs are on, None: the cell is one;
+    waiting: records in the ring of pieces that the cycle had not taken when it published the state.  What is due for that ring."""
     axes = state.axes[:count]
     own = state if lane is None else lane
+    backlog = programs.cell.backlog
+    backlog.waiting = waiting
     view = CycleView(
         state.generation,
         own.piece,
@@ -35,5 +37,10 @@ def follow(
         measured=[axis.measured if state.measured_mask >> n & 1 else None for n, axis in enumerate(axes)],
         override=own.override,
         off=sum([1 << n for n, axis in enumerate(axes) if not int(axis.flags) & ON]),
+        waiting=backlog.waiting,
+        reached=backlog.reached,
     )
-    return programs.turn(records, view)
+    made = programs.turn(records, view)
+    if made:
+        programs.handed_on(backlog.add(len(made)))
+    return made

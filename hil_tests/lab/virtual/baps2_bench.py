@@ -209,7 +209,7 @@ class ProgramCell:
             pass
         while self.planning.work():
             pass
-        self._pieces += [packed_piece(each, piece_size(axes)) for each in self.planning.turn(records, state, axes)]
+        self._pieces += [packed_piece(each, piece_size(axes)) for each in self.planning.turn(records, state, axes, len(self._pieces))]
         assert standing(state, axes)
         bench.office.planner = unpack_planner(pack_planner(self.planning.state))
         for _ in range(min(2 * len(self.planning.lanes), len(self._pieces))):

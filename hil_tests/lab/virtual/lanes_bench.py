@@ -51,7 +51,7 @@ class Lanes:
             pass
         while self.programs.work():
             pass
-        self._held += self.programs.turn(records, core.state, count)
+        self._held += self.programs.turn(records, core.state, count, len(self._held))
         self.office.planner = unpack_planner(pack_planner(self.programs.state))
         for record in self._held[:A_CYCLE]:
             core.feed(unpack_piece(pack_piece(record, piece_size(count))))

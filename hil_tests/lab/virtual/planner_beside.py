@@ -42,7 +42,7 @@ class PlannerBeside:
                 self.programs.prepare(standing(core.state, self.axes))
             while self.programs.working and not self.programs.work():
                 pass
-            self.held += follow(self.programs, said, core.state, self.axes)
+            self.held += follow(self.programs, said, core.state, self.axes, waiting=len(self.held))
             office.planner = self.programs.state
         for record in self.held[:A_CYCLE]:
             self.feed(core, record)

@@ -90,6 +90,7 @@ class ReisCell:
         self.lines: list[str] = []  # as handed to the planner
         self._flags = bytes(2048)
         self._pieces: deque[bytes] = deque()
+        self.a_cycle = 1 << 10  # pieces the core takes from the ring
         self.born(1)
         self.bench.each = self.turn
         self.bench.permit(AUTO, ACKNOWLEDGE, *range(FIRST_INPUT, FIRST_INPUT + 320), value=False)
@@ -148,9 +149,11 @@ class ReisCell:
         while self.planning.working and not self.planning.work():
             pass
         axes = len(self.cell.axis)
-        self._pieces += [packed_piece(each, piece_size(axes)) for each in follow(self.planning, records, state, axes)]
+        self._pieces += [
+            packed_piece(each, piece_size(axes)) for each in follow(self.planning, records, state, axes, waiting=len(self._pieces))
+        ]
         bench.office.planner = unpack_planner(pack_planner(self.planning.state))
-        while self._pieces:
+        for _ in range(min(self.a_cycle, len(self._pieces))):
             bench.core.feed(unpack_piece(self._pieces.popleft()))
 
     def _services(self, state: CellState, now: int) -> None:

@@ -144,7 +144,9 @@ class Val3Cell:
         while self.planning.working and not self.planning.work():
             pass
         axes = len(self.cell.axis)
-        self._pieces += [packed_piece(each, piece_size(axes)) for each in follow(self.planning, records, state, axes)]
+        self._pieces += [
+            packed_piece(each, piece_size(axes)) for each in follow(self.planning, records, state, axes, waiting=len(self._pieces))
+        ]
         bench.office.planner = unpack_planner(pack_planner(self.planning.state))
         for _ in range(min(2, len(self._pieces))):
             bench.core.feed(unpack_piece(self._pieces.popleft()))

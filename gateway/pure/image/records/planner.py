@@ -144,6 +144,27 @@ _PIECE = Layout(_PieceHead, "pieces/2")
 PIECE_LAYOUT = _PIECE.text
 
 
+@dataclass(frozen=True, slots=True)
+class _Taken:
+    """The region the cycle writes beside the ring."""
+
+    number: U64
+
+
+_TAKEN = Layout(_Taken, "pieces-taken/1")
+TAKEN_LAYOUT, TAKEN_SIZE = _TAKEN.text, _TAKEN.size
+
+
+def pack_taken(number: int) -> bytes:
+    """Sequence number of the last record of the pieces ring that the cycle took."""
+    return _TAKEN.pack(_Taken(number))
+
+
+def unpack_taken(data: bytes) -> int:
+    """The reverse of pack_taken."""
+    return _TAKEN.unpack(data).number
+
+
 def piece_size(axes: int) -> int:
     """Bytes of a record of the pieces ring of a cell of so many axes."""
     return _PIECE.size + record_size(axes)

@@ -357,6 +357,17 @@ def test_a_spline_goes_through_its_points_and_a_dense_path_keeps_its_speed() -> 
     assert min(found) == pytest.approx(100, rel=0.1)
 
 
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("a_cycle", [1, 64])
+def test_short_rounded_moves_are_run_however_slowly_the_cycle_takes_their_pieces(a_cycle: int, way: int) -> None:
+    """A new tail that comes behind others in the ring has to wait for them; one that came too late aborted the program."""
+    places = [way * sum(1 + k % 3 for k in range(n)) for n in range(1, 31)]
+    body = "\n".join(at(884, place, 500 + place % 2) for place in places)
+    cell = ReisCell(main(f"MOVE_MODE #PTP\n{at(884, 0, 500)}\nUEBERSCHL #EIN\nBAHN_RADIUS 1\n{body}\nSTOP"))
+    cell.a_cycle = a_cycle
+    assert cell.run()[:2] == ("ended", 0) and near(cell, 884, places[-1], 500 + places[-1] % 2)
+
+
 def test_values_live_with_their_program_and_constants_do_not() -> None:
     body = 'ADD 1, I1\nCOPY 3, I_A[2]\nCOPY 2.5, R1\nCOPY "GRIP", S1\nCOPY 7, V1.X\nSTOP'
     definitions = "VAR I1, value:5\nVAR I_A[3]\nLOC_VAR R9\nVAR R1\nVAR S1(10)\nVAR V1\nCONST I9, value:3"

@@ -45,3 +45,10 @@ def test_pieces_shorter_than_a_turn_are_over_though_the_cycle_was_never_seen_on_
         path.tau(0, 0.101)
     path.tau(0, 0.101)
     assert path.passed(0, 2) == 2
+
+
+def test_a_piece_that_is_still_in_the_ring_is_not_run_however_long_it_takes() -> None:
+    path = chain((1, 0.0, 0), (2, 0.05, 1))
+    assert path.tau(1, 0.1) == 0.05
+    assert {path.tau(0, 0.1, waits=True) for _ in range(UNSEEN + 2)} == {0.05} and path.passed(0, 2) == 0
+    assert path.tau(0, 0.1) == 0.1 and path.passed(0, 2) == 2
