@@ -6,6 +6,7 @@ import pathlib
 import sys
 import time
 import zlib
+from collections.abc import Collection
 
 from gateway.assembly.integrated_plc import plc_folder
 from gateway.assembly.run import slug_of
@@ -187,15 +188,25 @@ def run(options: argparse.Namespace) -> int:
     """Prints events and end."""
     orders = [order for text in options.at for order in orders_of(text)]
     settings = Settings(load=options.load, watchdog=options.watchdog)
-    virtual = VirtualRun(read_programs(options.folder), options.start, orders, round(options.period * 1e6), settings)
+    programs = read_programs(options.folder)
+    virtual = VirtualRun(programs, options.start, orders, round(options.period * 1e6), settings)
     end = virtual.run(options.scans)
     if options.json:
         print(json.dumps({"events": virtual.events, "end": end}, indent=1))
     else:
         for event in virtual.events:
             print(line_of(event))
+        if end["state"] == "error" and not any(event["what"] == "state" for event in virtual.events):
+            print(refused_start(options.start, options.folder, programs))
         print(f"end: {end['state']}, {end['program']} step {end['step']}, {end['scans']} scans in {end['time_s']} s")
     return Exit.FINDING if end["state"] == "error" else Exit.OK
+
+
+def refused_start(start: str, folder: pathlib.Path, programs: Collection[str]) -> str:
+    """What to do where the PLC did not start."""
+    if start.upper() not in programs:
+        return f"START is refused: {folder} has no program {start}; it has {', '.join(sorted(programs)) or 'none'}"
+    return f"START is refused: correct {start}; all faults with their lines: axisgate plc check {folder}"
 
 
 def line_of(event: Event) -> str:

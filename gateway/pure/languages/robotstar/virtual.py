@@ -58,6 +58,7 @@ class Plc(Protocol):
 
 # ---- script ----------------------------------------------------------------------------------------------------------------
 _SET = re.compile(r"(EA|E|M)(\d{1,4})(?:\.(\d))?=([+-]?\d+(?:\.\d+)?)", re.IGNORECASE)
+VALUES = ("E", "M", "EA")  # orders that give a value
 WORDS = ("START", "STOP", "F1", "F2", "ACK", "POWER", "DRIVES", "EXEC")
 
 
@@ -346,8 +347,10 @@ class VirtualCell:
 
     def turns(self, script: Iterable[Order], until: Ns | None, program: str) -> Iterator[None]:
         """The same, moment by moment."""
-        waiting = list(script)
+        waiting = sorted(script, key=lambda order: order.at > 0 or order.what not in VALUES)
         end = DEFAULT_UNTIL if until is None else until
+        while waiting and waiting[0].at <= 0 and waiting[0].what in VALUES:
+            self.obey(waiting.pop(0))  # the program meets it as it begins
         self._powered()
         self._scan()
         self.start(program)

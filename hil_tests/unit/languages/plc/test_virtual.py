@@ -103,6 +103,13 @@ def test_a_refused_start_is_a_message_at_0(folder: pathlib.Path, capsys: pytest.
     assert all(event["what"] != "state" for event in events)
 
 
+@pytest.mark.parametrize(("start", "said"), [("sub/bad", "correct sub/bad; all faults"), ("NIX", "has no program NIX; it has MAIN")])
+def test_a_refused_start_says_what_to_do(start: str, said: str, folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(folder), "--start", start, "--virtual", "--scans", "2"]) == 1
+    told = capsys.readouterr().out
+    assert "START is refused" in told and said in told
+
+
 def test_start_stop_and_power(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "NEXT.PLC").write_text("PLC NEXT\nU M1020.4\nS M40.0\nR M1020.4\nL M41\nZV ACCU,1\nT M41\nEND\n")
     orders = ["--at", "2 STOP", "--at", "4 START NEXT", "--at", "6 M40=0", "--at", "8 POWER"]

@@ -53,6 +53,12 @@ def test_calls_nest_twelve_deep(kind: str) -> None:
     assert (ran.state, ran.end["program"], ran.value("I1")) == ("error", "N12", None) and "nesting depth" in str(ran.texts()[0])
 
 
+def test_inputs_given_at_0_are_there_as_the_program_begins() -> None:
+    text = 'TEST_BIT #EINGANG,#=0,0,6,"L"\nCOPY 1,I1\nLABEL "L"\nSTOP'
+    assert run({"P.MPR": text, **V}, mode="auto", at=("0 E0.6=1",)).value("I1") == 1
+    assert run({"P.MPR": text, **V}, mode="auto", at=("0.1 E0.6=1",)).value("I1") is None
+
+
 @pytest.mark.requirement("RSV-PRG-06", by="gateway.pure.languages.robotstar.checker:_position")
 def test_a_macro_has_no_positions() -> None:
     _, faults = checked({"M1.MAC": AT.format(1), "M2.MAC": "COPY 1,I1", **V})
