@@ -17,3 +17,7 @@ class LimitError(MotionError):
 
 class PieceError(MotionError):
     """A piece of path that cannot be taken: malformed, or not where the axes stand."""
+
+
+class LatePieceError(PieceError):
+    """It would replace pieces of which some have begun."""

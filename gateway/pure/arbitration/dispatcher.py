@@ -158,6 +158,9 @@ class CommandDispatcher:
         if outcome in (Reason.DRIVE_ON_NOT_AVAILABLE, Reason.DRIVE_ON_NOT_ALLOWED):
             drive_axis = cell.lane_of(job.span).drive_axis
             return f"axis {self.axes[drive_axis - 1].name}" if 0 < drive_axis <= len(self.axes) else ""
+        if outcome is Reason.NOT_READY:
+            off = ", ".join(axis.name for n, axis in enumerate(self.axes) if (job.mask & ~self.enabled_mask()) >> n & 1)
+            return f"drives off: {off}" if off else "its axes move or are being referenced"
         if outcome is Reason.OUTPUT_IN_USE:
             return function_words(cell.lane_of(job.span).path_stop)
         planner = self.planner.of(job.watch) if self.planner is not None else None

@@ -19,7 +19,7 @@ from gateway.pure.image.records.inputs import flying_of, start_of
 from gateway.pure.image.records.planner import FunctionAt, Part, PieceRecord, SwitchAt, function_number, function_of, switch_of, until_of
 from gateway.pure.image.records.points import latch_of, machine_of, recall_of, tape_of
 from motion.axes.errors import AxisError
-from motion.errors import MotionError
+from motion.errors import LatePieceError, MotionError, PieceError
 from motion.execution.pieces import Piece, decode
 from motion.execution.stepper import Sample, State, Stepper
 from motion.execution.timed import TimedPiece, decode_any
@@ -38,6 +38,17 @@ ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by th
 
 if TYPE_CHECKING:
     from gateway.pure.cycle.path_outputs import CoreOutputs
+
+
+def why_refused(error: MotionError) -> Reason:
+    """Of a piece that cannot be taken; what is no fault of the piece is one of the axes: off, or not free."""
+    match error:
+        case LatePieceError():
+            return Reason.PATH_LATE
+        case PieceError():
+            return Reason.PATH_JOIN
+        case _:
+            return Reason.NOT_READY
 
 
 class Mover:
@@ -299,8 +310,8 @@ class Mover:
         except AxisError as error:
             self._refuse(error.axis)
             return
-        except MotionError:
-            self._state.fail(program.job, Reason.NOT_READY)
+        except MotionError as error:
+            self._state.fail(program.job, why_refused(error))
             if program.begun:
                 self.stepper.abandon()
                 self.running = 0

@@ -68,6 +68,8 @@ class Reason(IntEnum):
     MACHINE_LATE = 44
     COUPLER_FAULT = 45
     APPLICATION = 46
+    PATH_LATE = 47
+    PATH_JOIN = 48
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +152,14 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.OVERRIDE_ZERO: ("override is 0 %: nothing would move", "Override ist 0 %: nichts wuerde sich bewegen"),
     Reason.SET_VALUE: ("a set value jumped or left the range of the telegram", "ein Sollwert sprang oder verliess den Telegrammbereich"),
     Reason.DRIVE_NOT_STARTED: ("drive is not started up: {0}", "Antrieb ist nicht hochgelaufen: {0}"),
+    Reason.PATH_LATE: (
+        "the planner was too slow: new path came when the axes were on the old one",
+        "der Planer war zu langsam: neue Bahn kam, als die Achsen schon auf der alten waren",
+    ),
+    Reason.PATH_JOIN: (
+        "a piece of the path cannot follow the one before, or is damaged",
+        "ein Bahnstueck schliesst nicht an das vorige an oder ist beschaedigt",
+    ),
     Reason.NOT_READY: ("the cell is not ready: {0}", "Zelle nicht bereit: {0}"),
 }
 # fmt: on

@@ -3,6 +3,7 @@
 A program is ordered by a command source (office), its order reaches the cycle, and only then pieces of it are taken (AX-322).
 """
 
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -16,6 +17,7 @@ from gateway.pure.planning.cycle_view import CycleView
 from gateway.pure.planning.planner import CellPrograms, Programs
 from hil_tests.lab.virtual.cell_bench import ALL
 from hil_tests.lab.virtual.program_bench import LIMITS, WithPlanner, joints
+from motion.execution.timed import encode_timed
 from motion.kinematics.identity import Identity
 from motion.planner.robot import Machine
 
@@ -95,6 +97,21 @@ def test_an_order_for_axes_that_are_off_fails_in_the_cycle_too(both: WithPlanner
     both.cell.core.lanes[0].mover.order_program(OrderRecord(Order.PROGRAM, 900, 1, ALL))
     assert (both.cell.core.state.failed_job, both.cell.core.state.failed_reason) == (900, Reason.NOT_READY)
     assert not both.cell.core.starved
+
+
+@pytest.mark.parametrize(("late", "reason"), [(True, Reason.PATH_LATE), (False, Reason.PATH_JOIN)])
+def test_a_piece_that_cannot_be_taken_says_why(both: WithPlanner, late: bool, reason: Reason) -> None:
+    job = both.order(f"ptp joints {joints(5)}")
+    mover = both.cell.core.lanes[0].mover
+    while not mover.stepper.within:
+        both.cell.cycle(1)
+    both.planner.alive = False
+    first, *others = mover.stepper.ahead
+    first = replace(first, new_tail=True) if late else replace(first, id=1 << 20)
+    for piece in (first, *others):
+        both.planner.feed(both.cell.core, PieceRecord(Part.PIECE, mover.program.job, both.cell.core.state.generation, encode_timed(piece)))
+    both.finished(job)
+    assert (job.state, job.reason) == (CommandState.ABORTED, reason)
 
 
 def test_pieces_of_an_older_cycle_are_dropped(both: WithPlanner) -> None:
