@@ -61,7 +61,8 @@ class Layout(Generic[R]):
         self.size, self.text = self.struct.size, f"{title} {self.struct.format}"
         self._codes = dict(codes)
         self._make = cast(_Maker[R], kind)
-        self._values: Callable[[R], Sequence[object]] = attrgetter(*self.names)
+        values = attrgetter(*self.names)  # of a single name: the value itself
+        self._values: Callable[[R], Sequence[object]] = values if len(self.names) > 1 else lambda record: (values(record),)
         self._reads = [(place, cast(Convert, code.read)) for place, (_, code) in enumerate(codes) if code.read is not None]
         self._writes = [(place, cast(Convert, code.write)) for place, (_, code) in enumerate(codes) if code.write is not None]
         ends = [*accumulate(code.count for _, code in codes)]
