@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 
 from gateway.conformance.peers.modbus_devices import SIZE, Answer, Device, Tables
 from protocols.base.machine import Ns
+from protocols.modbus.answering import answer
 from protocols.modbus.mbap import Request
 from protocols.modbus.view import Kind
 
@@ -43,6 +44,29 @@ def too_many(device: Device, asked: bytes, said: bytes) -> bytes:
     if said[1:] == b"\x03" and asked[0] in (3, 4) and asked[3:5] == b"\x00\x7e":
         return bytes((asked[0], 252)) + bytes(252)
     return said
+
+
+def longer(functions: Sequence[int], size: int = 0) -> Answer:
+    """A byte too many does not count.  size: of the requests, where it is the same for all."""
+
+    def changed(device: Device, asked: bytes, said: bytes) -> bytes:
+        if asked[0] not in functions or said[1:] != b"\x03" or (size and len(asked) != size):
+            return said
+        again = answer(asked[:-1], device.tables, True, device.station)
+        return said if again[0] & 0x80 else again
+
+    return changed
+
+
+def limited(count: int) -> Answer:
+    """So many registers in one request, and no more."""
+
+    def changed(device: Device, asked: bytes, said: bytes) -> bytes:
+        if said[0] & 0x80 or asked[0] not in (3, 4, 16):
+            return said
+        return bytes((asked[0] | 0x80, 3)) if (asked[3] << 8 | asked[4]) > count else said
+
+    return changed
 
 
 def wraps(device: Device, asked: bytes, said: bytes) -> bytes:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from gateway.conformance.peers.modbus_devices import Device
 from gateway.conformance.peers.modbus_rows import Row, mutants, variants
 from protocols.base.machine import Ns
-from protocols.modbus.crc import sealed
+from protocols.modbus.crc import crc, sealed
 from protocols.modbus.mbap import Request
 from protocols.modbus.rtu import Dropped, Fault
 
@@ -113,6 +113,30 @@ class NoiseKills(Device):
         return super()._take(events, now)
 
 
+class NoSilence(Device):
+    """Takes a request of FC 1 to 6 by its length, whatever the silence within."""
+
+    _last = b""
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        super().receive(data, now)
+        self._last = (self._last + data)[-8:]
+        if len(self._last) == 8 and self._by_length(self._last[1]) and not crc(self._last):
+            frame, self._last = self._last, b""
+            return super()._take([Request(0, frame[0], frame[1:-2])], now)
+        return []
+
+    def _take(self, events: Sequence[object], now: Ns) -> list[object]:
+        return super()._take([event for event in events if not self._taken(event)], now)
+
+    def _taken(self, event: object) -> bool:
+        return isinstance(event, Request) and len(event.pdu) == 5 and self._by_length(event.pdu[0])
+
+    @staticmethod
+    def _by_length(function: int) -> bool:
+        return 1 <= function <= 6
+
+
 MORE: tuple[Row, ...] = (
     ("bad-crc", "sends its CRC high byte first", ("FUN_BV_01",), lambda rtu: BadCrc(True)),
     ("other-unit", "answers as unit 9", ("FUN_BV_01",), lambda rtu: OtherUnit(True)),
@@ -124,6 +148,7 @@ MORE: tuple[Row, ...] = (
     ("writes-for-others", "executes writes to other units", ("ANS_BI_01",), lambda rtu: WritesForOthers(True)),
     ("loses-next", "the request after a short frame is lost", ("ANS_RC_01",), lambda rtu: LosesNext(True)),
     ("no-broadcast", "a broadcast has no effect", ("RTU_BV_01",), lambda rtu: NoBroadcast(True)),
+    ("no-silence", "takes a request by its length, whatever the silence within", ("RTU_BI_08",), lambda rtu: NoSilence(True)),
     ("tires", "silent after 80 requests", ("RTU_ST_01", "FUN_BV_10"), lambda rtu: Tires(True)),
     ("noise-kills", "five spoiled frames end its service", ("RTU_BI_01",), lambda rtu: NoiseKills(True)),
 )

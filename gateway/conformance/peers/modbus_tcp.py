@@ -99,6 +99,28 @@ class AnswersForeign(Device):
             self._queue.append((0, ANSWER.pack(1, 0, 5, 1) + b"\x03\x02\x00\x00"))
 
 
+class ByFunction(Device):
+    """Takes the length of a request from its function, not from its header."""
+
+    _half = b""
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        self._half += data
+        if len(self._half) < 8:
+            return []
+        fixed = self._half[7] in range(1, 7)
+        size = 12 if fixed else 6 + HEADER.unpack_from(self._half)[2]
+        if len(self._half) < size:
+            return []
+        frame, self._half = self._half[:size], self._half[size:]
+        found = super().receive(frame[:4] + b"\x00\x06" + frame[6:] if fixed else frame, now)
+        return [*found, *self.receive(b"", now)]
+
+    def lost(self, now: Ns) -> Sequence[object]:
+        self._half = b""
+        return super().lost(now)
+
+
 class LocksUp(Device):
     """A frame of another protocol ends its service."""
 
@@ -150,6 +172,7 @@ MORE: tuple[Row, ...] = (
     ("last-transaction", "FC 16 has the transaction of the request before", ("ANS_BV_01",), lambda rtu: LastTransaction(False)),
     ("whole-only", "a request must come in one piece", ("TCP_BV_03",), lambda rtu: WholeOnly(False)),
     ("answers-foreign", "answers a frame that cannot be", ("TCP_BI_02", "TCP_BI_03"), lambda rtu: AnswersForeign(False)),
+    ("by-function", "takes the length of a request from its function", ("LEN_BI_03", "LEN_BI_04"), lambda rtu: ByFunction(False)),
     ("locks-up", "a frame of another protocol ends its service", ("TCP_BI_01",), lambda rtu: LocksUp(False)),
     ("bare-refusal", "refuses a short request without a header", ("FUN_BI_03",), lambda rtu: BareRefusal(False)),
     ("forgets", "what a client wrote is gone with its connection", ("EFF_CA_01",), lambda rtu: ForgetsWithTheClient(False)),

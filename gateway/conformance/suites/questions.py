@@ -45,6 +45,8 @@ MODBUS = (
         Question(f"fc{code}", "bool", f"offers function {code}", f"bietet Funktion {code}")
         for code in (5, 6, 7, 8, 11, 12, 15, 16, 17, 20, 21, 22, 23, 24, 43)
     ),
+    Question("most_registers", "whole", "registers in one request, where it limits them", "Register je Anfrage, wo es sie begrenzt"),
+    Question("most_bits", "whole", "coils in one request, where it limits them", "Spulen je Anfrage, wo es sie begrenzt"),
     Question("mapped", "bool", "its tables overlap on purpose", "seine Tabellen überlappen sich absichtlich"),
     Question("broadcast", "bool", "serves broadcasts (RTU)", "bedient Rundsprüche (RTU)"),
 )

@@ -71,9 +71,10 @@ def _modbus_tcp() -> Sequence[Purpose[Tester]]:
     from gateway.conformance.suites.modbus.effects import TCP_EFF
     from gateway.conformance.suites.modbus.framing import TCP
     from gateway.conformance.suites.modbus.functions import FUN
+    from gateway.conformance.suites.modbus.lengths import LEN
     from gateway.conformance.suites.modbus.supply import TCP_SUP
 
-    return _generic(FUN, CON, TCP_EFF, TCP_ANS, TCP, TCP_SUP)
+    return _generic(FUN, LEN, CON, TCP_EFF, TCP_ANS, TCP, TCP_SUP)
 
 
 def _modbus_rtu() -> Sequence[Purpose[Tester]]:
@@ -82,9 +83,10 @@ def _modbus_rtu() -> Sequence[Purpose[Tester]]:
     from gateway.conformance.suites.modbus.effects import RTU_EFF
     from gateway.conformance.suites.modbus.framing import RTU
     from gateway.conformance.suites.modbus.functions import RTU_FUN
+    from gateway.conformance.suites.modbus.lengths import RTU_LEN
     from gateway.conformance.suites.modbus.supply import RTU_SUP
 
-    return _generic(RTU_FUN, RTU_CON, RTU_EFF, RTU, RTU_ANS, RTU_SUP)
+    return _generic(RTU_FUN, RTU_LEN, RTU_CON, RTU_EFF, RTU, RTU_ANS, RTU_SUP)
 
 
 def _canopen301() -> Sequence[Purpose[Tester]]:

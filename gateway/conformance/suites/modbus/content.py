@@ -102,7 +102,7 @@ def _register_writes(p: Purposes[ModbusTester]) -> None:
         condition=("write_holding", "fc16"),
     )
     def several(t: ModbusTester) -> None:
-        at, count = _run(t.setup.holding, 123)
+        at, count = _run(t.setup.holding, t.setup.most(16, 123))
         with kept(t, 3, at, count):
             for size in sorted({1, min(2, count), count}):
                 values = pattern(size)
@@ -117,7 +117,7 @@ def _register_writes(p: Purposes[ModbusTester]) -> None:
         condition=("write_holding", "fc16"),
     )
     def by_address(t: ModbusTester) -> None:
-        at, count = _run(t.setup.holding, 8)
+        at, count = _run(t.setup.holding, t.setup.most(16, 8))
         with kept(t, 3, at, count):
             values = pattern(count)
             with t.given():
@@ -137,7 +137,7 @@ def _other_registers(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
         preamble=first,
     )
     def neighbours(t: ModbusTester) -> None:
-        at, count = _run(t.setup.holding, 8)
+        at, count = _run(t.setup.holding, t.setup.most(16, 8))
         if count < 3:
             raise NotApplicable("fewer than three registers in a row may be written")
         with kept(t, 3, at, count):
@@ -207,7 +207,7 @@ def _writes_in_one_request(p: Purposes[ModbusTester], first: tuple[str, ...]) ->
         preamble=first,
     )
     def both(t: ModbusTester) -> None:
-        at, count = _run(t.setup.holding, 4)
+        at, count = _run(t.setup.holding, t.setup.most(16, 4))
         with kept(t, 3, at, count):
             with t.given():
                 write_back(t, 3, at, [0x1111] * count)
@@ -262,7 +262,7 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
         condition=("write_coils", "fc15"),
     )
     def several(t: ModbusTester) -> None:
-        at, count = _run(t.setup.coils, 20)
+        at, count = _run(t.setup.coils, t.setup.most(15, 20))
         with kept(t, 1, at, count):
             for size in sorted({1, min(3, count), min(10, count), count}):
                 bits = [1 if (at_bit * 7 + at_bit // 3) % 5 < 2 else 0 for at_bit in range(size)]
@@ -280,7 +280,7 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
         preamble=first,
     )
     def own_bit(t: ModbusTester) -> None:
-        at, count = _run(t.setup.coils, 11)
+        at, count = _run(t.setup.coils, t.setup.most(15, 11))
         with kept(t, 1, at, count):
             with t.given():
                 write_back(t, 1, at, [1] * count)
@@ -307,7 +307,7 @@ def _fill_bits(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
         preamble=first,
     )
     def fill(t: ModbusTester) -> None:
-        at, count = _run(t.setup.coils, 16)
+        at, count = _run(t.setup.coils, t.setup.most(15, 16))
         with kept(t, 1, at, count):
             for size in sorted({1, min(3, count), min(9, count)}):
                 with t.given():

@@ -189,7 +189,7 @@ def _largest(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
         preamble=first,
     )
     def registers(t: ModbusTester) -> None:
-        at, count = _longest(t.setup.holding, MOST_REGISTERS)
+        at, count = _longest(t.setup.holding, t.setup.most(16, MOST_REGISTERS))
         with kept(t, 3, at, count):
             wanted = pattern(count)
             t.echo(struct.pack(f">BHHB{count}H", 16, at, count, 2 * count, *wanted), 5, f"FC 16, {count} registers from {at}")
@@ -203,7 +203,7 @@ def _largest(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
         condition=_needs(15),
     )
     def coils(t: ModbusTester) -> None:
-        at, count = _longest(t.setup.coils, MOST_COILS)
+        at, count = _longest(t.setup.coils, t.setup.most(15, MOST_COILS))
         with kept(t, 1, at, count):
             wanted = [int(number % 3 == 0 or number % 7 == 1) for number in range(count)]
             packed = bytes(sum(bit << place for place, bit in enumerate(wanted[start : start + 8])) for start in range(0, count, 8))

@@ -12,6 +12,7 @@ from protocols.modbus.mbap import ANSWER, HEADER
 TCP = Purposes[ModbusTester]("MBTCP_TCP", "server", "TCP guide, 3.1.3", preamble=("MBTCP_FUN_BV_01",))
 RTU = Purposes[ModbusTester]("MBRTU_RTU", "server", "serial line guide V1.02, 2.5.1", preamble=("MBRTU_FUN_BV_01",))
 MANY, TEN, CLIENTS = 100, 10, 4
+PAUSE_MS = 1500
 
 
 def readable_request(t: ModbusTester) -> bytes:
@@ -285,6 +286,25 @@ def gap(t: ModbusTester) -> None:
     if found:
         raise Warn("a request with a gap of 20 characters was answered", "silence", t.words(found))
     _served(t, "a request with a gap")
+
+
+@RTU.case(
+    "BI_08",
+    f"a request of two pieces {PAUSE_MS / 1000:g} s apart is none: silence ends a frame",
+    f"eine Anfrage aus zwei Stücken im Abstand von {PAUSE_MS / 1000:g} s ist keine: Stille beendet ein Telegramm",
+    clause="serial line guide V1.02, 2.5.1.1",
+)
+def torn(t: ModbusTester) -> None:
+    """Longer than any adapter holds bytes back, and than the byte time-outs of servers behind one."""
+    frame = t.frame(readable_request(t))
+    for cut in (1, 4, len(frame) - 1):
+        t.quiet()
+        t.send(frame[:cut])
+        found = t.hear(t.wire.drained() + ms(PAUSE_MS))
+        t.send(frame[cut:])
+        found += t.answer_frame()
+        if found:
+            raise Fail(f"a request with {PAUSE_MS} ms of silence behind byte {cut} was answered", "silence", t.words(found))
 
 
 @RTU.case("BI_06", "a broadcast read is not answered", "ein Rundspruch-Lesen wird nicht beantwortet", clause="serial line guide V1.02, 2.1")

@@ -126,6 +126,29 @@ def _reads(reading: Reading) -> None:
         if t.read(function, base + span - 1, 1) != t.read(function, base, span)[-1:] and not _moves(t, function):
             raise Fail(f"FC {function}: {base + span - 1} alone differs from the last of {span}", "the same value", "another one")
 
+    @reading.case(
+        f"BV_{number + 2}",
+        f"one request reads up to {reading.most}, or as many as the PICS states",
+        f"eine Anfrage liest bis zu {reading.most}, oder so viele, wie die PICS angibt",
+    )
+    def most(t: ModbusTester) -> None:
+        base, span = t.setup.base[function], t.setup.span[function]
+        if span >= reading.most:
+            return
+        if base + span > 0xFFFF or not (_reads_well(t, function, base + span, 1) and _reads_well(t, function, base + span - 1, 2)):
+            raise NotApplicable(f"what can be read ends at {base + span - 1}")
+        stated = t.setup.most(function, reading.most)
+        if span < stated:
+            got = t.ask(struct.pack(">BHH", function, base, span + 1))
+            key = "most_bits" if function < 3 else "most_registers"
+            wanted = f"up to {stated}; a smaller limit is stated in the PICS: {key} = {span}"
+            raise Fail(f"FC {function}: {span} are read, {span + 1} are not, though all of them can be read", wanted, t.words(got))
+
+
+def _reads_well(t: ModbusTester, function: int, at: int, count: int) -> bool:
+    got = t.ask(struct.pack(">BHH", function, at, count))
+    return bool(got) and not got[0] & 0x80
+
 
 def _refused_reads(reading: Reading) -> None:
     function, number, most = reading.function, reading.number, reading.most
@@ -163,7 +186,7 @@ def _misread(reading: Reading) -> None:
     )
     def partly(t: ModbusTester) -> None:
         base, span = t.setup.base[function], t.setup.span[function]
-        if span >= reading.most:
+        if span >= reading.most or (base + span <= 0xFFFF and _reads_well(t, function, base + span, 1)):
             end = _end(t, function, base + span - 1)
             start, count = end, 2
         else:
@@ -176,22 +199,18 @@ def _misread(reading: Reading) -> None:
 
     @reading.case(
         f"BI_{number + 5}",
-        "a request that is too short or too long is not taken for another",
-        "eine zu kurze oder zu lange Anfrage wird nicht falsch verstanden",
+        "a request that is too short is not taken for another",
+        "eine zu kurze Anfrage wird nicht falsch verstanden",
         more=(reading.basic.replace("BV_01", "BI_03"),),
     )
-    def lengths(t: ModbusTester) -> None:
-        good = struct.pack(">BHH", function, t.setup.base[function], 1)
-        lived = []
-        for name, pdu in (("a byte too few", good[:-1]), ("a byte too many", good + b"\0")):
-            got = t.ask(pdu)
-            if got and got[0] & 0x80 and got[1] == 3:
-                continue
-            if got and not got[0] & 0x80 and len(pdu) < len(good):
-                raise Fail(f"FC {function}: {name} was executed", "exception 03h, silence or close", t.words(got))
-            lived.append(f"{name}: {t.words(got)}")
-        if lived and not t.rtu:
-            raise Warn(f"FC {function}: {'; '.join(lived)}", "exception 03h", lived[0])
+    def short(t: ModbusTester) -> None:
+        got = t.ask(struct.pack(">BHH", function, t.setup.base[function], 1)[:-1])
+        if got and got[0] & 0x80 and got[1] == 3:
+            return
+        if got and not got[0] & 0x80:
+            raise Fail(f"FC {function}: a byte too few was executed", "exception 03h, silence or close", t.words(got))
+        if not t.rtu:
+            raise Warn(f"FC {function}: a byte too few: {t.words(got)}", "exception 03h", t.words(got))
 
 
 def _moves(t: ModbusTester, function: int) -> bool:
@@ -295,7 +314,7 @@ def _single_writes(case: Case) -> None:
 
     @case("BI_60", 6, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, ohne Wirkung")
     def register_short(t: ModbusTester) -> None:
-        _unchanged(t, struct.pack(">BHH", 6, t.setup.holding[0], 0x5A5A)[:-1], "FC 6, a byte too few", 3, t.setup.holding[0], 1)
+        unchanged(t, struct.pack(">BHH", 6, t.setup.holding[0], 0x5A5A)[:-1], "FC 6, a byte too few", 3, t.setup.holding[0], 1)
 
 
 def _counted_writes(case: Case) -> None:
@@ -342,7 +361,7 @@ def _writes_beyond(case: Case) -> None:
         "124 Register werden abgelehnt oder die Verbindung wird geschlossen, ohne Wirkung",
     )
     def too_many(t: ModbusTester) -> None:
-        _unchanged(
+        unchanged(
             t, struct.pack(">BHHB", 16, t.setup.holding[0], 124, 248) + b"\x5a" * 248, "FC 16: 124 registers", 3, t.setup.holding[0], 1
         )
 
@@ -356,7 +375,7 @@ def _writes_beyond(case: Case) -> None:
 def _writes_in_one_request(case: Case) -> None:
     @case("BI_80", 22, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, ohne Wirkung")
     def mask_short(t: ModbusTester) -> None:
-        _unchanged(t, struct.pack(">BHHH", 22, t.setup.holding[0], 0, 0x5A5A)[:-1], "FC 22, a byte too few", 3, t.setup.holding[0], 1)
+        unchanged(t, struct.pack(">BHHH", 22, t.setup.holding[0], 0, 0x5A5A)[:-1], "FC 22, a byte too few", 3, t.setup.holding[0], 1)
 
     @case(
         "BI_81",
@@ -378,7 +397,7 @@ def _without_effect(t: ModbusTester, pdu: bytes, code: int, what: str, table: in
         raise Warn(f"{what} is refused with {lived:02X}h", f"{code:02X}h", f"{lived:02X}h")
 
 
-def _unchanged(t: ModbusTester, pdu: bytes, what: str, table: int, at: int, count: int) -> None:
+def unchanged(t: ModbusTester, pdu: bytes, what: str, table: int, at: int, count: int) -> None:
     """Any refusal, silence or close."""
     with t.given():
         before = t.read(table, at, count)

@@ -56,6 +56,24 @@ def test_one_fault_is_one_fail_and_the_rest_names_it(kind: str, fails_are: int) 
     assert behind and {result.caused_by for result in behind} == set(failed)
 
 
+def test_a_station_whose_blocks_never_end_is_not_blamed_for_what_follows() -> None:
+    """Its jobs meet our STX again and again: a conflict, not an answer while its buffer is full.  At most 12 FAILs for one fault."""
+    suite = SUITES["3964r"]
+    results = play(suite, next(one for one in peers(suite)[0] if one.id == "no-end"))
+    assert "3964R_SND_BV_01" in fails(results) and len(fails(results)) <= 12
+    assert not {"3964R_RCV_BO_06", "3964R_RCV_BO_07"} & set(fails(results))
+
+
+@pytest.mark.parametrize("name", ["modbus-tcp", "modbus-rtu"])
+def test_a_limit_of_registers_is_a_fail_that_names_the_key_of_the_pics(name: str) -> None:
+    suite = SUITES[name]
+    only = ("MB???_FUN_BV_32",)
+    mutant, variant = (next(one for one in peers(suite)[at] if one.id == "limit-100") for at in (0, 1))
+    result = play(suite, mutant, only)[-1]
+    assert (result.verdict, "most_registers = 100" in result.expected) == (Verdict.FAIL, True)
+    assert play(suite, variant, only)[-1].verdict is Verdict.PASS
+
+
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_shuffled_run_has_the_same_verdicts(seed: int) -> None:
     suite = SUITES["3964r"]
