@@ -7,8 +7,10 @@ import difflib
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -30,6 +32,7 @@ NOT_PASSED = ("FAIL", "ERROR", "INCONC")
 DEFAULT_SEED = 1
 ENVIRONMENT, DONE = 3, 0
 END_LIMIT_S = 3.0
+OWN_GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)  # Windows: Ctrl-C does not reach the device
 
 
 class Stop(Exception):
@@ -225,21 +228,58 @@ def witnessed(simulated: bool) -> Iterator[Witness | None]:
 
 @contextlib.contextmanager
 def started(bench: Bench) -> Iterator[None]:
-    """The device's own program, ended with the run."""
+    """The device's own program, ended with the run, and all that it started.  Ctrl-C is for the run alone: the device lives until the
+    case is over."""
     if not bench.start:
         yield
         return
     try:
-        child = subprocess.Popen(bench.start, cwd=bench.folder, stdout=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
+        child = subprocess.Popen(
+            bench.start,
+            cwd=bench.folder,
+            stdout=subprocess.DEVNULL,
+            stdin=subprocess.DEVNULL,
+            start_new_session=True,
+            creationflags=OWN_GROUP,
+        )
     except OSError as error:
         raise BadFile([f"{bench.path}: device.start {bench.start[0]}: cannot be started ({error.strerror or error})"]) from error
     try:
-        time.sleep(0.2)
+        with _ending_like_ctrl_c():
+            time.sleep(0.2)
+            yield
+    finally:
+        _end(child)
+
+
+@contextlib.contextmanager
+def _ending_like_ctrl_c() -> Iterator[None]:
+    """A kill or a terminal that goes away would leave the device behind: what was done is reported and the device ended."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    found = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = [(number, signal.signal(number, signal.default_int_handler)) for number in found]
+    try:
         yield
     finally:
-        child.terminate()
-        try:
-            child.wait(END_LIMIT_S)
-        except subprocess.TimeoutExpired:
-            child.kill()
-            child.wait()
+        for number, handler in before:
+            signal.signal(number, handler)
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    _signal(child, "SIGTERM")
+    try:
+        child.wait(END_LIMIT_S)
+    except subprocess.TimeoutExpired:
+        _signal(child, "SIGKILL")
+        child.wait()
+
+
+def _signal(child: subprocess.Popen[bytes], name: str) -> None:
+    """To the whole group of the program, where the system has groups."""
+    if hasattr(os, "killpg"):
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(child.pid, getattr(signal, name))
+    else:
+        child.kill() if name == "SIGKILL" else child.terminate()

@@ -1,7 +1,10 @@
 """`axisgate conformance` at a pty: a station written by hand, in real time, that shares nothing with our protocols; servers on TCP."""
 
+import contextlib
 import json
+import os
 import pathlib
+import pty
 import socket
 import subprocess
 import sys
@@ -61,6 +64,61 @@ def test_a_silent_pty_is_one_fail_within_half_a_minute(tmp_path: pathlib.Path) -
     got = verdicts(found)
     assert code == 1 and [name for name, verdict in got.items() if verdict == "FAIL"] == ["3964R_RCV_BV_01"]
     assert sum(case["took_ms"] for case in found["cases"]) < 30_000
+
+
+DEVICE = """
+import os, pty, subprocess, sys, tty
+master, slave = pty.openpty()
+tty.setraw(slave)
+child = subprocess.Popen(["sleep", "600"])
+open("pids", "w").write(f"{os.getpid()} {child.pid}")
+os.symlink(os.ttyname(slave), "line")
+while True:
+    os.read(master, 100)
+"""
+
+
+def test_ctrl_c_at_a_terminal_ends_the_device_and_leaves_a_report(tmp_path: pathlib.Path) -> None:
+    """The key goes to all of the terminal's group; the device, which is not of it, is ended by the run with what it started."""
+    (tmp_path / "device.py").write_text(DEVICE)
+    (tmp_path / "bench.toml").write_text(
+        f'[device]\nstart = ["{sys.executable}", "device.py"]\n[port]\nurl = "pty:{tmp_path}/line"\n[link]\nprofile = "rho3"\n'
+    )
+    program = "import sys; from gateway.commands.conformance import main; sys.exit(main(sys.argv[1:]))"
+    command = ["setsid", "-c", sys.executable, "-c", program, "run", "3964r", "--bench", str(tmp_path / "bench.toml"), "--report", "out"]
+    master, slave = pty.openpty()
+    with subprocess.Popen(command, cwd=tmp_path, stdin=slave, stdout=slave, stderr=slave) as run_itself:
+        os.close(slave)
+        drain = threading.Thread(target=_drained, args=(master,), daemon=True)
+        drain.start()
+        for _ in range(600):
+            if (tmp_path / "line").is_symlink():
+                break
+            threading.Event().wait(0.05)
+        threading.Event().wait(1.0)  # the first case is under way
+        os.write(master, b"\x03")
+        assert run_itself.wait(60) == 3
+    drain.join(10)
+    os.close(master)
+    found = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert "interrupted" in found["cases"][0]["reason"] and (tmp_path / "out" / "report.html").exists()
+    for pid in (tmp_path / "pids").read_text().split():
+        assert not _alive(int(pid))
+
+
+def _alive(pid: int) -> bool:
+    """Runs; one that only waits to be reaped does not."""
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def _drained(master: int) -> None:
+    """What is printed must not fill the terminal."""
+    with contextlib.suppress(OSError):
+        while os.read(master, 4096):
+            pass
 
 
 def test_a_port_that_is_not_there_is_said(tmp_path: pathlib.Path) -> None:
