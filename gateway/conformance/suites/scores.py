@@ -3,8 +3,8 @@
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (90, 90),
     "rk512": (67, 67),
-    "modbus-tcp": (79, 79),
-    "modbus-rtu": (74, 74),
+    "modbus-tcp": (80, 80),
+    "modbus-rtu": (75, 75),
     "cia402": (86, 86),
     "canopen-301": (123, 123),
     "servodyn": (59, 59),

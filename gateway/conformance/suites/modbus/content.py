@@ -104,7 +104,7 @@ def _register_writes(p: Purposes[ModbusTester]) -> None:
     def several(t: ModbusTester) -> None:
         at, count = _run(t.setup.holding, t.setup.most(16, 123))
         with kept(t, 3, at, count):
-            for size in sorted({1, min(2, count), count}):
+            for size in sorted({1, min(2, count), min(3, count), max(count - 1, 1), count}):
                 values = pattern(size)
                 t.echo(struct.pack(f">BHHB{size}H", 16, at, size, 2 * size, *values), 5, f"FC 16, {size} registers")
                 same_values(t.registers(3, at, size), values, f"{size} registers from {at}")
