@@ -7,9 +7,8 @@ import sys
 
 from gateway.assembly.program_memory import memory_folder
 from gateway.files.program_memory import baps2_words, folder_memory
+from gateway.pure.languages.baps2.compiling import compile_program
 from gateway.pure.languages.baps2.library import Library
-from gateway.pure.languages.baps2.memory import decoded
-from gateway.pure.languages.baps2.translated import err_of, ird_of, next_age
 from gateway.runtime.exit_codes import Exit
 from gateway.runtime.safe_file import write_whole
 from gateway.tools.command_support import USAGE, load
@@ -110,19 +109,14 @@ def _compile(options: argparse.Namespace) -> int:
     if absent := [name for name in names if not library.has(name)]:
         raise FileFault(f"{options.folder} has no source of {', '.join(absent)}")
     sources = {path.stem.upper(): path for path in options.folder.iterdir() if path.suffix.upper() == ".QLL"}
-    age = next_age(decoded(data) for name, data in memory.files.items() if name.endswith(".IRD"))
     for name in names:
-        _, faults = library.unit(name)
-        program = library.tree(name)
-        good = program is not None and not faults.errors
-        put, drop = sources[name].with_suffix(".IRD" if good else ".ERR"), sources[name].with_suffix(".ERR" if good else ".IRD")
-        text = ird_of(program, memory.text(f"{name}.QLL") or "", age) if good and program is not None else err_of(faults)
-        write_whole(put, text.encode())
-        drop.unlink(missing_ok=True)
-        age += good
-        errors += faults.errors
+        done = compile_program(library, memory, name)
+        put, dropped = (sources[name].with_suffix(pathlib.PurePath(each).suffix) for each in (done.file, done.dropped))
+        write_whole(put, memory.files[done.file])
+        dropped.unlink(missing_ok=True)
+        errors += done.faults.errors
         written.append(str(put))
-        for fault in faults:
+        for fault in done.faults:
             print(fault, file=sys.stderr)
     _print(written, options)
     return Exit.FINDING if errors else Exit.OK

@@ -104,6 +104,8 @@ class DryRun(Control):
                 match task.process.waits_for:
                     case demands.Dwell(seconds=seconds):
                         yield task.began + round(seconds * SECOND)
+                    case demands.Special(number=4):
+                        yield task.began + feed.p5
                     case demands.WaitFor(limit=float() | int() as limit):
                         yield task.began + round(limit * SECOND)
 

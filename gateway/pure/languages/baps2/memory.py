@@ -41,6 +41,11 @@ class Memory:
         name = name.upper().removesuffix(".QLL")
         return self._ages.get(name) if self._ages else age_of(self.text(f"{name}.IRD"), self.text(f"{name}.QLL"))
 
+    def newest(self, name: str) -> None:
+        """A program was translated just now; an order of translations that was given goes on with it."""
+        if self._ages:
+            self._ages[name.upper()] = max(self._ages.values()) + 1
+
     def keep_point(self, program: str, name: str, value: tuple[float, ...]) -> None:
         """Writes a point into the program's PKT file."""
         file = f"{program}.PKT"

@@ -4,6 +4,7 @@ import struct
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.baps2 import demands
+from gateway.pure.languages.baps2.compiling import compile_program
 from gateway.pure.languages.baps2.errors import TEXTS, fault
 from gateway.pure.languages.baps2.filing import file_name
 from gateway.pure.languages.baps2.frames import to_workpiece
@@ -66,6 +67,7 @@ class Specials:
         self._active: dict[tuple[int, int, int], tuple[object, ...]] = {}  # function, kinematic, number -> its values
         self._measuring: dict[int, _Measuring] = {}  # channel of the probe
         self._records: dict[str, _Record] = {}
+        self._compiler: Task | None = None  # whose program is being translated
 
     def call(self, task: Task, number: int, values: tuple[object, ...]) -> object:
         """Runs a special function; PENDING where it waits for the motion of the process."""
@@ -77,7 +79,7 @@ class Specials:
             case 3:
                 self._machine_position(task, values)
             case 4:
-                self._command(task, values)
+                return self._command(task, values)
             case 15:
                 self._belt(_whole(values[0]))
             case 16:
@@ -220,22 +222,32 @@ class Specials:
 
     # ---- files
 
-    def _command(self, task: Task, values: tuple[object, ...]) -> None:
+    def _command(self, task: Task, values: tuple[object, ...]) -> object:
         """COMMAND (L5795-5996): statuses 1..7 are negative (D-22)."""
         source, target = str(_get(values[1])).rstrip(), str(_get(values[2])).rstrip()
         actions = {1: self._compile, 2: self._copy, 3: self._delete, 4: self._start, 5: self._stop}
         action = actions.get(_whole(values[0]))
-        _set(values[3], -1 if action is None else action(task, source, target))
+        status = -1 if action is None else action(task, source, target)
+        if status is None:
+            return PENDING
+        _set(values[3], status)
+        return None
 
-    def _compile(self, task: Task, source: str, target: str) -> int:
+    def _compile(self, task: Task, source: str, target: str) -> int | None:
+        """Takes a P5, in which no other process may call the compiler (L5992-5996); None: not over yet."""
         if not source.upper().endswith(".QLL"):
             return -3 if "." in source else -2
-        name = source.upper().removesuffix(".QLL")
-        if source.upper() not in self._machine.filing.files:
-            return -4
-        self._machine.library.forget(name)
-        _, faults = self._machine.library.unit(name)
-        return len(faults)
+        name, now = source.upper().removesuffix(".QLL"), self._machine.now
+        if self._compiler is not task or task.began is None:
+            if source.upper() not in self._machine.filing.files:
+                return -4
+            if self._compiler not in (None, task) and not self._compiler.process.over:
+                return -7
+            self._compiler, task.began = task, now
+        if now < task.began + self._machine.feed.p5:
+            return None
+        self._compiler = None
+        return len(compile_program(self._machine.library, self._machine.memory, name).faults)
 
     def _copy(self, task: Task, source: str, target: str) -> int:
         files = self._machine.filing

@@ -2,7 +2,12 @@
 
 import pytest
 
+from gateway.pure.languages.baps2.dry_run import DryRun
+from gateway.pure.languages.baps2.feed import feed_of
+from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.baps2.memory import Memory
 from hil_tests.unit.languages.baps2.running import all_of, body, run, short, written
+from hil_tests.unit.languages.baps2.words import WORDS
 
 
 @pytest.mark.parametrize(
@@ -281,3 +286,29 @@ def test_command_refuses_to_delete_a_file_that_is_open_even_one_that_is_new() ->
     text += "NAME = 'OLD.DAT'\nCMD (3, NAME, NAME, R)\nWRITE PHG, R\nCLOSE OLD\n"
     text += "CMD (3, NAME, NAME, R)\nWRITE PHG, R\n" * 2
     assert written(run(body(text, declared), **{"OLD.DAT": "1"})) == ["-5", "-5", "0", "-2"]
+
+
+COMPILER = "SPC_FCT : 4 = CMD (VALUE INTEGER : C TEXT : S, T INTEGER : R)\nTEXT : NAME\nINTEGER : R, R2"
+
+
+@pytest.mark.requirement("RHO-BAP-17", by="gateway.pure.languages.baps2.special:Specials._compile")
+def test_the_compiler_serves_one_process_at_a_time_and_is_free_again_behind_it() -> None:
+    text = "NAME = 'GOOD.QLL'\nPARALLEL\nCMD (1, NAME, NAME, R)\nALSO\nCMD (1, NAME, NAME, R2)\nPARALLEL_END\nWRITE PHG, R, ' ', R2\n"
+    text += "CMD (1, NAME, NAME, R2)\nWRITE PHG, ' ', R2"
+    events = run(body(text, COMPILER), GOOD="PROGRAM GOOD\nBEGIN\nPROGRAM_END\n")
+    assert "".join(written(events)) == "0 -7 0"
+    assert [event["t"] for event in events if event["event"] == "end"] == [0.02], "a P5 each"
+
+
+@pytest.mark.requirement("RHO-BAP-17", by="gateway.pure.languages.baps2.compiling:compile_program")
+def test_a_program_that_compiles_leaves_ird_or_err_with_the_faults_in_the_memory() -> None:
+    text = "NAME = 'BAD.QLL'\nCMD (1, NAME, NAME, R)\nWRITE PHG, R\nNAME = 'GOOD.QLL'\nCMD (1, NAME, NAME, R)\nWRITE PHG, R"
+    files = {"P.QLL": body(text, COMPILER), "BAD.QLL": "PROGRAM BAD\nBEGIN\nX = 1 Y = 2\nPROGRAM_END\n"}
+    files |= {"BAD.IRD": "old", "GOOD.QLL": "PROGRAM GOOD\nBEGIN\nPROGRAM_END\n", "GOOD.ERR": "old"}
+    memory = Memory({name: each.encode() for name, each in files.items()})
+    machine = DryRun(Library(WORDS, memory), memory, feed_of({}))
+    assert machine.run("P") is None
+    assert written(list(machine.trace)) == ["2", "0"], "the sum of errors and warnings"
+    assert sorted(name for name in memory.files if name.endswith((".IRD", ".ERR"))) == ["BAD.ERR", "GOOD.IRD"]
+    assert str(memory.text("BAD.ERR")).startswith("BAD.QLL:3:")
+    assert memory.age("GOOD") == 1
