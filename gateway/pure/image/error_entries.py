@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
+from gateway.pure.image.system_errors import MOST_SYSTEM, system_code
+
 Table = Mapping[str, object]
 
 RESETS: Mapping[str, tuple[str, str]] = {  # reset rule of a file -> English, German
@@ -102,7 +104,9 @@ def find(families: Iterable[Family], key: str) -> list[Entry]:
         hit = (entry for entry in _all(known) if wanted and any(wanted in each.lower() for each in (entry.text.en, entry.text.de)))
         return list(hit)
     if before in (["system", "error"], ["systemfehler"]):
-        before, number = ["rho3"], number + 3583  # rho3 9.1
+        if not 1 <= number <= MOST_SYSTEM:
+            return []
+        before, number = ["rho3"], system_code(number)
     chosen = matching(known, "-".join(before)) if before else known
     return [family.entries[number] for family in chosen if number in family.entries]
 

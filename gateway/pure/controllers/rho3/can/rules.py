@@ -26,6 +26,7 @@ from gateway.pure.controllers.rho3.can.tables import (
     room,
     table,
 )
+from gateway.pure.image.system_errors import system_number
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +82,8 @@ class Finding:
 
     @property
     def system_error(self) -> int:
-        """3732 = system error 149 (rho3 9.1: code = 3583 + system error)."""
-        return self.code - 3583 if self.code else 0
+        """3732 = system error 149; 0: it has no number."""
+        return system_number(self.code) if self.code else 0
 
 
 OVERFLOW, BAUD, UNDEFINED = 3732, 3733, 3734

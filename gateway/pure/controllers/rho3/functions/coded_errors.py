@@ -10,9 +10,10 @@ from gateway.pure.controllers.rho3.functions.addresses import Places, even, put_
 from gateway.pure.controllers.rho3.functions.messages import say
 from gateway.pure.image.error_list import ErrorRecord
 from gateway.pure.image.records.cell import set_bit
+from gateway.pure.image.system_errors import MOST_SYSTEM, system_code
 from protocols.base.machine import Ns
 
-FIRST_SYSTEM_ERROR, LAST_CODE = 3584, 4095  # groups 14 and 15 are system errors (L3007-3017)
+FIRST_SYSTEM_ERROR, LAST_CODE = system_code(1), system_code(MOST_SYSTEM)  # groups 14 and 15 are system errors (L3007-3017)
 
 
 def group(code: int) -> int | None:

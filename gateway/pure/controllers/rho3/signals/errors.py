@@ -16,8 +16,6 @@ from protocols.base.machine import Ns
 
 CONTROL_RESET, ACKNOWLEDGE = 19, 62  # RC inputs
 EMERGENCY_STOP = 528
-SYSTEM_BASE = 3583  # coded error = base + system error number
-MOST_SYSTEM = 4095 - SYSTEM_BASE
 RHO3 = "rho3"  # who numbered them
 
 
@@ -36,20 +34,6 @@ def kind_of(code: int) -> Kind:
     """The kind of a coded error 1..4095."""
     group = code >> 8
     return Kind.P2 if group in P2_GROUPS else Kind.SYSTEM if group in SYSTEM_GROUPS else Kind.RUNTIME
-
-
-def system_code(number: int) -> int:
-    """Code at the interface of system error `number`: 133 is 3716.  ValueError outside 1..512."""
-    if not 1 <= number <= MOST_SYSTEM:
-        raise ValueError(f"system error {number}: 1..{MOST_SYSTEM} have a code")
-    return SYSTEM_BASE + number
-
-
-def system_number(code: int) -> int:
-    """The reverse of system_code; ValueError for a code that is none of a system error."""
-    if kind_of(code) is not Kind.SYSTEM:
-        raise ValueError(f"code {code}: system errors are {SYSTEM_BASE + 1}..4095")
-    return code - SYSTEM_BASE
 
 
 @dataclass(frozen=True, slots=True)

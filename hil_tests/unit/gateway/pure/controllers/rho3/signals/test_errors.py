@@ -3,8 +3,9 @@
 import pytest
 
 from gateway.pure.controllers.pic_image import PicImage
-from gateway.pure.controllers.rho3.signals.errors import EMERGENCY_STOP, Faults, Outcome, system_code, system_number
+from gateway.pure.controllers.rho3.signals.errors import EMERGENCY_STOP, Faults, Outcome
 from gateway.pure.image.records.cell import InputImage, Quality, set_bit
+from gateway.pure.image.system_errors import system_code, system_number
 
 RESET, CHAIN, ACK = 19, 24, 62
 
@@ -112,7 +113,7 @@ def test_a_reset_that_stands_at_start_is_no_edge() -> None:
     assert faults.update(image, panel_reset=True) == Outcome()
 
 
-@pytest.mark.requirement("RHO-SYS-01", by="gateway.pure.controllers.rho3.signals.errors:system_code")
+@pytest.mark.requirement("RHO-SYS-01", by="gateway.pure.image.system_errors:system_code")
 def test_codes_of_system_errors() -> None:
     assert {n: system_code(n) for n in (133, 149, 150, 151, 1, 256, 300)} == {
         133: 3716, 149: 3732, 150: 3733, 151: 3734, 1: 3584, 256: 3839, 300: 3883,
@@ -122,7 +123,7 @@ def test_codes_of_system_errors() -> None:
             system_code(number)
 
 
-@pytest.mark.requirement("RHO-SYS-01", by="gateway.pure.controllers.rho3.signals.errors:system_number")
+@pytest.mark.requirement("RHO-SYS-01", by="gateway.pure.image.system_errors:system_number")
 def test_system_errors_of_codes() -> None:
     assert [system_number(code) for code in (3584, 3716, 4095)] == [1, 133, 512]
     for code in (91, 528, 3583):
