@@ -8,7 +8,7 @@ from gateway.pure.languages.baps2.feed import Feed
 from gateway.pure.languages.baps2.frames import Frame, to_workpiece, to_world
 from gateway.pure.languages.baps2.machine import Machine
 from gateway.pure.languages.baps2.tasks import Peek, Poke, Task
-from gateway.pure.languages.baps2.values import Shared
+from gateway.pure.languages.baps2.values import KeptArray, Shared
 from gateway.pure.languages.base.process import Process
 from gateway.pure.languages.base.requests import Request
 
@@ -100,6 +100,14 @@ class Handle:
     def taught(self, program: str, name: str) -> tuple[float, ...] | None:
         """A point at the start of the program."""
         return self._machine.taught(program, name)
+
+    def taught_array(self, program: str, name: str, low: int, high: int) -> KeptArray:
+        """An array of teach points at the start of the program: NAME[1] and so on of the point file."""
+
+        def keep(index: int, value: tuple[float, ...]) -> None:
+            self._machine.keep(program, f"{name}[{index}]", value)
+
+        return KeptArray(low, [self._machine.taught(program, f"{name}[{index}]") for index in range(low, high + 1)], keep)
 
     def shared(self, program: str) -> Shared:
         """PUBLIC variables."""

@@ -7,7 +7,7 @@ from gateway.pure.languages.baps2.translated import age_of
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position
 
-_POINT = re.compile(r"(?:[^\W\d]\w*\s*\.\s*)?(@?[^\W\d]\w*)\s*=\s*@?\s*\(?\s*([^()]*?)\s*\)?")
+_POINT = re.compile(r"(?:[^\W\d]\w*\s*\.\s*)?(@?[^\W\d]\w*(?:\s*\[\s*-?\d+\s*\])?)\s*=\s*@?\s*\(?\s*([^()]*?)\s*\)?")
 Points = dict[str, tuple[float, ...]]
 POINT_DIGITS = 9  # behind the point: what an angle of 0 has beyond is the rest of a calculation
 
@@ -57,20 +57,25 @@ class Memory:
         return {} if text is None else points_of(text, f"{program}.PKT", faults)
 
 
+def _named(match: re.Match[str]) -> str:
+    """NAME, or NAME[3] of an array."""
+    return "".join(match[1].upper().split())
+
+
 def with_point(text: str, name: str, value: tuple[float, ...]) -> str:
     """The text of a point file with this point in it: in its line, with the comment there, or in a new one at the end."""
     line = f"{name} = {'@' if name.startswith('@') else ''}({', '.join(f'{round(each, POINT_DIGITS) + 0.0:.10g}' for each in value)})"
     rows, found = text.splitlines(), False
     for index, row in enumerate(rows):
         match = _POINT.fullmatch(row.partition(";")[0].strip())
-        if match is not None and match[1].upper() == name:
+        if match is not None and _named(match) == name:
             comment = row[row.index(";") :] if ";" in row else ""
             rows[index], found = f"{line} {comment}".rstrip(), True
     return "\n".join([*rows, *([] if found else [line]), ""])
 
 
 def points_of(text: str, file: str, faults: Faults) -> Points:
-    """Lines `NAME = (1, 2, 3)`; `;` begins a comment, `@(` and a kinematic in front are taken too."""
+    """Lines `NAME = (1, 2, 3)`, `NAME[2] = (1, 2, 3)`; `;` begins a comment, `@(` and a kinematic in front are taken too."""
     found: Points = {}
     for number, line in enumerate(text.splitlines(), 1):
         row = line.partition(";")[0].strip()
@@ -79,7 +84,7 @@ def points_of(text: str, file: str, faults: Faults) -> Points:
             faults.error("point-line", Position(file, number), f"{row[:40]!r} is no point", "the form is NAME = (1, 2, 3)")
         elif match is not None:
             try:
-                found[match[1].upper()] = tuple(float(each) for each in re.split(r"[\s,]+", match[2].strip(", ")))
+                found[_named(match)] = tuple(float(each) for each in re.split(r"[\s,]+", match[2].strip(", ")))
             except ValueError:
                 faults.error("point-line", Position(file, number), f"{match[2][:40]!r} are no numbers", "the form is NAME = (1, 2, 3)")
     return found

@@ -88,7 +88,7 @@ class Naming:
             name = python_name(each.name, level)
             kind = self.type_of(each.type, joint=each.name.startswith("@"))
             symbol = Symbol(each.name, "variable", kind, f"g.{name}" if each.public else name, each.public, level=level)
-            symbol.kept = self._program if each.teach and not kind.is_array else ""
+            symbol.kept = self._program if each.teach else ""
             self.variables.append((symbol, each))
         self._names.declare(symbol, each.at)
         if each.public:

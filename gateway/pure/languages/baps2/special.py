@@ -1,6 +1,8 @@
 """Special functions on the dry run (spec 5.7, 4.3-4.16).  17 and 27 are only named: they are options that are not there (AX-693)."""
 
+import re
 import struct
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.baps2 import demands
@@ -16,6 +18,7 @@ from gateway.pure.languages.base.requests import PENDING, RuntimeFault
 
 COPIES = {"QLL": ("QLL", "ERR", "DAT"), "DAT": ("QLL", "ERR", "DAT"), "PKT": ("PKT",), "SYM": ("SYM",), "IRD": ("IRD",)}
 MOST_ENTRIES, MOST_SYSTEMS = 50, 24  # of a recorded path (L5257), measuring systems
+_POINT_NAME = re.compile(r"(@?[A-Z]\w*)(\[-?\d+\])?", re.ASCII)
 HEADER, VERSION = 24, 500  # of a MOVE_FILE: bytes of its fields, version of TO05 (L6975-7005)
 
 
@@ -34,6 +37,14 @@ def _get(value: object) -> object:
 def _set(target: object, value: object) -> None:
     if isinstance(target, Ref):
         target.set(value)
+
+
+def _no_point(wanted: str, points: Iterable[str]) -> int:
+    """Why a point file has no such point: a name that is none, an index its array has not, a name it has not (L10799-10813)."""
+    found = _POINT_NAME.fullmatch(wanted)
+    if found is None:
+        return 11
+    return 13 if found[2] and any(each.startswith(f"{found[1]}[") for each in points) else 12
 
 
 @dataclass(slots=True)
@@ -300,7 +311,7 @@ class Specials:
             code = 3
         else:
             points = self._machine.memory.points(base, Faults())
-            code = 5 if not points else 12 if wanted and wanted not in points else 0
+            code = 5 if not points else 0 if wanted in ("", *points) else _no_point(wanted, points)
         _set(values[2], code)
 
     def _move_file(self, task: Task, values: tuple[object, ...]) -> object:

@@ -188,6 +188,8 @@ class _Translation:
     # ---- parts of the module
 
     def _value_at_start(self, symbol: Symbol) -> str:
+        if symbol.kept and symbol.type.is_array:
+            return f"h.taught_array({symbol.kept!r}, {symbol.name!r}, {symbol.type.low}, {symbol.type.high})"
         if symbol.type.base in POINTS and not symbol.type.is_array:
             return f"h.taught({self._unit.name!r}, {symbol.name!r})"
         return default_of(symbol.type) if symbol.type is not NONE else "None"

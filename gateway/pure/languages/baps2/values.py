@@ -54,6 +54,32 @@ class Array:
         return "".join(map(str, self.items))
 
 
+class KeptArray(Array):
+    """Teach points: each that is set goes into the point file."""
+
+    __slots__ = ("_keep",)
+
+    def __init__(self, low: int, items: "list[tuple[float, ...] | None]", keep: Callable[[int, tuple[float, ...]], None]) -> None:
+        super().__init__(low, low + len(items) - 1, None)
+        self.items[:] = items
+        self._keep = keep
+
+    def set(self, index: int, value: object) -> None:
+        """Sets an element."""
+        super().set(index, value)
+        self._kept(index, value)
+
+    def fill(self, value: "Array | list[object] | str") -> None:
+        """Takes over all elements."""
+        super().fill(value)
+        for index, item in enumerate(self.items, self.low):
+            self._kept(index, item)
+
+    def _kept(self, index: int, value: object) -> None:
+        if isinstance(value, tuple):
+            self._keep(index, value)
+
+
 class Ref:
     """A variable passed by reference."""
 

@@ -312,3 +312,28 @@ def test_a_program_that_compiles_leaves_ird_or_err_with_the_faults_in_the_memory
     assert sorted(name for name in memory.files if name.endswith((".IRD", ".ERR"))) == ["BAD.ERR", "GOOD.IRD"]
     assert str(memory.text("BAD.ERR")).startswith("BAD.QLL:3:")
     assert memory.age("GOOD") == 1
+
+
+ROBOT = ";;KINEMATICS : (1 = K)\n;;K.WC_NAMES = X, Y\n"
+
+
+def test_def_points_of_an_array_are_in_the_point_file_and_there_at_the_next_start() -> None:
+    declared = "DEF FIELD[1..3] POINT : P\nDEF JC_POINT : @S"
+    memory = Memory({"A.QLL": (ROBOT + body("P[1] = (1, 2) P[3] = P[1] P[3].X = 7", declared)).replace("PROGRAM P", "PROGRAM A").encode()})
+    memory.files["B.QLL"] = (ROBOT + body("MOVE TO P[2]\nWRITE P[3].X", declared)).replace("PROGRAM P", "PROGRAM B").encode()
+    memory.files["B.PKT"] = b"P [ 2 ] = (4, 5) ; taught\nP[3] = (8, 9)\n"
+    for name in "AB":
+        machine = DryRun(Library(WORDS, memory), memory, feed_of({}))
+        assert machine.run(name) is None
+    assert memory.text("A.PKT") == "P[1] = (1, 2)\nP[3] = (7, 2)\n"
+    events = list(machine.trace)
+    assert [event["target"] for event in events if event["event"] == "move"] == [[4.0, 5.0]] and written(events) == ["8.0"]
+    assert "P [ 2 ] = (4, 5) ; taught" in str(memory.text("B.PKT")), "what is not assigned to is as it was"
+
+
+def test_point_selection_names_what_is_wrong_with_the_point() -> None:
+    declared = "SPC_FCT : 16 = SEL (TEXT : F, N INTEGER : R)\nTEXT : F, N\nINTEGER : R"
+    wanted = ["TEST", "1X", "P[4]", "P[2]", "NONE", "Q[1]", " "]
+    text = "F = 'TEST.PKT'\n" + "".join(f"N = '{name}'\nSEL (F, N, R)\nWRITE PHG, R, ' '\n" for name in wanted)
+    found = written(run(body(text, declared), **{"TEST.PKT": "P[1] = (1)\nP[2] = (2)\nTEST = (3)\n"}))
+    assert "".join(found).split() == ["0", "11", "13", "0", "12", "12", "0"]
