@@ -2,7 +2,7 @@
 
 import re
 import struct
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.baps2 import demands
@@ -236,6 +236,7 @@ class Specials:
     def _command(self, task: Task, values: tuple[object, ...]) -> object:
         """COMMAND (L5795-5996): statuses 1..7 are negative (D-22)."""
         source, target = str(_get(values[1])).rstrip(), str(_get(values[2])).rstrip()
+        actions: dict[int, Callable[[Task, str, str], int | None]]
         actions = {1: self._compile, 2: self._copy, 3: self._delete, 4: self._start, 5: self._stop}
         action = actions.get(_whole(values[0]))
         status = -1 if action is None else action(task, source, target)
@@ -252,9 +253,10 @@ class Specials:
         if self._compiler is not task or task.began is None:
             if source.upper() not in self._machine.filing.files:
                 return -4
-            if self._compiler not in (None, task) and not self._compiler.process.over:
+            if self._compiler is not None and self._compiler is not task and not self._compiler.process.over:
                 return -7
-            self._compiler, task.began = task, now
+            self._compiler = task
+            task.began = now
         if now < task.began + self._machine.feed.p5:
             return None
         self._compiler = None
