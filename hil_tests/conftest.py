@@ -4,6 +4,7 @@ import gc
 import os
 import pathlib
 import shutil
+import signal
 import sys
 import tempfile
 from collections.abc import Generator
@@ -28,6 +29,8 @@ from hil_tests.rig.uml.lane import CLAIMS, REPORTS, GuestLane
 
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # hundreds of processes start in a run: each would compile axisgate anew
 sys.dont_write_bytecode = False
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell's background job ignores it, and so would all that the tests start
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 one_thread()  # before any test module loads numpy
 use_servo()  # emulated axes in virtual time are half of what the pure tests compute
 hypothesis.settings.register_profile("untimed", deadline=None, suppress_health_check=(hypothesis.HealthCheck.too_slow,))

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 import configs
-from gateway.pure.image.records.cell import Motion
+from gateway.pure.image.records.cell import AxisFlag, Motion
 from gateway.tools.client import Row, ToolClient
 from hil_tests.lab.running.cell_running import COMES_UP_S, CellRun, running_cell
 from hil_tests.purity import ROOT
@@ -98,6 +98,9 @@ class Person:
         """Set values in degrees."""
         return [axis.set * 57.29577951308232 for axis in self.run.state().axes[:6]]
 
+    def powered(self) -> bool:
+        return any(axis.flags & AxisFlag.ENABLED for axis in self.run.state().axes[:6])
+
     def rests(self) -> bool:
         return self.run.state().motion in (Motion.IDLE, Motion.STOPPED)
 
@@ -173,7 +176,7 @@ def test_modes_keys_and_a_dead_interpreter(run: CellRun) -> None:
     told = person.reads(held)
     assert told["how"] == "lost", told
     person.waits(lambda: run.processes()["interpreter"]["pid"] not in (None, dead), "a new one")
-    person.waits(person.rests, "at rest on the path")
+    person.waits(lambda: person.rests() and not person.powered(), "at rest on the path, drives off: set values are where the axes are")
     here = person.joints()
     time.sleep(1.0)
     assert person.joints() == here, "nothing restarts"

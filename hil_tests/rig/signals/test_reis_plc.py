@@ -21,6 +21,7 @@ from hil_tests.lab.running.joined_running import cell_copy
 FIRST = 704  # RC input and output of E0.0 and A0.0
 PERMITS = (24, 25, 26, 28)
 PATIENCE_S = 20.0
+MANY = 400  # programs to read before the first scan: time for a look at the outputs
 PROCESS = "gateway.processes.plc:PlcProcess."
 HEAVY = """I 7, 3, "Light barrier at the stop is broken"
 I 9, 7, "Guard was opened"
@@ -149,17 +150,23 @@ def test_killed_it_comes_back_with_the_copy_that_ran_its_markers_and_outputs_0_m
     plant.inputs(0, 1)
     until(lambda: plant.outputs() == [0], "conveyor")
     source = plant.file.parent / "reis-plc" / "PLC" / "MAIN.PLC"
-    text = source.read_text()
+    text, more = source.read_text(), source.parent / "MORE"
+    more.mkdir()
+    for number in range(MANY):
+        (more / f"N{number}.PLC").write_text("END\n")
     try:
         source.write_text("NOTHING THAT STARTS\n")
         dead, _ = plant.run.kill("plc")
-        until(lambda: plant.outputs() == [], "outputs 0 while it is gone")
+        seen = time.monotonic() + PATIENCE_S
+        while plant.outputs():  # without a rest: they come back with the first scan
+            assert time.monotonic() < seen, "outputs 0 until its first scan"
         plant.run.back("plc", dead)
         plant.inputs(0, 1)  # a command source that was silent meanwhile has lost its inputs
         until(lambda: plant.outputs() == [0], "the copy runs on")
         assert plant.marker(100) == 7
     finally:
         source.write_text(text)
+        shutil.rmtree(more)
     assert any("goes on with the program that ran" in entry["text"] for entry in plant.run.journal("plc"))
 
 
