@@ -145,7 +145,7 @@ def test_random_orders_on_random_chains_keep_the_limits_and_end(accel: float, je
 
 @pytest.mark.parametrize(("accel", "jerk", "seed", "orders"), TURNING)
 def test_an_axis_that_turns_back_between_two_places_is_told_of_it_before(accel: float, jerk: float, seed: int, orders: int) -> None:
-    """They come to 1.1006, 1.1026, 1.1357 and 1.1599 of the jerk limit without the track's turns: from 7 to 1 ms before it turned no place told of it, and the last look
-    has no c for it."""
+    """Without the track's turns they come to 1.1006, 1.1026, 1.1357 and 1.1599 of the jerk limit: from 7 to 1 ms before it turned no
+    place told of it, and the last look has no c for it."""
     speed, acceleration, third = ordered_shares(accel, jerk, seed, orders)
     assert speed <= 1.0 and acceleration <= 1.02 and third <= 1.0905
