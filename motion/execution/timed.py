@@ -14,6 +14,11 @@ same columns).
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
+from operator import lt
+
+import numpy as np
+from numpy.typing import NDArray
 
 from motion.errors import PieceError
 from motion.execution.pieces import MAX_AXES, Head, Piece, axes_of, decode, numbers_of, read_record, version_of, write_record
@@ -54,9 +59,9 @@ class TimedPiece:
             raise PieceError(
                 f"piece {self.id}: {len(self.times)} times, {len(self.nodes)} nodes; 2 .. {most_nodes(columns - 1)} fit a record"
             )
-        if self.times[0] != 0.0 or not all(a < b < math.inf for a, b in zip(self.times, self.times[1:], strict=False)):
+        if self.times[0] != 0.0 or not (all(map(lt, self.times, self.times[1:])) and self.times[-1] < math.inf):
             raise PieceError(f"piece {self.id}: the times of its nodes do not rise from 0")
-        if not all(len(node) == 3 * columns and all(map(math.isfinite, node)) for node in self.nodes):
+        if set(map(len, self.nodes)) != {3 * columns} or not all(map(math.isfinite, chain.from_iterable(self.nodes))):
             raise PieceError(f"piece {self.id}: a node has not {3 * columns} finite numbers")
         if not (len(self.accel) == len(self.jerk) == columns and all(value > 0 for value in (*self.accel, *self.jerk))):
             raise PieceError(f"piece {self.id}: {columns} limits > 0 of acceleration and of jerk are needed")
@@ -85,22 +90,33 @@ class TimedPiece:
     def quintics(self) -> tuple[tuple[Quintic, ...], ...]:
         """[interval][column] in tau - time of the interval's first node."""
         return tuple(
-            tuple(_quintic(b - a, left[3 * k : 3 * k + 3], right[3 * k : 3 * k + 3]) for k in range(len(self.accel)))
-            for a, b, left, right in zip(self.times, self.times[1:], self.nodes, self.nodes[1:], strict=False)
+            _quintics(b - a, left, right) for a, b, left, right in zip(self.times, self.times[1:], self.nodes, self.nodes[1:], strict=False)
         )
 
+    @cached_property
+    def table(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(nodes,) times of the nodes in s, and (intervals, columns, 6) the quintics."""
+        return np.array(self.times), np.array(self.quintics)
 
-def _quintic(h: float, start: Node, end: Node) -> Quintic:
-    (a, b, c), (d, e, f) = start, end
-    gap, slope, bend = d - a - b * h - 0.5 * c * h * h, (e - b - c * h) * h, (f - c) * h * h
-    return (
-        (6 * gap - 3 * slope + 0.5 * bend) / h**5,
-        (-15 * gap + 7 * slope - bend) / h**4,
-        (10 * gap - 4 * slope + 0.5 * bend) / h**3,
-        0.5 * c,
-        b,
-        a,
-    )
+
+def _quintics(h: float, start: Node, end: Node) -> tuple[Quintic, ...]:
+    """Of each column over an interval of h seconds."""
+    third, fourth, fifth = h**3, h**4, h**5
+    made = []
+    for a, b, c, d, e, f in zip(start[::3], start[1::3], start[2::3], end[::3], end[1::3], end[2::3], strict=True):
+        half = 0.5 * c
+        gap, slope, bend = d - a - b * h - half * h * h, (e - b - c * h) * h, (f - c) * h * h
+        made.append(
+            (
+                (6 * gap - 3 * slope + 0.5 * bend) / fifth,
+                (-15 * gap + 7 * slope - bend) / fourth,
+                (10 * gap - 4 * slope + 0.5 * bend) / third,
+                half,
+                b,
+                a,
+            )
+        )
+    return tuple(made)
 
 
 def encode_timed(piece: TimedPiece) -> bytes:

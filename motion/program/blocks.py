@@ -7,6 +7,7 @@ words are known (motion.program.passing, motion.program.reis, motion.val3); here
 
 import copy
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeVar
@@ -370,10 +371,11 @@ class Program:
 Part = TypeVar("Part")
 
 
-def changed(part: Part, name: str, value: object) -> Part:
-    """A copy of a frozen part with one field changed, for callers that know the field only by its name."""
-    if not hasattr(part, name):
-        raise AttributeError(f"{type(part).__name__} has no field {name}")
+def changed(part: Part, values: Mapping[str, object]) -> Part:
+    """A copy of a frozen part with these fields changed, for callers that know them only by their names."""
     made = copy.copy(part)
-    object.__setattr__(made, name, value)
+    for name, value in values.items():
+        if not hasattr(part, name):
+            raise AttributeError(f"{type(part).__name__} has no field {name}")
+        object.__setattr__(made, name, value)
     return made

@@ -320,9 +320,9 @@ class _Chain:
 
 
 def _sampled(piece: TimedPiece, tau: Array) -> tuple[Array, Array]:
-    times = np.array(piece.times)
-    index = np.clip(np.searchsorted(times, tau, side="right") - 1, 0, len(times) - 2)
-    rows = np.array(piece.quintics)[index]
+    times, quintics = piece.table
+    index = np.minimum(np.maximum(times.searchsorted(tau, side="right") - 1, 0), len(times) - 2)
+    rows = quintics[index]
     u = (tau - times[index])[:, None]
     f, e, d, c, b, a = (rows[:, :, k] for k in range(6))
     return ((((f * u + e) * u + d) * u + c) * u + b) * u + a, (((5 * f * u + 4 * e) * u + 3 * d) * u + 2 * c) * u + b

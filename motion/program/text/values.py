@@ -30,9 +30,7 @@ CALLED = {function: head for head, (function, _) in CALLS.items()}
 
 def filled(part: Part, values: dict[str, object]) -> Part:
     """A copy with these fields."""
-    for field, value in values.items():
-        part = changed(part, field, value)
-    return part
+    return changed(part, values) if values else part
 
 
 def corner_of(key: str, word: str) -> Vector | None:
@@ -84,7 +82,7 @@ def placed(target: Target | Shift, keys: dict[str, str]) -> Target | Shift:
     flags = dict(_flag(word) for word in keys["config"].split(",")) if "config" in keys else {}
     configuration = target.configuration
     for field, flag in flags.items():
-        configuration = changed(configuration, field, flag)
+        configuration = changed(configuration, {field: flag})
     return replace(target, configuration=configuration, extra=_extra(keys["extra"]) if "extra" in keys else target.extra)
 
 

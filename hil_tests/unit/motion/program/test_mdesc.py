@@ -25,7 +25,7 @@ def test_the_default_and_the_error_of_each_field() -> None:
     codes = {"vel": 100, "accel": 101, "decel": 102, "tvel": 103, "rvel": 104, "reach": 105, "leave": 106}
     for name, code in codes.items():
         for value in (-1.0, float("nan")):
-            assert code_of(changed(default, name, value)) == code, name
+            assert code_of(changed(default, {name: value})) == code, name
     assert code_of(Mdesc(leave=0.0, reach=0.0)) == 0
     assert code_of(Mdesc(vel=0.0)) == 100 and code_of(Mdesc(accel=501.0)) == 101
 
