@@ -408,7 +408,7 @@ class VirtualCell:
     def _fill(self) -> None:
         """System markers the robot fills (L2943-2963)."""
         self.image[MODE_CODE : MODE_CODE + 2] = self.mode.code.to_bytes(2, "little")
-        self._set(MOVES, self.robot.moving)
+        self._set(MOVES, self.robot.moving and self.factor() > 0)  # held by M1020.7, or with an override of 0, it is at rest
         self._set((1020, 6), True)
         self._set((1021, 2), True)
         if self.plc is None or self.robot.state is State.ERROR:

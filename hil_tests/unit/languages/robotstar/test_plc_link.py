@@ -1,5 +1,7 @@
 """The robot program and the integrated PLC share markers, inputs and outputs."""
 
+import pytest
+
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.robotstar.checker import check
 from gateway.pure.languages.robotstar.memory import Memory, Source
@@ -62,6 +64,15 @@ def test_auto_start_and_override_by_the_plc() -> None:
         "3 E0.0=1",
     )
     assert [value for _, value in ran.when("A0")] == [1] and isinstance(at := ran.when("A0")[0][0], float) and 3.4 < at < 3.6
+
+
+def test_l2946_the_plc_sees_that_a_held_robot_does_not_move() -> None:
+    robot = "TOOL T\nPOSITION #N, X:0, Y:0, Z:500, A:0, B:0, C:0\nSTOP"
+    plc = "PLC 'MAIN'\nU M1021.5\n= A0.0\nU E0.0\n= M1020.7\nL 100\nTD M1436\nU E0.1\nSP S,0\nL 0\nTD M1436\nM S\nEND"
+    ran = run(robot, plc, 9, "0.5 E0.0=1", "1 E0.0=0", "1.5 E0.1=1", "2 E0.1=0")
+    assert [level for _, level in ran.when("A0")] == [1, 0, 1, 0, 1, 0]
+    assert [at for at, _ in ran.when("A0")][1:5] == pytest.approx([0.51, 1.01, 1.51, 2.01], abs=1e-6)
+    assert ran.targets() == [(0, 0, 500)] and ran.state == "stopped"
 
 
 def test_faults_of_plc_programs_are_named_by_file() -> None:
