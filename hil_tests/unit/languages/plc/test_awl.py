@@ -126,6 +126,25 @@ def test_english_mnemonics() -> None:
     assert rig.scan("E0.2").outputs[0] == 2 + 4
 
 
+def test_flags_of_an_english_list_of_step_5_are_markers() -> None:
+    first = "OB 1\nA F 5.0\nAN F 5.1\nS F 6.0\nL FY 10\nT FY 11\nL FW 20\nT QW 4\nA I 0.0\nFP F 511.0\nA I 0.1\n= F 7.0\nJU FB 3\nBE"
+    text = f"{first}\nFB 3\nO F 6.0\n= Q 0.0\nBE"
+    rig = rig_of(text, "FW20 = M100\nQW4 = M104")
+    for marker, value in ((5, 1), (10, 77), (100, 9)):
+        rig.plc.set_marker(marker, value)
+    assert rig.scan("E0.0", "E0.1").output("A0.0") and rig.plc.bit(6, 0) and rig.plc.bit(7, 0)
+    assert (rig.plc.marker(11), rig.plc.marker(104)) == (77, 9)
+    assert rig.plc.marker(511) == 1 and rig.plc.marker(510)  # the auxiliary byte is one that no flag uses
+
+
+def test_words_of_16_bits_with_a_sign() -> None:
+    same = "L KH FFFF\nL KF -1\n!=F\n= A 0.0\nL KF -1\nSRW 4\nL KH 0FFF\n!=F\n= A 0.1\nL KM 11111111 00000000\nL KF 0\n<F\n= A 0.2\n"
+    rig = rig_of(f"OB 1\n{same}L KH F0F0\nSRW 12\nT AB 1\nL KH F0F0\nSRW 0\nT AB 2\nBE")
+    assert rig.scan().outputs[:3] == bytes((7, 0x0F, 0xF0))
+    notes = imported("FUNCTION FC 1 : VOID\nBEGIN\nL W#16#FFFF;\nL MB 5;\n>I;\n= A 0.0;\nEND_FUNCTION").notes
+    assert any("lines 3" in note for note in notes)
+
+
 @pytest.mark.parametrize(
     ("line", "reason"),
     [
@@ -175,6 +194,7 @@ def test_data_words_get_markers_by_a_table() -> None:
     [
         ("KF -5", -5), ("KH 1F", 31), ("KM 00000000 00000101", 5), ("KY 1,2", 258), ("KB 7", 7), ("KZ 50", 50),
         ("KT 5.0", 5), ("KT 20.3", 20000),
+        ("KH FFFF", -1), ("KM 10000000 00000000", -32768), ("KY 255,254", -2),
         ("W#16#FFFF", 65535), ("2#1010", 10), ("L#-70000", -70000), ("C#9", 9), ("S5T#1M30S", 9000), ("12", 12),
     ],
 )  # fmt: skip

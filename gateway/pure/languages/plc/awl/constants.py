@@ -46,10 +46,15 @@ def constant_of(operand: str, english: bool) -> Constant | None:
     if (found := COUNT.match(operand)) and (english or not operand.startswith("KC")):
         return Constant(int(found[1]), Kind.COUNT)
     if found := PAIR.match(operand):
-        return Constant(int(found[1]) << 8 | int(found[2]))
+        return Constant(_word(operand, int(found[1]) << 8 | int(found[2])))
     for form, base in FORMS:
         if found := form.match(operand):
             digits = re.sub(r"[\s_]", "", found[1])
             value = int(digits, base) if digits.strip("+-") else None
-            return Constant(value) if value is not None and -(2**31) <= value < 2**32 else None
+            return Constant(_word(operand, value)) if value is not None and -(2**31) <= value < 2**32 else None
     return None
+
+
+def _word(operand: str, value: int) -> int:
+    """A pattern of STEP 5 is a word of 16 bits with a sign: KH FFFF equals KF -1."""
+    return value - 0x10000 if operand.startswith(("KH", "KM", "KY")) and 0x7FFF < value <= 0xFFFF else value

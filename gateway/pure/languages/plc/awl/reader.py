@@ -29,7 +29,7 @@ ENGLISH = {
     "A": "U", "AN": "UN", "A(": "U(", "AN(": "UN(", "JU": "SPA", "JC": "SPB", "JCN": "SPBN", "JNB": "SPBNB", "JCB": "SPBB",
     "BEC": "BEB", "BEU": "BEA",
     "CU": "ZV", "CD": "ZR", "SP": "SI", "SE": "SV", "SD": "SE", "SF": "SA", "AW": "UW", "AD": "UD", "CFW": "KEW", "CSW": "KZW",
-    "OPN": "AUF", "C": "A", "JZ": "SPZ", "JN": "SPN", "JP": "SPP", "JM": "SPM", "JO": "SPO", "LOOP": "LOOP", "DO": "B",
+    "OPN": "AUF", "C": "A", "LD": "LC", "JZ": "SPZ", "JN": "SPN", "JP": "SPP", "JM": "SPM", "JO": "SPO", "LOOP": "LOOP", "DO": "B",
 }  # fmt: skip
 OPERANDS = {
     "I": "E",
@@ -43,8 +43,14 @@ OPERANDS = {
     "QD": "AD",
     "PIB": "PEB",
     "PQB": "PAB",
+    "F": "M",  # flags of STEP 5
+    "FY": "MB",
+    "FW": "MW",
+    "FD": "MD",
 }
-TELLS_ENGLISH = re.compile(r"(?:^|[:;\s])(?:(?:AN?|ON?|=|S|R|L|T)\s+[IQ][BWD]?\s*\d|JU\s|JC\s|BEU|BEC|AN\(?\s|A\()", re.IGNORECASE)
+TELLS_ENGLISH = re.compile(
+    r"(?:^|[:;\s])(?:(?:AN?|ON?|=|S|R|L|T)\s+(?:[IQ][BWD]?|F[YWD]?)\s*\d|JU\s|JC\s|BEU|BEC|AN\(?\s|A\()", re.IGNORECASE
+)
 TELLS_GERMAN = re.compile(r"(?:^|[:;\s])(?:UN?\s|UN?\(|SPA\s|SPB\s|BEA\b|BEB\b|(?:ON?|=|S|R|L|T)\s+[EA][BWD]?\s*\d)", re.IGNORECASE)
 
 

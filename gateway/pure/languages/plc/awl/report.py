@@ -4,11 +4,11 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from gateway.pure.languages.plc.awl.reader import Reader, Refused
+from gateway.pure.languages.plc.awl.reader import OPERANDS, Reader, Refused
 from gateway.pure.languages.plc.awl.translator import Translator
 
 ROW = re.compile(r"((?:D[BX]\d+\.)?[A-Z]{1,3}\d+(?:\.\d+)?)\s*[=;,\t ]\s*(M\d+(?:\.\d)?)$")
-MARKER = re.compile(r"\bM[BWD]?\s*(\d{1,4})")
+MARKER = re.compile(r"\b(?:M[BWD]?|F[YWD]?)\s*(\d{1,4})")  # F: the flags of an English list of STEP 5
 NARROW = "numbers are calculated with 32 bits; STEP 5 has 16: check lines"
 
 
@@ -47,6 +47,12 @@ def words_of(table: str) -> tuple[Mapping[str, str], list[str]]:
     return found, wrong
 
 
+def _german(name: str) -> str:
+    """QW20 is AW20, FW20 is MW20."""
+    letters = name.rstrip("0123456789.")
+    return OPERANDS.get(letters, letters) + name[len(letters) :]
+
+
 def spare_bytes(text: str, words: Mapping[str, str]) -> list[str]:
     """Marker bytes that neither the list nor the table names, the last first."""
     used: set[int] = set()
@@ -61,6 +67,8 @@ def imported(text: str, table: str = "") -> Imported:
     reader = Reader(text)
     listing = reader.run()
     words, wrong = words_of(table)
+    if reader.english:
+        words = {_german(name): marker for name, marker in words.items()}
     result = Imported(refused=list(listing.refused), notes=[*listing.notes, *wrong])
     calls: dict[str, str] = {}
     spare, *pool = spare_bytes(text, words) or [""]

@@ -320,6 +320,8 @@ class Translator:
         elif (constant := constant_of(operand, self.english)) is not None:
             self.lines.append(f"L {constant.value}")
             self._loaded = constant.kind
+            if constant.value > 0x7FFF and constant.kind is Kind.NUMBER and not operand.startswith(("DH", "DW#", "DWORD#", "L#")):
+                self.narrow.append(self._line)  # a negative word to comparisons and calculations with 16 bits
         else:
             self._symbol(operand)
             raise NoCounterpart(f"{operand}: no constant and no byte that the integrated PLC loads")
@@ -337,7 +339,9 @@ class Translator:
         self._loaded = None
         if word in NARROW:
             self.narrow.append(self._line)
-        if word in SHIFTS:
+        if word == "SRW" and (places := re.match(r"(\d+)\b", operand)) and int(places[1]):
+            self.lines += ["SH L,16", f"SH R,{16 + int(places[1])}"]  # zeros move into a word: the upper half is cleared before
+        elif word in SHIFTS:
             self.lines.append(f"{SHIFTS[word]},{operand.split(maxsplit=1)[0] if operand else ''}")
         elif word in COMPARES:
             self.lines.append(COMPARES[word])
