@@ -80,3 +80,11 @@ def test_a_shuffled_run_has_the_same_verdicts(seed: int) -> None:
     mutant = next(one for one in peers(suite)[0] if one.id == "no-nak")
     plain = {result.purpose.id: result.verdict for result in play(suite, mutant)}
     assert {result.purpose.id: result.verdict for result in play(suite, mutant, seed=seed)} == plain
+
+
+def test_no_order_changes_a_verdict_of_a_drive_that_keeps_the_error_of_a_lost_master() -> None:
+    """It reports no second loss while the first one is present: a case that ends with a lost master brings it back."""
+    suite = SUITES["cia402"]
+    variant, only = peers(suite)[1][0], ("CIA402_FLT_BI_03", "CIA402_FLT_BV_09")
+    results = {seed: {each.purpose.id: each.verdict for each in play(suite, variant, only, seed=seed)} for seed in (1, 2)}
+    assert {seed: found["CIA402_FLT_BV_09"] for seed, found in results.items()} == dict.fromkeys(results, Verdict.PASS)
