@@ -61,8 +61,13 @@ class Reader:
         try:
             made.stack = int(head.get("stackSize", "5000"))
         except ValueError:
-            self._say(made.project, head.line, f"stackSize {head.get('stackSize')!r} is no whole number")
-        made.millimetres = head.get("millimeterUnit", "true").lower() != "false"
+            made.stack = 0
+        if made.stack <= 0:
+            self._say(made.project, head.line, f"stackSize {head.get('stackSize')!r}; a whole number of bytes above 0 is expected")
+        unit = head.get("millimeterUnit", "true").lower()
+        if unit not in ("true", "false", "1", "0"):
+            self._say(made.project, head.line, f"millimeterUnit {head.get('millimeterUnit')!r} is neither true (mm) nor false (inch)")
+        made.millimetres = unit not in ("false", "0")
         return True
 
     def _uses(self, made: Application, root: Element) -> None:
@@ -175,6 +180,13 @@ class Reader:
         parameters = [one for one in given if one is not None]
         own = [self.declaration(path, one) for group in each.all("Locals") for one in group.all("Local")]
         found = [one for one in own if one is not None]
+        if name in ("start", "stop") and given:
+            self._say(path, each.line, f"'{name}' : the program cannot have parameters")  # L584, L594
+        known = set[str]()
+        for declared in (*parameters, *found):
+            if declared.name in known:
+                self._say(path, declared.line, f"'{declared.name}' is declared twice")
+            known.add(declared.name)
         return ProgramText(name, path, each.get("access").lower() == "public", parameters, found, lines, each.line)
 
     def _parameter(self, path: str, each: Element) -> Parameter | None:

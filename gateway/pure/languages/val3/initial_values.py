@@ -103,7 +103,7 @@ def initial(declared: Declaration, value: Initial, home: Surroundings, linked: b
     given = value.attributes
     match made:
         case bool():
-            return given.get("value", "false").lower() in ("true", "1")
+            return BOOLS.get(given.get("value", "false").lower(), False)
         case float():
             return number(given.get("value", "0"))
         case str() if declared.type == "string":
@@ -128,6 +128,7 @@ def initial(declared: Declaration, value: Initial, home: Surroundings, linked: b
     return made
 
 
+BOOLS = {"true": True, "1": True, "false": False, "0": False}
 ALIASES = {"tmax": "tvel", "rmax": "rvel", "open": "otime", "close": "ctime"}
 
 

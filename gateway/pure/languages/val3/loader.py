@@ -11,6 +11,7 @@ from gateway.pure.languages.val3.model import BUILT_IN, FAMILIES, Application, D
 from gateway.pure.languages.val3.references import check_references
 from gateway.pure.languages.val3.sealed import SealFault, library_of
 from gateway.pure.languages.val3.translate import Code, ProgramTranslator
+from gateway.pure.languages.val3.value_checks import check_values
 from motion.val3.mdesc import TOO_LARGE, matching
 
 DEEPEST = 20  # user types one in the other
@@ -58,6 +59,9 @@ class Loader:
             if app is not None:
                 self._link_types(app, faults)
         return self._read[key]
+
+    def _there(self, folder: str, name: str) -> bool:
+        return self.disk.read(Application(name, folder).project) is not None
 
     def forget(self, folder: str, name: str) -> None:
         """The files have changed."""
@@ -107,8 +111,10 @@ class Loader:
             faults.error("val3-type", Position(app.project, line), f"'{name}' : the type is made of itself")
             return None
         self._open_types.append(key)
-        made, _ = self.read(folder, own)
+        made, inside = self.read(folder, own)
         self._open_types.pop()
+        if self._there(folder, own):  # faults of its files, and of what they are made of
+            _pass_on(inside, faults)
         if made is None:
             faults.error("val3-type", Position(app.project, line), f"'{name}' : there is no application {path}")
             return None
@@ -133,8 +139,7 @@ class Loader:
             self._loaded[key] = made
             return made
         faults = Faults()
-        for fault in read_faults:
-            (faults.error if fault.severity.value == "error" else faults.warning)(fault.id, fault.position, fault.text)
+        _pass_on(read_faults, faults)
         self._interfaces(app, faults)
         made = Loaded(app, faults)
         self._loaded[key] = made
@@ -144,6 +149,7 @@ class Loader:
                 made.codes[program.name] = code
         self._families(app, faults)
         self._speeds(app, faults)
+        check_values(app, faults)
         check_references(app, faults)
         return made
 
@@ -178,7 +184,9 @@ class Loader:
             except (PathFault, SealFault) as fault:
                 faults.error("val3-library", Position(app.project, use.line), f"library '{use.name}': {fault}")
                 continue
-            found, _ = self.read(folder, own)
+            found, inside = self.read(folder, own)
+            for fault in inside if self._there(folder, own) else ():  # the library cannot be loaded (12), the application can
+                faults.warning(fault.id, fault.position, f"library '{use.name}': {fault.text}")
             app.interfaces[use.name] = found
             if found is None:
                 faults.error("val3-library", Position(app.project, use.line), f"library '{use.name}': there is no application {use.path}")
@@ -199,6 +207,11 @@ class Loader:
             if inner is not None and (ring := self._ring(app, inner, [*way, found.project])):
                 return ring
         return []
+
+
+def _pass_on(found: Faults, faults: Faults) -> None:
+    for fault in found:
+        (faults.error if fault.severity.value == "error" else faults.warning)(fault.id, fault.position, fault.text)
 
 
 def family_of_arm(axes: int) -> str:

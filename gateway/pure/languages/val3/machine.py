@@ -139,9 +139,14 @@ class Machine(Controller):
             return False
         self.application, self.ended, self.stopping = own, False, False
         task = Task(f"{own.loaded.app.name}~", own, START_PRIORITY)
-        task.enter(own.programs["start"], [])
-        self.add(task)
+        self._begin(task, own.programs["start"])
         return True
+
+    def _begin(self, task: Task, program: Program) -> None:
+        fault = task.begin(program)
+        self.add(task)
+        if fault is not None:
+            self._failed(task, fault)
 
     def stop(self) -> None:
         """The operator stops: the start task goes at once, then stop() runs."""
@@ -156,9 +161,8 @@ class Machine(Controller):
         assert self.application is not None
         self.stopping = True
         task = Task(f"~{self.application.loaded.app.name}", self.application, START_PRIORITY)
-        task.enter(self.application.programs["stop"], [])
         self.stop_task = task
-        self.add(task)
+        self._begin(task, self.application.programs["stop"])
 
     def _life(self) -> None:
         """After a task has ended."""

@@ -111,6 +111,14 @@ class Task:
         """Calls a program; 41 where the memory of the task is too small."""
         if self.bytes + program.bytes > self.owner.stack:
             raise Rte(41, f"{self.bytes + program.bytes} bytes of {self.owner.stack}")
+        self._push(program, arguments)
+
+    def begin(self, program: Callee) -> Rte | None:
+        """start() or stop(), whatever it needs: an error leaves the task on its first line."""
+        self._push(program, [])
+        return Rte(41, f"{self.bytes} bytes of {self.owner.stack}") if self.bytes > self.owner.stack else None
+
+    def _push(self, program: Callee, arguments: list[object]) -> None:
         v: list[object] = [*arguments]
         v += program.fresh()
         v += [None] * program.code.temps

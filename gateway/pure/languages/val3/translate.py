@@ -43,6 +43,7 @@ class Block:
     again: int = 0  # label of the loop's head, or of the next branch
     step: str = ""
     column: int = 1
+    default: int = 0  # label of the default branch of a switch
 
 
 @dataclass(slots=True)
@@ -345,9 +346,10 @@ class ProgramTranslator:
 
     def _do_default(self, parser: Expressions, translator: Translator) -> None:
         block = self._inside("default", parser)
-        self._place(block.again)
-        block.again = self._label()
-        self._place(block.again)
+        if block.default:
+            raise CompileFault("'default' is there twice", parser.tokens[0].start + 1)
+        block.default = self._label()
+        self._place(block.default)  # where no case fits, wherever the branch stands (L828)
 
     def _do_break(self, parser: Expressions, translator: Translator) -> None:
         block = next((each for each in reversed(self.blocks) if each.kind == "switch"), None)
@@ -358,6 +360,8 @@ class ProgramTranslator:
     def _do_endswitch(self, parser: Expressions, translator: Translator) -> None:
         block = self._close("endswitch", parser)
         self._place(block.again)
+        if block.default:
+            self.labels[block.again] = self.labels[block.default]
         self._place(block.end)
         self.blocks.pop()
 

@@ -1,0 +1,69 @@
+"""Initial values of data files: what is no value of its type is named at load, with its line.  Source: N01, L954-1000, L2041."""
+
+import re
+from collections.abc import Iterator
+
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import Position
+from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.initial_values import BOOLS, number, word
+from gateway.pure.languages.val3.model import STRUCTURED, WORDS, Application, Declaration, Initial, Type, UserType
+from gateway.pure.languages.val3.values import LONGEST
+
+NUMBERS = re.compile(r"r?[xyz]|j\d+|[oc]time|open|close|accel|vel|decel|[tr]vel|[tr]max|leave|reach")  # attributes of structured types
+
+
+def check_values(app: Application, faults: Faults) -> None:
+    """Of global data and of local variables."""
+    own = [*app.data.values(), *(local for program in app.programs.values() for local in program.locals)]
+    for declared in own:
+        for line, text, error in _wrong(declared, declared.type):
+            say = faults.error if error else faults.warning
+            say("val3-value", Position(declared.file, line), f"'{declared.name}' : {text}")
+
+
+def _wrong(declared: Declaration, kind: Type) -> Iterator[tuple[int, str, bool]]:
+    """Line, text, whether it is an error."""
+    for value in declared.values:
+        if isinstance(kind, UserType):
+            yield from _wrong_fields(value, kind)
+        elif kind == "string":
+            if len(value.attributes.get("value", "").encode("utf-8", "replace")) > LONGEST:
+                yield value.line, f"a string holds {LONGEST} bytes, the rest is cut off", False
+        elif text := _wrong_value(value, kind):
+            yield value.line, text, True
+
+
+def _wrong_fields(value: Initial, kind: UserType) -> Iterator[tuple[int, str, bool]]:
+    for name, given in value.fields.items():
+        wanted = kind.fields.get(name)
+        if wanted is None:
+            yield given.line, f"the type {kind} has no field '{name}', its value is not used", False
+        elif (given.type_name, given.dims) != (wanted.type_name, wanted.dims) and not _same_type(given, wanted):
+            yield given.line, f"field '{name}' : invalid type ({given.type_name}), {kind} has {wanted.type_name}", True
+        else:
+            yield from _wrong(given, wanted.type)
+
+
+def _same_type(given: Declaration, wanted: Declaration) -> bool:
+    """User types have a name in each application that uses them."""
+    return given.dims == wanted.dims and isinstance(wanted.type, UserType)
+
+
+def _wrong_value(value: Initial, kind: str) -> str:
+    """What is wrong with it; "" where nothing is."""
+    given = value.attributes
+    try:
+        if kind == "num":
+            number(given.get("value", "0"))
+        elif kind == "bool" and given.get("value", "false").lower() not in BOOLS:
+            return f"{given['value']!r} is neither true nor false"
+        elif kind in STRUCTURED:
+            for name, text in given.items():
+                if name in WORDS:
+                    word(name, text)
+                elif NUMBERS.fullmatch(name):
+                    number(text)
+    except Rte as fault:
+        return fault.detail
+    return ""
