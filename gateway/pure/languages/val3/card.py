@@ -107,18 +107,23 @@ def _root(card: Card, name: str, data: bytes) -> Element | None:
 
 
 def _channels(card: Card, root: Element) -> list[CardChannel]:
-    made = []
+    made = list[CardChannel]()
     for row in root.children:
         tag, values = row.tag.lower(), {each.get("name").lower(): each.get("value") for each in row.children}
         name = values.get("name", "")
         if not name:
             card.doubts.append(f"sio.cfx line {row.line}: <{row.tag}> has no name and is left out")
-        elif "serial" in tag:
+            continue
+        if "serial" in tag:
             made.append(_serial(card, row, values))
         elif "socket" in tag or "udp" in tag or "tcp" in tag:
             made.append(_socket(card, row, values))
         else:
             card.doubts.append(f"sio.cfx line {row.line}: <{row.tag}> is no serial line and no socket; {name} is left out")
+            continue
+        if (twin := next((each for each in made[:-1] if each.name.lower() == made[-1].name.lower()), None)) is not None:
+            made.pop()  # names count without their case
+            card.doubts.append(f"sio.cfx line {row.line}: {name} has the name of {twin.name} above and is left out")
     return made
 
 

@@ -184,6 +184,13 @@ def test_what_is_not_understood_is_said(name: str, text: str, doubt: str) -> Non
     assert any(doubt in each for each in found.doubts), found.doubts
 
 
+def test_two_sockets_whose_names_differ_in_case_alone_are_one() -> None:
+    row = '<socketSrv><String name="name" value="{}" /><Uint name="portNumber" value="8500" /></socketSrv>'
+    found = card_of({"sio.cfx": (HEAD + "<sio>" + row.format("Vision") + row.format("vision") + "</sio>").encode()})
+    assert [each.name for each in found.channels] == ["Socket\\Vision"], "a cell has a channel name once, whatever its case"
+    assert found.doubts == ["sio.cfx line 2: vision has the name of Socket\\Vision above and is left out"]
+
+
 def zipped(folder: pathlib.Path, target: pathlib.Path, under: str = "") -> pathlib.Path:
     """The ZIP file of a card."""
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as made:
