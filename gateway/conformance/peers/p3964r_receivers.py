@@ -46,6 +46,44 @@ class CheckOfNak(Receiver):
         super()._judge(check ^ 0xFF if check == Char.NAK else check)
 
 
+class FalseEnd(Receiver):
+    """A doubled 10h followed by 03h ends the block."""
+
+    def _collect(self, data: bytes, at: int) -> int:
+        if data[at] == Char.ETX and self._data[-1:] == bytes((Char.DLE,)):
+            self._check ^= Char.ETX
+            self._state = Hearing.CHECK
+            return at + 1
+        return super()._collect(data[: at + 1], at)
+
+
+class AnswersInside(Receiver):
+    """Answers 02h in the data with DLE, and goes on."""
+
+    def _collect(self, data: bytes, at: int) -> int:
+        if data[at] == Char.STX and self._data:
+            self._box.say(Char.DLE)
+        return super()._collect(data[: at + 1], at)
+
+
+class NoZeroFirst(Receiver):
+    """Refuses a block that begins with 00."""
+
+    def _judge(self, check: int) -> None:
+        super()._judge(check ^ 0xFF if self._data[:1] == b"\0" else check)
+
+
+class PairKeepsTimer(Receiver):
+    """The second character of a pair does not start ZVZ anew."""
+
+    def hear(self, data: bytes, at: int, now: Ns) -> int:
+        before = self.due if self._state is Hearing.ESCAPED else None
+        found = super().hear(data, at, now)
+        if before is not None and self._state is Hearing.DATA:
+            self.due = before
+        return found
+
+
 class Restarts(Receiver):
     """02h inside a block begins it anew."""
 

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from protocols.base.machine import Ns
+from protocols.base.machine import Ns, ms
 from protocols.p3964r.characters import Char
 from protocols.p3964r.events import BlockSent, Failure, Stage
 from protocols.p3964r.sender import Sender
@@ -51,6 +51,32 @@ class SendsTwice(Sender):
     def _succeed(self) -> None:
         self._twice = not self._twice
         if self._twice:
+            self._connect()
+        else:
+            super()._succeed()
+
+
+class ImpatientForAcknowledge(Sender):
+    """A DLE 300 ms after its block is too late for it."""
+
+    def hear(self, byte: int, now: Ns) -> bool:
+        late = self.state is Saying.ANSWER and self.due is not None and now > self.due - self._profile.ack_delay + ms(300)
+        return super().hear(Char.NAK if late else byte, now)
+
+
+class TwiceAfterConflict(Sender):
+    """A job that gave way is sent twice."""
+
+    _gave_way = False
+
+    def _meet(self) -> bool:
+        taken = super()._meet()
+        self._gave_way = self._gave_way or not taken
+        return taken
+
+    def _succeed(self) -> None:
+        if self._gave_way:
+            self._gave_way = False
             self._connect()
         else:
             super()._succeed()

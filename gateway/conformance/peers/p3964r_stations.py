@@ -181,5 +181,19 @@ class NakOpens(Built):
         return output or (STX if opens else b"")
 
 
+class Echoes(Built):
+    """Each character comes back, as on a line whose wires touch."""
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        self._back = data
+        return super().receive(data, now)
+
+    def take_output(self) -> bytes:
+        back, self._back = self._back, b""
+        return back + super().take_output()
+
+    _back = b""
+
+
 class Drops(DropsItsJob, Built):
     pass

@@ -1,7 +1,7 @@
 """How many of its faulty devices each suite finds, as last recorded by `axisgate conformance mutants SUITE`: (killed, mutants)."""
 
 SCORES: dict[str, tuple[int, int]] = {
-    "3964r": (90, 90),
+    "3964r": (97, 97),
     "rk512": (67, 67),
     "modbus-tcp": (80, 80),
     "modbus-rtu": (75, 75),

@@ -1,6 +1,6 @@
 """3964R, both stations send STX: who gives way, and what becomes of the job (serial-protocols 1.6)."""
 
-from gateway.conformance.suites.line import DLE, NAK, STX, LineTester, named
+from gateway.conformance.suites.line import DLE, NAK, STX, Block, LineTester, named
 from gateway.conformance.suites.p3964r.receive import BLOCK, CONNECT
 from gateway.conformance.suites.p3964r.send import FIRST, GAP, MOST, attempts, judge_count
 from gateway.pure.conformance.purpose import Purposes
@@ -11,6 +11,20 @@ from protocols.p3964r.profiles import Priority
 
 CON = Purposes[LineTester]("3964R_CON", "both", "serial-protocols 1.6", condition=("sends",), preamble=(CONNECT, BLOCK, FIRST))
 ROUNDS = 5
+
+
+def both_wish(t: LineTester) -> None:
+    """The STX of both."""
+    _know_its_answer(t)
+    t.starts_sending()
+    t.say(STX)
+
+
+def _know_its_answer(t: LineTester) -> None:
+    """How long it takes, where no case has seen it yet."""
+    if not t.slowest:
+        with t.given():
+            t.good(t.harmless)
 
 
 def _is_low(t: LineTester, got: int | Damage | None) -> bool:
@@ -26,7 +40,7 @@ def _is_low(t: LineTester, got: int | Damage | None) -> bool:
 
 def _conflict(t: LineTester, repeated: bool = False) -> None:
     """Both have sent STX; both blocks must come through."""
-    got = t.answer(min(t.profile.ack_delay // 2, ms(200)))
+    got = t.answer(t.conflict_wait)
     if got not in (None, Char.DLE):
         t.fail("STX from both", got, "DLE (10h), or nothing with priority")
     low = got == Char.DLE if repeated and t.profile.yields_to_second_conflict else _is_low(t, got)
@@ -48,16 +62,14 @@ def _conflict(t: LineTester, repeated: bool = False) -> None:
     requirements=("RHO-SER-10",),
 )
 def first(t: LineTester) -> None:
-    t.starts_sending()
-    t.say(STX)
+    both_wish(t)
     _conflict(t)
 
 
 def gives_way(t: LineTester) -> None:
     """Both have sent STX and it answered DLE; a station with priority sends its block, and the case is N/A."""
-    t.starts_sending()
-    t.say(STX)
-    got = t.answer(min(t.profile.ack_delay // 2, ms(200)))
+    both_wish(t)
+    got = t.answer(t.conflict_wait)
     if got == Char.DLE:
         return
     t.say(DLE)
@@ -84,12 +96,37 @@ def keeps_job(t: LineTester) -> None:
     takes_own_job(t, t.profile.char_delay, "our block")
 
 
-def takes_own_job(t: LineTester, delay: Ns, after: str) -> None:
+def takes_own_job(t: LineTester, delay: Ns, after: str) -> Block:
     """Its own block, which has waited for `after`; it may begin `delay` later."""
     got = t.answer(delay + t.profile.ack_delay + ms(500))
     if got != Char.STX:
         raise Fail(f"after {after} it must send its own job: {named(got)}, the job is lost", "STX (02h)", named(got))
-    t.take()
+    return t.take()
+
+
+@CON.case(
+    "BO_02",
+    "a job that gave way is sent once",
+    "ein zurückgestellter Auftrag wird einmal gesendet",
+    requirements=("RHO-SER-10",),
+    preamble=(CONNECT, BLOCK, FIRST, "3964R_CON_BV_02"),
+)
+def own_job_once(t: LineTester) -> None:
+    for _ in range(2):  # a station that also sends by itself may hit that moment once
+        gives_way(t)
+        t.say(wire_block(t.harmless, t.profile.block_check))
+        with t.given():
+            t.expect(Char.DLE, t.profile.ack_delay, "our block in a conflict")
+            first = takes_own_job(t, t.profile.char_delay, "our block")
+        got = t.answer(t.tolerance + ms(150))
+        if got is None:
+            return
+        if got != Char.STX:
+            t.fail("its own job, which gave way", got, "nothing")
+        if t.serve() != first.data or t.setup.stimulus_name == "periodic":
+            return
+        t.settle()
+    raise Fail("the job that gave way is sent twice", "nothing", f"the same block: {first.data.hex(' ').upper()}")
 
 
 @CON.case(
@@ -99,6 +136,7 @@ def takes_own_job(t: LineTester, delay: Ns, after: str) -> None:
     requirements=("RHO-SER-10",),
 )
 def in_repeat(t: LineTester) -> None:
+    _know_its_answer(t)
     t.starts_sending()
     t.say(NAK)
     with t.given():
@@ -114,9 +152,8 @@ def in_repeat(t: LineTester) -> None:
     requirements=("RHO-SER-10",),
 )
 def same_priority(t: LineTester) -> None:
-    t.starts_sending()
-    t.say(STX)
-    got = t.answer(min(t.profile.ack_delay // 2, ms(200)))
+    both_wish(t)
+    got = t.answer(t.conflict_wait)
     if got == Char.DLE:
         t.say(DLE)  # as a partner without priority: it is taken for the first character of our block
         t.expect_at(Char.NAK, t.profile.char_delay, "DLE in place of a block")
@@ -143,9 +180,8 @@ def same_priority(t: LineTester) -> None:
 def rounds(t: LineTester) -> None:
     low = None
     for count in range(ROUNDS if t.setup.stimulus_name != "operator" else 1):
-        t.starts_sending()
-        t.say(STX)
-        got = t.answer(min(t.profile.ack_delay // 2, ms(200)))
+        both_wish(t)
+        got = t.answer(t.conflict_wait)
         if low not in (None, got == Char.DLE):
             words = ("gives way", "does not give way") if low else ("does not give way", "gives way")
             raise Fail(f"it {words[0]} in {count} conflicts, then it {words[1]}", "the same priority each time", named(got))

@@ -80,8 +80,8 @@ def gap_in_pair(t: LineTester) -> None:
 )
 def short_gap(t: LineTester) -> None:
     t.connect()
-    wire = wire_block(PAYLOAD, t.profile.block_check)
-    for part in (wire[:1], wire[1:2], wire[2:4]):
+    wire = wire_block(b"UV\x10W", t.profile.block_check)  # UV 10 10 W: a pause before a pair, inside it and behind it
+    for part in (wire[:2], wire[2:3], wire[3:4]):
         t.say(part)
         got = t.answer(t.profile.char_delay * 8 // 10 - ms(10))
         if got is not None:

@@ -1,7 +1,7 @@
 """3964R, the station sends again: form and times of a repeat, attempts of the next job, conflicts (serial-protocols 1.3, 1.6)."""
 
-from gateway.conformance.suites.line import DLE, NAK, STX, Block, LineTester
-from gateway.conformance.suites.p3964r.conflicts import gives_way, takes_own_job
+from gateway.conformance.suites.line import DLE, NAK, Block, LineTester
+from gateway.conformance.suites.p3964r.conflicts import both_wish, gives_way, takes_own_job
 from gateway.conformance.suites.p3964r.failures import answered
 from gateway.conformance.suites.p3964r.receive import BLOCK, CONNECT, PAYLOAD
 from gateway.conformance.suites.p3964r.refusals import with_wrong_check
@@ -176,9 +176,8 @@ def corrupted(t: LineTester) -> None:
     preamble=(CONNECT, BLOCK, FIRST, "3964R_CON_BV_01"),
 )
 def forgets_stx(t: LineTester) -> None:
-    t.starts_sending()
-    t.say(STX)
-    if t.answer(min(t.profile.ack_delay // 2, ms(200))) == Char.DLE:
+    both_wish(t)
+    if t.answer(t.conflict_wait) == Char.DLE:
         t.say(wire_block(t.harmless, t.profile.block_check))
         t.settle()
         raise NotApplicable("it has no priority and gives way")

@@ -136,6 +136,25 @@ def repeats_block(t: LineTester) -> None:
     same_block(t, first)
 
 
+@SND.case(
+    "TI_05",
+    "DLE just before QVZ is over acknowledges the block",
+    "DLE kurz vor Ablauf der QVZ quittiert den Block",
+    requirements=("RHO-SER-08",),
+)
+def acknowledged_late(t: LineTester) -> None:
+    t.starts_sending()
+    first = t.take(acknowledge=False)
+    got = t.answer(t.profile.ack_delay - JUST)
+    if got is not None:
+        t.fail("its block, before QVZ is over", got, "nothing")
+    t.mark = t.wire.now()
+    t.say(DLE)
+    got = t.answer(3 * t.wire.char_ns + ms(5))
+    if got is not None and (got != Char.STX or t.serve() == first.data):
+        t.fail(f"DLE {JUST / 1e6:.0f} ms before the end of QVZ", got, "nothing: the block is acknowledged")
+
+
 def same_block(t: LineTester, first: Block) -> None:
     again = t.take()
     if again.data != first.data:
