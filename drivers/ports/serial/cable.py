@@ -3,11 +3,12 @@
 Character k of a burst leaves at start + (k + 1) * bits / baud, rounded up; the grid is absolute, so a late caller catches up without drift.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
-from drivers.ports.serial.line_format import escape, mark
+from drivers.ports.serial.line_format import FF, escape, mark
 from protocols.base.machine import Damage, Ns
 
 PENDING_LIMIT = 4096  # characters taken from a sender and not yet on the line; beyond it the sender's pty fills, as a UART's buffer would
@@ -44,10 +45,18 @@ class Chance:
     seed: int
 
 
-class Direction:
-    """Characters on their way from one side to the other.  baud 0: they leave at once."""
+def always() -> bool:
+    """A receiver that reads marks."""
+    return True
 
-    def __init__(self, baud: int, bits: int = 11, *, marks: bool = True) -> None:
+
+class Direction:
+    """Characters on their way from one side to the other.  baud 0: they leave at once.
+
+    marks: does the receiver decode marks (AX-060)?  Asked at every FF and every damaged character: its program may change.
+    """
+
+    def __init__(self, baud: int, bits: int = 11, *, marks: Callable[[], bool] = always) -> None:
         self._baud, self._bits, self._marks = baud, bits, marks
         self._pending = bytearray()
         self._start: Ns = 0
@@ -89,7 +98,7 @@ class Direction:
         self._left += count
         first, self.count = self.count + 1, self.count + count
         if self._chance is None and not self._planned:
-            return [Delivery(data, escape(data) if self._marks else data, "")]
+            return [Delivery(data, self._wire(data), "")]
         return self._spoil(data, first)
 
     def spoil_next(self, fault: Fault, n: int = 1) -> None:
@@ -137,7 +146,11 @@ class Direction:
 
     def _append_good(self, deliveries: list[Delivery], data: bytes) -> None:
         if data:
-            deliveries.append(Delivery(data, escape(data) if self._marks else data, ""))
+            deliveries.append(Delivery(data, self._wire(data), ""))
+
+    def _wire(self, data: bytes) -> bytes:
+        """Good characters as the receiver reads them."""
+        return escape(data) if FF in data and self._marks() else data
 
     def _drawn(self) -> Fault | None:
         if self._chance is None or self._draw() >= self._chance.probability:
@@ -158,7 +171,7 @@ class Direction:
         sent = bytes((byte,))
         if fault is Fault.DROP:
             return Delivery(sent, b"", "drop")
-        if fault is Fault.FLIP or not self._marks:
+        if fault is Fault.FLIP or not self._marks():
             other = bytes((wrong,))
-            return Delivery(sent, escape(other) if self._marks else other, f"flip={other.hex()}")
+            return Delivery(sent, self._wire(other), f"flip={other.hex()}")
         return Delivery(sent, mark(DAMAGE_OF[fault], wrong), fault.value)

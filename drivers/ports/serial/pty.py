@@ -1,22 +1,26 @@
 """A pseudo terminal: raw 8N1.  Where its other end is the line process, marks in PARMRK form are decoded here (AX-060).
 
-A pty knows neither parity nor pace; the line process makes both and marks it by a signature in the terminal's settings (AX-651).  Any other
-program writes characters as they are, FF too.  `unsent` is computed from count and character time.
+A pty knows neither parity nor pace; the line process makes both and offers marks by a signature in the terminal's settings (AX-651).  A
+port that reads them asks for them by a lock, so any other program at the same pty gets characters as they are, FF too (AX-1400).
+`unsent` is computed from count and character time.
 """
 
 import errno
 import fcntl
 import os
+import struct
 import termios
 
 from drivers.ports.base import PortError
 from drivers.ports.serial.descriptor import READ_SIZE, DescriptorPort
 from drivers.ports.serial.line_format import LineFormat
 
-__all__ = ["READ_SIZE", "PtyPort", "offer_marks", "set_raw"]
+__all__ = ["READ_SIZE", "PtyPort", "marks_asked", "offer_marks", "set_raw"]
 
 # Control characters that a raw terminal never looks at, and what the line process writes there; no program sets them so by chance.
 SIGNATURE = {termios.VEOL: b"A", termios.VEOL2: b"X", termios.VREPRINT: b"M", termios.VWERASE: b"K"}
+
+MARKS_AT = 0x41584D4B  # byte of the pty that a port locks while it asks for marks; the kernel takes the lock off with its last user
 
 
 def set_raw(fd: int) -> None:
@@ -28,7 +32,7 @@ def set_raw(fd: int) -> None:
 
 
 def offer_marks(fd: int) -> None:
-    """A program that opens this pty as a port finds FF doubled and damaged characters marked."""
+    """A port that opens this pty may ask for marks: then FF is doubled and damaged characters are marked."""
     settings = termios.tcgetattr(fd)
     for place, sign in SIGNATURE.items():
         settings[6][place] = sign
@@ -38,6 +42,20 @@ def offer_marks(fd: int) -> None:
 def _has_marks(fd: int) -> bool:
     control = termios.tcgetattr(fd)[6]
     return all(control[place] == sign for place, sign in SIGNATURE.items())
+
+
+def _lock(kind: int) -> bytes:
+    return struct.pack("hhqqi4x", kind, os.SEEK_SET, MARKS_AT, 1, 0)
+
+
+def _ask_for_marks(fd: int) -> None:
+    fcntl.fcntl(fd, fcntl.F_OFD_SETLK, _lock(fcntl.F_WRLCK))
+
+
+def marks_asked(fd: int) -> bool:
+    """A port that decodes marks has this pty open (through another descriptor than `fd`)."""
+    found = fcntl.fcntl(fd, fcntl.F_OFD_GETLK, _lock(fcntl.F_WRLCK))
+    return bool(struct.unpack_from("h", found)[0] != fcntl.F_UNLCK)
 
 
 class PtyPort(DescriptorPort):
@@ -58,6 +76,8 @@ class PtyPort(DescriptorPort):
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
             if not _has_marks(self._fd):
                 self._marks, self._hears_at_once = self._marks if marks else None, True
+            if self._marks is not None:
+                _ask_for_marks(self._fd)
             set_raw(self._fd)
             self._forget_old()
         except (OSError, termios.error) as error:

@@ -13,7 +13,7 @@ from typing import IO
 
 from drivers.ports.serial.cable import Direction
 from drivers.ports.serial.line_format import Note, Run
-from drivers.ports.serial.pty import READ_SIZE, offer_marks, set_raw
+from drivers.ports.serial.pty import READ_SIZE, marks_asked, offer_marks, set_raw
 from drivers.ports.timerfd import Timer
 from protocols.base.machine import Ns
 
@@ -47,6 +47,10 @@ class Side:
             os.unlink(fresh)
         os.symlink(os.ttyname(self._slave), fresh)
         os.replace(fresh, self.link)
+
+    def reads_marks(self) -> bool:
+        """The program at this side asked for marks; a foreign one reads characters as they are (AX-1400)."""
+        return self._has_marks and self.inserted and marks_asked(self._slave)
 
     def take(self, wire: bytes) -> bool:
         """Characters for the reader; False: there is no reader and so much waits there already that these are lost, as in a UART."""
@@ -114,7 +118,7 @@ class Line:
         self.recorder = recorder
         self.plugged, self.stopping = True, False
         self.sides = {side: Side(str(folder / f"{name}-{side.lower()}"), side not in plain) for side in OTHER}
-        self.ways = {side: Direction(baud, bits, marks=OTHER[side] not in plain) for side in self.sides}  # by sender
+        self.ways = {side: Direction(baud, bits, marks=self.sides[OTHER[side]].reads_marks) for side in self.sides}  # by sender
         self.lost = self.overflow = self.damaged = 0
         self.scheduling = "normal"
         self._epoll = select.epoll()

@@ -238,6 +238,24 @@ def test_what_a_killed_line_process_left_does_not_stop_the_next(line: LineStarte
     assert os.listdir(runtime) == []
 
 
+def test_a_foreign_program_at_a_side_that_offers_marks_reads_characters_as_they_are(line: LineStarter) -> None:
+    """AX-1400: marks are for a port that asks, also where one was there before and ended, or was killed with its descriptor."""
+    rig = line("--baud", "0")
+    a = rig.port("a")
+    rig.port("b").close()
+    foreign = os.open(rig.url("b")[4:], os.O_RDWR | os.O_NOCTTY)
+    a.write(b"\xff\x00A\xff\xff")
+    assert os.read(foreign, 16) == b"\xff\x00A\xff\xff"
+    rig.control.damage("A", "parity")
+    a.write(b"Z")
+    assert len(os.read(foreign, 16)) == 1, "a wrong character in place of a mark"
+    os.close(foreign)
+    b = rig.port("b")
+    rig.control.damage("A", "parity", 2)
+    a.write(b"\xffZ\xff")
+    assert hear(b, lambda items: len(items) == 3) == [b"\xff", Damage.PARITY, b"\xff"]
+
+
 def test_a_plain_side_reads_characters_as_they_are(line: LineStarter) -> None:
     rig = line("--baud", "0", "--plain", "B")
     a = rig.port("a")

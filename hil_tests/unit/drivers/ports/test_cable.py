@@ -95,7 +95,7 @@ def test_a_damaged_nul_never_looks_like_break() -> None:
 
 
 def test_a_plain_side_gets_wrong_characters_for_marks_and_single_ff() -> None:
-    way = Direction(0, marks=False)
+    way = Direction(0, marks=lambda: False)
     way.spoil_next(Fault.PARITY, 2)
     way.offer(b"\xffB\xff", 0)
     first, spoiled, last = way.take(0)
