@@ -50,7 +50,7 @@ def main(argv: list[str]) -> int:
     except (BadInput, NoTrace, ValueError) as error:
         return _fault(arguments.tool, str(error), USAGE)
     except JobRefused as error:
-        return _fault(arguments.tool, str(error), FINDING)
+        return _fault(arguments.tool, in_language(error.text, _language(arguments)), FINDING)
     except (PortError, OSError) as error:
         return _fault(arguments.tool, str(error.args[-1] if isinstance(error, PortError) else error), ENVIRONMENT)
     except ImportError as error:

@@ -60,6 +60,11 @@ class Link:
         return bool(self._box.output)
 
     @property
+    def receiving(self) -> bool:
+        """The partner has the line: a block of it is under way."""
+        return self._receiver.busy
+
+    @property
     def pending(self) -> int:
         """Jobs neither sent nor given up."""
         return len(self._sender.jobs)

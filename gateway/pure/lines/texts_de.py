@@ -5,6 +5,7 @@ Umlauts are written out, for consoles of every code page; {} may be numbered to 
 
 from collections.abc import Mapping
 
+from gateway.pure.lines.texts_de_jobs import JOBS
 from gateway.pure.lines.texts_de_reports import CP341, DIAGNOSIS, REPORT, S5
 
 VERDICTS = {
@@ -321,4 +322,4 @@ RK512 = {
     "a command whose reaction never comes": "einem Befehl, dessen Reaktion nie kommt",
     "after the right reaction: {}": "nach der richtigen Reaktion: {}",
 }
-GERMAN: Mapping[str, str] = {**VERDICTS, **LEVELS, **BENCH, **RECEIVE, **SEND, **RK512, **REPORT, **DIAGNOSIS, **S5, **CP341}
+GERMAN: Mapping[str, str] = {**VERDICTS, **LEVELS, **BENCH, **RECEIVE, **SEND, **RK512, **REPORT, **DIAGNOSIS, **S5, **CP341, **JOBS}

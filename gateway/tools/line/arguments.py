@@ -133,6 +133,7 @@ def _job_arguments(tool: argparse.ArgumentParser) -> None:
     _priority_argument(tool, "low")
     tool.add_argument("--wait", type=float, default=5.0, metavar="S", help="longest wait for the reaction (default 5)")
     tool.add_argument("--bytes", action="store_true", help="print the telegrams")
+    _language_argument(tool)
     tool.add_argument("--json", action="store_true", help="one JSON object")
 
 

@@ -3,35 +3,61 @@
 The link is the product's own (protocols.p3964r.link).  Faults carry both vocabularies: QVZ/ADT, ZVZ/CDT, BWZ.
 """
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from gateway.conformance.serial.cases_rk512 import FETCH, SEND, TYPE_DB, header, words_of
 from gateway.links.serial.tool_wire import Wire
+from gateway.pure.lines.texts import Text, said
 from protocols.base.machine import Damage, Ns, ms
-from protocols.p3964r.events import BlockReceived, BlockRefused, BlockSent, Failure, SamePriority, SendFailed, SendRepeated, Stage
+from protocols.p3964r.events import BlockReceived, BlockRefused, BlockSent, Failure, Refusal, SamePriority, SendFailed, SendRepeated, Stage
 from protocols.p3964r.link import Link
 from protocols.p3964r.profiles import Priority, Profile
+from protocols.rk512.header import FIRST, FOLLOW_ON, is_reaction
 
 MOST_BYTES = 128  # in one telegram
 TELEGRAM_WORDS = 64
 SHORT = 32  # characters every station takes
-FAILED = {
-    (Stage.CONNECT, Failure.SILENT): "no answer to STX within QVZ/ADT {qvz:.0f} ms, {tries}: partner off, cable, wires or speed wrong",
-    (Stage.CONNECT, Failure.NAK): "every STX was answered with NAK ({tries}): the partner is not ready, its buffer is full",
-    (Stage.CONNECT, Failure.WRONG): "STX was answered with another character ({tries}): wrong speed or parity, echo, or no 3964R",
-    (Stage.CONNECT, Failure.DAMAGED): "the answers to STX came damaged ({tries}): wrong speed or parity",
-    (Stage.CONNECT, Failure.CONFLICT): "both sent STX again and again: do both stations have the same priority?",
-    (Stage.BLOCK, Failure.SILENT): "no answer to the block within QVZ/ADT {qvz:.0f} ms",
-    (
-        Stage.BLOCK,
-        Failure.NAK,
-    ): "the block was refused (NAK): block check, parity, ZVZ/CDT {zvz:.0f} ms, or 3964 instead of 3964R at the partner{size}",
+MOST_CONFLICTS = 16  # blocks a partner may send before our job: then it leaves no room for it
+NO_ANSWER = "no answer to STX within QVZ/ADT {:.0f} ms"
+UNANSWERED = "no answer to the block within QVZ/ADT {:.0f} ms"
+SEEN = {  # what became of one attempt; the first value is QVZ in ms
+    (Stage.CONNECT, Failure.SILENT): NO_ANSWER,
+    (Stage.CONNECT, Failure.NAK): "NAK to STX",
+    (Stage.CONNECT, Failure.WRONG): "another character than DLE to STX",
+    (Stage.CONNECT, Failure.DAMAGED): "a damaged answer to STX",
+    (Stage.CONNECT, Failure.CONFLICT): "a conflict of both STX",
+    (Stage.BLOCK, Failure.SILENT): UNANSWERED,
+    (Stage.BLOCK, Failure.NAK): "the block refused (NAK)",
+    (Stage.BLOCK, Failure.WRONG): "another character than DLE to the block",
+    (Stage.BLOCK, Failure.DAMAGED): "a damaged answer to the block",
+}
+MEANS = {  # the attempts that ended so point at this
+    (Stage.CONNECT, Failure.SILENT): "partner off, cable, wires or speed wrong",
+    (Stage.CONNECT, Failure.NAK): "the partner is not ready, its buffer is full",
+    (Stage.CONNECT, Failure.WRONG): "wrong speed or parity, echo, or no 3964R",
+    (Stage.CONNECT, Failure.DAMAGED): "wrong speed or parity",
+    (Stage.CONNECT, Failure.CONFLICT): "do both stations have the same priority?",
+    (Stage.BLOCK, Failure.SILENT): "the partner is busy, or it expects 3964 without block check",
+    (Stage.BLOCK, Failure.NAK): "block check, parity, ZVZ/CDT, or 3964 instead of 3964R at the partner",
+}
+NOT_TAKEN = {
+    Refusal.GAP: "the character delay ZVZ/CDT was exceeded in it; or the partner sends no block check: 3964, not 3964R",
+    Refusal.ORDER: "a DLE in it was not doubled",
+    Refusal.LENGTH: "it was longer than the profile allows",
+    Refusal.CHECK: "its block check was wrong; or the partner sends none: 3964, not 3964R",
+    Refusal.DAMAGED: "it came damaged: parity or speed",
+    Refusal.BREAK: "a BREAK ended it",
 }
 
 
 class Refused(Exception):
-    """The job failed; the text gives the reason in words."""
+    """The job failed; `text` gives the reason in words."""
+
+    def __init__(self, text: Text) -> None:
+        super().__init__(str(text))
+        self.text = text
 
 
 @dataclass(slots=True)
@@ -69,7 +95,7 @@ class Client:
             piece = data[at : at + MOST_BYTES]
             reaction = self.ask(header(SEND, TYPE_DB, db, word + at // 2, len(piece) // 2) + piece)
             if len(reaction) > 4:
-                raise Refused(f"the reaction to SEND brought {len(reaction) - 4} data bytes, none expected")
+                raise Refused(said("the reaction to SEND brought {} data bytes, none expected", len(reaction) - 4))
             telegrams += 1
         return telegrams
 
@@ -80,7 +106,7 @@ class Client:
             here = min(TELEGRAM_WORDS, words - len(data) // 2)
             reaction = self.ask(header(FETCH, TYPE_DB, db, word + len(data) // 2, here))
             if len(reaction) != 4 + 2 * here:
-                raise Refused(f"the reaction to FETCH of {here} words brought {len(reaction) - 4} bytes, expected {2 * here}")
+                raise Refused(said("the reaction to FETCH of {} words brought {} bytes, expected {}", here, len(reaction) - 4, 2 * here))
             data += reaction[4:]
         return data
 
@@ -88,19 +114,39 @@ class Client:
         """One command telegram; the reaction to it, without error number."""
         job = self.link.send(telegram, self.wire.now())
         self.traffic.append(Traffic(True, telegram, self.wire.now()))
-        self._run(lambda: any(isinstance(event, BlockSent | SendFailed) and event.job == job for event in self._told), None)
+        self._run(lambda: self._over(job) or self._crowded(), None)
         failed = next((event for event in self._told if isinstance(event, SendFailed)), None)
         if failed is not None:
             raise Refused(self._why(failed))
-        if not self._run(lambda: bool(self._blocks), self.wire.now() + self.reaction_wait):
-            raise Refused(f"no reaction telegram within {self.reaction_wait / 1e9:.0f} s: does the partner speak RK512 (not raw 3964R)?")
-        reaction = self._blocks.pop(0)
+        if not self._over(job):
+            raise Refused(said("the partner sent {} blocks of its own and left no room for ours: it has priority", MOST_CONFLICTS))
+        self._run(lambda: bool(self._blocks), self.wire.now() + self.reaction_wait)
+        reaction = self._blocks.pop(0) if self._blocks else None
+        if reaction is None:
+            raise Refused(self._no_reaction())
         self.traffic.append(Traffic(False, reaction, self.wire.now()))
-        if len(reaction) < 4 or reaction[0] not in (0x00, 0xFF) or reaction[1:3] != b"\x00\x00":
-            raise Refused(f"no reaction telegram: {reaction[:16].hex(' ')}")
+        if not is_reaction(reaction):
+            raise Refused(said("no reaction telegram: {}", reaction[:16].hex(" ")))
         if reaction[3]:
-            raise Refused(f"the partner refuses: {reaction[3]:02X}h, {words_of(reaction[3])}")
+            raise Refused(said("the partner refuses: {:02X}h, {}", reaction[3], words_of(reaction[3])))
         return reaction
+
+    def _over(self, job: int) -> bool:
+        return any(isinstance(event, BlockSent | SendFailed) and event.job == job for event in self._told)
+
+    def _crowded(self) -> bool:
+        return sum(isinstance(event, BlockReceived) for event in self._told) >= MOST_CONFLICTS
+
+    def _no_reaction(self) -> Text:
+        wait = self.reaction_wait / 1e9
+        refused = [event.why for event in self._told if isinstance(event, BlockRefused)]
+        known = next((NOT_TAKEN[why] for why in refused if why in NOT_TAKEN), None)
+        if known is not None:
+            return said("the reaction telegram could not be taken: {}", known)
+        own = sum(not one.ours and _is_command(one.data) for one in self.traffic)
+        if own:
+            return said("no reaction telegram within {:.0f} s; the partner sent {} commands of its own instead", wait, own)
+        return said("no reaction telegram within {:.0f} s: does the partner speak RK512 (not raw 3964R)?", wait)
 
     def listen(self, how_long: Ns) -> list[bytes]:
         """Takes what the partner sends by itself."""
@@ -108,18 +154,23 @@ class Client:
         blocks, self._blocks = self._blocks, []
         return blocks
 
-    def _why(self, failed: SendFailed) -> str:
-        repeats = [event for event in self._told if isinstance(event, SendRepeated)]
-        reason = failed.stage, failed.why
-        if failed.why is Failure.NAK and any((event.stage, event.why) == (Stage.BLOCK, Failure.NAK) for event in repeats):
-            reason = Stage.BLOCK, Failure.NAK  # it was ready at first; a NAK late in a long block answers the next STX
-        text = FAILED.get(reason, f"not sent: {failed.stage.name.lower()}, {failed.why.name.lower()}")
+    def _why(self, failed: SendFailed) -> Text:
         if any(isinstance(event, SamePriority) for event in self._told):
-            text = f"both stations have the same priority ({self.priority.name.lower()}): set one to high, the other to low"
-        tries = f"{len(repeats) + 1} attempts" if repeats else "1 attempt"
+            return said("both stations have the same priority ({}): set one to high, the other to low", self.priority.name.lower())
+        seen = Counter((event.stage, event.why) for event in self._told if isinstance(event, SendRepeated | SendFailed))
+        ways = [(said(SEEN.get(key, "something else"), self.profile.ack_delay / 1e6), count) for key, count in seen.items()]
+        listed: str = said("{} ({})", ways[0][0], _attempts(ways[0][1]))
+        for text, count in ways[1:]:
+            listed = said("{}; {} ({})", listed, text, _attempts(count))
+        reason = (Stage.BLOCK, Failure.NAK) if (Stage.BLOCK, Failure.NAK) in seen else (failed.stage, failed.why)
+        if (Stage.CONNECT, Failure.SILENT) in seen and len(seen) > 1:
+            means: str = "the partner answers later than our QVZ/ADT: choose its --profile, or one with a longer QVZ"
+        else:  # it was ready at first where a block was refused; a NAK late in a long block answers the next STX
+            means = MEANS.get(reason, "wrong speed or parity")
         length = len(self.traffic[-1].data)
-        size = f"; or its {length} characters are more than the partner takes" if length > SHORT else ""
-        return text.format(qvz=self.profile.ack_delay / 1e6, zvz=self.profile.char_delay / 1e6, tries=tries, size=size)
+        if reason == (Stage.BLOCK, Failure.NAK) and length > SHORT:
+            means = said("{}; or its {} characters are more than the partner takes", means, length)
+        return said("{}: {}", listed, means)
 
     # ---- the loop
     def _run(self, done: Callable[[], bool], until: Ns | None) -> bool:
@@ -128,6 +179,8 @@ class Client:
         self._flush()
         while not done():
             now = self.wire.now()
+            if until is not None and self.link.receiving:
+                until = max(until, now + self.profile.char_delay)  # the wait is for the beginning of the block
             moments = [moment for moment in (until, self.link.deadline(), self._sent_due()) if moment is not None]
             if until is not None and now >= until:
                 return False
@@ -160,7 +213,19 @@ class Client:
         for event in events:
             self._told.append(event)
             self.on_event(event)
-            if isinstance(event, BlockReceived):
+            if isinstance(event, BlockReceived) and _is_command(event.data):
+                self.traffic.append(Traffic(False, event.data, now))  # RK512 lets it send its own while we wait (serial-protocols 2.6)
+            elif isinstance(event, BlockReceived):
                 self._blocks.append(event.data)
+            elif isinstance(event, BlockSent):
+                self._blocks.clear()  # what came before our command was taken is no answer to it: a reaction repeated
             elif isinstance(event, BlockRefused) and len(self._told) > 10_000:
                 del self._told[:5_000]
+
+
+def _attempts(count: int) -> Text:
+    return said("{} attempts", count) if count > 1 else said("1 attempt")
+
+
+def _is_command(data: bytes) -> bool:
+    return len(data) > 2 and data[0] in (FIRST, FOLLOW_ON) and data[2] in b"AEO"

@@ -5,6 +5,7 @@ import inspect
 import string
 from collections.abc import Iterator
 from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -18,6 +19,7 @@ from gateway.pure.lines import diagnosis as line_diagnosis
 from gateway.pure.lines.diagnosis import anzw, cp341, judge, pafe
 from gateway.pure.lines.texts import Text, in_language, language_of, said
 from gateway.pure.lines.texts_de import GERMAN
+from gateway.tools.line import client as line_job
 from gateway.tools.line.diagnose import gather
 from gateway.tools.line.ports import open_wire
 from protocols.p3964r.profiles import RHO3, Priority
@@ -39,7 +41,7 @@ def spoken(module: ModuleType) -> Iterator[str]:
             assert not isinstance(argument, ast.JoinedStr) or name in ("add",), f"{module.__name__}: {ast.unparse(node)}: use said(..)"
 
 
-@pytest.mark.parametrize("module", [bench, cases_active, cases_receive, cases_rk512, cases_send, probe, report, line_diagnosis])
+@pytest.mark.parametrize("module", [bench, cases_active, cases_receive, cases_rk512, cases_send, probe, report, line_diagnosis, line_job])
 def test_everything_that_is_said_has_its_german(module: ModuleType) -> None:
     found = set(spoken(module))
     assert found or module is probe
@@ -47,6 +49,8 @@ def test_everything_that_is_said_has_its_german(module: ModuleType) -> None:
 
 
 def test_tables_and_titles_have_their_german() -> None:
+    tables: tuple[dict[Any, str], ...] = (line_job.SEEN, line_job.MEANS, line_job.NOT_TAKEN)
+    assert [text for table in tables for text in table.values() if text not in GERMAN] == []
     titles = [case.title for case in all_cases(Settings(RHO3, Priority.LOW, active=True))]
     patterns = [title.pattern if isinstance(title, Text) else title for title in titles]
     tables = [*line_diagnosis.PAFE.values(), *line_diagnosis.ANZW_BITS.values(), *line_diagnosis.ANZW_ERRORS.values()]

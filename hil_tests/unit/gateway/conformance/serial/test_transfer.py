@@ -1,11 +1,16 @@
 """send and fetch: number types, addresses, telegrams, refusals in words."""
 
+import re
+from collections.abc import Callable
+
 import pytest
 
 from gateway.conformance.serial.partners import Station, make
 from gateway.links.serial.tool_wire import VirtualWire
-from gateway.tools.line.client import Client, Refused
+from gateway.tools.line.client import MOST_CONFLICTS, Client, Refused
 from gateway.tools.line.transfer import BadInput, decoded, encoded, kinds, place, words_needed
+from protocols.base.machine import Ns
+from protocols.p3964r.characters import check_of, wire_block
 from protocols.p3964r.profiles import RHO3, Priority
 
 CHAR = 11_000_000_000 // 9600
@@ -37,8 +42,8 @@ def test_more_than_128_bytes_are_several_telegrams() -> None:
 @pytest.mark.parametrize(
     "partner, words",
     [
-        ("silent", "no answer to STX within QVZ/ADT 550 ms, 6 attempts"),
-        ("includes-stx", "refused (NAK): block check, parity, ZVZ/CDT 220 ms"),
+        ("silent", "no answer to STX within QVZ/ADT 550 ms (6 attempts): partner off, cable"),
+        ("includes-stx", "the block refused (NAK) (6 attempts): block check, parity, ZVZ/CDT"),
         ("raw", "no reaction telegram within 5 s: does the partner speak RK512"),
     ],
 )
@@ -47,6 +52,84 @@ def test_what_went_wrong_is_told_in_words(partner: str, words: str) -> None:
     with pytest.raises(Refused) as fault:
         line.fetch(10, 0, 1)
     assert words in str(fault.value)
+
+
+class Scripted(Station):
+    """A foreign partner in one rule: what was heard last -> what is said to it; QVZ and ZVZ play no part."""
+
+    def __init__(self, rule: Callable[[bytes], bytes | None]) -> None:
+        super().__init__(RHO3, Priority.HIGH)
+        self._rule, self._heard, self._say = rule, b"", b""
+
+    def receive(self, data: bytes, now: Ns) -> list[object]:
+        self._heard += data
+        answer = self._rule(self._heard)
+        if answer is not None:
+            self._say, self._heard = self._say + answer, b""
+        return []
+
+    def sent(self, now: Ns) -> list[object]:
+        return []
+
+    def take_output(self) -> bytes:
+        said, self._say = self._say, b""
+        return said
+
+    def deadline(self) -> Ns | None:
+        return None
+
+
+COMMAND = b"\x00\x00ED\x0b\x00\x00\x01\xff\xff\x10\x03"
+WIRE = COMMAND + bytes((check_of(COMMAND),))
+BLOCK = re.compile(rb"\x00\x00ED.{6}\x10\x03.", re.DOTALL)
+
+
+def scripted(*steps: tuple[bytes, bytes]) -> Callable[[bytes], bytes | None]:
+    """Answers in their order, each when what was heard ends so; b"" is any whole FETCH."""
+    left = list(steps)
+
+    def rule(heard: bytes) -> bytes | None:
+        if left and (BLOCK.search(heard) if left[0][0] == b"" else heard.endswith(left[0][0])):
+            return left.pop(0)[1]
+        return None
+
+    return rule
+
+
+def refused(partner: Station) -> str:
+    with pytest.raises(Refused) as fault:
+        Client(VirtualWire(partner, CHAR), RHO3, Priority.LOW).fetch(10, 0, 1)
+    return str(fault.value)
+
+
+def test_a_partner_that_always_has_a_job_of_its_own_does_not_hold_a_tool_for_ever() -> None:
+    """With priority it may send again and again; its commands are no answer to ours."""
+    rounds = 3 * MOST_CONFLICTS
+    partner = Scripted(scripted(*[(b"\x02", b"\x02"), (b"\x10", WIRE), (b"\x10", b"")] * rounds))
+    assert refused(partner).startswith(f"the partner sent {MOST_CONFLICTS} blocks of its own and left no room for ours")
+
+
+def test_a_command_or_a_repeated_reaction_is_not_taken_for_the_answer() -> None:
+    stale, right = (wire_block(bytes(4) + data) for data in (b"\x99\x99", b"\x12\x34"))
+    for before in (WIRE, stale):
+        steps = [(b"\x02", b"\x02"), (b"\x10", before), (b"\x10\x02", b"\x10"), (b"", b"\x10\x02"), (b"\x10", right)]
+        line = Client(VirtualWire(Scripted(scripted(*steps)), CHAR), RHO3, Priority.LOW)
+        assert line.fetch(10, 0, 1) == b"\x12\x34"
+
+
+def test_a_reaction_that_came_and_was_not_taken_is_not_missing() -> None:
+    bad = wire_block(bytes(4) + b"\x12\x34")[:-1]
+    without = refused(Scripted(scripted((b"\x02", b"\x10"), (b"", b"\x10\x02"), (b"\x10", bad))))
+    assert without.startswith("the reaction telegram could not be taken: ") and "3964, not 3964R" in without
+    wrong = refused(Scripted(scripted((b"\x02", b"\x10"), (b"", b"\x10\x02"), (b"\x10", bad + b"\x55"))))
+    assert "its block check was wrong" in wrong
+
+
+def test_a_partner_slower_than_qvz_is_not_called_busy() -> None:
+    """It answered the fourth STX, then NAK: not every STX was answered with NAK."""
+    told = refused(Scripted(scripted((b"\x02\x02\x02", b"\x10"), (b"", b"\x15"), *[(b"\x02", b"\x15")] * 20)))
+    assert told.startswith("no answer to STX within QVZ/ADT 550 ms (2 attempts); the block refused (NAK) (1 attempt); NAK to STX (")
+    assert told.endswith("the partner answers later than our QVZ/ADT: choose its --profile, or one with a longer QVZ")
 
 
 def test_a_refusal_carries_number_and_words() -> None:
