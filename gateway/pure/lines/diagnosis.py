@@ -46,7 +46,8 @@ class Evidence:
     checks: dict[str, Heard | None] = field(default_factory=dict)  # check we sent (right, stx, once, none) -> answer to the block
     their_difference: int | None = None  # their BCC xor the right one
     reaction: bytes | None = None  # to a FETCH; b"": no reaction
-    blocks: list[bytes] = field(default_factory=list)  # blocks the partner sent by itself
+    spoilt: str = ""  # what was wrong with the reaction
+    blocks: list[bytes] = field(default_factory=list)  # the partner sent by itself; they were acknowledged
     conflict: Heard | None | str = "not tried"  # what came after our STX met theirs
 
 
@@ -58,7 +59,9 @@ def judge(seen: Evidence) -> list[Finding]:
     partner = _partner(seen)
     if any(finding.level == "fault" for finding in partner):
         return line + partner
-    return line + partner + _latency(seen) + _checks(seen) + _rides(seen) + _priority(seen)
+    checks = _checks(seen)
+    rides = [one for one in _rides(seen) if one.name != "reaction spoilt" or not checks]  # a wrong check spoils the reaction as well
+    return line + partner + _latency(seen) + checks + rides + _priority(seen)
 
 
 # ---- the line itself
@@ -69,6 +72,9 @@ def _idle(seen: Evidence) -> list[Finding]:
         return [
             Finding("wires crossed", "fault", text, "exchange the two wires of the receiving pair (A and B, or + and -; TTY: RX+ and RX-)")
         ]
+    if seen.blocks:
+        text = said("the partner sent {} blocks by itself; they were acknowledged and not used", len(seen.blocks))
+        return [Finding("line in use", "note", text, "nothing; stop its program where the blocks must not get lost")]
     if seen.idle:
         text = said("{} characters came while we were silent", len(seen.idle))
         return [Finding("line in use", "note", text, "is a third station on the line, or is the partner sending by itself?")]
@@ -78,14 +84,18 @@ def _idle(seen: Evidence) -> list[Finding]:
 def _echo(seen: Evidence) -> list[Finding]:
     if not seen.pattern:
         return []
-    came = [what for what in seen.returned if what != Char.NAK]
-    same = len(_matches(seen.pattern, came))
+    came = [what for what in seen.returned if what not in (Char.NAK, Char.STX)]
+    same = len(matches(seen.pattern, came))
     if same >= ECHO_WHOLE * len(seen.pattern):
         text = said("every character comes back ({} of {}): an echo", same, len(seen.pattern))
         todo = "switch the echo of the 2-wire adapter off, or remove the loop-back plug; 3964R needs both directions apart"
         return [Finding("echo", "fault", text, todo)]
+    damaged = sum(isinstance(what, Damage) for what in came)
+    if came and not same and not damaged:
+        level = "note" if _good(seen.answers.get(seen.our_format, [])) else "fault"
+        text = said("{} characters without a meaning were answered with others: {}", len(seen.pattern), _shown(came))
+        return [Finding("other characters", level, text, "another protocol or speed at the partner, or cross-talk on an open line")]
     if came:
-        damaged = sum(isinstance(what, Damage) for what in came)
         text = said(
             "of {} characters {} came back right and {} damaged: cross-talk on an open line, not an echo", len(seen.pattern), same, damaged
         )
@@ -97,7 +107,7 @@ def _echo(seen: Evidence) -> list[Finding]:
     return []
 
 
-def _matches(pattern: bytes, came: Sequence[Heard]) -> list[int]:
+def matches(pattern: bytes, came: Sequence[Heard]) -> list[int]:
     """Characters of the pattern that came back, in its order."""
     found, at = [], 0
     for what in came:
@@ -198,15 +208,11 @@ def _checks(seen: Evidence) -> list[Finding]:
                 "BCC counts 10h once", "fault", text, "the partner's software is wrong; both characters of a doubled DLE are in the check"
             )
         ]
-    if seen.checks.get("right") == Char.NAK and seen.checks.get("none") == Char.DLE:
-        return [
-            Finding(
-                "3964 without R",
-                "fault",
-                "blocks without check are taken, with check refused: the partner is set to 3964",
-                'set both to 3964R (or protocol = "3964")',
-            )
-        ]
+    if seen.checks.get("none") == Char.DLE:
+        refused = seen.checks.get("right") == Char.NAK
+        text = "blocks without check are taken, with check refused" if refused else "blocks are taken without their check"
+        todo = 'set both to 3964R (or protocol = "3964")'
+        return [Finding("3964 without R", "fault", said("{}: the partner is set to 3964", text), todo)]
     if seen.checks.get("right") == Char.NAK:
         return [Finding("blocks refused", "fault", "a good block is refused with every check tried", "parity, or another block format")]
     return []
@@ -214,6 +220,9 @@ def _checks(seen: Evidence) -> list[Finding]:
 
 # ---- what rides on it
 def _rides(seen: Evidence) -> list[Finding]:
+    if seen.spoilt:
+        text = said("the reaction to a FETCH is no good block: {}", seen.spoilt)
+        return [Finding("reaction spoilt", "fault", text, "parity, speed, or the partner's software")]
     if seen.reaction or any(_is_rk512(block) for block in seen.blocks):
         number = said(", it answered {:02X}h", seen.reaction[3]) if seen.reaction and len(seen.reaction) >= 4 else ""
         return [Finding("RK512", "ok", said("RK512 rides on 3964R{}", number), 'layer = "rk512"')]

@@ -95,6 +95,18 @@ DIAGNOSIS = {
         "die beiden Adern des Empfangspaars tauschen (A und B, oder + und -; TTY: RX+ und RX-)"
     ),
     "line in use": "Leitung belegt",
+    "the partner sent {} blocks by itself; they were acknowledged and not used": (
+        "der Partner sandte von selbst {} Bloecke; sie wurden quittiert und nicht verwendet"
+    ),
+    "nothing; stop its program where the blocks must not get lost": "nichts; sein Programm anhalten, wo die Bloecke nicht verloren gehen duerfen",
+    "other characters": "andere Zeichen",
+    "{} characters without a meaning were answered with others: {}": "auf {} Zeichen ohne Bedeutung kamen andere: {}",
+    "another protocol or speed at the partner, or cross-talk on an open line": (
+        "anderes Protokoll oder andere Geschwindigkeit beim Partner, oder Uebersprechen auf einer offenen Leitung"
+    ),
+    "reaction spoilt": "Reaktion verdorben",
+    "the reaction to a FETCH is no good block: {}": "die Reaktion auf ein FETCH ist kein guter Block: {}",
+    "parity, speed, or the partner's software": "Paritaet, Geschwindigkeit oder die Software des Partners",
     "{} characters came while we were silent": "{} Zeichen kamen, waehrend wir schwiegen",
     "is a third station on the line, or is the partner sending by itself?": (
         "ist eine dritte Station an der Leitung, oder sendet der Partner von selbst?"
@@ -141,9 +153,9 @@ DIAGNOSIS = {
     ),
     "echo {} | sudo tee {}": "echo {} | sudo tee {}",
     "3964 without R": "3964 ohne R",
-    "blocks without check are taken, with check refused: the partner is set to 3964": (
-        "Bloecke ohne Pruefzeichen werden genommen, mit Pruefzeichen abgelehnt: der Partner steht auf 3964"
-    ),
+    "{}: the partner is set to 3964": "{}: der Partner steht auf 3964",
+    "blocks without check are taken, with check refused": "Bloecke ohne Pruefzeichen werden genommen, mit Pruefzeichen abgelehnt",
+    "blocks are taken without their check": "Bloecke werden ohne ihr Pruefzeichen genommen",
     'set both to 3964R (or protocol = "3964")': 'beide auf 3964R stellen (oder protocol = "3964")',
     "blocks refused": "Bloecke abgelehnt",
     "a good block is refused with every check tried": "ein guter Block wird mit jedem versuchten Pruefzeichen abgelehnt",

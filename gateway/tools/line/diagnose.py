@@ -4,11 +4,11 @@ import os
 import pathlib
 from collections.abc import Callable, Sequence
 
-from gateway.conformance.serial.bench import Bench, Verdict
+from gateway.conformance.serial.bench import QUIET, Bench, Verdict
 from gateway.conformance.serial.cases_rk512 import FETCH, TYPE_DB, header
 from gateway.links.serial.tool_wire import Wire
-from gateway.pure.lines.diagnosis import Evidence, Heard
-from protocols.base.machine import Ns, ms
+from gateway.pure.lines.diagnosis import Evidence, Heard, matches
+from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, wire_block
 from protocols.p3964r.profiles import Priority, Profile
 
@@ -17,7 +17,11 @@ PATTERN = bytes(b"UZ3fLqwE" * 2)  # characters without a meaning in idle
 LISTEN = ms(1000)
 UNTOLD = ("COM", "com", "sim:")  # ports whose adapter's latency timer cannot be read; on Linux those that have one tell it
 PATIENCE = ms(10_000)  # with an answer that did not come in time
+REACTION = ms(2000)
 ROUNDS = 5
+OWN_BLOCKS = 8  # of the partner, taken while we listen; one that never pauses must not hold us
+CONFLICTS = 8
+NOT_SLOW = ms(40)
 BAUDS = (9600, 19200, 4800, 2400, 1200)
 FRAMES = ("8E1", "8N1", "8O1")
 FETCH_ANY = header(FETCH, TYPE_DB, 255, 0, 1)  # any reaction will do, an error number is one
@@ -31,11 +35,11 @@ def gather(opener: Opener, line_format: str, profile: Profile, priority: str, ur
     wire = opener(line_format)
     try:
         bench = Bench(wire, profile, Priority.LOW, None, None)
-        seen.idle = _listen(bench, LISTEN)
+        seen.idle = _listen(bench, LISTEN, seen)
         bench.say(PATTERN)
-        seen.pattern, seen.returned = PATTERN, _listen(bench, ms(300))
+        seen.pattern, seen.returned = PATTERN, _listen(bench, ms(300), seen)
         bench.pass_time(wire.now() + profile.char_delay)
-        seen.answers[line_format] = _stx(bench)
+        seen.answers[line_format] = _stx(bench, seen)
         if not seen.answers[line_format]:
             _late(bench, seen)
         if seen.answers[line_format][:1] == [Char.DLE] and not _disturbed(seen):
@@ -48,24 +52,68 @@ def gather(opener: Opener, line_format: str, profile: Profile, priority: str, ur
 
 
 def _disturbed(seen: Evidence) -> bool:
-    """Something other than a partner's NAK came back from the pattern, or the idle line is not quiet."""
-    return any(what != Char.NAK for what in seen.returned) or bool(seen.idle)
+    """What was said came back, whole or damaged, or the idle line is not quiet."""
+    back = bool(matches(seen.pattern, seen.returned)) or any(isinstance(what, Damage) for what in seen.returned)
+    return back or any(what != Char.NAK for what in seen.idle)
 
 
-def _listen(bench: Bench, how_long: Ns) -> list[Heard]:
-    """Everything that comes until it was quiet so long."""
+def _listen(bench: Bench, how_long: Ns, seen: Evidence) -> list[Heard]:
+    """Everything that comes until it was quiet so long; blocks the partner sends by itself are taken, or it repeats them into every test."""
     bench.mark = max(bench.mark, bench.wire.now())
     heard: list[Heard] = []
-    while (got := bench.answer(how_long)) is not None and len(heard) < 200:
+    most = len(seen.blocks) + OWN_BLOCKS
+    while len(heard) < 200 and len(seen.blocks) < most and (got := bench.answer(how_long)) is not None:
+        if got == Char.STX:
+            _take(bench, seen)
+        else:
+            heard.append(got)
+    return heard
+
+
+def _take(bench: Bench, seen: Evidence) -> None:
+    """The partner's block behind its STX."""
+    try:
+        seen.blocks.append(bench.take())
+    except Verdict:
+        bench.say(bytes((Char.NAK,)))
+
+
+def _connect(bench: Bench, seen: Evidence) -> Heard | None:
+    """What comes after STX; where the partner wishes to send at the same time it may, and ours is tried again."""
+    got: Heard | None = None
+    for _ in range(CONFLICTS):
+        bench.say(bytes((Char.STX,)))
+        got = bench.answer(bench.profile.ack_delay)
+        if got != Char.STX:
+            break
+        got = bench.answer(bench.profile.char_delay)  # both at once: DLE if it gives way, nothing if it has priority
+        if got is not None:
+            break
+        _take(bench, seen)
+    return got
+
+
+def _stx(bench: Bench, seen: Evidence) -> list[Heard]:
+    """What comes after STX, until it is quiet: DLE, and NAK when the character delay is over."""
+    own, begun = len(seen.blocks), max(bench.mark, bench.wire.now())
+    got = _connect(bench, seen)
+    if got == Char.DLE and len(seen.blocks) == own:
+        seen.answer_times.append(bench.mark - begun - bench.wire.char_ns)
+    return [] if got is None else [got, *_rest(bench, _slow(seen))]
+
+
+def _rest(bench: Bench, slow: Ns = 0) -> list[Heard]:
+    """What follows until it is quiet; `slow`: so long the partner takes for an answer."""
+    heard: list[Heard] = []
+    while (got := bench.answer(bench.profile.char_delay + ms(100) + slow)) is not None and len(heard) < 200:
         heard.append(got)
     return heard
 
 
-def _stx(bench: Bench) -> list[Heard]:
-    """What comes after STX, until it is quiet: DLE, and NAK when the character delay is over."""
-    bench.say(bytes((Char.STX,)))
-    got = bench.answer(bench.profile.ack_delay)
-    return [] if got is None else [got, *_listen(bench, bench.profile.char_delay + ms(100))]
+def _slow(seen: Evidence) -> Ns:
+    """So much longer than others this partner takes for an answer."""
+    longest = max(seen.answer_times, default=0)
+    return longest if longest > NOT_SLOW else 0
 
 
 def _late(bench: Bench, seen: Evidence) -> None:
@@ -74,7 +122,7 @@ def _late(bench: Bench, seen: Evidence) -> None:
     got = bench.answer(PATIENCE)
     if got is not None:
         seen.late, seen.late_after = got, bench.mark - start
-        _listen(bench, bench.profile.char_delay + ms(100))
+        _rest(bench)
 
 
 def _scan(opener: Opener, seen: Evidence, profile: Profile) -> None:
@@ -85,7 +133,7 @@ def _scan(opener: Opener, seen: Evidence, profile: Profile) -> None:
             continue
         wire = opener(name)
         try:
-            seen.answers[name] = _stx(Bench(wire, profile, Priority.LOW, None, None))
+            seen.answers[name] = _stx(Bench(wire, profile, Priority.LOW, None, None), seen)
         finally:
             wire.close()
         if seen.answers[name][:1] == [Char.DLE]:
@@ -94,14 +142,10 @@ def _scan(opener: Opener, seen: Evidence, profile: Profile) -> None:
 
 def _partner(bench: Bench, seen: Evidence) -> None:
     for _ in range(ROUNDS):
-        bench.say(bytes((Char.STX,)))
-        start, got = bench.mark, bench.answer(bench.profile.ack_delay)
-        if got == Char.DLE:
-            seen.answer_times.append(bench.mark - start)
-        _listen(bench, bench.profile.char_delay + ms(100))
+        _stx(bench, seen)
     for name, wire in checks():
-        seen.checks[name] = _offer(bench, wire)
-        _settle(bench)
+        seen.checks[name] = _offer(bench, wire, seen)
+        _settle(bench, seen)
         if name == "right" and seen.checks[name] == Char.DLE:
             continue
     _fetch(bench, seen)
@@ -119,40 +163,49 @@ def checks() -> Sequence[tuple[str, bytes]]:
     )
 
 
-def _offer(bench: Bench, wire: bytes) -> Heard | None:
-    bench.say(bytes((Char.STX,)))
-    if bench.answer(bench.profile.ack_delay) != Char.DLE:
+def _offer(bench: Bench, wire: bytes, seen: Evidence) -> Heard | None:
+    if _connect(bench, seen) != Char.DLE:
         return None
     bench.say(wire)
-    return bench.answer(min(bench.profile.ack_delay, bench.profile.char_delay - ms(50)))
+    return bench.answer(bench.profile.ack_delay)
 
 
-def _settle(bench: Bench) -> None:
+def _settle(bench: Bench, seen: Evidence) -> None:
     try:
-        bench.settle()
+        bench.settle(bench.profile.char_delay + QUIET + _slow(seen))
     except Verdict:
         bench.pass_time(bench.wire.now() + ms(500))
 
 
 def _fetch(bench: Bench, seen: Evidence) -> None:
     """A FETCH: is there a reaction, and who goes on when our STX meets the STX of it?"""
-    if _offer(bench, wire_block(FETCH_ANY)) != Char.DLE:
+    if _offer(bench, wire_block(FETCH_ANY), seen) != Char.DLE:
         return
     seen.reaction = b""
-    if bench.answer(ms(2000)) != Char.STX:
+    if not _asks(bench):
         return
     try:
         seen.reaction = bench.take()
     except Verdict as fault:
         seen.their_difference = Char.STX if "off by 02h" in str(fault) else None
-        seen.reaction = b"\0\0\0\0"
-        _settle(bench)
+        seen.reaction, seen.spoilt = None, fault.args[0]
+        bench.say(bytes((Char.NAK,)))
+        _settle(bench, seen)
         return
-    _settle(bench)
-    if _offer(bench, wire_block(FETCH_ANY)) == Char.DLE and bench.answer(ms(2000)) == Char.STX:
+    _settle(bench, seen)
+    if _offer(bench, wire_block(FETCH_ANY), seen) == Char.DLE and _asks(bench):
         bench.say(bytes((Char.STX,)))
-        seen.conflict = bench.answer(min(bench.profile.ack_delay // 2, ms(200)))
-        _settle(bench)
+        seen.conflict = bench.answer(min(bench.profile.ack_delay // 2, ms(200)) + _slow(seen))
+        _settle(bench, seen)
+
+
+def _asks(bench: Bench) -> bool:
+    """The partner's STX, with or without stray characters before it."""
+    end = bench.mark + REACTION
+    while (left := end - bench.mark) > 0 and (got := bench.answer(left)) is not None:
+        if got == Char.STX:
+            return True
+    return False
 
 
 def latency_timer(url: str) -> tuple[int | None, str]:

@@ -1,12 +1,17 @@
 """Each diagnosis with a partner or a line that has that very fault; and what an S5 or a CP 341 shows, in words."""
 
+import re
+from dataclasses import replace
+
 import pytest
 
+from gateway.conformance.serial.partners import Late, Station, make
+from gateway.links.serial.tool_wire import VirtualWire
 from gateway.pure.lines.diagnosis import Evidence, Finding, anzw, cp341, judge, pafe
-from gateway.tools.line.diagnose import gather
+from gateway.tools.line.diagnose import OWN_BLOCKS, gather
 from gateway.tools.line.ports import open_wire
 from protocols.base.machine import ms
-from protocols.p3964r.profiles import RHO3
+from protocols.p3964r.profiles import RHO3, Priority
 
 
 def diagnosed(partner: str, priority: str = "low") -> dict[str, Finding]:
@@ -53,6 +58,48 @@ def test_no_retry_after_a_fault_hides_the_line() -> None:
 def test_a_partner_of_3964_without_check() -> None:
     seen = Evidence(answers={"9600 8E1": [0x10]}, checks={"right": 0x15, "none": 0x10})
     assert "3964 without R" in {finding.name for finding in judge(seen)}
+
+
+def seen_of(station: Station) -> dict[str, Finding]:
+    seen = gather(lambda line_format: VirtualWire(station, 11_000_000_000 // 9600), "9600 8E1", RHO3, "low")
+    return {finding.name: finding for finding in judge(seen)}
+
+
+@pytest.mark.parametrize("priority", list(Priority))
+def test_a_partner_that_sends_by_itself_is_no_cross_talk(priority: Priority) -> None:
+    """Its STX came back for the pattern: "0 right and 0 damaged" of 16."""
+    station = make("good", RHO3, priority)
+    for number in range(OWN_BLOCKS + 3):
+        station.stimulate(0, b"U" + bytes((number,)))
+    found = seen_of(station)
+    assert re.fullmatch(r"the partner sent \d+ blocks by itself; they were acknowledged and not used", found["line in use"].text)
+    assert "RK512" in found and "cross-talk" not in found
+    assert ("same priority" in found) is (priority is Priority.LOW)
+
+
+def test_a_partner_of_3964_that_takes_the_end_for_the_end() -> None:
+    """It acknowledges at DLE ETX, so a block with a check is acknowledged as well; no number is made up for its reaction."""
+    found = seen_of(make("good", replace(RHO3, block_check=False), Priority.HIGH))
+    assert found["3964 without R"].text == "blocks are taken without their check: the partner is set to 3964"
+    assert not {"RK512", "reaction spoilt"} & found.keys()
+
+
+def test_a_slow_partner_within_qvz_is_looked_at_to_the_end() -> None:
+    assert seen_of(Late(RHO3, Priority.HIGH, late=ms(200)))["RK512"].text == "RK512 rides on 3964R, it answered 14h"
+
+
+def test_characters_that_are_no_echo_are_shown() -> None:
+    seen = Evidence(pattern=b"UZ3fLqwE", returned=[0x3F, 0x0D], answers={"9600 8E1": [0x10]})
+    (found,) = [one for one in judge(seen) if one.name == "other characters"]
+    assert (found.level, found.text) == ("note", "8 characters without a meaning were answered with others: 3F 0D")
+    assert [one.level for one in judge(replace(seen, answers={"9600 8E1": []}))] == ["fault"]
+
+
+def test_a_reaction_that_is_spoilt_is_a_fault_with_its_reason() -> None:
+    seen = Evidence(answers={"9600 8E1": [0x10]}, checks={"right": 0x10}, spoilt="block check 55h, expected 13h")
+    assert [one.text for one in judge(seen) if one.level == "fault"] == [
+        "the reaction to a FETCH is no good block: block check 55h, expected 13h"
+    ]
 
 
 def test_a_partner_that_is_not_ready() -> None:
