@@ -26,14 +26,16 @@ from gateway.tools.line.arguments import PORTS, parser
 from gateway.tools.line.client import Client
 from gateway.tools.line.client import Refused as JobRefused
 from gateway.tools.line.diagnose import gather
-from gateway.tools.line.learn import NoTrace, characters, learned, of_line
+from gateway.tools.line.learn import NoTrace, characters, learned, of_line, text_of
 from gateway.tools.line.ports import open_port, open_wire
-from gateway.tools.line.transfer import BadInput, decoded, encoded, kinds, place, words_needed
+from gateway.tools.line.transfer import BadInput, decoded, encoded, kinds, place, reachable, words_needed
 from protocols.base.errors import ProtocolError
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.profiles import PROFILES, Priority, Profile
 
 DONE, FINDING, USAGE, ENVIRONMENT = 0, 1, 2, 3
+INTERRUPTED = 130  # by Ctrl-C, as a shell has it
+MOST_COUNT = 10_000  # values; more than any block has
 LEVELS = ("fault", "warn", "ok", "note")  # of a finding
 PLEASE = "Please make the station send now"
 
@@ -51,14 +53,25 @@ def main(argv: list[str]) -> int:
         return _fault(arguments.tool, str(error), USAGE)
     except JobRefused as error:
         return _fault(arguments.tool, in_language(error.text, _language(arguments)), FINDING)
-    except (PortError, OSError) as error:
-        return _fault(arguments.tool, str(error.args[-1] if isinstance(error, PortError) else error), ENVIRONMENT)
+    except PortError as error:
+        return _fault(arguments.tool, _of_port(error), ENVIRONMENT)
+    except OSError as error:
+        return _fault(arguments.tool, _of_file(error), ENVIRONMENT)
     except ImportError as error:
         return _fault(
             arguments.tool, f"this port needs {error.name}, which this system has not; use COM..., rfc2217:// or tcp://", ENVIRONMENT
         )
     except KeyboardInterrupt:
-        return DONE
+        return DONE if arguments.tool == "monitor" else _fault(arguments.tool, "interrupted before its end", INTERRUPTED)
+
+
+def _of_port(error: PortError) -> str:
+    """A cell opens its port again; a tool has ended."""
+    return str(error.args[-1]).partition("; it is opened again")[0]
+
+
+def _of_file(error: OSError) -> str:
+    return f"{error.filename}: {error.strerror}" if error.filename else str(error)
 
 
 def _fault(tool: str, text: str, code: int) -> int:
@@ -77,7 +90,7 @@ def run_probe(arguments: argparse.Namespace) -> int:
         raise BadInput(f"PORT is missing: {PORTS}")
     wire = open_wire(arguments.port, arguments.format)
     results: list[Result] = []
-    gone: PortError | None = None
+    gone: PortError | KeyboardInterrupt | None = None
 
     def told(result: Result) -> None:
         results.append(result)
@@ -89,36 +102,47 @@ def run_probe(arguments: argparse.Namespace) -> int:
         if not all_cases(settings):
             raise BadInput(f"--only {' '.join(arguments.only)}: no such test; --list shows them")
         probe(wire, settings, lambda: _operator(device, _language(arguments)), told)
-    except PortError as error:
+    except (PortError, KeyboardInterrupt) as error:
         gone = error  # what was seen so far is reported all the same
     finally:
         wire.close()
     facts = {key: str(value) for key, value in device.get("device", {}).items()}
     if gone is not None:
-        facts["Broken off"] = said("after {} tests: {}", len(results), str(gone.args[-1]))
+        why = _of_port(gone) if isinstance(gone, PortError) else "Ctrl-C"
+        facts["Broken off"] = said("after 1 test: {}", why) if len(results) == 1 else said("after {} tests: {}", len(results), why)
     language = _language(arguments)
     report = as_dict(results, settings, arguments.port, arguments.format, stamp(), wire.simulated, facts, language)
-    _write_report(report, results, arguments)
+    written = _write_report(report, results, arguments)
     if gone is not None:
         raise gone
-    return exit_code(results)
+    return exit_code(results) if written else ENVIRONMENT
 
 
-def _write_report(report: dict[str, object], results: list[Result], arguments: argparse.Namespace) -> None:
-    """Files and the last lines."""
+def _write_report(report: dict[str, object], results: list[Result], arguments: argparse.Namespace) -> bool:
+    """Files and the last lines; False: the files cannot be written, and the lines are all there is."""
     name = arguments.report or f"probe-{time.strftime('%Y%m%d-%H%M%S')}"
-    if not arguments.no_report:
-        pathlib.Path(f"{name}.json").write_text(to_json(report), encoding="utf-8")
-        pathlib.Path(f"{name}.html").write_text(to_html(report), encoding="utf-8")
+    written = arguments.no_report or all(
+        _kept(f"{name}.{end}", text) for end, text in (("json", to_json(report)), ("html", to_html(report)))
+    )
     if arguments.json:
         print(to_json(report), end="")
-        return
+        return written
     language = _language(arguments)
     print(", ".join(f"{count} {in_language(word, language)}" for word, count in counted(results).items() if count))
     print(report["conclusion"])
-    if not arguments.no_report:
+    if written and not arguments.no_report:
         print(in_language(said("report: {}.html, {}.json", name, name), language))
     print(report["text"])
+    return written
+
+
+def _kept(path: str, text: str) -> bool:
+    try:
+        pathlib.Path(path).write_text(text, encoding="utf-8")
+    except OSError as error:
+        _fault("probe", f"report {path} cannot be written: {error.strerror}", ENVIRONMENT)
+        return False
+    return True
 
 
 def _tell(result: Result, language: str) -> None:
@@ -127,7 +151,7 @@ def _tell(result: Result, language: str) -> None:
 
 
 def _language(arguments: argparse.Namespace) -> str:
-    return language_of(arguments.language, os.environ)
+    return language_of(arguments.language, dict(os.environ))
 
 
 def _operator(device: dict[str, dict[str, object]], language: str) -> None:
@@ -230,6 +254,7 @@ def _client(arguments: argparse.Namespace) -> Client:
 def run_send(arguments: argparse.Namespace) -> int:
     db, word = place(arguments.address)
     data = encoded(kinds(arguments.type), arguments.values)
+    reachable(word, len(data) // 2)
     client = _client(arguments)
     try:
         client.send(db, word, data)
@@ -250,9 +275,11 @@ def run_fetch(arguments: argparse.Namespace) -> int:
     types = kinds(arguments.type)
     if arguments.count < 1:
         raise BadInput(f"--count {arguments.count}: at least 1 expected")
+    words = words_needed(types, min(arguments.count, MOST_COUNT))
+    reachable(word, words)
     client = _client(arguments)
     try:
-        data = client.fetch(db, word, words_needed(types, arguments.count))
+        data = client.fetch(db, word, words)
     finally:
         client.wire.close()
         _print_bytes(client, arguments)
@@ -274,13 +301,22 @@ def _print_bytes(client: Client, arguments: argparse.Namespace) -> None:
 def run_monitor(arguments: argparse.Namespace) -> int:
     printer = Printer(lambda text: print(text, flush=True), arguments.json)
     if arguments.record is not None:
-        replay(characters(arguments.record.read_text(encoding="utf-8", errors="replace")), printer)
+        try:
+            replay(characters(text_of(arguments.record)), printer)
+        except ProtocolError as error:
+            raise NoTrace(f"{arguments.record}: neither a line record nor a journal: {error}") from error
         return DONE
     names = arguments.tap.split(",") if arguments.tap else [arguments.port] if arguments.port else []
     if not names or (arguments.tap and len(names) != 2):
         raise BadInput("PORT, --tap A,B (two ports) or --record FILE expected")
+    _two_ports(names)
     _listen(arguments, names, printer)
     return DONE
+
+
+def _two_ports(names: list[str]) -> None:
+    if len(names) != len(set(names)):
+        raise BadInput(f"--tap {','.join(names)}: two different ports expected, one in each wire")
 
 
 def _listen(arguments: argparse.Namespace, names: list[str], tell: Callable[[LineReport], None]) -> None:
@@ -334,9 +370,17 @@ def _learned_live(arguments: argparse.Namespace) -> tuple[Learned, str]:
     names = arguments.tap.split(",")
     if len(names) != 2:
         raise BadInput("--tap A,B: two ports expected; a cell is learned from both wires")
+    _two_ports(names)
     tolds: list[LineReport] = []
-    with contextlib.suppress(KeyboardInterrupt):
+    try:
         _listen(arguments, names, tolds.append)
+    except KeyboardInterrupt:
+        pass
+    except OSError as error:  # days of listening are not lost with an adapter, or with a full disk
+        if not tolds:
+            raise
+        why = _of_port(error) if isinstance(error, PortError) else _of_file(error)
+        _fault(arguments.tool, f"{why}: learned from what was heard until then", ENVIRONMENT)
     return of_line(tolds, arguments.tap, parse_format(arguments.format))
 
 

@@ -30,6 +30,8 @@ HINTS = {
     errno.EACCES: "may not be opened; add this user to the group of the device (ls -l), usually dialout",
     errno.EBUSY: "is used by another program; end that one first",
     errno.EAGAIN: "is used by another program; end that one first",
+    errno.EISDIR: "is a folder; name a serial port (ls /dev/serial/by-id)",
+    errno.ENOTTY: "is no serial port (ls /dev/serial/by-id)",
 }
 
 
@@ -84,6 +86,12 @@ def _refused(path: str, line_format: LineFormat, error: Exception) -> PortError:
     return PortError(errno.EIO, f"serial port {path}: refuses {line_format} ({error})")
 
 
+def _is_no_tty(error: Exception) -> bool:
+    """pyserial keeps the reason of the kernel in the error before its own."""
+    cause = error.__context__
+    return isinstance(cause, termios.error) and cause.args[:1] == (errno.ENOTTY,)
+
+
 class SerialPort(DescriptorPort):
     """One UART or USB adapter."""
 
@@ -106,7 +114,7 @@ class SerialPort(DescriptorPort):
                 exclusive=True,
             )
         except (serial.SerialException, OSError, ValueError) as error:  # ValueError: a speed the driver refuses
-            number = getattr(error, "errno", None) or 0
+            number = getattr(error, "errno", None) or (errno.ENOTTY if _is_no_tty(error) else 0)
             raise PortError(number, f"serial port {path}: {HINTS.get(number, f'cannot be opened ({error})')}") from error
         except termios.error as error:  # nothing of what was asked was new to the driver but the frame, and that it does not take
             raise _refused(path, line_format, error) from error

@@ -98,7 +98,10 @@ class Recorder:
 
     def __call__(self, stamp: Ns, side: str, what: int | Damage) -> None:
         run = Run(stamp, side, b"\0", what.name.lower()) if isinstance(what, Damage) else Run(stamp, side, bytes((what,)))
-        self._out.write(run.line())
+        try:
+            self._out.write(run.line())
+        except OSError as error:  # a full disk has no name of its own
+            raise OSError(error.errno, f"nothing more can be kept: {error.strerror}", self._out.name) from error
 
 
 class Printer:

@@ -23,7 +23,9 @@ JOBS: Mapping[str, str] = {
     "wrong speed or parity, echo, or no 3964R": "falsche Geschwindigkeit oder Paritaet, Echo, oder kein 3964R",
     "wrong speed or parity": "falsche Geschwindigkeit oder Paritaet",
     "do both stations have the same priority?": "haben beide Stationen dieselbe Prioritaet?",
-    "the partner is busy, or it expects 3964 without block check": "der Partner ist beschaeftigt, oder er erwartet 3964 ohne Blockpruefzeichen",
+    "the partner is busy, or it expects 3964 without block check": (
+        "der Partner ist beschaeftigt, oder er erwartet 3964 ohne Blockpruefzeichen"
+    ),
     "block check, parity, ZVZ/CDT, or 3964 instead of 3964R at the partner": (
         "Blockpruefzeichen, Paritaet, ZVZ/CDT, oder 3964 statt 3964R beim Partner"
     ),

@@ -26,6 +26,7 @@ REPORT = {
     "Uncertainty": "Unsicherheit",
     "Broken off": "Abgebrochen",
     "after {} tests: {}": "nach {} Pruefungen: {}",
+    "after 1 test: {}": "nach 1 Pruefung: {}",
     "virtual: the station is simulated in this process": "virtuell: die Station ist in diesem Programm simuliert",
     "real": "wirklich",
     "high": "hoch",
@@ -98,7 +99,9 @@ DIAGNOSIS = {
     "the partner sent {} blocks by itself; they were acknowledged and not used": (
         "der Partner sandte von selbst {} Bloecke; sie wurden quittiert und nicht verwendet"
     ),
-    "nothing; stop its program where the blocks must not get lost": "nichts; sein Programm anhalten, wo die Bloecke nicht verloren gehen duerfen",
+    "nothing; stop its program where the blocks must not get lost": (
+        "nichts; sein Programm anhalten, wo die Bloecke nicht verloren gehen duerfen"
+    ),
     "other characters": "andere Zeichen",
     "{} characters without a meaning were answered with others: {}": "auf {} Zeichen ohne Bedeutung kamen andere: {}",
     "another protocol or speed at the partner, or cross-talk on an open line": (

@@ -8,6 +8,7 @@ from gateway.pure.lines.texts import LANGUAGES
 from protocols.p3964r.profiles import PROFILES
 
 Run = Callable[[argparse.Namespace], int]
+MOST_SECONDS = 31_536_000
 PORTS = "/dev/ttyUSB0, COM5, tcp://host:port, rfc2217://host:port, pty:/path, line:RUN-LINE (simulated run), sim:NAME[,PROFILE[,high|low]]"
 EXAMPLES = """examples:
   axisgate line probe sim:bad-partner                          shows a report that contains FAILs
@@ -76,6 +77,24 @@ def _tool(
     return found
 
 
+def _seconds(text: str) -> float:
+    """Above 0, at most a year."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value <= MOST_SECONDS:
+        raise argparse.ArgumentTypeError(f"{text!r}: seconds above 0 expected, at most {MOST_SECONDS}")
+    return value
+
+
+def _block(text: str) -> int:
+    """Number of a data block."""
+    if not text.isdecimal() or not 0 <= int(text) <= 255:
+        raise argparse.ArgumentTypeError(f"{text!r}: number of a data block expected, 0..255")
+    return int(text)
+
+
 def _line_arguments(tool: argparse.ArgumentParser, port_optional: bool = False) -> None:
     tool.add_argument("port", metavar="PORT", nargs="?" if port_optional else None, help=PORTS)
     tool.add_argument("--format", default="9600 8E1", metavar='"9600 8E1"', help="speed, data bits, parity, stop bits (default 9600 8E1)")
@@ -105,9 +124,9 @@ def _probe_arguments(tool: argparse.ArgumentParser) -> None:
         "--stimulus", default="auto", choices=("auto", "operator", "fetch", "none"), help="how the station is made to send (auto: FETCH)"
     )
     tool.add_argument("--active", action="store_true", help="stimulated, the station sends RK512 commands: wrong reactions are tried on it")
-    tool.add_argument("--db", type=int, default=10, help="a data block that exists (default 10)")
+    tool.add_argument("--db", type=_block, default=10, help="a data block that exists (default 10)")
     tool.add_argument("--words", type=int, default=64, help="words it has (default 64)")
-    tool.add_argument("--missing-db", type=int, default=99, help="a data block that does not exist (default 99)")
+    tool.add_argument("--missing-db", type=_block, default=99, help="a data block that does not exist (default 99)")
     tool.add_argument("--write", action="store_true", help="allow SEND into --db; what was read is written back")
     tool.add_argument("--only", action="append", default=[], metavar="NAME", help="a test or a group; may be given several times")
     tool.add_argument("--list", action="store_true", help="only the list of the tests")
@@ -131,7 +150,7 @@ def _diagnose_arguments(tool: argparse.ArgumentParser) -> None:
 
 def _job_arguments(tool: argparse.ArgumentParser) -> None:
     _priority_argument(tool, "low")
-    tool.add_argument("--wait", type=float, default=5.0, metavar="S", help="longest wait for the reaction (default 5)")
+    tool.add_argument("--wait", type=_seconds, default=5.0, metavar="S", help="longest wait for the reaction (default 5)")
     tool.add_argument("--bytes", action="store_true", help="print the telegrams")
     _language_argument(tool)
     tool.add_argument("--json", action="store_true", help="one JSON object")
@@ -164,7 +183,7 @@ def _monitor_arguments(tool: argparse.ArgumentParser) -> None:
 
 
 def _listening_arguments(tool: argparse.ArgumentParser) -> None:
-    tool.add_argument("--seconds", type=float, help="end after so long (default: until Ctrl-C)")
+    tool.add_argument("--seconds", type=_seconds, help="end after so long (default: until Ctrl-C)")
     tool.add_argument("--plain", action="store_true", help="procedure 3964: blocks without check")
     tool.add_argument(
         "--save", type=pathlib.Path, metavar="FILE", help="keep what is heard as a record for learn, export and monitor --record"

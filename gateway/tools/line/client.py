@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from gateway.conformance.serial.cases_rk512 import FETCH, SEND, TYPE_DB, header, words_of
 from gateway.links.serial.tool_wire import Wire
 from gateway.pure.lines.texts import Text, said
+from gateway.tools.line.transfer import TELEGRAM_WORDS
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.events import BlockReceived, BlockRefused, BlockSent, Failure, Refusal, SamePriority, SendFailed, SendRepeated, Stage
 from protocols.p3964r.link import Link
@@ -17,7 +18,6 @@ from protocols.p3964r.profiles import Priority, Profile
 from protocols.rk512.header import FIRST, FOLLOW_ON, is_reaction
 
 MOST_BYTES = 128  # in one telegram
-TELEGRAM_WORDS = 64
 SHORT = 32  # characters every station takes
 MOST_CONFLICTS = 16  # blocks a partner may send before our job: then it leaves no room for it
 NO_ANSWER = "no answer to STX within QVZ/ADT {:.0f} ms"

@@ -58,7 +58,7 @@ def _disturbed(seen: Evidence) -> bool:
 
 
 def _listen(bench: Bench, how_long: Ns, seen: Evidence) -> list[Heard]:
-    """Everything that comes until it was quiet so long; blocks the partner sends by itself are taken, or it repeats them into every test."""
+    """Everything that comes until it was quiet so long; the partner's own blocks are taken, or it repeats them into every test."""
     bench.mark = max(bench.mark, bench.wire.now())
     heard: list[Heard] = []
     most = len(seen.blocks) + OWN_BLOCKS

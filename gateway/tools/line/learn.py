@@ -18,6 +18,15 @@ class NoTrace(ValueError):
     """The file is neither a line record nor a journal; the text names what was found."""
 
 
+def text_of(path: pathlib.Path) -> str:
+    """The file as text.  NoTrace: a device, which would be read for ever; OSError."""
+    if path.exists() and not path.is_file():
+        raise NoTrace(
+            f"{path}: a file expected; a line is heard live with --tap A,B, or kept in a file by axisgate line monitor --save FILE"
+        )
+    return path.read_text(encoding="utf-8", errors="replace")
+
+
 def characters(text: str) -> Characters:
     """What went over the line, in order of the stamps."""
     if text.lstrip().startswith(("dialogue", "station")) or "\ndialogue " in text:
@@ -85,7 +94,7 @@ def of_line(tolds: list[LineReport], source: str, line_format: LineFormat) -> tu
 
 def learned(path: pathlib.Path) -> tuple[Learned, str]:
     """What was seen and the draft.  OSError, NoTrace."""
-    text = path.read_text(encoding="utf-8", errors="replace")
+    text = text_of(path)
     seen = learn(decoded(text))
     if not seen.blocks:
         if seen.tests:

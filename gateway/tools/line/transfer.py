@@ -7,6 +7,7 @@ from gateway.pure.image.addresses import AddressFault, DataBit, DataWord, Part, 
 from protocols.base.errors import DecodeError, EncodeError
 from protocols.base.step5 import Step5Type, Value, decode, encode
 
+TELEGRAM_WORDS = 64  # 128 bytes
 TYPES = {kind.value.upper(): kind for kind in Step5Type}
 
 
@@ -30,12 +31,22 @@ def place(text: str) -> tuple[int, int]:
     try:
         address = parse(text)
     except AddressFault as fault:
-        raise BadInput(str(fault)) from fault
+        of_a_block = text.strip().upper().startswith("DB") and "." in text
+        raise BadInput(str(fault) if of_a_block else f"{text!r}: a data word expected, such as DB10.DW2 or DB10.DD2") from fault
     if isinstance(address, DataBit) or (isinstance(address, DataWord) and address.part in (Part.LEFT, Part.RIGHT)):
         raise BadInput(f"{text}: RK512 moves whole data words; DB10.DW2 or DB10.DD2 expected")
     if not isinstance(address, DataWord):
         raise BadInput(f"{text}: a data word expected, such as DB10.DW2")
     return address.db, address.word
+
+
+def reachable(word: int, words: int) -> None:
+    """BadInput where a telegram of the job would begin beyond DW 255: byte 6 of its header has no number for it."""
+    most = (255 - word) // TELEGRAM_WORDS * TELEGRAM_WORDS + TELEGRAM_WORDS
+    if words > most:
+        raise BadInput(
+            f"{words} data words from DW{word} on: at most {most}; a telegram begins at DW 0..255 and has {TELEGRAM_WORDS} words"
+        )
 
 
 def kinds(text: str) -> list[Step5Type]:
