@@ -338,7 +338,7 @@ def _listen(arguments: argparse.Namespace, names: list[str], tell: Callable[[Lin
 
 def _quiet(tool: str, silence: Ns) -> None:
     words = "is the partner on, the tap in the right wire, and the format right?"
-    print(f"axisgate line {tool}: nothing heard for {silence / 1e9:.0f} s: {words}", file=sys.stderr, flush=True)
+    print(f"axisgate line {tool}: nothing heard for {silence / 1e9:.3g} s: {words}", file=sys.stderr, flush=True)
 
 
 def run_learn(arguments: argparse.Namespace) -> int:

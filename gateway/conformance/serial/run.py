@@ -122,6 +122,9 @@ def _quiet(bench: Bench, quiet: Ns | None) -> None:
         bench.pass_time(bench.wire.now() + ms(500))
 
 
+JUDGED = ("PASS", "FAIL", "WARN")
+
+
 def exit_code(results: Sequence[Result]) -> int:
     """0: no FAIL; 1: at least one."""
     return int(any(result.verdict == Fail.word for result in results))
@@ -133,15 +136,24 @@ def counted(results: Sequence[Result]) -> dict[str, int]:
     return {word: sum(result.verdict == word for result in results) for word in words}
 
 
+def _layers(results: Sequence[Result], settings: Settings) -> str:
+    """What the station was judged by: RK512 only where a test of it came to its end."""
+    rk512 = any(result.verdict in JUDGED and result.case.name.startswith(("rk512.", "active.")) for result in results)
+    layers = "3964R and RK512" if rk512 else "3964R"
+    return layers if settings.profile.block_check else layers.replace("3964R", "3964")
+
+
 def conclusion(results: Sequence[Result], settings: Settings) -> str:
     """What all of it comes to, in one sentence."""
     count = counted(results)
-    layers = "3964R and RK512" if settings.layer == "rk512" else "3964R"
-    layers = layers if settings.profile.block_check else layers.replace("3964R", "3964")
-    asked = sum(count[word] for word in ("PASS", "FAIL", "WARN"))
+    layers = _layers(results, settings)
+    asked = sum(count[word] for word in JUDGED)
     late, left = count[Inconclusive.word], count[NotRun.word]
     if not asked:
         return said("Conclusion: nothing can be said of the station: no test was carried out to its end.")
+    if not count["PASS"] and asked == 1:
+        text = "Conclusion: the station does not speak {} here: the one test did not pass; axisgate line diagnose looks for the cause."
+        return said(text, layers)
     if not count["PASS"]:
         text = "Conclusion: the station does not speak {} here: none of {} tests passed; axisgate line diagnose looks for the cause."
         return said(text, layers, asked)
@@ -155,8 +167,10 @@ def conclusion(results: Sequence[Result], settings: Settings) -> str:
     if late:
         text = "Conclusion: nothing speaks against {}, but {} tests are inconclusive: the bench was late; try again."
         return said(text, layers, late)
+    if asked == 1:
+        return said("Conclusion: the station speaks {} in the one test that was run.", layers)
     if left:
-        return said("Conclusion: the station speaks {} in all {} tests that were run; {} were not run.", layers, asked, left)
+        return said("Conclusion: the station speaks {} in all {} tests that were run; not run: {}.", layers, asked, left)
     return said("Conclusion: the station speaks {} in all {} tests.", layers, asked)
 
 

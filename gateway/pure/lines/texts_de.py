@@ -253,8 +253,12 @@ RK512 = {
     "Conclusion: nothing speaks against {}, but {} tests are inconclusive: the bench was late; try again.": (
         "Ergebnis: nichts spricht gegen {}, aber {} Tests sind ohne Aussage: der Pruefstand war zu spaet; wiederholen."
     ),
-    "Conclusion: the station speaks {} in all {} tests that were run; {} were not run.": (
-        "Ergebnis: die Station spricht {} in allen {} ausgefuehrten Tests; {} wurden nicht ausgefuehrt."
+    "Conclusion: the station speaks {} in all {} tests that were run; not run: {}.": (
+        "Ergebnis: die Station spricht {} in allen {} ausgefuehrten Tests; nicht ausgefuehrt: {}."
+    ),
+    "Conclusion: the station speaks {} in the one test that was run.": "Ergebnis: die Station spricht {} in dem einen ausgefuehrten Test.",
+    "Conclusion: the station does not speak {} here: the one test did not pass; axisgate line diagnose looks for the cause.": (
+        "Ergebnis: die Station spricht hier kein {}: der eine Test ist nicht bestanden; axisgate line diagnose sucht die Ursache."
     ),
     "Conclusion: the station speaks {} in all {} tests.": "Ergebnis: die Station spricht {} in allen {} Tests.",
     "partner slow": "Partner langsam",

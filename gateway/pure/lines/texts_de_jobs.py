@@ -36,7 +36,7 @@ JOBS: Mapping[str, str] = {
     "both stations have the same priority ({}): set one to high, the other to low": (
         "beide Stationen haben dieselbe Prioritaet ({}): eine auf high setzen, die andere auf low"
     ),
-    "the partner sent {} blocks of its own and left no room for ours: it has priority": (
+    "the partner sent {} blocks of its own and left no room for our job: it has priority": (
         "der Partner sandte {} eigene Bloecke und liess keinen Platz fuer unseren: er hat Prioritaet"
     ),
     "the reaction telegram could not be taken: {}": "das Reaktionstelegramm konnte nicht angenommen werden: {}",

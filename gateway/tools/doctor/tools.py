@@ -79,7 +79,7 @@ def _measure(echoes: dict[str, tuple[Callable[[], Sequence[float]], float]], sec
     except NoEcho as error:
         return _said(str(error), Exit.ENVIRONMENT)
     except PortError as error:
-        return _said(f"{error}; next: axisgate doctor", Exit.ENVIRONMENT)
+        return _said(f"{error.args[-1]}; next: axisgate doctor", Exit.ENVIRONMENT)
     except ValueError as error:
         return _said(str(error), Exit.INVALID)
     found = verdict(measured)

@@ -119,7 +119,7 @@ class Client:
         if failed is not None:
             raise Refused(self._why(failed))
         if not self._over(job):
-            raise Refused(said("the partner sent {} blocks of its own and left no room for ours: it has priority", MOST_CONFLICTS))
+            raise Refused(said("the partner sent {} blocks of its own and left no room for our job: it has priority", MOST_CONFLICTS))
         self._run(lambda: bool(self._blocks), self.wire.now() + self.reaction_wait)
         reaction = self._blocks.pop(0) if self._blocks else None
         if reaction is None:

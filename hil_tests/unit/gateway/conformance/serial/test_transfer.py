@@ -106,7 +106,7 @@ def test_a_partner_that_always_has_a_job_of_its_own_does_not_hold_a_tool_for_eve
     """With priority it may send again and again; its commands are no answer to ours."""
     rounds = 3 * MOST_CONFLICTS
     partner = Scripted(scripted(*[(b"\x02", b"\x02"), (b"\x10", WIRE), (b"\x10", b"")] * rounds))
-    assert refused(partner).startswith(f"the partner sent {MOST_CONFLICTS} blocks of its own and left no room for ours")
+    assert refused(partner).startswith(f"the partner sent {MOST_CONFLICTS} blocks of its own and left no room for our job")
 
 
 def test_a_command_or_a_repeated_reaction_is_not_taken_for_the_answer() -> None:
