@@ -117,7 +117,10 @@ def _directory(options: argparse.Namespace) -> int:
 
 
 def _seconds(text: str) -> float:
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
     if not 0 <= value <= 1e6:
         raise argparse.ArgumentTypeError(f"{text}: 0 .. 1000000 seconds")
     return value

@@ -1,7 +1,7 @@
 """The integrated PLC of the ROBOTstar V: start, scan, errors, messages, retention, test display.  Source: robotstar 5."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from gateway.pure.languages.base.faults import Faults
@@ -294,8 +294,9 @@ class Plc:
         if order:
             message = ordered(order, self._texts, [self.number(at) for at in PARAMETERS], self.drives)
             self.set_number(ORDER, 0)
-            if message is not None:
-                self.show(message)
+            if message is not None and self.program is not None:
+                start = self.program.start  # its END is where the message comes up (L2857)
+                self.show(replace(message, program=start, step=self.program.routines[start].last))
 
     def _fail(self, message: Message) -> None:
         self.stop()

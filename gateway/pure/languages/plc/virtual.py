@@ -101,7 +101,7 @@ class VirtualRun:
         self._before = content
 
     def _message(self, number: int, message: Message) -> None:
-        if message.reaction == DRIVES_OFF and message.program:
+        if message.reaction == DRIVES_OFF and message.program and self.plc.state is PlcState.STOP:
             self._failure = message
         self._add(
             number,

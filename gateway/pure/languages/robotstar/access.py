@@ -236,8 +236,13 @@ def check_groups(from_: Structure, one: str, to: Structure, other: str) -> None:
     one, other = element(from_, one), element(to, other)
     if from_.kind == to.kind:
         return
-    if "T" in (from_.kind, to.kind) or GROUPS.get(one) is None or GROUPS.get(one) != GROUPS.get(other):
+    if "T" in (from_.kind, to.kind) or not of_one_group(one, other):
         raise StepFault(WRONG_TYPES)
+
+
+def of_one_group(one: str, other: str) -> bool:
+    """Whether two elements are in one group: translation, orientation, axis angle or frame (L4109-4139)."""
+    return GROUPS.get(one) is not None and GROUPS.get(one) == GROUPS.get(other)
 
 
 __all__ = ["NO_WRITING", "copy", "number", "scalar", "structure", "text", "valid", "variable", "whole", "writer"]

@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import SourceFile
+from gateway.pure.languages.robotstar.access import of_one_group
 from gateway.pure.languages.robotstar.control_steps import BYTES
 from gateway.pure.languages.robotstar.faults import (
+    INDEX_NOT_FOUND,
     INDEX_RANGE,
     IS_ARRAY,
     NO_ARRAY,
@@ -60,14 +62,18 @@ def check(memory: Memory, faults: Faults, system: Names) -> None:
 
 
 def _program(checking: _Check, program: Program) -> None:
-    tool = False
+    if program.kind == "PAL" and not program.refused and (wrong := _format(checking, program)):
+        checking.late(program, program.steps[0], "rsv.pallet", wrong)
+    tool, began = False, 0
     for step in program.steps:
         if not step.valid or step.word == "C":
             continue
         if step.macro:
             tool = True
-            _macro(checking, program, step)
+            began = _macro(checking, program, step) or began
             continue
+        if began and step.word in DEFINITIONS:
+            checking.structural(program, step, "rsv.definition_late", f"definitions stand at the begin, before step {began}")
         tool = tool or step.word in ("TOOL", "CALL")
         if step.word in POSITIONS:
             _position(checking, program, step, tool)
@@ -75,11 +81,14 @@ def _program(checking: _Check, program: Program) -> None:
             _step(checking, program, step)
 
 
-def _macro(checking: _Check, program: Program, step: Step) -> None:
+def _macro(checking: _Check, program: Program, step: Step) -> int:
+    """Number of a step that calls a macro; 0: a word that nobody knows, which may be a misspelt definition."""
     if checking.memory.find(step.word, program.directory, ("MAC",)) is None:
         checking.structural(program, step, "rsv.word", f"{step.word} is neither a command nor a macro of this memory")
-    elif step.parameters:
+        return 0
+    if step.parameters:
         checking.structural(program, step, "rsv.parameters", f"macro {step.word} has no parameters")
+    return step.number
 
 
 def _position(checking: _Check, program: Program, step: Step, tool: bool) -> None:
@@ -106,7 +115,7 @@ def _step(checking: _Check, program: Program, step: Step) -> None:
             wrong = _reference(checking, operand, written=place in WRITTEN or (place == "position" and step.word == "ACT_POS"))
             if wrong:
                 checking.late(program, step, "rsv.operand", f"{operand.name}: {wrong}")
-    if step.word == "COPY" and _types_differ(checking.memory, step):
+    if step.word == "COPY" and (_types_differ(checking.memory, step) or _groups_differ(checking.memory, step)):
         checking.late(program, step, "rsv.operand", WRONG_TYPES)
     elif wrong := wrong_kind(step, checking.memory.kind_of) or wrong_literal(step, lambda ref: _meant(checking, ref)):
         checking.late(program, step, "rsv.operand", wrong)
@@ -150,8 +159,13 @@ def _pattern(checking: _Check, program: Program, step: Step) -> str:
     found = checking.memory.find(text, program.directory, ("PAL", "MPR"))
     if found is None:
         return f"pallet program {text} not found"
+    return _format(checking, found)
+
+
+def _format(checking: _Check, pattern: Program) -> str:
+    """What a pattern program does not keep to."""
     try:
-        pattern_of(found, checking.memory.kind_of)
+        pattern_of(pattern, checking.memory.kind_of)
     except StepFault as fault:
         return fault.text
     return ""
@@ -177,14 +191,35 @@ def _reference(checking: _Check, ref: Ref, written: bool) -> str:
     if ref.index is not None and not isinstance(variable, Array):
         return NO_ARRAY
     if isinstance(variable, Array):
-        if isinstance(ref.index, int) and not 1 <= ref.index <= len(variable.items):
-            return INDEX_RANGE
-        return NO_WRITING if written and _read_only(variable.items[0]) else ""
+        return _element_of(checking, ref, variable, written)
     if ref.element and not (isinstance(variable, Structure) and ref.element in variable.parts):
         return WRONG_TYPES
     if written and variable.constant:
         return NO_VARIABLE
     return NO_WRITING if written and _read_only(variable) else ""
+
+
+def _element_of(checking: _Check, ref: Ref, array: Array, written: bool) -> str:
+    """A fault of an array's element: its index, an element of an element (L3973), a value the control keeps."""
+    if isinstance(ref.index, int):
+        if not 1 <= ref.index <= len(array.items):
+            return INDEX_RANGE
+    elif ref.index is not None and (wrong := _index(_meant(checking, Ref(ref.index)))):
+        return wrong
+    if ref.element:
+        return WRONG_TYPES
+    return NO_WRITING if written and _read_only(array.items[0]) else ""
+
+
+def _index(found: list[Variable]) -> str:
+    """A fault of the variable that gives an index."""
+    if not found:
+        return INDEX_NOT_FOUND
+    if len(found) > 1:
+        return ""
+    if isinstance(found[0], Array):
+        return IS_ARRAY
+    return "" if getattr(found[0], "kind", "I") == "I" else WRONG_TYPES
 
 
 def _read_only(variable: Variable) -> bool:
@@ -197,6 +232,17 @@ def _types_differ(memory: Memory, step: Step) -> bool:
     if not one or not other:
         return False
     return one != other and not {one, other} <= {"R"}
+
+
+def _groups_differ(memory: Memory, step: Step) -> bool:
+    """Elements of vectors and positions are copied inside their group alone (L4109-4146)."""
+    source, destination = step.slots["source"], step.slots["destination"]
+    if not isinstance(source, Ref) or not isinstance(destination, Ref) or not source.element or not destination.element:
+        return False
+    one, other = (memory.kind_of(ref.name.lstrip("_") or "?") for ref in (source, destination))
+    if one == other or not {one, other} <= {"P", "V", "T"}:
+        return False
+    return "T" in (one, other) or not of_one_group(source.element, destination.element)
 
 
 def _kind(memory: Memory, operand: Operand) -> str:

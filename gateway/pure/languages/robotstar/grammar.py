@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from gateway.pure.languages.robotstar.operands import RELATIONS, Blank, Equate, Number, Operand, Ref, Text
 
+LEAST = 1e-6  # stands for "above 0"
 MODES = ("PTP", "LINEAR", "SPLINE", "ZIRK_MIN_ORI", "ZIRK_BAHN_ORI")
 
 
@@ -63,10 +64,10 @@ GRAMMAR: Mapping[str, tuple[Place, ...]] = {
     "VAR_POS": (variable("position", "P"),),
     "ACT_POS": (variable("position", "P", "DESTINATION"),),
     "MOVE_MODE": (equate("mode", *MODES),),
-    "PTP_SPEED": (number("value", low=1e-6, high=100),),
-    "PTP_ACCEL": (number("value", low=1e-6, high=100),),
-    "PATH_SPEED": (number("value", low=1e-6, high=1e6),),
-    "PATH_ACCEL": (number("value", low=1e-6, high=100),),
+    "PTP_SPEED": (number("value", low=LEAST, high=100),),
+    "PTP_ACCEL": (number("value", low=LEAST, high=100),),
+    "PATH_SPEED": (number("value", low=LEAST, high=1e6),),
+    "PATH_ACCEL": (number("value", low=LEAST, high=100),),
     "PATH_TIME": (number("value", low=0, high=1e6),),
     "FLYBY": (equate("value", "ON", "OFF"),),
     "PATH_RADIUS": (number("value", low=0, high=1e6),),
@@ -162,7 +163,7 @@ def typed(place: Place, operand: Operand) -> str:
         if not operand.name.startswith("_") and operand.name[0] not in place.types:
             return f"{operand.name} is of type {operand.name[0]}; {' or '.join(place.types.strip('_'))} is needed"
     if isinstance(operand, Number) and place.low is not None and place.high is not None and not place.low <= operand.value <= place.high:
-        return f"{place.name} {operand.value:g} is outside {place.low:g} .. {place.high:g}" + (
-            "; it must be above 0" if place.low == 1e-6 and operand.value <= 0 else ""
-        )
+        if place.low == LEAST:
+            return f"{place.name} {operand.value:g} must be above 0 and at most {place.high:g}"
+        return f"{place.name} {operand.value:g} is outside {place.low:g} .. {place.high:g}"
     return ""

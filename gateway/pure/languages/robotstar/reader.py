@@ -34,9 +34,9 @@ class _Reading:
     faults: Faults
     program: Program
 
-    def fault(self, id: str, line: int, text: str, hint: str = "") -> None:
-        """A fault of one line; the program does not run."""
-        self.faults.error(id, self.source.at(line), text, hint)
+    def fault(self, id: str, line: int, text: str, hint: str = "", step: int = 0) -> None:
+        """A fault of one line; the program does not run.  `step`: put in front where a START shows the manual's text alone."""
+        self.faults.error(id, self.source.at(line), f"step {step}: {text}" if step else text, hint)
         self.program.refused.append((line, text))
 
 
@@ -112,7 +112,7 @@ def _with_parameters(reading: _Reading, step: Step, rest: str) -> Step:
         parameters = tuple(_parameters(rest, reading.words))
     except OperandFault as fault:
         if step.valid:
-            reading.fault("rsv.operand", step.line, str(fault))
+            reading.fault("rsv.operand", step.line, str(fault), step=step.number)
         return replace(step, word="" if step.valid else step.word, valid=False, slots={})
     if not step.valid or step.macro:
         return replace(step, parameters=parameters)
@@ -321,7 +321,9 @@ def _definitions_first(reading: _Reading) -> None:
     for step in reading.program.steps[1:]:
         if not step.valid or step.word in ("C", "END"):
             continue
-        if step.word not in DEFINITIONS or step.macro:
+        if step.macro:
+            continue  # the checker knows whether it is a macro or a misspelt definition
+        if step.word not in DEFINITIONS:
             began = began or step
         elif began is not None and not (pattern and step.word in ("LOC_CONST", "CONST")):
             reading.fault(

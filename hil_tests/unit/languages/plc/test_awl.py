@@ -170,6 +170,10 @@ def test_words_of_16_bits_with_a_sign() -> None:
         ("CALL PUMP", "a block is needed"),
         ("EIN :  E 1.0", "parameters"),
         ("SPA FB [MW 20]", "indirect"),
+        ("U E [AR1,P#0.0]", "indirect"),
+        ("L MB [MD 10]", "indirect"),
+        ("L P#20.0", "indirect"),
+        ("LAR1", "indirect"),
         ("ADD KF +300", "from -255 to 255"),
     ],
 )
@@ -372,3 +376,19 @@ def test_english_labels_that_look_like_operands_and_constants_that_are_added() -
     rig = rig_of(COUNTED)
     assert rig.scan("E0.0").outputs[0] == 1
     assert (rig.plc.marker(50), rig.plc.marker(51)) == (12, 10)
+
+
+@pytest.mark.parametrize(
+    ("lines", "outputs"),
+    [
+        ("U E 0.1;O E 0.2;SET;U E 0.0;= A 0.0", (0, 1)),
+        ("U E 0.0;CLR;O E 0.0;= A 0.0", (0, 1)),
+        ("CLR;L MB 20;U E 0.0;= A 0.0", (0, 1)),
+        ("SET;SET;XN E 0.0;= A 0.0", (1, 0)),
+        ("SET;NOT;= A 0.0;CLR;NOT;= A 0.1", (2, 2)),
+    ],
+)
+def test_set_and_clr_end_the_chain_in_front_of_them(lines: str, outputs: tuple[int, int]) -> None:
+    """As in STEP 7: the next link loads its operand, whatever was linked before."""
+    rig = rig_of("BEGIN\n" + "\n".join(f"{line};" for line in lines.split(";")))
+    assert (rig.scan().outputs[0], rig.scan("E0.0").outputs[0]) == outputs

@@ -59,6 +59,7 @@ def test_events_of_orders_in_virtual_time(folder: pathlib.Path, capsys: pytest.C
     assert {"at": 8, "what": "drives", "value": "OFF"} in events
     (message,) = [event for event in events if event["what"] == "message"]
     assert (message["at"], message["number"], message["text"], message["class"]) == (5, 5, "text 9", "message")
+    assert (message["program"], message["step"]) == ("MAIN", 17), "it comes up at END of the start program (L2857)"
     assert [event["value"] for event in events if event["what"] == "M1021"] == [6]
     end = found["end"]
     assert isinstance(end, dict)

@@ -103,7 +103,7 @@ def test_messages_at_the_step(text: str, said: str) -> None:
 )
 def test_the_index_as_written(text: str, said: str) -> None:
     ran = steps(text, ALL)
-    assert ran.faults == [said] and ran.texts() == [said] and ran.message()["step"] == 2
+    assert ran.faults == [f"step 2: {said}"] and ran.texts() == [said] and ran.message()["step"] == 2
 
 
 @pytest.mark.requirement("RSV-CPY-09", by="gateway.pure.languages.robotstar.values:SystemCell.write")
@@ -152,3 +152,22 @@ def test_a_text_that_some_variable_of_the_name_takes_is_no_fault_before_the_star
     files = {"P.MPR": "LOC_VAR SX(2)\nCALL Q", "Q.SPR": 'COPY "ABC",SX', "R.MPR": "LOC_VAR SX(9)\nCALL Q"}
     assert not run(files, "R").faults
     assert run(files).texts() == ["the text has 3 characters, the variable holds 2"]
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("COPY 5,I_A[I_NONE]", "I_A: Index variable not found!"),
+        ("COPY 5,I_A[R1]", "I_A: Wrong operand types!"),
+        ("COPY 5,V_A[1].X", "V_A: Wrong operand types!"),
+        ("COPY V1.FRAME,P1.A9", "Wrong operand types!"),
+        ("COPY V1.Z,P1.B", "Wrong operand types!"),
+        ("COPY T1.X,P1.X", "Wrong operand types!"),
+    ],
+)
+def test_what_no_caller_can_mend_is_found_before_the_start(text: str, said: str) -> None:
+    assert steps(text, ALL).faults == [f"step 2: {said}"]
+
+
+def test_what_a_caller_may_bring_is_no_fault_before_the_start() -> None:
+    assert not steps("COPY 5,I_A[I1]\nCOPY V1.X,P1.Y\nCOPY P1.A9,V1.A8\nCOPY V1.FRAME,P1.FRAME", ALL).faults

@@ -244,3 +244,18 @@ def test_outputs_and_markers_are_words_too() -> None:
 def test_a_loop_of_tests_gives_its_time_away() -> None:
     ran = steps("LABEL L\nTEST_BIT #EINGANG,#=0,1,0,L\nWRITE_BIT #AUSGANG,1,0,0", at=("300 E1.0=1",))
     assert ran.when("A0") == [(300.0, 1)]
+
+
+def test_a_misspelt_definition_is_one_fault_and_a_macro_in_front_of_definitions_another() -> None:
+    _, faults = checked({"P.MPR": "VRA I1\nVAR I2\nCOPY 1,I2"})
+    assert [fault.text for fault in faults] == ["step 2: VRA is neither a command nor a macro of this memory"]
+    memory, faults = checked({"P.MPR": "MAK\nVAR I2\nCOPY 1,I2", "MAK.MAC": "WAIT 1"})
+    assert [fault.text for fault in faults] == ["step 3: definitions stand at the begin, before step 2"]
+    assert memory.programs["P"][0].refused
+
+
+def test_a_pattern_that_nobody_calls_is_checked() -> None:
+    _, faults = checked({"P.PAL": "VAR I1"})
+    assert [(fault.position.line, fault.text) for fault in faults] == [
+        (1, "step 1: pallet program P: syntax error: one TOOL and four positions are needed")
+    ]

@@ -23,7 +23,8 @@ PRINTED = re.compile(r"\s*(?:[0-9A-F]{4,6}\s+)?[A-Z0-9_]{0,8}\s*:", re.IGNORECAS
 ADDS = re.compile(r"(?:\d*\s*:)?\s*\+\s*-?\d")  # STEP 7 adds a constant: a statement without a letter
 LABELLED = re.compile(r"([A-Z_][A-Z0-9_]{0,23})?\s*:\s*(.*)$", re.IGNORECASE)
 WORD = re.compile(
-    r"(==[IDR]|<>[IDR]|[><]=?[IDRFG]|>=[IDFG]|<=[IDFG]|!=[FDG]|><[FDG]|[+\-*/:X][IDRFG]\b|\+|[A-Z]+\(|=|\)|[A-Z]+\b)\s*(.*)$", re.IGNORECASE
+    r"(==[IDR]|<>[IDR]|[><]=?[IDRFG]|>=[IDFG]|<=[IDFG]|!=[FDG]|><[FDG]|[+\-*/:X][IDRFG]\b|[LT]AR[12]\b|\+AR[12]\b|\+|[A-Z]+\(|=|\)|[A-Z]+\b)\s*(.*)$",
+    re.IGNORECASE,
 )
 ENGLISH = {
     "A": "U", "AN": "UN", "A(": "U(", "AN(": "UN(", "JU": "SPA", "JC": "SPB", "JCN": "SPBN", "JNB": "SPBNB", "JCB": "SPBB",

@@ -36,11 +36,13 @@ SHIFTS = {"SLW": "SH L", "SRW": "SH R", "SLD": "SH L", "SRD": "SH R", "RLD": "RO
 SAVING = {"SPBB": "SPB", "SPBNB": "SPBN"}  # they keep the VKE in BIE, which is refused where it is read
 EDGES = ("FP", "FN")  # constants that are loaded between an edge and its use leave the result alone
 NARROW = {"SLW", "KEW", "INVI", "XF", "*I", "+F", "+I", "-F", "-I", "/I", ":F"}
+INDIRECT = "operands cannot be indirect"
 REASONS = {
     "SS": "the integrated PLC has no latching switch-on delay; use a marker that holds the start",
     "FR": "timers and counters cannot be freed",
     "LC": "timers and counters cannot be loaded",
-    "B": "operands cannot be indirect",
+    "B": INDIRECT,
+    **dict.fromkeys(("LAR1", "LAR2", "TAR1", "TAR2", "CAR", "+AR1", "+AR2"), INDIRECT),
     "LIR": "there is no access by address",
     "TIR": "there is no access by address",
     "TNB": "there is no access by address",
@@ -184,6 +186,8 @@ class Translator:
     def _symbol(self, operand: str) -> None:
         if operand.startswith("="):
             raise NoCounterpart(REASONS["CALL"])
+        if "[" in operand or operand.startswith("P#"):
+            raise NoCounterpart(INDIRECT)
         if operand.startswith(('"', "#", "-")) and not operand[1:2].isdigit():
             raise NoCounterpart("operands by symbol: write the source with absolute operands")
 
@@ -242,8 +246,17 @@ class Translator:
                 raise NoCounterpart("NOT behind the end of a chain; invert the chain itself")
             self.lines += ["XO(", *ONE, ")"]
             return
-        if self._next is None or self._family(self._next.word) not in (self._link, self._bracket):
+        family = None if self._next is None else self._family(self._next.word)
+        begun = not self._fresh
+        if family not in (self._link, self._bracket):
             self.lines += ONE if word == "SET" else ("U M0.0", "UN M0.0")
+            if self._next is not None and self._next.word == "NOT":
+                self._fresh, self._one = False, False
+                return
+            begun = family not in (None, self._use, self._branch)
+        if begun:  # a chain that nothing ends: a jump to the next command does
+            self.lines += [f"SP _ANEW{self._edges}", f"M _ANEW{self._edges}"]
+            self._edges += 1
         self._fresh, self._one = True, False
 
     def _result_is_one(self) -> None:
@@ -353,6 +366,7 @@ class Translator:
         self._loaded = None
         if not re.match(r"\d+\b", operand):
             raise NoCounterpart(f"{word} {operand}: a number from 0 to 255 is needed")
+        self.narrow.append(self._line)
         self.lines.append(f"{'ZV' if word in ('I', 'INC') else 'ZR'} ACCU,{operand.split(maxsplit=1)[0]}")
 
     def _add(self, word: str, operand: str) -> None:
@@ -380,7 +394,7 @@ class Translator:
             self._fresh, self._one, self._call = True, False, len(self.lines) - 1 if when else None
             return
         elif "[" in operand:
-            raise NoCounterpart(REASONS["B"])
+            raise NoCounterpart(INDIRECT)
         elif word in ("SPA", "SPB", "SPBN") and (label := re.match(r"=?\s*([A-Z_][A-Z0-9_]*)", operand)):
             self.lines.append(f"SP {label[1]}{when}")
         else:
