@@ -18,6 +18,7 @@ from gateway.pure.image.records.plc import (
     unpack_plc,
     unpack_shown,
 )
+from gateway.runtime.process_end import ProcessEnd
 from gateway.runtime.regions import RegionReader, RegionWriter, RingReader, RingWriter
 from protocols.base.machine import ms
 
@@ -30,6 +31,7 @@ MOST_ROWS = 500  # of it in an answer
 @dataclass(slots=True)
 class _Seen:
     index: int = -1
+    last: int = -1  # report of a process that has ended; what counts next is one of its successor
     robot: bytes = b""
     watched: str = ""  # program of the test display
     looked_ns: int = 0
@@ -49,11 +51,15 @@ class PlcHost:
         self._says = RingReader(fds["plc-says"], "plc-says", TEXT_LAYOUT)
         self._shown = RegionReader(fds["plc-shown"], "plc-shown", SHOWN_LAYOUT)
         self._seen = _Seen()
+        self._end = ProcessEnd()
 
     def before(self) -> None:
         """Before a cycle of the control: the PLC after its last period, and its messages."""
         payload = self._region.read()
-        alive = time.monotonic_ns() - self._region.life[1] < self._silent_ns
+        if self._end.of(self._region.writer_pid):
+            self._seen.last = self._region.index
+        silent = time.monotonic_ns() - self._region.life[1] >= self._silent_ns
+        alive = not silent and self._region.index != self._seen.last
         if payload is not None and (self._region.index != self._seen.index or alive != self.plc.alive):
             self._seen.index = self._region.index
             self.plc.take(unpack_plc(payload), alive=alive)
