@@ -102,7 +102,7 @@ def _trace(options: argparse.Namespace) -> int:
     memory = folder_memory(options.folder, feed)
     library = Library(baps2_words(), memory)
     name = options.program.upper().removesuffix(".QLL")
-    if not library.has(name):
+    if not library.has(name) and name not in library.names():
         known = ", ".join(library.names())
         return _invalid(f"there is no program {name} in {options.folder}" + (f"; there are {known}" if known else ""))
     unit, faults = library.unit(name)

@@ -35,6 +35,7 @@ from gateway.pure.languages.baps2.tree import (
 )
 from gateway.pure.languages.baps2.types import BINARY, CHAR, INTEGER, NONE, POINTS, TEXT, Type, fits
 from gateway.pure.languages.baps2.typing import Typed, Typing
+from gateway.pure.languages.base.source import Position
 
 REAL_CHECKED = "(t if -3.4028235e+38 <= (t := {}) <= 3.4028235e+38 else real_overflow())"
 MOST_LOOPS = 16  # Python takes 20
@@ -48,6 +49,7 @@ class Bodies:
         self.out = Lines()
         self.function = Function({}, False)
         self._temporary = self._loops = 0
+        self._at: Position | None = None  # of the statement under translation
 
     def new(self, letter: str) -> str:
         """A Python name that nothing else has."""
@@ -113,6 +115,25 @@ class Bodies:
 
     def one(self, statement: Statement) -> None:
         """One statement."""
+        self._look()
+        outer, self._at = self._at, statement.at
+        try:
+            self._one(statement)
+        except RecursionError:
+            self._too_complex()
+        self._look()
+        self._at = outer
+
+    def _look(self) -> None:
+        """Reports a statement whose text Python cannot take."""
+        if self.out.too_deep():
+            self._too_complex()
+
+    def _too_complex(self) -> None:
+        if self._at is not None:
+            self.names.faults.error("too-complex", self._at, "this nests too deep", "divide its expressions into smaller ones")
+
+    def _one(self, statement: Statement) -> None:
         self.function.count += 1
         if not isinstance(statement, Label | Instruction | Block) and statement.at.line != self.function.line:
             self.function.line = statement.at.line

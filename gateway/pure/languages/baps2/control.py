@@ -26,6 +26,7 @@ from gateway.pure.languages.base.scheduler import Scheduler
 BUDGET = 5_000  # statements of a process in a turn; in a P5, once the spare turns are used
 READINGS = 32  # readings of a process in one moment; the next one is a P5 later
 PROBES = range(600, 800)
+UNNAMED = "1"  # the kinematic of a program that names none
 
 
 class Control(ABC):
@@ -187,7 +188,7 @@ class Control(ABC):
         """A kinematic; its start position is known or zero."""
         lane = self.lanes.setdefault(kinematic, Lane())
         if not lane.position:
-            lane.position = lane.planned = self.feed.start.get(kinematic.upper(), (0.0,) * size)
+            lane.position = lane.planned = self.feed.start.get(kinematic.upper() or UNNAMED, (0.0,) * size)
         return lane
 
     def _advance(self) -> bool:
@@ -404,7 +405,7 @@ class Control(ABC):
         block = Block(self._moves, request.kinematic, target, task.process.line, request.until, stops=not request.via)
         self._ready(task, lane, block, request)
         self.event(
-            task, "move", block.line, n=block.number, kinematic=request.kinematic or "1", way=request.way, target=list(target),
+            task, "move", block.line, n=block.number, kinematic=request.kinematic or UNNAMED, way=request.way, target=list(target),
             space="jc" if request.joint else "wc", **{"pass": "via" if request.via else "to"},
         )  # fmt: skip
         lane.planned, task.last = target, request.kinematic
@@ -424,7 +425,7 @@ class Control(ABC):
         if len(values) != len(lane.position):
             raise fault(221, f"{len(values)}, the kinematic has {len(lane.position)}")
         if lane.belt:
-            self.specials.check_synchronous(lane, request)
+            self.specials.check_synchronous(task, lane, request)
         if not request.relative:
             return values if request.joint else to_world(lane.frame, values)
         if request.joint:
@@ -487,7 +488,7 @@ class Control(ABC):
 
     def _synchronise(self, kinematic: str, channel: int) -> None:
         for lane in [self.lane(kinematic)] if channel else self.lanes.values():
-            lane.belt = channel
+            lane.belt, lane.belt_way = channel, 0.0
 
 
 def size_of(unit: Unit, kinematic: str) -> int:

@@ -22,7 +22,7 @@ KINEMATIC = ("POINT", "JC_POINT", "WC_FRAME", "BELT")
 TYPES = (*PLAIN, *KINEMATIC, "ARRAY", "INPUT", "OUTPUT", "FILE", "BNR_FILE", "SEMAPHORE")
 STARTERS = (*TYPES, "CONST", "PUBLIC", "DEF", "EXTERNAL", "SPC_FCT", "VALUE")
 BODY = ("BEGIN", "START", "PROGRAM_END", "SUB_END", "END", "SUBROUTINE", "PROGRAM")
-LONG_NAME = 12  # characters that count (L5677, L8837); longer names are printed (L6914)
+FAR = 2_000  # tokens that a misspelt declaration may have
 
 
 class DeclarationReader:
@@ -46,6 +46,25 @@ class DeclarationReader:
             self._stream.sign(",")
         return tuple(found)
 
+    def misspelt(self) -> bool:
+        """Passes over a declaration whose type is none (reported), if declarations or BEGIN follow."""
+        if self._stream.token.kind is not Kind.NAME or self._stream.is_word(BODY) or not self._declares_on():
+            return False
+        self._stream.faults.error("syntax", self._stream.token.position, f"a declaration or BEGIN is expected, not {self._stream.token}")
+        self._pass_over(self._stream.place)
+        return True
+
+    def _declares_on(self) -> bool:
+        """Whether the next word of the language is one of a declaration or BEGIN, not of a statement."""
+        colon = self._stream.ahead().text == ":"
+        for count in range(1, FAR):
+            token = self._stream.ahead(count)
+            if token.kind is Kind.END or (token.text == "=" and not colon and self._stream.ahead(count - 1).kind is Kind.NAME):
+                return False
+            if token.word and token.key not in self._expressions.names:
+                return token.word in STARTERS or token.word in ("BEGIN", "START")
+        return False
+
     def _begins(self) -> bool:
         return self._stream.is_word(STARTERS) or self._is_kinematic(self._stream.token)
 
@@ -56,7 +75,9 @@ class DeclarationReader:
         """To the next declaration or the body."""
         if self._stream.place == place:
             self._stream.take()
-        while not (self._begins() or self._stream.is_word(BODY) or self._stream.token.kind is Kind.END):
+        depth = 0  # of brackets: a type inside them begins no declaration
+        while not (self._stream.is_word(BODY) or self._stream.token.kind is Kind.END or (depth <= 0 and self._begins())):
+            depth += self._stream.is_sign("(") - self._stream.is_sign(")")
             self._stream.take()
 
     def _one(self) -> list[Declaration]:
@@ -117,8 +138,7 @@ class DeclarationReader:
 
     def _declare(self, token: Token, kind: TypeName | None) -> Token:
         self._expressions.names.add(token.key)
-        if len(token.text.lstrip("@")) > LONG_NAME:
-            self._stream.faults.warning("long-name", token.position, f"{token.text} has more than {LONG_NAME} characters")
+        self._stream.length(token)
         if kind is not None and kind.base in ("FILE", "BNR_FILE"):
             self.files.add(token.key)
         if kind is not None and kind.base == "BELT":
@@ -166,7 +186,9 @@ class DeclarationReader:
         self._stream.expect_sign(":", "behind SPC_FCT")
         at = self._stream.token.position
         number: Expression = self._expressions.sum() if self._stream.token.kind is not Kind.NUMBER else self._number()
-        self._stream.expect_sign("=", "behind the number of the special function")
+        if not self._stream.sign("="):
+            self._stream.faults.error("syntax", self._stream.token.position, f"'=' is expected behind the number, not {self._stream.token}")
+            self._stream.sign(":")  # as it is printed once (D-63)
         name = self._declare(self._stream.name("the name of the special function"), None)
         return SpecialFunction(at, number, name.key, self.parameters())
 

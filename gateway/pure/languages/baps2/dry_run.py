@@ -10,10 +10,12 @@ from gateway.pure.languages.baps2.frames import to_workpiece
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Task, between
+from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.process import ProcessState
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.base.trace import Trace
 
+SIX = 6  # axes of a kinematic of which nothing is known
 SPARE = 2_000  # turns that cost no time
 
 
@@ -63,7 +65,8 @@ class DryRun(Control):
     def _end(self) -> bool:
         self._over = True
         self.filing_close()
-        rows = {name: data.hex() for name, data in sorted(self.filing.files.items()) if name.endswith((".DAT", ".BNR"))}
+        told = {*self.feed.files, *self.filing.written}
+        rows = {name: data.hex() for name, data in sorted(self.filing.files.items()) if name in told or name.endswith((".DAT", ".BNR"))}
         self.trace.add(self.now, self._program, 0, "files", files=rows)
         return False
 
@@ -197,8 +200,13 @@ class DryRun(Control):
             near = mine and mine[-1] is lane.moving and self.prepared(task)
             where = lane.moving.target if near else between(lane.moving, self.now, self.feed.block)
         if not where:
-            raise fault(200)
+            where = (0.0,) * self._components(task)
         return to_workpiece(lane.frame, where) if name == "POS" else where
+
+    def _components(self, task: Task) -> int:
+        """Of the points of a program that names no kinematic: as many as the points have that are known, else those of six axes."""
+        points = {**self.memory.points(task.unit.name, Faults()), **self.feed.points.get(task.unit.name, {})}
+        return next((len(point) for point in points.values()), SIX)
 
     def where(self, kinematic: str) -> tuple[float, ...]:
         """Joints of a kinematic now."""

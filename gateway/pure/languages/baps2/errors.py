@@ -20,6 +20,7 @@ TEXTS = {
     100: "MF: Format error",
     101: "MF: MOD flag not init.",
     102: "MF: No endless axis",
+    **dict.fromkeys(range(928, 938), "wrong belt direction"),  # by kinematic
     1051: "User process already exists",
     1057: "File repeatedly open",
     1073: "Program can only be run as an external subroutine",
@@ -40,7 +41,6 @@ TEXTS = {
     212: "interface error",
     213: "file not available",
     214: "file is not open for this",
-    215: "wrong belt direction",
     216: "IOL:Fkt. still in use",
     217: "PPO:Fkt. still in use",
     218: "value out of range",

@@ -39,6 +39,7 @@ class Filing:
 
     def __init__(self, files: dict[str, bytes]) -> None:
         self.files = files
+        self.written: set[str] = set()  # names that programs have written
         self._open: dict[str, list[Opened]] = {}
 
     def is_open(self, name: str) -> bool:
@@ -82,6 +83,7 @@ class Filing:
         for each in self._open.get(name, ()):
             if each.owner == owner and each.writing:
                 self.files[name] = bytes(each.data)
+                self.written.add(name)
         self._forget(name, owner)
 
     def any_open(self) -> bool:

@@ -51,9 +51,9 @@ def take(text: str, at: Position, head: Head, faults: Faults, *, begun: bool) ->
             if not head.permanent:
                 faults.error("process-kind", at, f"process kind {value or 'without a name'}", "PERMANENT is the only one")
         case "FILE_ERROR":
-            head.file_error = _on(word, value, at, faults)
+            head.file_error = _once(word, value, at, head, faults, begun)
         case "SER_IO_STOP":
-            head.serial_stop = _on(word, value, at, faults)
+            head.serial_stop = _once(word, value, at, head, faults, begun)
         case "WARNING":
             faults.warnings = _on(word, value, at, faults)
         case "ERROR":
@@ -109,6 +109,16 @@ def _components(word: str, kinematic: str, value: str, at: Position, head: Head,
     for name in {name for name in names if names.count(name) > 1}:
         faults.error("declared-twice", at, f"component {name} is named twice")
     (head.joint_names if word == "JC_NAMES" else head.world_names)[kinematic] = names
+
+
+def _once(word: str, value: str, at: Position, head: Head, faults: Faults, begun: bool) -> bool:
+    """What holds for the whole program: in front of BEGIN, and once (L2198, L5738-5739)."""
+    if begun:
+        faults.error("instruction-place", at, f"{word} belongs at the beginning of the program, in front of BEGIN")
+    elif word in head.said:
+        faults.error("instruction-twice", at, f"{word} may occur once")
+    head.said.add(word)
+    return _on(word, value, at, faults)
 
 
 def _on(word: str, value: str, at: Position, faults: Faults) -> bool:

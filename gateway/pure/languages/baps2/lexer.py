@@ -56,6 +56,7 @@ _PATTERN = re.compile(
     re.VERBOSE | re.DOTALL,
 )
 SKIPPED = ("blank", "comment", "separator")
+QUOTES = "'\""
 _SAME = {"=<": "<=", "=>": ">="}
 
 
@@ -66,7 +67,10 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
     while at < size:
         match = match_at(text, at)
         if match is None:
-            at += _unknown(text, at, source.at(line, at - start + 1), faults)
+            position, begin = source.at(line, at - start + 1), at
+            at += _unknown(text, at, position, faults)
+            if text[begin] in QUOTES:  # its end is reported as missing; the text is a value all the same
+                yield Token(Kind.TEXT, text[begin + 1 : at], position)
             continue
         kind, found = match.lastgroup, match[0]
         end = match.end()
@@ -94,7 +98,7 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
 
 def _unknown(text: str, at: int, position: Position, faults: Faults) -> int:
     """Reports one character that begins no token; how many characters to pass over."""
-    if text[at] in "'\"":
+    if text[at] in QUOTES:
         end = text.find("\n", at)
         faults.error("text-without-end", position, "this text has no closing quote on its line")
         return (end if end >= 0 else len(text)) - at

@@ -93,6 +93,8 @@ class Naming:
         self._names.declare(symbol, each.at)
         if each.public:
             self.publics.append(symbol)
+            if self._imported:
+                self._mixed(each.at)
 
     def _channel(self, each: Declared) -> Symbol:
         kind, number = each.type.base.lower(), 0
@@ -127,7 +129,7 @@ class Naming:
             self.fault("import-two", each.at, f"data of {self._imported} are imported already; only one program may be imported from")
         self._imported = each.program
         if self.publics:
-            self.fault("import-mixed", each.at, "a program imports data or exports them, not both")
+            self._mixed(each.at)
         exporter = self._programs(each.program)
         if exporter is None:
             self.fault(
@@ -141,6 +143,9 @@ class Naming:
                     self.fault("import-unknown", at, f"{name} is not PUBLIC in {each.program}")
                 found = Symbol(name, "variable", NONE, python_name(name, 0))
             self._names.declare(self._imported_symbol(found, each.program), at)
+
+    def _mixed(self, at: Position) -> None:
+        self.fault("import-mixed", at, "a program imports data or exports them, not both")
 
     @staticmethod
     def _imported_symbol(found: Symbol, program: str) -> Symbol:

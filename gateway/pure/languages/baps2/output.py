@@ -9,6 +9,8 @@ from gateway.pure.languages.baps2.tree import Expression
 from gateway.pure.languages.baps2.types import Type
 from gateway.pure.languages.baps2.typing import Typed, Typing
 
+LONG_ROW, MOST_BRACKETS = 1_000, 190  # Python takes 200 brackets
+
 
 @dataclass(slots=True)
 class Lines:
@@ -16,10 +18,28 @@ class Lines:
 
     indent: int = 0
     rows: list[str] = field(default_factory=list)
+    looked_at: int = 0  # rows that too_deep has seen
 
     def add(self, text: str) -> None:
         """One line."""
         self.rows.append("    " * self.indent + text)
+
+    def too_deep(self) -> bool:
+        """Whether a row since the last look has more brackets one in the other than Python takes."""
+        rows, self.looked_at = self.rows[self.looked_at :], len(self.rows)
+        return any(len(row) > LONG_ROW and brackets(row) > MOST_BRACKETS for row in rows)
+
+
+def brackets(row: str) -> int:
+    """How many brackets are open one in the other."""
+    deepest = depth = 0
+    for sign in row:
+        if sign == "(":
+            depth += 1
+            deepest = max(deepest, depth)
+        elif sign == ")":
+            depth -= 1
+    return deepest
 
 
 @dataclass(slots=True)

@@ -1,7 +1,7 @@
 """Reads a whole source: head, declarations, main part, subroutines.  All faults of the file in one run, never an exception."""
 
 from gateway.pure.languages.baps2 import instructions
-from gateway.pure.languages.baps2.declarations import DeclarationReader
+from gateway.pure.languages.baps2.declarations import STARTERS, DeclarationReader
 from gateway.pure.languages.baps2.expressions import ExpressionReader
 from gateway.pure.languages.baps2.lexer import Kind
 from gateway.pure.languages.baps2.statements import ROUTINE_ENDS, StatementReader
@@ -57,9 +57,10 @@ class _Reader:
         """Whether another routine follows; anything else behind an end is reported once."""
         self._instructions()
         token = self._stream.token
-        if token.kind is not Kind.END and token.word not in ENDS:
+        if token.kind is not Kind.END and token.word != "SUBROUTINE":
             self._faults.error("behind-the-end", token.position, f"only subroutines may follow here, not {token}")
-            self._find()
+            if token.word not in ENDS:
+                self._find()
         return self._stream.token.kind is not Kind.END
 
     def _routine(self) -> Routine:
@@ -75,7 +76,7 @@ class _Reader:
             declarations.belts |= self._main[1].belts
         parameters: tuple[Parameter, ...] = ()
         try:
-            name = self._stream.name("the name of the program" if word == "PROGRAM" else "the name of the subroutine").key
+            name = self._name("the name of the program" if word == "PROGRAM" else "the name of the subroutine")
             parameters = declarations.parameters()
         except Misread:
             self._stream.back_to(0)
@@ -86,9 +87,16 @@ class _Reader:
             self._instructions()
             place = self._stream.place
             found += declarations.read()
-            if self._stream.place == place:
+            if self._stream.place == place and not declarations.misspelt():
                 break
         return Routine(at, name, parameters, tuple(found), self._body(word, at, expressions, declarations))
+
+    def _name(self, what: str) -> str:
+        """The name of a routine; words of the language may be one (L5756), but not what begins its body or a declaration."""
+        token, following = self._stream.token, self._stream.ahead()
+        if token.word in ("BEGIN", "START") or (token.word in STARTERS and following.text in (":", "[")):
+            self._stream.wrong(f"{what} is expected, not {token}")
+        return self._stream.length(self._stream.name(what)).key
 
     def _body(self, word: str, at: Position, expressions: ExpressionReader, declarations: DeclarationReader) -> tuple[Statement, ...]:
         """From BEGIN to the end of the routine."""

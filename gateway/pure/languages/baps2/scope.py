@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from gateway.pure.languages.baps2.standard import TAKEN
 from gateway.pure.languages.baps2.tree import Head
 from gateway.pure.languages.baps2.types import NONE, Type
 from gateway.pure.languages.base.faults import Faults
@@ -42,6 +43,9 @@ class Names:
 
     def declare(self, symbol: Symbol, at: Position) -> None:
         """Enters a name in the innermost scope."""
+        if symbol.name in TAKEN:
+            self.faults.error("name-taken", at, f"{symbol.name} is a standard subroutine", "give it another name")
+            return
         if symbol.name in self.scopes[-1]:
             self.faults.error("declared-twice", at, f"{symbol.name} is declared twice")
             return

@@ -19,6 +19,7 @@ from gateway.pure.languages.base.requests import PENDING, RuntimeFault
 COPIES = {"QLL": ("QLL", "ERR", "DAT"), "DAT": ("QLL", "ERR", "DAT"), "PKT": ("PKT",), "SYM": ("SYM",), "IRD": ("IRD",)}
 MOST_ENTRIES, MOST_SYSTEMS = 50, 24  # of a recorded path (L5257), measuring systems
 _POINT_NAME = re.compile(r"(@?[A-Z]\w*)(\[-?\d+\])?", re.ASCII)
+WRONG_DIRECTION = 928  # of kinematic 1 (L6116-6128)
 HEADER, VERSION = 24, 500  # of a MOVE_FILE: bytes of its fields, version of TO05 (L6975-7005)
 
 
@@ -218,7 +219,7 @@ class Specials:
         """What SYNC sets the counter to."""
         return self._resets.get(channel % 500, 0.0)
 
-    def check_synchronous(self, lane: Lane, request: demands.MoveTo) -> None:
+    def check_synchronous(self, task: Task, lane: Lane, request: demands.MoveTo) -> None:
         """What belt types 2 and 3 forbid (L6114-6128, 6319-6341)."""
         kind = self._belt_types.get(lane.belt % 500, 1)
         if kind == 1:
@@ -227,9 +228,13 @@ class Specials:
             raise fault(23)
         if request.way == "circular" and kind == 3:
             raise fault(20)
-        last = request.target[-1]
-        if last == (0.0 if request.relative else lane.planned[-1]):
+        way = (request.target[-1] or 0.0) - (0.0 if request.relative else lane.planned[-1])
+        if way == 0:
             raise fault(89)
+        if lane.belt_way * way < 0:
+            number = task.unit.program.head.kinematics.get(request.kinematic, 1)
+            raise fault(WRONG_DIRECTION + number - 1)
+        lane.belt_way = way
 
     # ---- files
 

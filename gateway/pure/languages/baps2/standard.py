@@ -1,5 +1,8 @@
 """Standard functions, variables, constants and special functions (rho 3 releases, spec 5.4 and 5.7)."""
 
+from collections.abc import Callable
+
+from gateway.pure.languages.baps2 import values
 from gateway.pure.languages.baps2.types import CHAR, INTEGER, REAL, TEXT, Type
 
 VERSION = 2.31  # of the compiler (L4348-4361); AX-692
@@ -16,6 +19,7 @@ FUNCTIONS: dict[str, tuple[str, Type, str]] = {  # name -> type of the parameter
     "COS": ("NUMBER", REAL, "cosine"),
     "ATAN": ("NUMBER", REAL, "arc_tangent"),
 }
+ROUNDED: dict[str, Callable[[float], int]] = {"ROUND": values.whole, "TRUNC": values.truncated}
 CONDITIONS = ("CONDITION", "STATUS", "ZUSTAND")
 ENDS = ("END_OF_FILE", "DATEI_ENDE")
 CONVERSIONS = {"WC": ("JC_POINT", "POINT"), "JC": ("POINT", "JC_POINT")}
@@ -24,6 +28,7 @@ FACTORS = ("V", "A", "D", "V_PTP", "A_PTP", "D_PTP", "R", "R_PTP", "VFACTOR", "A
 LIMITS = ("LIMIT_MIN", "LIMIT_MAX")
 CONSTANTS: dict[str, tuple[Type, object]] = {"VERSION": (REAL, VERSION), "CLS": (TEXT, CLS)}
 PROCEDURES = ("INT_ASC", "ASC_INT")
+TAKEN = ("BREAK", "UNTERBRECHE")  # a standard subroutine, whose name no declaration may use (L11370)
 
 _I, _R, _T = ("INTEGER", True), ("REAL", True), ("TEXT", False)
 _JC, _WC, _OUT = ("JC_POINT", False), ("POINT", False), ("INTEGER", False)

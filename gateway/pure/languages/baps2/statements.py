@@ -117,7 +117,7 @@ class StatementReader:
         is_name = self._expressions.names_it(token)
         assigned = following.text in ("=", "[") or (following.text == "." and following.kind is Kind.SIGN)
         if is_name and following.text == ":" and following.kind is Kind.SIGN:
-            self._stream.take()
+            self._stream.length(self._stream.take())
             self._stream.take()
             return Label(token.position, token.key)
         if token.word in self._readers and not (is_name and assigned) and following.text != "=":
@@ -146,8 +146,9 @@ class StatementReader:
 
     def _called(self, what: str) -> str:
         """The name of a label or program; a word that ends something, or begins a statement, is none: the name is missing."""
-        token = self._stream.token
-        if token.word in CLOSERS and not self._expressions.names_it(token):
+        before, token = self._stream.ahead(-1), self._stream.token
+        begins = token.word in self._readers and token.position.line != before.position.line
+        if (token.word in CLOSERS or begins) and not self._expressions.names_it(token):
             self._stream.wrong(f"{what} is expected, not {token}")
         return self._stream.name(what).key
 
@@ -293,6 +294,8 @@ class StatementReader:
                 values.append(self._expressions.sum())
             self._stream.expect_sign(":", "behind the constants")
             choices.append(Choice(place, tuple(values), self.required("behind the constants")))
+        if not choices:
+            self._stream.wrong(f"EQUAL and its constants are expected behind the expression, not {self._stream.token}")
         if self._stream.word("DEFAULT"):
             self._stream.sign(":")
             otherwise = self.required("behind DEFAULT")

@@ -9,6 +9,7 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position, SourceFile
 from gateway.pure.languages.base.store import ProgramStore
 
+LONG_NAME = 12  # characters that count (L5677, L8837); longer names are printed (L6914)
 MOST_INCLUDED = 16  # files one in the other
 MOST_NESTED = 60  # statements and brackets one in the other
 
@@ -26,6 +27,7 @@ class Stream:
         self._next = 0
         self._last = len(self._tokens) - 1
         self._depth = 0
+        self._too_deep = False
         self.token = self._tokens[0]  # the token that is next
 
     def _expanded(self, source: SourceFile) -> Iterator[Token]:
@@ -103,6 +105,12 @@ class Stream:
             self.wrong(f"{what} is expected, not {self.token}")
         return self.take()
 
+    def length(self, token: Token) -> Token:
+        """Warns of a name that is too long."""
+        if len(token.text.lstrip("@")) > LONG_NAME:
+            self.faults.warning("long-name", token.position, f"{token.text} has more than {LONG_NAME} characters")
+        return token
+
     def wrong(self, text: str, id: str = "syntax", at: Position | None = None) -> NoReturn:
         """Reports a fault and leaves the construct."""
         self.faults.error(id, at or self.token.position, text)
@@ -113,6 +121,9 @@ class Stream:
         self._depth += 1
         if self._depth > MOST_NESTED:
             self._depth -= 1
+            if self._too_deep:  # it is said once; what follows is a consequence
+                raise Misread
+            self._too_deep = True
             self.wrong(f"more than {MOST_NESTED} levels one in the other", "nesting-too-deep")
 
     def back(self) -> None:

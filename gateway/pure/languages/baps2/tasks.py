@@ -86,6 +86,7 @@ class Lane:
     measured: tuple[float, ...] | None = None
     frame: tuple[float, ...] = (0.0,) * 6
     belt: int = 0  # channel while it is synchronous
+    belt_way: float = 0.0  # of the last block there, whose sign the next one must have
     belt_values: dict[int, float] = field(default_factory=dict)  # belt -> its value in the last point that was programmed
     before: tuple[str, ...] = ()  # statements that begin with its next block (in a cell)
     factors: dict[str, float] = field(default_factory=dict)

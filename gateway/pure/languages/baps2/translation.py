@@ -30,7 +30,6 @@ GLOBALS: dict[str, object] = {
 }
 LINE = re.compile(r"^( *)p\.line = (\d+)$", re.MULTILINE)  # as bodies.py writes it
 WIDE = re.compile(r"^    (v0_\w+) = ", re.MULTILINE)  # variables of the whole program
-LONG_ROW, MOST_BRACKETS = 1_000, 190  # Python takes 200 brackets
 
 
 @dataclass(slots=True)
@@ -84,8 +83,6 @@ def check(program: Program, faults: Faults, programs: Programs) -> Unit:
     unit = Unit(program.main.name, program)
     try:
         unit.text = _Translation(unit, faults, programs).text()
-        if any(len(row) > LONG_ROW and brackets(row) > MOST_BRACKETS for row in unit.text.splitlines()):
-            _too_complex(program, faults)
     except RecursionError:
         _too_complex(program, faults)
     return unit
@@ -93,18 +90,6 @@ def check(program: Program, faults: Faults, programs: Programs) -> Unit:
 
 def _too_complex(program: Program, faults: Faults) -> None:
     faults.error("too-complex", program.main.at, f"{program.main.name} nests too deep", "divide its expressions or loops into smaller ones")
-
-
-def brackets(row: str) -> int:
-    """How many brackets are open one in the other."""
-    deepest = depth = 0
-    for sign in row:
-        if sign == "(":
-            depth += 1
-            deepest = max(deepest, depth)
-        elif sign == ")":
-            depth -= 1
-    return deepest
 
 
 class _Translation:

@@ -373,6 +373,7 @@ class Head:
     serial_stop: bool = True  # False: a fault of an interface does not end the program
     default_kinematic: str = ""
     default_way: str = ""
+    said: set[str] = field(default_factory=set)  # instructions that may occur once
 
 
 @dataclass(frozen=True, slots=True)

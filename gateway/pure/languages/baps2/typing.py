@@ -259,8 +259,19 @@ class Typing:
         if tree.name == "CHR":
             constant = chr(value.constant % 256) if isinstance(value.constant, int) else None
             return Typed(result, repr(constant) if constant is not None else f"chr({value.code} % 256)", constant)
-        number = values.code(value.constant) if tree.name == "ORD" and isinstance(value.constant, str) else None
-        return Typed(result, f"{python}({value.code})", number)
+        if tree.name == "ORD" and isinstance(value.constant, str):
+            return Typed(result, f"{python}({value.code})", values.code(value.constant))
+        if tree.name in standard.ROUNDED and isinstance(value.constant, int | float):
+            return self._rounded(tree, value.constant)
+        return Typed(result, f"{python}({value.code})")
+
+    def _rounded(self, tree: Call, number: float) -> Typed:
+        """ROUND or TRUNC of a constant is one."""
+        try:
+            found = standard.ROUNDED[tree.name](number)
+        except RuntimeFault as error:
+            return self.fault("constant", tree.at, error.text)
+        return Typed(INTEGER, f"({found})", found)
 
     def _conversion(self, tree: Call) -> Typed:
         takes, gives = standard.CONVERSIONS[tree.name]
@@ -463,9 +474,11 @@ class Typing:
             return found.type, found.code
         if symbol is not None and symbol.reference and symbol.kind == "variable":
             return found.type, symbol.python
-        written = set(self.written)
+        written, before = set(self.written), self.names.faults.errors
         value = self.assigned(tree, "x")
         self.written = written
+        if self.names.faults.errors > before:
+            return NONE, ""
         if symbol is not None and symbol.kind == "variable" and not symbol.shared:
             self.referenced.add(symbol.python)
             return found.type, f"r_{symbol.python}"

@@ -40,6 +40,15 @@ HEAD = ";;KINEMATICS : (1=K, 2=L)\n;;K.WC_NAMES = X,Y\n;;K.JC_NAMES = A1,A2\n;;L
         ("WRITE F, 1.5", "FILE INTEGER : F", [("file-type", 4)]),
         ("I = 99999999999", "INTEGER : I", [("number-range", 4)]),
         ("I = 1 / 0", "INTEGER : I", [("constant", 4)]),
+        ("I = ROUND(1.0E20)", "INTEGER : I", [("constant", 4)]),
+        ("CASE I EQUAL ROUND(1.6) : HALT EQUAL TRUNC(2.9) : HALT CASE_END", "INTEGER : I", [("case-twice", 4)]),
+        ("CASE I CASE_END", "INTEGER : I", [("syntax", 4)]),
+        ("JUMP\nWAIT 1", "", [("syntax", 5)]),
+        ("HALT", "INTEGER : BREAK", [("name-taken", 2)]),
+        ("WRITE 'A\nWRITE 'B'", "", [("text-without-end", 4)]),
+        (";;FILE_ERROR -", "", [("instruction-place", 4)]),
+        ("I = 1 R = 1", "INTEGR : I REAL : R", [("syntax", 2), ("name-unknown", 4)]),
+        ("SF(1, 2)", "SPC_FCT : 21 : SF(VALUE INTEGER : A, B)", [("syntax", 2)]),
         ("WRITE PHG, CLS IF VERSION < 2.31 THEN HALT", "", []),
     ],
 )
@@ -81,13 +90,33 @@ def test_error_n_ends_after_n_errors_and_warnings_can_be_off() -> None:
     assert "long-name" not in [id for id, _ in faults_of(";;WARNING -\n" + text)]
 
 
+def test_a_name_of_more_than_12_characters_is_a_warning_wherever_it_is_given() -> None:
+    text = "PROGRAM PROGRAM_OF_13\nPOINT : TWELVE_LONG1\nBEGIN\nLABEL_OF_LINE: ROUTINE_OF_14\nPROGRAM_END\nSR ROUTINE_OF_14\nBEGIN SR_END"
+    assert faults_of(text) == [("long-name", 1), ("long-name", 4), ("long-name", 6)]
+
+
 def test_imports_are_typed_by_the_exporter() -> None:
     exporter = "PROGRAM A\nPUBLIC INTEGER : N\nINTEGER : M\nBEGIN PROGRAM_END"
     assert faults_of(body("N = 'X'", "EXTERNAL A : N"), A=exporter) == [("type", 4)]
     assert faults_of(body("N = 1", "EXTERNAL A : M, N"), A=exporter) == [("import-unknown", 2)]
     assert faults_of(body("N = 1", "EXTERNAL GONE : N")) == [("import-missing", 2)]
     assert ("import-mixed", 3) in faults_of(body("N = 1", "PUBLIC INTEGER : O\nEXTERNAL A : N"), A=exporter)
+    assert ("import-mixed", 3) in faults_of(body("N = 1", "EXTERNAL A : N\nPUBLIC INTEGER : O"), A=exporter)
     assert ("import-two", 3) in faults_of(body("N = 1", "EXTERNAL A : N\nEXTERNAL B : Q"), A=exporter, B=exporter)
+
+
+@pytest.mark.parametrize(
+    "text, expected",
+    [
+        ("PROGRAM P\nBEGIN\nPROGRAM_END\nPROGRAM Q\nBEGIN\nPROGRAM_END", [("behind-the-end", 4)]),
+        ("PROGRAM\nBEGIN\nHALT\nPROGRAM_END", [("syntax", 2)]),
+        (";;SER_IO_STOP -\n;;SER_IO_STOP +\nPROGRAM P\nBEGIN\nPROGRAM_END", [("instruction-twice", 2)]),
+        ("PROGRAM P\nINTEGER : I\nL: I = 1\nIF I = 1 THEN JUMP L\nPROGRAM_END", [("no-begin", 3)]),
+        ("PROGRAM P\nINTEGER : I\nBEGIN\nS(I + 1)\nPROGRAM_END\nSR S(INTEGER : X)\nBEGIN\nSR_END", [("not-assignable", 4)]),
+    ],
+)
+def test_a_faulty_frame_is_one_fault(text: str, expected: list[tuple[str, int]]) -> None:
+    assert faults_of(text) == expected
 
 
 @pytest.mark.requirement("RHO-BAP-21", by="gateway.pure.languages.baps2.words:Words.token")
@@ -115,6 +144,7 @@ def test_any_row_of_words_is_checked_without_an_exception(row: list[str]) -> Non
 
 
 def test_long_chains_and_deep_loops_are_faults_and_no_crash() -> None:
-    assert ("too-complex", 1) in faults_of(body("I = " + "+".join(["I"] * 5_000), "INTEGER : I"))
-    assert ("too-complex", 1) in faults_of(body("I = " + "+".join(["I"] * 150), "INTEGER : I"))
+    assert faults_of(body("I = 1\nI = " + "+".join(["I"] * 5_000), "INTEGER : I")) == [("too-complex", 5)]
+    assert faults_of(body("IF I = 1 THEN BEGIN\nI = " + "+".join(["I"] * 150) + "\nEND", "INTEGER : I")) == [("too-complex", 5)]
     assert ("nesting-too-deep", 4) in faults_of(body("REPEAT 1 TIMES " * 40 + "REPEAT_END " * 40))
+    assert [id for id, _ in faults_of(body("IF 1=1 THEN BEGIN\n" * 500 + "END " * 500))].count("nesting-too-deep") == 1

@@ -66,6 +66,7 @@ def test_trace_prints_one_object_an_event(folder: pathlib.Path, capsys: pytest.C
         (["trace", ".", "GONE"], Exit.INVALID, "there is no program GONE"),
         (["trace", "./gone", "PICK"], Exit.INVALID, "No such file"),
         (["trace", ".", "BAD"], Exit.FINDING, "X is not declared"),
+        (["trace", ".", "old"], Exit.FINDING, "OLD.IRD is a translation; axisgate runs sources; put OLD.QLL beside it"),
         (["trace", ".", "PICK", "--feed", "feed.toml"], Exit.INVALID, "p5_ms = 0: a number from 1 to 1000 is expected"),
         (["check", "gone.qll"], Exit.INVALID, "No such file"),
     ],
@@ -74,6 +75,7 @@ def test_what_is_not_there_is_one_sentence(
     folder: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], arguments: list[str], code: int, told: str
 ) -> None:
     (folder / "feed.toml").write_text("p5_ms = 0\n")
+    (folder / "OLD.IRD").write_bytes(b"\x80\x01")
     monkeypatch.chdir(folder)
     assert main(arguments) == code
     assert told in capsys.readouterr().err

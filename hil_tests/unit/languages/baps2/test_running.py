@@ -241,7 +241,7 @@ def test_assign_takes_names_as_the_manual_allows_them() -> None:
     text = ";;FILE_ERROR -\n" + body("ASSIGN F, 'lower.dat' WRITE CONDITION(F), CONDITION(F)", declared)
     assert written(run(text, '[files]\n"F.DAT" = "31"')) == ["-10"]
     text = body("ASSIGN F, 'CADDATEN' WRITE F, 'X' CLOSE F ASSIGN F, 'X.' WRITE F, 'Y'", declared)
-    assert all_of(text)[-1]["files"] == {"CADDATEN.DAT": "580d0a"}
+    assert all_of(text)[-1]["files"] == {"CADDATEN.DAT": "580d0a", "X.   ": "590d0a"}
 
 
 @pytest.mark.requirement("RHO-BAP-18", by="gateway.pure.languages.baps2.typing:signal_place")
@@ -337,3 +337,27 @@ def test_point_selection_names_what_is_wrong_with_the_point() -> None:
     text = "F = 'TEST.PKT'\n" + "".join(f"N = '{name}'\nSEL (F, N, R)\nWRITE PHG, R, ' '\n" for name in wanted)
     found = written(run(body(text, declared), **{"TEST.PKT": "P[1] = (1)\nP[2] = (2)\nTEST = (3)\n"}))
     assert "".join(found).split() == ["0", "11", "13", "0", "12", "12", "0"]
+
+
+BELT_ROBOT = ";;KINEMATICS : (1 = K, 3 = L)\n;;K.WC_NAMES = X, Y\n;;L.WC_NAMES = X, Y\n;;INT = LINEAR\n"
+
+
+@pytest.mark.parametrize(
+    "blocks, code",
+    [("MOVE L (1, 20) MOVE L (2, 30)", None), ("MOVE L (1, 20) MOVE L (2, 15)", 930), ("MOVE L (1, 20) MOVE_REL L (2, 0)", 89)],
+)
+def test_belt_type_2_goes_one_way_in_its_synchronous_part(blocks: str, code: int | None) -> None:
+    declared = "SPC_FCT : 21 = TYPE (VALUE INTEGER : N, T)\nL.BELT : 501 = B1"
+    events = run(BELT_ROBOT + body(f"TYPE(1, 2) SYNCHRON L B1 {blocks} SYNCHRON_END MOVE L (0, 0)", declared), "belts = [100]")
+    assert [event["code"] for event in events if event["event"] == "error"] == ([] if code is None else [code])
+
+
+def test_pos_of_a_program_that_names_no_kinematic_is_where_the_feed_starts() -> None:
+    text = body("Q = POS WRITE Q MOVE TO Q", "POINT : Q")
+    assert written(run(text, "[start]\n1 = [1, 2]"))[0] == "1.0 2.0"
+    assert written(run(text, "[points.P]\nR = [4, 5, 6]"))[0] == "0.0 0.0 0.0", "as many components as the points that are known"
+
+
+def test_the_files_at_the_end_are_also_those_with_other_extensions() -> None:
+    events = all_of(body('ASSIGN F, "RESULT.TXT" WRITE_BEGIN F WRITE F, 1', "FILE : F"), '[files]\n"GIVEN.X" = "41"', OTHER="; a source")
+    assert events[-1]["files"] == {"GIVEN.X": "41", "RESULT.TXT": "310d0a"}
