@@ -25,6 +25,7 @@ JUMPS = {"JC": Code.JUMP_IF, "SPB": Code.JUMP_IF, "JU": Code.JUMP, "SPA": Code.J
 NOTHING, ENDS = ("NOP1", "NOP0"), ("EP", "PE")
 LIST = frozenset((*LINKS, *SETS, *JUMPS, *NOTHING, *ENDS))
 DEEPEST = 40  # statements or brackets one in the other
+UNKNOWN = Bit(Area.FLAG, 0, 0)  # in the place of what is reported
 END_LABEL = "\0end"  # no name of a program
 
 
@@ -206,6 +207,8 @@ class Reader:
         if not self._sign("="):
             raise self._fail("assign", self.token.at, f"= is expected behind {token.text}")
         self._take()
+        if self.token.first and self._ahead().text == "=":
+            raise self._fail("operand", self.token.at, f"a signal or an address is expected behind {token.text} =, not a new line")
         self.commands += chain(self._expression(compares=False), token.at.line)
         self._emit(Code.ASSIGN, token.at.line, target)
 
@@ -261,9 +264,14 @@ class Reader:
         if self._sign("-"):
             self._take()
         token = self.token
-        bit = self._bit(token)
-        if writes and bit.area is Area.INPUT:
-            raise self._fail("written", token.at, f"{token.text} is an input of the PIC: it is read, not written")
+        try:
+            bit = self._bit(token)
+            if writes and bit.area is Area.INPUT:
+                raise self._fail("written", token.at, f"{token.text} is an input of the PIC: it is read, not written")
+        except _Wrong:
+            if token.kind not in (Kind.NAME, Kind.BIT) or token.word in RESERVED or (writes and self._ahead().text != "="):
+                raise
+            bit = UNKNOWN  # reported; the statement is read to its end for the faults behind it
         self._take()
         if writes and bit.area is Area.OUTPUT:
             self.outputs.setdefault(bit.byte, token.at)

@@ -100,6 +100,7 @@ def test_a_program_that_does_not_end_is_stopped() -> None:
         ("A I88.0 ) = O58.0", (1, 9, "bracket")),
         ("O58.0 I88.0", (1, 7, "assign")),
         ("THEN", (1, 1, "statement")),
+        ("O58.0 =\nO58.1 = I88.0", (2, 1, "operand")),
         ("O58.0 = I88.0 ?", (1, 15, "character")),
     ],
 )
@@ -108,6 +109,15 @@ def test_a_fault_has_its_place(text: str, found: tuple[int, int, str]) -> None:
 
 
 def test_all_faults_of_a_file_come_in_one_run() -> None:
+    one = "IF NOWHERE AND NOBODY THEN I88.0 = NOTHING ELSE GONE = 2"
+    assert [(column, id) for _, column, id in faults_of(one)] == [
+        (4, "name"),
+        (16, "name"),
+        (28, "written"),
+        (36, "name"),
+        (49, "name"),
+        (56, "binary"),
+    ]
     text = "O58.0 = NOWHERE\nO58.1 = I88.0\nJUMP OUT\nI88.0 = 1\n"
     assert faults_of(text) == [(1, 9, "name"), (3, 6, "label"), (4, 1, "written")]
     assert faults_of("O58.0 = LAMP", "LAMP = I200.0\nLAMP = nothing\n?\nLAMP = I88.0") == [
