@@ -5,7 +5,7 @@ Errors carry the number VAL 3 gives (appendix, L6670-6679) and rho 3's words ("p
 Reis print none of their own for them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
@@ -132,3 +132,12 @@ class Kinematics(PathKinematics, Protocol):
     def configuration(self, q: Sequence[float]) -> Configuration:
         """The configuration of these joints; FREE in fields this robot does not have."""
         ...
+
+
+def along_path(kinematics: Kinematics) -> Callable[[Pose, Joints], Joints]:
+    """The inverse for the next place of a path.  An arm that is solved numerically (Urdf) is searched from the joints before alone: from
+    anywhere else it would jump, and looking there takes a minute where the arm cannot go on."""
+    inner = kinematics
+    while (deeper := getattr(inner, "main", None) or getattr(inner, "inner", None)) is not None:
+        inner = deeper
+    return kinematics.follow if getattr(inner, "searches", False) else kinematics.inverse

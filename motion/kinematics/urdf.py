@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from motion.errors import MotionError
 from motion.geometry.frames import Pose
 from motion.geometry.limits import AxisLimits
-from motion.kinematics.base import FREE, Branch, Configuration, Joints, Unreachable, WrongConfiguration
+from motion.kinematics.base import FREE, Branch, Configuration, Joints, OutOfLimits, Unreachable, WrongConfiguration
 
 Array = NDArray[np.float64]
 CLOSE = 1e-10  # m and rad: error of a pose that counts as reached
@@ -24,11 +24,14 @@ STARTS = 60  # other starts after `near`
 PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79, 83, 89)
 ASSUMED_ACCEL = 5.0  # 1/s: a URDF names no acceleration; the speed limit is reached in 0.2 s (AX-356)
 ASSUMED_JERK = 10.0  # 1/s: and the acceleration in 0.1 s
+AT_LIMIT = 2e-3  # m or rad: an axis so near to the end of its travel is what a path cannot go on for
 SAME = 1e-6  # m or rad: two results of the search that are one
 
 
 class Urdf:
     """One chain of single-axis joints up to `frame`; limits: of the joints in their order, or those of the URDF."""
+
+    searches = True  # its inverse does, from many places
 
     def __init__(self, text: str, frame: str, limits: Sequence[AxisLimits] | None = None) -> None:
         try:
@@ -49,6 +52,9 @@ class Urdf:
             raise MotionError(f"{len(self.limits)} limits for {self.axes} joints")
         self._lower = np.array([axis.lower for axis in self.limits])
         self._upper = np.array([axis.upper for axis in self.limits])
+        width = self._upper - self._lower  # Halton points in the limits
+        spread = [[_radical(n, base) for base in PRIMES[: self.axes]] for n in range(1, STARTS + 1)]
+        self._starts = [self._lower + width * np.array(shares) for shares in spread]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -78,7 +84,7 @@ class Urdf:
             raise WrongConfiguration("this robot's configurations have no names")
         if not all(map(math.isfinite, (*pose.position, *pose.rotation, *near))):
             raise Unreachable("the pose holds a value that is no finite number")
-        for start in (np.array(near, dtype=float), *self._starts()):
+        for start in (np.array(near, dtype=float), *self._starts):
             joints = self._search(pose, start)
             if joints is not None:
                 return joints
@@ -88,13 +94,16 @@ class Urdf:
         """From `near` alone: a path does not jump."""
         joints = self._search(pose, np.array(near, dtype=float))
         if joints is None:
+            for axis, value in zip(self.limits, near, strict=True):
+                if min(value - axis.lower, axis.upper - value) < AT_LIMIT:
+                    raise OutOfLimits(f"axis {axis.name} would leave its travel", axis=axis.name)
             raise Unreachable("the search from the joints before did not converge")
         return joints
 
     def branches(self, pose: Pose) -> list[Branch]:
         """What the search finds from all its starts, each once."""
         found: list[Joints] = []
-        for start in self._starts():
+        for start in self._starts:
             joints = self._search(pose, start)
             if joints is not None and all(max(abs(a - b) for a, b in zip(joints, one, strict=True)) > SAME for one in found):
                 found.append(joints)
@@ -137,11 +146,6 @@ class Urdf:
         local = pin.computeFrameJacobian(self._model, self._data, full, self._frame, pin.ReferenceFrame.LOCAL)
         found: Array = pin.Jlog6(goal.actInv(self._data.oMf[self._frame])) @ local
         return found
-
-    def _starts(self) -> list[Array]:
-        """Halton points in the limits."""
-        width = self._upper - self._lower
-        return [self._lower + width * np.array([_radical(n, base) for base in PRIMES[: self.axes]]) for n in range(1, STARTS + 1)]
 
     def _full(self, q: Sequence[float] | Array) -> Array:
         """Joints -> pinocchio's q, which holds cosine and sine of joints that turn without end."""

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from motion.geometry.frames import IDENTITY, Pose
 from motion.geometry.orientation import angle_between
-from motion.kinematics.base import Joints, Kinematics, KinematicsError, SingularPose
+from motion.kinematics.base import Joints, Kinematics, KinematicsError, SingularPose, along_path
 from motion.paths.base import Curve
 from motion.paths.corner import hermite
 from motion.paths.joints import JointPath, joint_path
@@ -144,13 +144,14 @@ def _fits(flange: Mounted, kinematics: Kinematics, here: _Knot, there: _Knot, co
         return False
     h = there.s - here.s
     at_pole = min(here.least, there.least) < SINGULAR or kinematics.configuration(here.q) != kinematics.configuration(there.q)
+    inverse = along_path(kinematics)
     for probe in PROBES:
         u = probe * h
         guess = tuple(_value(row, u) for row in columns)
         pose = flange.at(here.s + u)
         if at_pole and _apart(kinematics.forward(guess), pose) <= AT_POLE:
             continue
-        exact = kinematics.inverse(pose, guess)
+        exact = inverse(pose, guess)
         if max(abs(a - b) for a, b in zip(guess, exact, strict=True)) > tolerance:
             return False
     return True
@@ -179,7 +180,11 @@ def _knot(
     """stands: the axes are at `near` already, where that leads the tool there."""
     arm, extra = kinematics.axes - len(course), states(tuple(course), s)
     near, pose = (*near[:arm], *(value for value, _, _ in extra)), flange.at(s)
-    q = near if stands and _apart(kinematics.forward(near), pose) <= HERE else kinematics.inverse(pose, near)
+    q = (
+        near
+        if stands and _apart(kinematics.forward(near), pose) <= HERE
+        else (kinematics.inverse if stands else along_path(kinematics))(pose, near)
+    )
     by_s = flange.derivatives(s)
     first: Array = np.array([*by_s.p1, *by_s.w])
     second: Array = np.array([*by_s.p2, *by_s.w1])
@@ -209,10 +214,11 @@ def _at_pole(length: float, flange: Mounted, kinematics: Kinematics, course: Seq
     arm, step = kinematics.axes - len(course), STENCIL_STEP * length
     places = sorted(sorted((k for k in STENCIL if 0.0 <= s + k * step <= length), key=abs)[:ENOUGH])
     rows: list[Joints] = []
+    inverse = along_path(kinematics)
     try:
         for k in places:
             at = s + k * step
-            near = kinematics.inverse(flange.at(at), (*near[:arm], *(value for value, _, _ in states(tuple(course), at))))
+            near = inverse(flange.at(at), (*near[:arm], *(value for value, _, _ in states(tuple(course), at))))
             rows.append(near)
     except KinematicsError:
         return None

@@ -8,6 +8,7 @@ import pytest
 from hil_tests.lab.cells.motion_paths import worst_shares
 from hil_tests.unit.motion.kinematics.robots import apart, spread
 from motion.geometry.frames import Pose
+from motion.kinematics.group import Group
 from motion.kinematics.urdf import Urdf
 from motion.planner.robot import Machine
 from motion.planner.route import Route
@@ -60,3 +61,23 @@ def test_a_line_is_run_straight_within_the_limits_and_one_too_long_is_told() -> 
         off = np.array(robot.forward(tuple(row)).position) - here.position
         assert np.linalg.norm(off - way * (off @ way) / (way @ way)) < 1e-6
     assert math.dist(robot.forward(tuple(made.q[-1])).position, (x, y + 0.2, z - 0.05)) < 1e-7
+
+
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_where_a_line_cannot_go_on_it_is_searched_from_the_joints_before_alone(monkeypatch: pytest.MonkeyPatch, wrapped: bool) -> None:
+    """From 60 other places, too, in each interval that was tried, a check of such a line took minutes."""
+    robot, searches = seven(), 0
+    search = Urdf._search
+
+    def counted(self: Urdf, pose: Pose, start: np.ndarray) -> tuple[float, ...] | None:
+        nonlocal searches
+        searches += 1
+        return search(self, pose, start)
+
+    monkeypatch.setattr(Urdf, "_search", counted)
+    machine = Machine(Group(robot, ()) if wrapped else robot, robot.limits)
+    here = robot.forward(START)
+    x, y, z = here.position
+    with pytest.raises(BlockError, match="along the path"):
+        Route(machine, START).add(Block(Interpolation.LINEAR, PoseTarget(Pose((x, y + 3.0, z), here.rotation))))
+    assert searches < 1200
