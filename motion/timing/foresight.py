@@ -315,9 +315,11 @@ class Foresight:
         """v rises by (rises + slope * (seen v - v)) * dt from place to place."""
         dt, scale, total = self._dt, self._scale, self._sum  # their first ones stay 1 and 0
         kept = dt * slope
+        share = STIFF / np.maximum(kept, STIFF)  # stiffer: v comes near where it rises no more, not beyond
         np.minimum(kept, STIFF, out=kept)
         np.maximum(kept, -STIFF, out=kept)
         rises = dt * rises
+        rises *= share
         rises += kept * v
         np.multiply.accumulate((1.0 - kept)[:-1], out=scale[1:])
         np.add.accumulate(rises[:-1] / scale[1:], out=total[1:])

@@ -237,9 +237,10 @@ static void risen(const struct ahead *a, const double *slope)
 {
     a->scale[0] = 1.0, a->sum[0] = 0.0;
     for (int k = 0; k + 1 < a->places; k++) {
-        double kept = between(-STIFF, a->dt * slope[k], STIFF);
+        double taken = a->dt * slope[k], kept = between(-STIFF, taken, STIFF);
+        double share = STIFF / greatest(taken, STIFF); /* stiffer: v comes near where it rises no more, not beyond */
         a->scale[k + 1] = a->scale[k] * (1.0 - kept);
-        a->sum[k + 1] = a->sum[k] + (a->dt * a->rises[k] + kept * a->v[k]) / a->scale[k + 1];
+        a->sum[k + 1] = a->sum[k] + (a->dt * a->rises[k] * share + kept * a->v[k]) / a->scale[k + 1];
     }
 }
 

@@ -122,6 +122,7 @@ def test_each_stop_on_an_arc_ends_and_keeps_the_limits(speed: float, radius: flo
 
 
 SLOW = [(20.0, 200.0, 4), (20.0, 200.0, 9), (20.0, 200.0, 16), (5.0, 50.0, 2), (5.0, 50.0, 12), (5.0, 50.0, 14)]
+STIFF = (20.0, 200.0, 30, 330)  # 1.1516 of the jerk limit: shortly before full speed u had the wrong sign, and was foreseen to overshoot
 TURNING = [(3.0, 30.0, 54, 154), (20.0, 200.0, 25, 425), (20.0, 200.0, 20, 320), (20.0, 200.0, 58, 458)]
 SLOWEST = [(3.0, 30.0, 3), (3.0, 30.0, 9), (3.0, 30.0, 7), (3.0, 30.0, 36), (3.0, 30.0, 52)]
 
@@ -134,7 +135,9 @@ def ordered_shares(accel: float, jerk: float, seed: int, orders: int) -> tuple[f
     return worst_shares(np.array([pieces[0].start(), *driven]), limits)
 
 
-@pytest.mark.parametrize(("accel", "jerk", "seed", "orders"), [*((*one, one[-1] + 100) for one in SLOW + SLOWEST), (20.0, 200.0, 29, 229)])
+@pytest.mark.parametrize(
+    ("accel", "jerk", "seed", "orders"), [*((*one, one[-1] + 100) for one in SLOW + SLOWEST), (20.0, 200.0, 29, 229), STIFF]
+)
 def test_random_orders_on_random_chains_keep_the_limits_and_end(accel: float, jerk: float, seed: int, orders: int) -> None:
     """They came back to full speed with more change than the last period may take, up to 13 times the jerk limit; the third one had
     driven what it foresaw beyond all bounds and ended in a number that is none.  Then 1.1 to 5.7 of the jerk limit: places 5 ms apart had
