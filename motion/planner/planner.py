@@ -107,7 +107,7 @@ class Planner:
     _patience: float = field(init=False, default=1.0)  # times the lead, once a tail came too late
     _behind: deque[tuple[int, RouteState]] = field(init=False, default_factory=deque)  # blocks not done, and the route behind each
     _looked: tuple[float, _Planned, tuple[int, float]] | None = field(init=False, default=None)  # tau, law, and place() there
-    _searched: bool = field(init=False, default=False)  # some block has BLOCK_SEARCH
+    searched: bool = field(init=False, default=False)  # some block has BLOCK_SEARCH
     _given: int = field(init=False, default=0)  # last block of stretches another route made
 
     def __post_init__(self) -> None:
@@ -190,7 +190,7 @@ class Planner:
     def given(self, stretches: Sequence[Stretch]) -> None:
         """Up to a rest, made by another route, instead of blocks."""
         self._fresh.extend(stretches)
-        self._searched = self._searched or any(stretch.source.ahead > 0 for stretch in stretches)
+        self.searched = self.searched or any(stretch.source.ahead > 0 for stretch in stretches)
         self._given = max([self._given, *(stretch.last for stretch in stretches)])
 
     def cut(self, number: int) -> bool:
@@ -244,7 +244,7 @@ class Planner:
         for stretch in self._route.take():
             check_outputs(stretch)
             self._fresh.append(stretch)
-            self._searched = self._searched or stretch.source.ahead > 0
+            self.searched = self.searched or stretch.source.ahead > 0
             self.slowed |= worst([(stretch.block, stretch)])
 
     def reset(self, standing: Sequence[float]) -> None:
@@ -327,7 +327,7 @@ class Planner:
 
     def _ready(self, tau: float) -> int:
         """Fresh stretches that may be planned: of those with BLOCK_SEARCH, so many blocks behind the one under way."""
-        if not self._searched:
+        if not self.searched:
             return len(self._fresh)
         under_way = self.place(tau)[0]
         behind = (n for n, each in enumerate(self._fresh) if each.source.ahead and each.last - under_way > each.source.ahead)

@@ -588,7 +588,7 @@ class Programs:
         job = self.state.job
         if isinstance(planner, Planner):
             planner.queued_s = TAKEN_S * self._seen.waiting
-        if self._job.streams and isinstance(planner, Planner):  # a new tail counts when all of it is there
+        if isinstance(planner, Planner) and (self._job.streams or planner.searched):  # a new tail counts when all of it is there
             planner.lead_s, planner.carried_s = LEAD_S + CARRIED_S * self._chain.ahead, TAKEN_S
         planner.begin(tau, hurry=self._quiet > QUIET_TURNS)
         planner.work()

@@ -18,6 +18,7 @@ from motion.program.text.labels import Labels
 from motion.program.text.reader import FUNCTIONS, MOVES, OF_ONE, Reader
 from motion.program.text.systems import HEADS as SYSTEM_HEADS
 from motion.program.text.systems import chosen, declared
+from motion.program.text.values import search_of
 from motion.program.text.words import Fault, name, one, statement
 from motion.program.text.writer import acted, heading, places_of, written_move
 from motion.rho3.wc import WcFrame
@@ -25,7 +26,7 @@ from motion.robot import MOST_KINEMATICS
 
 CALLS = tuple(FUNCTIONS)  # begin with the next block of the kinematic
 OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *FILE_HEADS, *SYSTEM_HEADS, *CALLS)  # said of one kinematic
-STATEMENTS = ("program", "kinematic", *OWN, "mach_pos", *MOVES, "move", "label")
+STATEMENTS = ("program", "kinematic", *OWN, "mach_pos", *MOVES, "move", "label", "block_search")
 
 
 def several(text: str) -> bool:
@@ -43,6 +44,7 @@ class TeamReader:
     blocks: list[Shared] = field(default_factory=list)
     labels: Labels = field(default_factory=Labels)
     acts: tuple[Act, ...] = ()  # in front of the next block, or behind the last one
+    ahead: int = 0  # BLOCK_SEARCH, of all kinematics
 
     def statement(self, raw: str, number: int = 0) -> None:
         """One line; raises TextError.  Its block, if it is one, waits for take()."""
@@ -79,6 +81,8 @@ class TeamReader:
                 self.labels.line(head, rest, acting=bool(self.acts))
             case "mach_pos":
                 self.act(words, number)
+            case "block_search":
+                self.ahead = search_of(head, rest)
             case "robot":
                 raise Fault(head, "`kinematic NAME ROBOT` names the robot of each kinematic")
             case _ if head in OF_ONE:
@@ -129,7 +133,7 @@ class TeamReader:
     def own(self, named: str, words: list[str], number: int) -> Block:
         """One kinematic's part of a block."""
         (block,) = self.said(named, words, number).take()
-        return block
+        return replace(block, ahead=self.ahead)
 
     def said(self, named: str, words: list[str], number: int) -> Reader:
         """The reader of a kinematic; it was given this line."""
@@ -194,7 +198,11 @@ def write_team(program: TeamProgram) -> str:
         lines += declared(block.system for block in own)
     systems: dict[str, WcFrame | None] = {}
     files: dict[str, dict[str, int]] = {each.name: {} for each in program.kinematics}
+    ahead = 0
     for shared in program.blocks:
+        if (now := max((block.ahead for block in shared.own), default=0)) != ahead:
+            ahead = now
+            lines.append(f"block_search {ahead or '-'}")
         lines += [f"label {shared.label}"] if shared.label else []
         lines += _acts(program, shared.acts)
         parts = []

@@ -7,14 +7,18 @@ import pytest
 
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.cell import Motion
+from hil_tests.lab.cells.arm_and_scara import CELL as PAIR
+from hil_tests.lab.cells.arm_and_scara import HEAD as PAIR_HEAD
 from hil_tests.lab.cells.arms import Array, robot, shares
 from hil_tests.lab.cells.arms import run as executed
 from hil_tests.lab.virtual.belt_bench import CELL
+from hil_tests.lab.virtual.cell_402_bench import Cell402Bench
 from hil_tests.lab.virtual.planned_bench import Planned, ServodynRobot, off_segment
 from hil_tests.unit.motion.program.close import same_program
 from motion.planner.arm import Arm
 from motion.program.errors import TextFaults
 from motion.program.text.reader import read
+from motion.program.text.team import read_team, write_team
 from motion.program.text.writer import write
 
 HEAD = "robot portal\nangles rho3\naxes mm mm mm deg\nstart 100 100 50 0\n"
@@ -71,6 +75,28 @@ def test_few_blocks_take_their_speed_and_many_do_not_and_path_and_limits_are_kep
     assert rows["1"].rests > 0.5 and rows[""].rests < 0.2
     for row in rows.values():
         assert row.speed <= 1.0 and row.accel <= 1.02 and row.places[-1] == pytest.approx(100 + STEP * BLOCKS, abs=0.02)
+
+
+@pytest.fixture(scope="module")
+def pair() -> Planned:
+    """An arm and a SCARA in a cell with a period of 8 ms, at the beginning of their row."""
+    return Planned(Cell402Bench(8, cell=PAIR))
+
+
+@pytest.mark.parametrize("search", ["1", "3", "11"])
+def test_several_kinematics_search_so_many_blocks_and_arrive(pair: Planned, search: str) -> None:
+    """Their pieces are short: without the time that a tail takes through the ring, it came too late, and the program was aborted."""
+    home = "move arm ptp joints 0 30 90 0 60 0 and scara ptp joints 0 90 -200 0"
+    row = [
+        f"move arm ptp joints {1.6 * n:g} 30 90 0 60 0 radius=1 and scara ptp joints {1.6 * n:g} 90 -200 0 radius=1" for n in range(1, 11)
+    ]
+    assert pair.bench.settle(pair.order(PAIR_HEAD + home)).state is CommandState.DONE
+    text = PAIR_HEAD + "\n".join([f"block_search {search}", *row])
+    assert max(block.ahead for shared in read_team(text).blocks for block in shared.own) == int(search)
+    assert write_team(read_team(text)).count(f"block_search {search}") == 1
+    job = pair.bench.settle(pair.order(text))
+    assert job.state is CommandState.DONE, job.detail
+    assert np.array(pair.bench.set())[[0, 6]] == pytest.approx([16.0, 16.0], abs=1e-6)
 
 
 def test_it_holds_from_the_statement_on_and_is_written_again() -> None:
