@@ -81,8 +81,8 @@ class CellRobot(Robot):
 
     def fails(self, fault: StepFault, place: tuple[str, int]) -> None:
         """What was handed on cannot be run: an error of its step."""
-        self.how, self.state, self.acknowledged = "aborted", State.ERROR, False
-        self.fault = Message(fault.text, fault.code or None, *place, fault.kind)
+        self.how, self.state = "aborted", State.ERROR
+        self.failure = self.fault = Message(fault.text, fault.code or None, *place, fault.kind)
         self.say(self.fault)
 
     # ---- time ------------------------------------------------------------------------------------------------------------

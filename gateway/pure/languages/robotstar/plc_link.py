@@ -56,8 +56,9 @@ class PlcLink:
 
     def acknowledge(self, cell: VirtualCell) -> None:
         """The operator has acknowledged: M1021.1."""
-        self.plc.acknowledge()
-        cell.image[1020:1022] = self.plc.data.memory[1020:1022]
+        if self.plc.shown_message is not None:
+            self.plc.acknowledge()
+            cell.image[1021] = cell.image[1021] & ~1 | 2
 
     def _take_markers(self, cell: VirtualCell, memory: bytearray) -> None:
         for number in range(INPUTS) if memory[:INPUTS] != cell.image[:INPUTS] else ():

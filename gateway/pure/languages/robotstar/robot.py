@@ -87,7 +87,7 @@ class Robot:
     drive: Drive
     say: Callable[[Message], None]
     state: State = State.STOPPED
-    acknowledged: bool = True
+    failure: Message | None = None  # the error that is not acknowledged
     _left: Ns | None = None  # of the request in force
     _asked_at: Ns = 0
     _macro_depth: int = 0  # of a macro that counts as one step; 0: none
@@ -98,6 +98,11 @@ class Robot:
     def __post_init__(self) -> None:
         self.machine.repeats, self.machine.returns = self.mode.repeats, not self.mode.executer
         self.machine.simulated, self.machine.executer = self.mode.simulated, self.mode.executer
+
+    @property
+    def acknowledged(self) -> bool:
+        """Whether a START is accepted."""
+        return self.failure is None
 
     @property
     def quits(self) -> str:
@@ -140,14 +145,14 @@ class Robot:
 
     def acknowledge(self) -> None:
         """Quit."""
-        self.acknowledged = True
+        self.failure = None
         if self.state is State.ERROR:
             self.state = State.STOPPED
 
     def fail(self, message: Message) -> None:
         """An error of the cell: the program stops."""
         self.say(message)
-        self.state, self.acknowledged = State.ERROR, False
+        self.state, self.failure = State.ERROR, message
 
     # ---- time ------------------------------------------------------------------------------------------------------------
     def advance(self, now: Ns) -> Ns | None:
@@ -225,10 +230,11 @@ class Robot:
         assert frame is not None
         self._forget()
         self.machine.request = None
-        self.say(Message(fault.text, fault.code or None, frame.program.name, frame.at + 1, fault.kind))
+        message = Message(fault.text, fault.code or None, frame.program.name, frame.at + 1, fault.kind)
+        self.say(message)
         refused = self.mode.executer and "not executable in Test 5" in fault.text
         self.state = State.STOPPED if refused else State.ERROR
-        self.acknowledged = refused
+        self.failure = None if refused else message
 
     # ---- requests --------------------------------------------------------------------------------------------------------
     def _serve(self, now: Ns) -> Ns | None:

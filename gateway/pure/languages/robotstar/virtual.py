@@ -23,6 +23,7 @@ NS = 1_000_000_000
 BASES = {"INPUT": 1968, "OUTPUT": 2008, "MARKER": 0}  # markers that mirror the inputs and outputs (L2985-2986)
 ANALOG_INPUTS, ANALOG_OUTPUTS, SCALE = 1872, 1920, (2**15 - 1) / 10
 POWER_ON, HOLD, REQUESTS, FACTOR, MODE_CODE, MOVES = (1020, 4), (1020, 7), 968, 1436, 1022, (1021, 5)
+ERROR_NUMBER, IN_ERROR, ACKNOWLEDGED = 944, (1021, 0), (1021, 1)
 DEFAULT_UNTIL = 600 * NS
 AFTER = NS  # the PLC still scans once the program has stopped
 Event = dict[str, object]
@@ -317,9 +318,12 @@ class VirtualCell:
 
     def acknowledge(self) -> None:
         """Quit."""
+        shown = self.robot.failure is not None
         self.robot.acknowledge()
         if self.plc is not None:
             self.plc.acknowledge(self)
+        if shown:
+            self._set(ACKNOWLEDGED, True)
 
     def power(self) -> None:
         """Power off and on: values and markers are kept, outputs fall, the program is at its first step."""
@@ -411,8 +415,12 @@ class VirtualCell:
         self._set(MOVES, self.robot.moving and self.factor() > 0)  # held by M1020.7, or with an override of 0, it is at rest
         self._set((1020, 6), True)
         self._set((1021, 2), True)
-        if self.plc is None or self.robot.state is State.ERROR:
-            self._set((1021, 0), self.robot.state is State.ERROR)
+        self._set(IN_ERROR, self.robot.failure is not None)
+        number = 0
+        if self.robot.failure is not None:
+            number = self.robot.failure.number or 0
+            self._set(ACKNOWLEDGED, False)
+        self.image[ERROR_NUMBER : ERROR_NUMBER + 4] = number.to_bytes(4, "little")
         pose = self._at.pose
         self._set((1120, 0), bool(pose))
         for at, value in enumerate(pose):

@@ -87,3 +87,23 @@ def test_faults_of_plc_programs_are_named_by_file() -> None:
 def test_the_run_ends_soon_after_the_program() -> None:
     ran = run("WAIT 3\nWRITE_BIT #MERKER,1,20,0\nSTOP", FOLLOW, None)
     assert ran.when("A5") == [(3.01, 8)] and ran.cell.now <= 5 * NS
+
+
+WATCHES = """PLC MAIN
+LD M944
+TD M100
+U M1021.0
+= M104.0
+U M1021.1
+= M104.1
+END
+"""
+
+
+def test_an_error_of_the_robot_program_is_in_the_markers_until_it_is_acknowledged() -> None:
+    """M944, M1021.0 and M1021.1 (L2915, L2947, L2948), also where the PLC has no message of its own."""
+    no_radius = "TOOL T\nBEWEG_ART #LINEAR\nUEBERSCHL #EIN\nBAHN_RADIUS 0\nPOSITION #N, X:9, Y:0, Z:0, A:0, B:0, C:0\nSTOP"
+    ran = run(no_radius, WATCHES, 4, "1 ACK", "2 START", "3 ACK")
+    assert [message for message in ran.texts() if "102" not in str(message)] == []
+    assert ran.when("M104") == [(0.01, 1), (1.0, 2), (2.01, 1), (3.0, 2)]
+    assert ran.when("M100") == [(0.01, 102), (1.0, 0), (2.01, 102), (3.0, 0)]
