@@ -169,6 +169,7 @@ def test_words_of_16_bits_with_a_sign() -> None:
         ("O E 41.0", "outside 0..39"),
         ("CALL PUMP", "a block is needed"),
         ("EIN :  E 1.0", "parameters"),
+        ("BEZ :EIN E/A/D/B/T/Z: E BI/BY/W/D: BI", "parameters"),
         ("SPA FB [MW 20]", "indirect"),
         ("U E [AR1,P#0.0]", "indirect"),
         ("L MB [MD 10]", "indirect"),
@@ -392,3 +393,19 @@ def test_set_and_clr_end_the_chain_in_front_of_them(lines: str, outputs: tuple[i
     """As in STEP 7: the next link loads its operand, whatever was linked before."""
     rig = rig_of("BEGIN\n" + "\n".join(f"{line};" for line in lines.split(";")))
     assert (rig.scan().outputs[0], rig.scan("E0.0").outputs[0]) == outputs
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ("MW20 = M600", "table, line 1: MW20 = M600: M0 to M511 are free, and MW20 takes 4"),
+        ("DB1.DW5 = M509", "table, line 1: DB1.DW5 = M509: M0 to M511 are free, and DB1.DW5 takes 4"),
+        ("MW20 = M200\nMW22 = M203", "table, line 2: MW22 = M203 overlaps MW20 = M200, which takes M200 to M203"),
+        ("MW20 = M200\nMW20 = M204", "table, line 2: MW20 is in the table twice"),
+        ("DB1.D5.1 = M200", "table, line 1: DB1.D5.1 needs a bit, M200.1"),
+        ("MW20 = M200.1", "table, line 1: MW20 needs a byte to begin at, M200"),
+        ("DB1.DL5 = M511\nDB1.D5.1 = M0.1\nMW20 = M0", ""),
+    ],
+)
+def test_a_row_of_the_table_that_cannot_count_is_named(rows: str, said: str) -> None:
+    assert imported("OB 1\n:U E 0.0\n:= A 0.0\n:BE", rows).notes == ([said] if said else [])

@@ -8,6 +8,9 @@ from gateway.pure.languages.plc.awl.reader import OPERANDS, Reader, Refused
 from gateway.pure.languages.plc.awl.translator import Translator
 
 ROW = re.compile(r"((?:D[BX]\d+\.)?[A-Z]{1,3}\d+(?:\.\d+)?)\s*[=;,\t ]\s*(M\d+(?:\.\d)?)$")
+BIT_WORD = re.compile(r"(?:D[BX]\d+\.)?[A-Z]+\d+\.\d")
+BYTE_WORD = re.compile(r"(?:DL|DR|DBB)\d+$")
+LAST_FREE = 511
 MARKER = re.compile(r"\b(?:M[BWD]?|F[YWD]?)\s*(\d{1,4})")  # F: the flags of an English list of STEP 5
 NARROW = "numbers are calculated with 32 bits; STEP 5 has 16: check lines"
 
@@ -40,11 +43,38 @@ def words_of(table: str) -> tuple[Mapping[str, str], list[str]]:
         text = " ".join(line.split("#")[0].upper().split())
         if not text:
             continue
-        if row := ROW.match(text):
+        row = ROW.match(text)
+        reason = _wrong_row(row[1], row[2], found) if row else f"{text[:60]!r} is no row; write DB10.DW5 = M200"
+        if row and not reason:
             found[row[1]] = row[2]
         else:
-            wrong.append(f"table, line {number}: {text[:60]!r} is no row; write DB10.DW5 = M200")
+            wrong.append(f"table, line {number}: {reason}")
     return found, wrong
+
+
+def _wrong_row(word: str, marker: str, found: Mapping[str, str]) -> str:
+    """Why a row cannot count: bits get bits, the others bytes of their own below the system markers."""
+    if word in found:
+        return f"{word} is in the table twice"
+    bit = BIT_WORD.match(word) is not None
+    if bit != ("." in marker):
+        return f"{word} needs {'a bit, M200.1' if bit else 'a byte to begin at, M200'}"
+    if marker in found.values():
+        return f"{marker} is in the table twice"
+    first, last = _taken(word, marker)
+    if last > LAST_FREE:
+        return f"{word} = {marker}: M0 to M{LAST_FREE} are free, and {word} takes {last - first + 1}"
+    for other, there in found.items():
+        begin, end = _taken(other, there)
+        if not bit and "." not in there and first <= end and begin <= last:
+            return f"{word} = {marker} overlaps {other} = {there}, which takes M{begin} to M{end}"
+    return ""
+
+
+def _taken(word: str, marker: str) -> tuple[int, int]:
+    """First and last marker byte of a row; a word is held in a double word (32 bits), DL, DR and DBB in a byte."""
+    first = int(marker[1:].partition(".")[0])
+    return first, first if "." in marker or BYTE_WORD.search(word) else first + 3
 
 
 def _german(name: str) -> str:
