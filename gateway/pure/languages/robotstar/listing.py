@@ -17,7 +17,10 @@ from gateway.pure.languages.robotstar.words import Words
 QUOTES = str.maketrans({"„": '"', "“": '"', "”": '"', "»": '"', "«": '"', "\u2013": "-", "\u00a0": " ", "\u2019": "'"})
 _NUMBER = re.compile(r"S?\s*(\d+)\s*[.:)]?(\s+|$)", re.IGNORECASE)
 _WORD = re.compile(r"(\\?\s*)([^\W\d][\w-]*)(.*)", re.DOTALL)
-_POSITION = re.compile(r"#[NP]\b|\b[XYZABC]\s*:|\bA\d+\s*:", re.IGNORECASE)
+_MARKED = re.compile(r"(?:->|=>|>|-)\s*(?=S?\s*\d)")  # the cursor, or the step completed last (L1484)
+_SECOND = re.compile(r"\s+([^\W\d]\w*)")
+_POSITION = re.compile(r"\b[XYZABC]\s*:|\bA\d+\s*:", re.IGNORECASE)
+_KIND = re.compile(r"\s*(#[NP])\b\s*,?\s*", re.IGNORECASE)
 ALIKE = 0.84  # likeness of a misread word to a command
 
 
@@ -68,9 +71,12 @@ def points_of(text: str) -> dict[str, str]:
         values = [cell.strip() for cell in row[1:]]
         if len(row) != len(head) or any(not re.fullmatch(r"[+-]?\d+(\.\d+)?", value) for value in values if value):
             raise PointFault(f"line {number}: {len(head)} columns with a name and numbers with a decimal point are needed")
-        found[_plain(row[0])] = ", ".join(
-            f"{'Frame' if name == 'FRAME' else name}:{value}" for name, value in zip(head[1:], values, strict=True) if value
-        )
+        given = {name: value for name, value in zip(head[1:], values, strict=True) if value}
+        missing = [name for name in CARTESIAN if name not in given]
+        axes = any(re.fullmatch(r"A\d{1,2}", name) for name in given)
+        if missing and (len(missing) < len(CARTESIAN) or not axes):
+            raise PointFault(f"line {number}: {row[0]}: {', '.join(missing)} missing; a point has all of X Y Z A B C, or its axes alone")
+        found[_plain(row[0])] = ", ".join(f"{'Frame' if name == 'FRAME' else name}:{value}" for name, value in given.items())
     return found
 
 
@@ -139,6 +145,7 @@ def _step(number: int, line: str, words: Words, points: Mapping[str, str], notes
         return 0, None
     if text.startswith("|"):
         text = " ".join(cell.strip() for cell in text.strip("|").split("|")).strip()
+    text = _MARKED.sub("", text, count=1) if _MARKED.match(text) else text
     found = _NUMBER.match(text)
     printed = int(found[1]) if found else 0
     text = text[found.end() :].strip() if found else text
@@ -151,10 +158,19 @@ def _step(number: int, line: str, words: Words, points: Mapping[str, str], notes
     if not matched:
         notes.append(Note(number, f"{text[:40]!r} is no step and left out"))
         return printed, None
-    word = _repaired(number, matched[2], words, notes, certain=bool(printed))
+    spelt, rest = _joined(matched[2], matched[3], words)
+    word = _repaired(number, spelt, words, notes, certain=bool(printed))
     if not word:
         return printed, None
-    return printed, f"{matched[1].strip()}{word}{_parameters(number, word, matched[3], words, points, notes)}"
+    return printed, f"{matched[1].strip()}{word}{_parameters(number, word, rest, words, points, notes)}"
+
+
+def _joined(word: str, rest: str, words: Words) -> tuple[str, str]:
+    """A command that is printed in two words, as BAHN RADIUS (L1774), and what follows it."""
+    second = _SECOND.match(rest)
+    if second and word.upper() not in words.words and f"{word}_{second[1]}".upper() in words.words:
+        return f"{word}_{second[1]}", rest[second.end() :]
+    return word, rest
 
 
 def _repaired(number: int, word: str, words: Words, notes: list[Note], certain: bool) -> str:
@@ -176,9 +192,11 @@ def _repaired(number: int, word: str, words: Words, notes: list[Note], certain: 
 def _parameters(number: int, word: str, rest: str, words: Words, points: Mapping[str, str], notes: list[Note]) -> str:
     if words.words.get(word.upper()) != "POSITION" or _POSITION.search(rest) or re.match(r"\s*variable\s*:", rest, re.IGNORECASE):
         return f" {rest.strip()}" if rest.strip() and not rest.startswith((":", "[")) else rest.rstrip()
+    kind = _KIND.match(rest)
+    rest = rest[kind.end() :] if kind else rest
     rest = rest.partition("<")[0].strip() or rest.strip() if re.match(r"\s*\w+\s+<", rest) else rest.strip()  # A <start point>
-    name = _plain(rest)
+    name, place = _plain(rest), kind[1].upper() if kind else "#N"
     if name in points:
-        return f" #N, {points[name]}"
+        return f" {place}, {points[name]}"
     notes.append(Note(number, f"POSITION {name or 'without a name'}: the values are not printed; give them with --points"))
-    return f" {rest}" if rest else ""
+    return f" {rest}" if rest else f" {place}" if kind else ""

@@ -46,7 +46,29 @@ def test_points_that_are_missing_are_named() -> None:
     assert "POSITION A" in found.files["BEWEGUNG.MPR"]
 
 
-@pytest.mark.parametrize("text", ["", "X,Y\n1,2", "name,X,Q\na,1,2", "name,X,Y,Z,A,B,C\na,1,2,3,4,5,x", "name,X\na,1,2"])
+def test_marks_of_the_cursor_words_in_two_parts_and_positions_of_a_kind() -> None:
+    found = import_listing(
+        "1 MPR M\n->2 PTP GESCHW 50\n-3 SCHR BIT #AUSGANG, 1, 0, 4\n4 POSITION #P, Q\n5 POSITION #N\n6 END", WORDS, {"Q": "A7:1"}
+    )
+    lines = [line.split(None, 1)[1] for line in found.files["M.MPR"].splitlines()]
+    assert lines[1:5] == ["PTP_GESCHW 50", "SCHR_BIT #AUSGANG, 1, 0, 4", "POSITION #P, A7:1", "POSITION #N"]
+    assert [(note.line, note.text) for note in found.notes] == [
+        (5, "POSITION without a name: the values are not printed; give them with --points")
+    ]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "X,Y\n1,2",
+        "name,X,Q\na,1,2",
+        "name,X,Y,Z,A,B,C\na,1,2,3,4,5,x",
+        "name,X\na,1,2",
+        "name,X,Y\na,1,2",
+        "name,X,Y,Z,A,B,C\na,1,2,3,4,,6",
+    ],
+)
 def test_a_table_of_points_that_is_none(text: str) -> None:
     with pytest.raises(PointFault):
         points_of(text)
