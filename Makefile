@@ -25,7 +25,7 @@ help:
 	@echo "make lint             lint, types, import arrows only"
 	@echo "make bench            all benchmarks; rewrites docs/benchmarks.md"
 	@echo "make coverage-matrix  which demand of the manuals is proved by which test, out of the last make test of this tree (else the tests run)"
-	@echo "make mutants          would those tests notice their function breaking? rewrites docs/proof.md (MUTANTS='-k NAME', '--sample 60 --seed 7': a part)"
+	@echo "make mutants          would those tests notice their function breaking? rewrites docs/proof.tsv and docs/proof.md (MUTANTS=--missing: what changed; '-k NAME', '--sample 60 --seed 7': a part)"
 	@echo "make docs             pages made of decisions, errors, evidence; the site in build/site"
 	@echo "make pictures         docs/pictures from the last run of the page's tests"
 	@echo "make soak             a million 3964R and RK512 telegrams, a tenth of them spoiled (SOAK=50000: fewer); 1,000 motion programs (MOTION='100 20000': fewer); 10,000 lines beside a wrist pole (POLE=1000: fewer) and three minutes of curve in a cell; 60,000 emergency messages; 200 deaths of interpreter and PLC under PALTEST (KILLS=20: fewer); ten minutes of everything hostile at once (HOSTILE=60: fewer seconds); then make losses"

@@ -1,10 +1,12 @@
 """pytest plug-in of `make mutants`: runs each marked test with each of its functions broken, in this very process.
 
 Killed means: the test failed by an assertion.  An exception of the mutant that merely ran through the test proves only that the
-function was called; it is told as `crash` and counts as not killed.
+function was called; it is told as `crash` and counts as not killed.  A pair of test and function that is killed meets no further mutant,
+unless --mutants-every says so.
 """
 
 import contextlib
+import dataclasses
 import pathlib
 import random
 import signal
@@ -20,17 +22,19 @@ from _pytest.raises import RaisesExc
 from _pytest.runner import runtestprotocol
 
 from hil_tests.matrix.catalogue import MarkError, resolve
+from hil_tests.matrix.content import fingerprint
 from hil_tests.matrix.marks import claims_of, function_id
 from hil_tests.matrix.mutant import VARIANTS, MutantError, mutated
 from hil_tests.matrix.small import MOST, Small, small_mutants
-from hil_tests.matrix.verdicts import Pair, Trial, fingerprint, load_pairs, save_pairs
+from hil_tests.matrix.verdicts import Pair, Trial, load_pairs, save_run
 from hil_tests.purity import GUARDED_FOLDERS
 
 if TYPE_CHECKING:
     from _typeshed import TraceFunction
 
 LEAST_S = 45.0  # a mutant that never ends is given up after this, or ten times the sound run; tests themselves wait up to 20 s
-LEAST_PURE_S = 10.0  # tests of pure code wait for nothing
+LEAST_PURE_S = 3.0  # of processor time: tests of pure code wait for nothing, whoever else is busy
+TRACED_S = 0.3
 MOST_OF_A_RUN = 2  # small mutants of a function whose test starts processes
 SAVE_EVERY_S = 60.0
 RANK = ("hang", "skipped", "alive", "crash", "killed")  # of a test's parameters the best one counts: they are one test
@@ -49,8 +53,8 @@ def drawn(every: Collection[tuple[str, str]], sample: str) -> set[tuple[str, str
 class Mutants:
     """Replaces the running of a test by: once sound, then once for each function and variant."""
 
-    def __init__(self, target: pathlib.Path, sample: str | None, known: pathlib.Path | None = None) -> None:
-        self._target, self._sample, self._known = target, sample, known
+    def __init__(self, target: pathlib.Path, sample: str | None = None, known: pathlib.Path | None = None, every: bool = False) -> None:
+        self._target, self._sample, self._known, self._every = target, sample, known, every
         self._raised: list[BaseException] = []
         self._chosen: set[tuple[str, str]] | None = None  # None: all of them
         self._found: dict[tuple[str, str], dict[str, str]] = {}
@@ -67,7 +71,7 @@ class Mutants:
         pairs = {function_id(item.nodeid): _pairs(item) for item in items}
         every = {pair for some in pairs.values() for pair in some}
         if self._known is not None:
-            every -= {(pair.test, pair.by) for pair in load_pairs(self._known) if not pair.unjudged}
+            every -= {(pair.test, pair.by) for pair in load_pairs(self._known)}
         if self._sample is not None:
             every = drawn(every, self._sample)
         self._chosen = every
@@ -84,29 +88,41 @@ class Mutants:
         except MarkError as error:
             print(f"\n{name}: {error}")
             return True
-        with lines_run({resolve(by).__code__: by for claim in claims for by in claim.by}) as lines:
-            sound, seconds = self._run(item, None)
         for claim in claims:
             for by in claim.by:
-                if self._chosen is None or (name, by) in self._chosen:
-                    self._ids.setdefault((name, by), set()).update(claim.ids)
-                    self._try(item, by, sound, seconds, lines[by])
+                self._ids.setdefault((name, by), set()).update(claim.ids)
+        open_pairs = dict.fromkeys(by for claim in claims for by in claim.by if self._open(name, by))
+        if open_pairs:
+            with lines_run({resolve(by).__code__: by for by in open_pairs}) as lines:
+                sound, seconds = self._run(item, None)
+            if sound == "alive" and seconds > TRACED_S:
+                sound, seconds = self._run(item, None)  # writing the lines down takes several times as long
+            for by in open_pairs:
+                self._try(item, by, sound, seconds, lines[by])
         if time.monotonic() - self._saved > SAVE_EVERY_S:
             self._save()
         return True
 
+    def _open(self, name: str, by: str) -> bool:
+        """Whether this pair is to be judged and another mutant could change its verdict."""
+        if self._chosen is not None and (name, by) not in self._chosen:
+            return False
+        return self._every or (name, by) not in self._found or not self._pair(name, by).killed
+
     def _try(self, item: pytest.Item, by: str, sound: str, seconds: float, lines: Collection[int]) -> None:
-        name = function_id(item.nodeid)
-        pure = any(part in item.path.parts for part in GUARDED_FOLDERS)
+        name, pure = function_id(item.nodeid), is_pure(item)
+        if pure and not lines and (name, by) in self._found:
+            return  # this parameter does not come to the function
         chosen = self._small.setdefault((name, by), small_mutants(by, MOST if pure else MOST_OF_A_RUN, lines))
         limit = max(LEAST_PURE_S if pure else LEAST_S, 10 * seconds)
         for variant in (*VARIANTS, *(one.name for one in chosen)):
-            if self._found.get((name, by), {}).get(variant) != "killed":
-                verdict = self._broken(item, by, variant, limit) if sound == "alive" else f"not run: sound test: {sound}"
-                self._keep(name, by, variant, verdict)
+            if self._found.get((name, by), {}).get(variant) == "killed" or (variant not in VARIANTS and not self._open(name, by)):
+                continue
+            verdict = self._broken(item, by, variant, limit) if sound == "alive" else f"not run: sound test: {sound}"
+            self._keep(name, by, variant, verdict)
 
     def _broken(self, item: pytest.Item, by: str, variant: str, limit: float) -> str:
-        with mutated(by, variant):
+        with mutated(by, variant, children=not is_pure(item)):
             return self._run(item, limit)[0]
 
     def _keep(self, name: str, by: str, variant: str, verdict: str) -> None:
@@ -117,10 +133,12 @@ class Mutants:
     def _run(self, item: pytest.Item, limit: float | None) -> tuple[str, float]:
         self._raised.clear()
         item._initrequest()  # type: ignore[attr-defined]  # pytest offers no public way to run an item again
-        started = time.monotonic()
-        with time_limit(limit):
+        pure = is_pure(item)
+        clock = time.process_time if pure else time.monotonic
+        started = clock()
+        with time_limit(limit, pure):
             runtestprotocol(item, log=False, nextitem=None)  # nextitem None: no fixture made by a mutant lives on
-        return judged(self._raised), time.monotonic() - started
+        return judged(self._raised), clock() - started
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(self, call: pytest.CallInfo[None]) -> Generator[None, object, object]:
@@ -133,12 +151,22 @@ class Mutants:
 
     def _save(self) -> None:
         self._saved = time.monotonic()
-        save_pairs((self._pair(name, by, seen) for (name, by), seen in self._found.items()), self._target)
+        pairs = (self._pair(name, by) for name, by in self._found)
+        save_run((dataclasses.replace(pair, fingerprint=self._of(pair)) for pair in pairs), self._target)
 
-    def _pair(self, name: str, by: str, seen: Mapping[str, str]) -> Pair:
-        trials = tuple(Trial(one.name, one.line, one.words, seen[one.name]) for one in self._small[name, by])
-        print_of = fingerprint(self._files[name], by)
-        return Pair(name, by, tuple(sorted(self._ids[name, by])), seen["raise"], seen["return"], print_of, trials)
+    def _pair(self, name: str, by: str) -> Pair:
+        """As it is judged so far."""
+        seen = self._found[name, by]
+        small = (one for one in self._small[name, by] if one.name in seen)
+        trials = tuple(Trial(one.name, seen[one.name], one.line, one.words) for one in small)
+        return Pair(name, by, tuple(sorted(self._ids[name, by])), seen["raise"], seen["return"], "", trials)
+
+    def _of(self, pair: Pair) -> str:
+        return fingerprint(self._files[pair.test], pair.test.partition("::")[2], pair.by)
+
+
+def is_pure(item: pytest.Item) -> bool:
+    return any(part in item.path.parts for part in GUARDED_FOLDERS)
 
 
 def _pairs(item: pytest.Item) -> set[tuple[str, str]]:
@@ -194,20 +222,21 @@ def is_assertion(error: BaseException) -> bool:
 
 
 @contextlib.contextmanager
-def time_limit(seconds: float | None) -> Iterator[None]:
+def time_limit(seconds: float | None, of_processor: bool = False) -> Iterator[None]:
     def strike(_number: int, _frame: FrameType | None) -> None:
         raise Hang(f"no end after {seconds:.0f} s")
 
     if seconds is None:
         yield
         return
-    previous = signal.signal(signal.SIGALRM, strike)
-    signal.setitimer(signal.ITIMER_REAL, seconds, 5.0)
+    timer, number = (signal.ITIMER_PROF, signal.SIGPROF) if of_processor else (signal.ITIMER_REAL, signal.SIGALRM)
+    previous = signal.signal(number, strike)
+    signal.setitimer(timer, seconds, 5.0)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, previous)
+        signal.setitimer(timer, 0)
+        signal.signal(number, previous)
 
 
 def strict_raises() -> None:
@@ -239,7 +268,8 @@ def quick_hypothesis() -> None:
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--mutants", metavar="FILE", help="break each `by` function in turn and write here how the tests took it")
     parser.addoption("--mutants-sample", metavar="COUNT:SEED", help="only so many pairs of test and function, drawn by lot")
-    parser.addoption("--mutants-known", metavar="FILE", help="not the pairs whose verdict, of these very files, stands in it")
+    parser.addoption("--mutants-known", metavar="FILE", help="not the pairs whose verdict, of this test and function, stands in it")
+    parser.addoption("--mutants-every", action="store_true", help="all small mutants of a pair, though one was noticed")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -247,5 +277,6 @@ def pytest_configure(config: pytest.Config) -> None:
     quick_hypothesis()
     config.option.tbstyle = "native"  # pytest's own styles fail at an instruction of a mutant that has no line
     target, known = pathlib.Path(config.getoption("--mutants")), config.getoption("--mutants-known")
-    mutants = Mutants(target, config.getoption("--mutants-sample"), pathlib.Path(known) if known else None)
+    every = config.getoption("--mutants-every")
+    mutants = Mutants(target, config.getoption("--mutants-sample"), pathlib.Path(known) if known else None, every)
     config.pluginmanager.register(mutants, "axisgate-mutants")

@@ -25,9 +25,10 @@ HOW = """
 A *pair* is a test and a function named in its mark. The function is broken, the test runs, and only an assertion of the test counts:
 an exception that runs through it is a *crash* and proves nothing. Each function is broken in whole (`raise`: it raises; `return`: it
 returns the empty value of its annotation) and in up to six small ways that do not raise, on lines the test runs, chosen by a hash of
-the place (two where the test starts processes). A pair is killed when its test misses the whole function and an assertion notices a
-small change, where there is one to make. Not every small change matters to the one test of a pair; the last line says how many of
-them any test noticed.
+the place (two where the test starts processes), one after the other until an assertion notices one. A pair is killed when its test
+misses the whole function and an assertion notices a small change, where there is one to make. Not every small change matters to the
+one test of a pair. The verdicts are kept in `docs/proof.tsv`; each holds as long as its test and its function read the same
+([AX-1510](decisions.md#ax-1510)).
 """
 
 
@@ -44,6 +45,7 @@ def write(pairs: Sequence[Pair], sample: str = "") -> None:
             by_row[name].update(one.by)
     reached = {name: reach.reach_of(functions, reach.kinds()) for name, functions in by_row.items()}
     every = {(test, by) for test, found in claims.items() for one in found for by in one.by}
+    pairs = [pair for pair in pairs if (pair.test, pair.by) in every]
     PAGE.write_text("".join(page(rows(), reached, pairs, len(every), sample)), encoding="utf-8")
     text = README.read_text(encoding="utf-8")
     README.write_text(STATUS.sub(lambda _match: f"<!-- rows -->{status(reached)}<!-- /rows -->", text), encoding="utf-8")
@@ -107,7 +109,7 @@ def _functions(pairs: Sequence[Pair]) -> Iterator[str]:
         for trial in pair.small:
             noticed[pair.by, trial.name] = noticed.get((pair.by, trial.name), False) or trial.verdict == "killed"
     functions, seen = len({pair.by for pair in pairs}), sum(noticed.values())
-    yield f"\nOf {len(noticed)} different small mutants of {functions} functions {seen} are noticed by an assertion of some test.\n"
+    yield f"\nOf {len(noticed)} different small mutants tried of {functions} functions {seen} are noticed by an assertion of some test.\n"
 
 
 def _left(pairs: Sequence[Pair]) -> Iterator[str]:

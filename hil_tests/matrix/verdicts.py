@@ -1,20 +1,19 @@
 """From results and mutants to the coverage matrix: {"ID": {"verdict", "tests", "by", "mutant"}}."""
 
-import hashlib
-import importlib.util
 import json
 import pathlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
 from hil_tests.matrix import record
-from hil_tests.matrix.catalogue import ROOT, Row
+from hil_tests.matrix.catalogue import ROOT, MarkError, Row
+from hil_tests.matrix.content import fingerprint
 from hil_tests.matrix.reach import kinds, reach_of
 from hil_tests.matrix.record import Result
 
 RESULTS = ROOT / "build" / "matrix" / "results.json"
-MUTANTS = ROOT / "build" / "matrix" / "mutants.json"
+KEPT = ROOT / "docs" / "proof.tsv"  # verdicts of the mutants, in the tree: they outlive a machine (AX-1510)
 MATRIX = ROOT / "build" / "coverage-matrix.json"
 
 
@@ -33,9 +32,9 @@ class Trial:
     """A small mutant of a function and how one test took it."""
 
     name: str  # kind_hash
-    line: int
-    words: str  # what was changed into what
     verdict: str
+    line: int = 0  # 0: not known, as the tree keeps neither line nor words
+    words: str = ""  # what was changed into what
 
     @property
     def kind(self) -> str:
@@ -51,7 +50,7 @@ class Pair:
     ids: tuple[str, ...]
     raised: str
     returned: str
-    fingerprint: str  # of the test file and the function's module: an old result never counts for new code
+    fingerprint: str  # of the test and the function: an old result never counts for new code
     small: tuple[Trial, ...] = ()
 
     @property
@@ -82,12 +81,6 @@ class Pair:
         return {**names, "raise": self.raised, "return": self.returned, "fingerprint": self.fingerprint, "small": small}
 
 
-def fingerprint(test_file: pathlib.Path, by: str) -> str:
-    spec = importlib.util.find_spec(by.partition(":")[0])
-    module = pathlib.Path(spec.origin) if spec and spec.origin else None
-    return hashlib.sha256(test_file.read_bytes() + (module.read_bytes() if module else b"")).hexdigest()[:16]
-
-
 def matrix(
     rows: Mapping[str, Row], results: Sequence[Result], pairs: Iterable[Pair], reached: Mapping[str, str] | None = None
 ) -> dict[str, Entry]:
@@ -112,10 +105,9 @@ def load_results() -> Sequence[Result]:
     return last.results if last else ()
 
 
-def load_pairs(path: pathlib.Path = MUTANTS) -> list[Pair]:
-    """The pairs judged last whose test file and module are still the same."""
-    lines = [line for line in json.loads(path.read_text()) if "small" in line] if path.exists() else []
-    return [pair for pair in map(_pair, lines) if current(pair)]
+def load_run(path: pathlib.Path) -> list[Pair]:
+    """The pairs of one run, with lines and words."""
+    return [_pair(line) for line in json.loads(path.read_text())] if path.exists() else []
 
 
 def _pair(at: Mapping[str, Any]) -> Pair:
@@ -123,14 +115,41 @@ def _pair(at: Mapping[str, Any]) -> Pair:
     return Pair(at["test"], at["by"], tuple(at["ids"]), at["raise"], at["return"], at["fingerprint"], trials)
 
 
-def save_pairs(pairs: Iterable[Pair], path: pathlib.Path = MUTANTS) -> None:
+def save_run(pairs: Iterable[Pair], path: pathlib.Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps([pair.as_dict() for pair in pairs], indent=1))
 
 
+def load_pairs(path: pathlib.Path | None = None) -> list[Pair]:
+    """The pairs judged last whose test and function still read the same."""
+    lines = (path or KEPT).read_text(encoding="utf-8").splitlines() if (path or KEPT).exists() else []
+    return [pair for pair in map(_kept, lines) if current(pair)]
+
+
+def _kept(line: str) -> Pair:
+    test, by, mark, raised, returned, *small = line.split("\t")
+    trials = tuple(Trial(name, verdict) for name, _, verdict in (one.partition("=") for one in small))
+    return Pair(test, by, (), raised, returned, mark, trials)
+
+
+def keep_pairs(pairs: Iterable[Pair], path: pathlib.Path | None = None) -> None:
+    """One line a pair, in order: two runs of different parts meet in the tree without a conflict.  A pair not judged is left out."""
+    (path or KEPT).write_text("".join(sorted(f"{line}\n" for line in _lines(pairs))), encoding="utf-8")
+
+
+def _lines(pairs: Iterable[Pair]) -> Iterator[str]:
+    for pair in pairs:
+        if not pair.unjudged:
+            small = (f"{trial.name}={trial.verdict}" for trial in pair.small)
+            yield "\t".join([pair.test, pair.by, pair.fingerprint, pair.raised, pair.returned, *small])
+
+
 def current(pair: Pair) -> bool:
-    file = ROOT / pair.test.partition("::")[0]
-    return file.exists() and fingerprint(file, pair.by) == pair.fingerprint
+    path, _, name = pair.test.partition("::")
+    try:
+        return (ROOT / path).is_file() and fingerprint(ROOT / path, name, pair.by) == pair.fingerprint
+    except MarkError:
+        return False  # the function is gone
 
 
 def save(entries: Mapping[str, Entry]) -> None:

@@ -242,7 +242,7 @@ def test_a_row_is_killed_only_when_every_test_killed_both_variants_of_every_func
 
 
 def tried(*verdicts: str, returned: str = "killed") -> str:
-    trials = tuple(Trial(f"operator_{number}", 1, "a + b -> a - b", verdict) for number, verdict in enumerate(verdicts))
+    trials = tuple(Trial(f"operator_{number}", verdict) for number, verdict in enumerate(verdicts))
     return Pair("a", "m:f", ("RHO-SER-01",), "crash", returned, "", trials).verdict
 
 

@@ -2,6 +2,7 @@
 
 import ast
 import asyncio
+import dataclasses
 import os
 import pathlib
 import subprocess
@@ -12,10 +13,11 @@ import pytest
 
 from gateway.pure.controllers.rho3.functions.display import Display
 from hil_tests.matrix.catalogue import ROOT, MarkError, claim, resolve
+from hil_tests.matrix.content import fingerprint
 from hil_tests.matrix.mutant import MutantError, broken, default_of, mutated
 from hil_tests.matrix.mutant_plugin import lines_run
 from hil_tests.matrix.small import places, small_mutants
-from hil_tests.matrix.verdicts import load_pairs, save_pairs
+from hil_tests.matrix.verdicts import Pair, Trial, keep_pairs, load_pairs, load_run
 from protocols.base.machine import ms  # an import made before the mutant: it must meet it all the same
 
 MS = "protocols.base.machine:ms"
@@ -217,10 +219,10 @@ def test_a_mark_may_name_several_functions() -> None:
     assert claim(("RHO-SER-01",), {"by": (MS, MS)}).by == (MS, MS)
 
 
-def test_a_pair_with_a_verdict_of_these_files_is_not_judged_again(tmp_path: pathlib.Path) -> None:
+def test_a_pair_with_a_verdict_of_its_test_and_function_is_not_judged_again(tmp_path: pathlib.Path) -> None:
     """A whole run takes hours: it goes on where it was interrupted."""
     chosen = "hil_tests/requirements/p3964r/test_block_check_vectors.py"
-    first, second = tmp_path / "first.json", tmp_path / "second.json"
+    first, second, kept = tmp_path / "first.json", tmp_path / "second.json", tmp_path / "kept.tsv"
 
     def judge(target: pathlib.Path, *known: str) -> str:
         plug_in = ["-p", "hil_tests.matrix.mutant_plugin", "--mutants", str(target), "-p", "no:cacheprovider"]
@@ -228,9 +230,59 @@ def test_a_pair_with_a_verdict_of_these_files_is_not_judged_again(tmp_path: path
         return subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT).stdout
 
     judge(first)
-    pairs = load_pairs(first)
+    pairs = load_run(first)
     assert pairs and not any(pair.unjudged for pair in pairs)
-    assert "deselected" in judge(second, "--mutants-known", str(first)) and not load_pairs(second)
-    save_pairs(pairs[1:], first)
-    judge(second, "--mutants-known", str(first))
-    assert [(pair.test, pair.by) for pair in load_pairs(second)] == [(pairs[0].test, pairs[0].by)]
+    keep_pairs(pairs, kept)
+    assert "deselected" in judge(second, "--mutants-known", str(kept)) and not load_run(second)
+    keep_pairs(pairs[1:], kept)
+    judge(second, "--mutants-known", str(kept))
+    assert [(pair.test, pair.by) for pair in load_run(second)] == [(pairs[0].test, pairs[0].by)]
+
+
+def test_a_verdict_is_kept_in_the_tree_as_it_was_given_and_only_while_test_and_function_read_the_same(tmp_path: pathlib.Path) -> None:
+    test, name = "hil_tests/requirements/p3964r/test_block_check_vectors.py", "test_sent"
+    trials = (Trial("operator_1a2b3c4d", "alive"), Trial("branch_5e6f7a8b", "killed"))
+    pair = Pair(f"{test}::{name}", MS, (), "crash", "killed", fingerprint(ROOT / test, name, MS), trials)
+    kept = tmp_path / "kept.tsv"
+    keep_pairs([pair, dataclasses.replace(pair, by="protocols.base.machine:gone")], kept)
+    assert load_pairs(kept) == [pair]
+    keep_pairs([dataclasses.replace(pair, fingerprint="of another text")], kept)
+    assert load_pairs(kept) == []
+    keep_pairs([dataclasses.replace(pair, raised="not run: sound test: crash")], kept)
+    assert kept.read_text() == "", "what could not be judged is tried again"
+
+
+TEST = """
+import pytest
+VALUES = [1, 2]
+
+@pytest.fixture
+def made():
+    return 3
+
+def helper(): return VALUES
+
+def test_a(made):
+    assert helper() == made
+
+def test_b():
+    assert 2
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "same"),
+    [
+        ("assert 2", "assert 3", True),
+        ("import pytest", "# why\nimport pytest", True),
+        ("assert helper() == made", "assert helper() != made", False),
+        ("[1, 2]", "[1, 3]", False),
+        ("return 3", "return 4", False),
+    ],
+)
+def test_a_fingerprint_is_that_of_the_test_and_what_it_uses_of_its_file(tmp_path: pathlib.Path, old: str, new: str, same: bool) -> None:
+    first, second = tmp_path / "test_first.py", tmp_path / "test_second.py"
+    first.write_text(TEST)
+    second.write_text(TEST.replace(old, new))
+    assert (fingerprint(first, "test_a", MS) == fingerprint(second, "test_a", MS)) is same
+    assert fingerprint(first, "test_a", MS) != fingerprint(first, "test_a", "gateway.pure.controllers.rho3.functions.display:Display.press")
