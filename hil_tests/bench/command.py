@@ -6,6 +6,7 @@ all rewrites docs/benchmarks.md.
 import argparse
 import datetime
 import json
+import math
 import os
 import pathlib
 import platform
@@ -146,27 +147,35 @@ def main(argv: list[str]) -> int:
         return 3
     found: list[Figure] = []
     for name in BENCHES if arguments.name == "all" else [arguments.name]:
-        fresh = BENCHES[name](arguments)
+        fresh = [known(figure) for figure in BENCHES[name](arguments)]
         found += fresh
         if not arguments.json:
             print("\n".join(map(sentence, fresh)), flush=True)
     if arguments.json:
         print(json.dumps(found, indent=1))
     if arguments.name == "all":
-        written_by_others = PAGE.read_text().partition("\n## ") if PAGE.exists() else ("", "", "")  # the soak's figures stay
-        PAGE.write_text(page(found) + "".join(written_by_others[1:]))
+        PAGE.write_text(page(found))
     return 0 if all(figure["met"] for figure in found) else 1
+
+
+def known(figure: Figure) -> Figure:
+    """A value that was not taken, NaN, is None: JSON knows no NaN, and a page has nothing to say of it."""
+    return {name: None if isinstance(value, float) and math.isnan(value) else value for name, value in figure.items()}
 
 
 def sentence(figure: Figure) -> str:
     """One line of the table a person reads."""
     met = "met " if figure["met"] else "MISS"
-    beside = f"goal {figure['goal']}; {figure['reference']}: {figure['reference_value']}"
-    return f"{met}  {figure['figure']}: {figure['value']} {figure['unit']}  ({beside})"
+    beside = ": ".join(text(figure.get(name)) for name in ("reference", "reference_value") if text(figure.get(name)))
+    return f"{met}  {figure['figure']}: {text(figure['value'])} {figure['unit']}  (goal {figure['goal']}{beside and '; ' + beside})"
+
+
+def text(value: object) -> str:
+    return "" if value is None else str(value)
 
 
 def page(found: list[Figure]) -> str:
-    """docs/benchmarks.md as a whole."""
+    """docs/benchmarks.md as a whole: this run and nothing of an earlier one."""
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
     head = [
         "# Benchmarks",
@@ -182,9 +191,7 @@ def page(found: list[Figure]) -> str:
         "|---|---|---|---|---|---|---|---|",
     ]
     keys = ("figure", "value", "unit", "reference", "reference_value", "ratio", "goal")
-    rows = [
-        "| " + " | ".join(str(figure.get(key, "")) for key in keys) + f" | {'yes' if figure['met'] else '**no**'} |" for figure in found
-    ]
+    rows = ["| " + " | ".join(text(figure.get(key)) for key in keys) + f" | {'yes' if figure['met'] else '**no**'} |" for figure in found]
     return "\n".join([*head, *rows, ""])
 
 

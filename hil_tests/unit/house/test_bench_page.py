@@ -1,0 +1,23 @@
+"""docs/benchmarks.md is one run of one tree, and says nothing of what was not taken."""
+
+import json
+import math
+
+from hil_tests.bench.command import PAGE, known, page, sentence
+from hil_tests.bench.figure_row import row
+
+
+def test_the_page_is_one_run() -> None:
+    """An earlier run beside it would be read as if it were of this tree."""
+    text = PAGE.read_text(encoding="utf-8")
+    assert text.count("\nMeasured ") == 1 and text.count("\n|---|") == 1 and "\n## " not in text
+    assert "nan" not in text and "None" not in text
+
+
+def test_a_reference_that_was_not_taken_is_left_empty() -> None:
+    figure = known(row("x.y", 2.0, "ms", 3.0, "by hand"))
+    assert json.loads(json.dumps(figure, allow_nan=False))["reference_value"] is None
+    assert page([figure]).splitlines()[-1] == "| x.y | 2.0 | ms | by hand |  |  | 3.0 | yes |"
+    assert sentence(figure) == "met   x.y: 2.0 ms  (goal 3.0; by hand)"
+    assert sentence(known(row("x.y", math.inf, "ms", 3.0))) == "MISS  x.y: inf ms  (goal 3.0)"
+    assert sentence(known(row("x.y", 2.0, "ms", 3.0, "by hand", 4.0))) == "met   x.y: 2.0 ms  (goal 3.0; by hand: 4.0)"
