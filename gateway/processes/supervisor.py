@@ -26,6 +26,7 @@ from gateway.runtime.life import VARIABLE as LIFE
 from gateway.runtime.realtime import die_with_parent, processor_ns, survive_terminal, wants_processor
 from gateway.runtime.regions import ImageError, RegionReader, fds_to_text, send_fds
 from gateway.runtime.spare import OPTION, Spare
+from gateway.runtime.start_watch import StartWatch
 
 WAITS_NS = (0, 1_000_000_000, 2_000_000_000, 5_000_000_000)
 WINDOW_NS = 60_000_000_000
@@ -34,7 +35,6 @@ SLOW_NS = 10_000_000_000  # between two starts of a process that died so often
 STAYS_DOWN = "cycle"  # moves axes: after so many deaths a person looks first
 END_S = 0.1  # patience with the death of a process that was ended; one that hangs in the kernel is buried later
 BUSY_TOLD_NS = 10_000_000_000  # a process the machine gives no processor to is reported at most so often
-READY_NS = 20_000_000_000  # patience until a process shows its first sign of life
 REQUEST_NS = 2_000_000_000  # patience with a tool that has connected and says nothing
 REQUEST_BYTES = 4096
 TOOLS = 32  # connected at once; more wait
@@ -62,7 +62,7 @@ class Running:
     start_at: int | None = None  # when to start it again; None: running, not yet started, or down
     down: bool = False  # died too often, or held: it stays down
     alarm: str = ""  # why it stays down
-    started_ns: int = 0
+    start: StartWatch = field(default_factory=lambda: StartWatch(0))
     ready: bool = False
     reader: RegionReader | None = None
     last_life: int = 0
@@ -134,12 +134,11 @@ class Supervisor:
         """In order; each announcing process is waited for, because the next one needs it."""
         for running in self._running:
             self._start(running)
-            until = now_ns() + READY_NS
             while running.child.announces and not running.ready:
                 self._turn()
                 if self._stop:
                     return 0
-                if now_ns() > until or running.down or len(running.deaths) > 1:
+                if running.start.due(now_ns(), _pid(running)) or running.down or len(running.deaths) > 1:
                     self.journal.write("process", f"{running.child.name} did not start; its own words stand above")
                     return 3
         return 0
@@ -176,7 +175,7 @@ class Supervisor:
             except (OSError, subprocess.SubprocessError) as error:  # no memory, no more processes, no program: tried again like a death
                 self._buried(running, f"could not be started ({error})")
                 return
-        running.started_ns, running.start_at, running.ready, running.output = now_ns(), None, False, b""
+        running.start, running.start_at, running.ready, running.output = StartWatch(now_ns()), None, False, b""
         running.last_life = running.reader.life[0] if running.reader else 0
         running.watch, running.ending = LifeWatch(child.life_limit_ns), ""
         assert running.process.stdout is not None
@@ -214,7 +213,7 @@ class Supervisor:
             self._check_life(running)
             if running.child.spare and running.process is not None:
                 self._keep_spare(running)
-        if running.alarm and running.process is not None and not running.ending and now_ns() - running.started_ns > WINDOW_NS:
+        if running.alarm and running.process is not None and not running.ending and now_ns() - running.start.started_ns > WINDOW_NS:
             self.journal.write("process", f"{running.child.name} runs again since a minute", child=running.child.name)
             running.alarm = ""
 
@@ -222,7 +221,7 @@ class Supervisor:
         if running.spare is not None and not running.spare.stands_by:
             running.spare.end()
             running.spare, running.spare_at = None, now_ns() + SPARE_NS
-        if running.spare is None and now_ns() > max(running.started_ns + SPARE_NS, running.spare_at):
+        if running.spare is None and now_ns() > max(running.start.started_ns + SPARE_NS, running.spare_at):
             running.spare_at = now_ns() + SPARE_NS
             with contextlib.suppress(OSError, subprocess.SubprocessError):  # tried again soon; without one a start takes longer
                 running.spare = Spare(self._spawn(running.child, spare=True))
@@ -231,12 +230,14 @@ class Supervisor:
         assert running.reader is not None and running.process is not None
         count, stamp = running.reader.life
         now = now_ns()
-        if count == running.last_life and now - running.started_ns < READY_NS:
-            return  # a process that has not shown life yet is still starting
+        if count == running.last_life:
+            if not running.start.due(now, _pid(running)):
+                return  # a process that has not shown life yet is still starting
+            stamp = running.start.started_ns  # its silence is counted from its start, not from the machine's
         running.ready = True
         assert running.watch is not None
         alive = running.watch.look(now, count, stamp, self._load(running, now, count, stamp))
-        if not alive and now - running.started_ns > running.child.life_limit_ns:
+        if not alive and now - running.start.started_ns > running.child.life_limit_ns:
             running.ending = f"showed no life for {(now - stamp) / 1e6:.0f} ms and was ended"
             running.process.kill()
             with contextlib.suppress(subprocess.TimeoutExpired):  # a process inside the kernel must not hold up the watch on the others
@@ -447,6 +448,10 @@ def _request(heard: bytes) -> dict[str, object] | None:
     except ValueError:  # also what is not UTF-8
         return None
     return request if isinstance(request, dict) else None
+
+
+def _pid(running: Running) -> int | None:
+    return None if running.process is None else running.process.pid
 
 
 def _how(code: int) -> str:
