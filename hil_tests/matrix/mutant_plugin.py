@@ -25,7 +25,7 @@ from hil_tests.matrix.catalogue import MarkError, resolve
 from hil_tests.matrix.content import fingerprint
 from hil_tests.matrix.marks import claims_of, function_id
 from hil_tests.matrix.mutant import VARIANTS, MutantError, mutated
-from hil_tests.matrix.small import MOST, Small, small_mutants
+from hil_tests.matrix.small import MOST, Small, codes, small_mutants
 from hil_tests.matrix.verdicts import Pair, Trial, load_pairs, save_run
 from hil_tests.purity import GUARDED_FOLDERS
 
@@ -93,7 +93,7 @@ class Mutants:
                 self._ids.setdefault((name, by), set()).update(claim.ids)
         open_pairs = dict.fromkeys(by for claim in claims for by in claim.by if self._open(name, by))
         if open_pairs:
-            with lines_run({resolve(by).__code__: by for by in open_pairs}) as lines:
+            with lines_run({code: by for by in open_pairs for code in codes(resolve(by).__code__)}) as lines:
                 sound, seconds = self._run(item, None)
             if sound == "alive" and seconds > TRACED_S:
                 sound, seconds = self._run(item, None)  # writing the lines down takes several times as long
@@ -107,7 +107,10 @@ class Mutants:
         """Whether this pair is to be judged and another mutant could change its verdict."""
         if self._chosen is not None and (name, by) not in self._chosen:
             return False
-        return self._every or (name, by) not in self._found or not self._pair(name, by).killed
+        if self._every or (name, by) not in self._found:
+            return True
+        pair = self._pair(name, by)
+        return not pair.killed or (bool(self._small[name, by]) and not any(one.verdict == "killed" for one in pair.small))
 
     def _try(self, item: pytest.Item, by: str, sound: str, seconds: float, lines: Collection[int]) -> None:
         name, pure = function_id(item.nodeid), is_pure(item)

@@ -1,7 +1,7 @@
 """Small mutants: one place of a function changed so that it still runs and answers wrongly.
 
 Made of the source's syntax tree, in an order that a hash of the place decides: the same tree gives the same mutants on every
-machine, and an edit elsewhere in the file changes none.  Kinds: AX-670.
+machine, and an edit elsewhere in the file changes none.  A function inside belongs to the one that makes it.  Kinds: AX-670.
 """
 
 import ast
@@ -116,7 +116,7 @@ def _mutant(code: types.CodeType, candidate: _Candidate) -> Small | None:
     place.change()
     after = place.words()
     compiled = compile(ast.fix_missing_locations(tree), code.co_filename, "exec")
-    made = next((one for one in _codes(compiled) if _same_place(one, code)), None)
+    made = next((one for one in codes(compiled) if _same_place(one, code)), None)
     if made is None or made == code or (made.co_freevars, made.co_flags) != (code.co_freevars, code.co_flags):
         return None
     return Small(candidate.name, place.line, f"{_short(before)} -> {_short(after)}", made)
@@ -131,11 +131,11 @@ def _same_place(made: types.CodeType, code: types.CodeType) -> bool:
     return (made.co_qualname, made.co_firstlineno) == (code.co_qualname, code.co_firstlineno)
 
 
-def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
+def codes(code: types.CodeType) -> Iterator[types.CodeType]:
     yield code
     for constant in code.co_consts:
         if inspect.iscode(constant):
-            yield from _codes(constant)
+            yield from codes(constant)
 
 
 # ------------------------------------------------------------------------------------------------------- places to change
@@ -152,13 +152,19 @@ def places(tree: ast.Module, code: types.CodeType) -> Iterator[Place]:
 def _of_function(function: Function) -> Iterator[Place]:
     returns = ast.unparse(function.returns) if function.returns else ""
     yield from _of_block(function)
+    inner = []
     for statement in function.body:
         for node in _inside(statement):
-            yield from _of_node(node, returns)
+            if isinstance(node, Function):
+                inner.append(node)
+            else:
+                yield from _of_node(node, returns)
+    for one in inner:
+        yield from _of_function(one)
 
 
 def _inside(node: ast.AST) -> Iterator[ast.AST]:
-    """What decides what happens: no annotations, no words of an exception or of a text, no function inside."""
+    """What decides what happens: no annotations, no words of an exception or of a text, a function inside as one."""
     yield node
     if isinstance(node, (ast.Raise, ast.JoinedStr, ast.Assert, Function)):
         return

@@ -119,10 +119,13 @@ def test_mutants_are_judged_by_how_each_test_fails(folder: pathlib.Path) -> None
         "test_that_fails": (not_run, not_run),
         "test_that_is_skipped": ("not run: sound test: skipped",) * 2,
     }
+    small = {str(pair["test"]).partition("::")[2]: [trial["verdict"] for trial in trials_of(pair)] for pair in pairs}
+    assert small["test_through_which_the_exception_merely_runs"] == ["killed"], "it needs no second one"
+    assert small["test_with_raises"] == small["test_that_only_calls"] == ["alive", "alive"], "though the whole body was missed"
 
 
 def test_small_changes_are_tried_and_a_crash_of_the_whole_does_not_count_for_or_against(folder: pathlib.Path) -> None:
-    pairs = {str(pair["test"]).partition("::")[2]: pair for pair in run_pytest(folder, *PLUG_IN, "--mutants")}
+    pairs = {str(pair["test"]).partition("::")[2]: pair for pair in run_pytest(folder, *PLUG_IN, "--mutants-every", "--mutants")}
     small = {name: {str(trial["words"]): trial["verdict"] for trial in trials_of(pair)} for name, pair in pairs.items()}
     times, number = "value * 1000000 -> value / 1000000", "1000000 -> 1000001"  # two: this folder is none of pure tests
     assert small["test_through_which_the_exception_merely_runs"] == {times: "killed", number: "killed"}

@@ -16,7 +16,7 @@ from hil_tests.matrix.catalogue import ROOT, MarkError, claim, resolve
 from hil_tests.matrix.content import fingerprint
 from hil_tests.matrix.mutant import MutantError, broken, default_of, mutated
 from hil_tests.matrix.mutant_plugin import lines_run
-from hil_tests.matrix.small import places, small_mutants
+from hil_tests.matrix.small import codes, places, small_mutants
 from hil_tests.matrix.verdicts import Pair, Trial, keep_pairs, load_pairs, load_run
 from protocols.base.machine import ms  # an import made before the mutant: it must meet it all the same
 
@@ -171,6 +171,25 @@ def test_each_kind_of_place_is_found_and_the_words_of_an_exception_are_left() ->
         ("operator", "True and ready -> True or ready"),
         ("constant", "True -> False"),
     }
+
+
+INNER_IN_SOURCE = """
+def f(a) -> int:
+    def act(b) -> str:
+        a.append(b)
+        return a
+    return act
+"""
+
+
+def test_a_function_inside_belongs_to_the_one_that_makes_it() -> None:
+    tree = ast.parse(INNER_IN_SOURCE)
+    code = next(one for one in compile(tree, "x", "exec").co_consts if hasattr(one, "co_name"))
+    found = [(place.kind, place.words()) for place in places(tree, code)]
+    assert found == [("off-by-one", "return act"), ("statement", "a.append(b)")], "the answer of the outer is a number, of the inner a text"
+    invert = "gateway.pure.languages.robotstar.data_steps:invert"
+    with lines_run({one: invert for one in codes(resolve(invert).__code__)}) as seen:
+        assert {one.words for one in small_mutants(invert)} >= {"put(~value) -> pass"} and not seen[invert]
 
 
 def test_there_are_at_most_six_of_every_kind_in_turn_and_always_the_same() -> None:
