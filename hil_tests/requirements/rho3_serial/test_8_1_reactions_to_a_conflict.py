@@ -4,6 +4,7 @@ import pytest
 
 from gateway.pure.controllers.rho3.serial.baps import CHARACTER, INTEGER, TEXT
 from gateway.pure.controllers.rho3.serial.events import FormatWanted, KeyInput, UserInterfaceResumed, UserInterfaceStopped
+from gateway.pure.controllers.rho3.serial.line_interface import Job, first
 from gateway.pure.controllers.rho3.serial.manager import MOST_OUTPUTS, DeviceError
 from gateway.pure.controllers.rho3.serial.setup import Assignment, Condition, Function, Setup, SetupError
 from hil_tests.lab.virtual.rho3_line import ONE, THREE, TWO, Desk, deleted, done, failed, on, v24_1
@@ -23,6 +24,8 @@ def test_write_waits_until_printing_is_finished() -> None:
 
 @pytest.mark.requirement("RHO-SER-26", by="gateway.pure.controllers.rho3.serial.line_interface:first")
 def test_waiting_processes_are_served_by_priority_then_in_their_order() -> None:
+    jobs = [Job(order + 1, process, Function.V24_1, order) for order, process in enumerate((THREE, TWO, ONE, TWO))]
+    assert first(jobs) is jobs[2] and first(jobs[:2] + jobs[3:]) is jobs[1]
     desk = Desk(SHARED, leaves_at_once=False).prints(b"p", ONE).says(b"p")
     for process, text in ((THREE, b"3"), (TWO, b"2"), (ONE, b"1"), (TWO, b"II")):
         desk.write(process, "V24_1", (TEXT, text))

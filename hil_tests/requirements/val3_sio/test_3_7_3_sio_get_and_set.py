@@ -133,6 +133,9 @@ def test_any_use_of_a_variable_without_a_link_is_error_123() -> None:
     desk = Desk(SERIAL)
     sio = desk.variable()
     assert codes(desk, sio) == [123] * 9
+    gone = desk.variable(SERIAL.name)
+    desk.core.delete(gone)
+    assert codes(desk, gone)[:8] == [123] * 8, "its link goes with it"
 
 
 @pytest.mark.requirement("VAL-SIO-11", by=(CORE + "_line", CORE + "status"))

@@ -1,5 +1,7 @@
 """Binary inputs and outputs of the Reis.  ROBOTstar V manual: L438-504, L1597-1618, L2272-2276."""
 
+import contextlib
+
 import pytest
 
 from gateway.pure.controllers.pic_image import PicImage
@@ -53,6 +55,12 @@ def test_bytes_0_to_39_bits_0_to_7() -> None:
                 io.write_bit(area, True, byte, bit)
             with pytest.raises(IoFault, match=r"0\.\.39"):
                 io.read_bit(area, byte, bit)
+    taken = []
+    for place in ((0, 0), (0, 7), (39, 0), (39, 7), (40, 7), (39, 8)):
+        with contextlib.suppress(IoFault):
+            io.write_bit(OUT, True, *place)
+            taken.append(place)
+    assert taken == [(0, 0), (0, 7), (39, 0), (39, 7)]
     for number in (0, 11):
         with pytest.raises(IoFault, match=r"1\.\.10"):
             io.element(OUT, number)

@@ -141,6 +141,7 @@ def test_groups_of_the_manual() -> None:
     assert {number: group(number) for number in borders} == borders
     assert [group(number) for number in (0, -1, 4096, 65535)] == [None] * 4
     assert group_text(2, "en") == "P2 cycle, measuring system, travel limit, emergency stop"
+    assert "nicht belegt" not in {group_text(number, "de") for number in (*range(6), *range(13, 16))}
     assert group_text(5, "de") == "Warnungen" and {group_text(number, "de") for number in range(6, 13)} == {"nicht belegt"}
 
 
