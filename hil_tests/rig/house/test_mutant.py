@@ -188,7 +188,7 @@ def test_a_function_inside_belongs_to_the_one_that_makes_it() -> None:
     found = [(place.kind, place.words()) for place in places(tree, code)]
     assert found == [("off-by-one", "return act"), ("statement", "a.append(b)")], "the answer of the outer is a number, of the inner a text"
     invert = "gateway.pure.languages.robotstar.data_steps:invert"
-    with lines_run({one: invert for one in codes(resolve(invert).__code__)}) as seen:
+    with lines_run(dict.fromkeys(codes(resolve(invert).__code__), invert)) as seen:
         assert {one.words for one in small_mutants(invert)} >= {"put(~value) -> pass"} and not seen[invert]
 
 
