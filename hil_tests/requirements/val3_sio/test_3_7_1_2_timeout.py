@@ -16,6 +16,7 @@ CORE = "gateway.pure.controllers.val3.sio.core:SioCore."
 def test_0_waits_until_data_come(channel: Channel) -> None:
     desk = Desk(with_timeout(channel, 0))
     data = [7.0, 7.0]
+    assert desk.code(lambda: desk.core.get(desk.variable(channel.name), data, 0, start=2)) == 20, "it does not wait for what has no place"
     call = desk.get(desk.variable(channel.name), data)
     assert desk.core.deadline() is None
     assert desk.at(3600 * S).outcome(call) == WAITS

@@ -159,6 +159,7 @@ def test_a_local_server_variable_takes_its_connection_with_it() -> None:
     desk.core.delete(local)
     desk.settle()
     assert desk.closed == [first] and desk.outcome(call) == error(123)
+    assert desk.code(lambda: desk.core.get(local, [0.0], 0)) == 123, "it is gone"
     assert desk.outcome(other) == WAITS and desk.listening == [SERVER.name]
     desk.core.delete(stays)
     desk.settle()

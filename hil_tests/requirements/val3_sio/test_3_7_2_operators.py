@@ -20,6 +20,8 @@ def test_a_string_is_written_with_the_end_character(channel: object) -> None:
     assert desk.outcome(desk.write_text(sio, "ä€")) == "ä€"
     assert desk.outcome(desk.write_text(sio, "")) == ""
     assert desk.datagrams[1:] == ["ä€\r".encode(), b"\r"]
+    assert desk.outcome(desk.write_text(sio, "x" * 128)) == "x" * 128
+    assert desk.code(lambda: desk.core.write_text(sio, "x" * 127 + "ä", 0)) == 70, "129 bytes are no string"
 
 
 def test_the_end_character_is_the_one_set_when_the_instruction_begins() -> None:
@@ -55,6 +57,13 @@ def test_128_bytes_without_an_end_character_are_a_string() -> None:
     assert desk.outcome(call) == "x" * 127 + "y"
     assert desk.outcome(desk.read_text(sio)) == ""  # its end character came too late to belong to it
     assert desk.outcome(desk.read_text(sio)) == "z"
+    call = desk.read_text(sio)
+    desk.hears(1, b"x" * 126 + "ä".encode()[:1])
+    assert desk.outcome(call) == WAITS, "half a character"
+    desk.hears(1, "ä".encode()[1:] + b"\r" + b"x" * 127 + "ä\r".encode())
+    assert desk.outcome(call) == "x" * 126 + "ä" and desk.outcome(desk.read_text(sio)) == ""
+    assert desk.outcome(desk.read_text(sio)) == "x" * 127, "a character stays whole for the next string"
+    assert desk.outcome(desk.read_text(sio)) == "ä"
 
 
 def test_a_character_that_does_not_fit_whole_begins_the_next_string() -> None:

@@ -107,6 +107,8 @@ def test_a_serial_line_must_rest_before_its_frame_changes() -> None:
     assert int(desk.core.control(sio, "bits", 7, unsent=True)) == -4
     assert [desk.control(sio, name, value) for name, value in frame] == [0] * 6
     assert desk.core.channel(SERIAL.name).frame == "19200 7E2" and desk.clear(sio) == 0
+    desk.hears(1, b"xyz")
+    assert desk.clear(sio) == 3 and desk.closed == [], "characters go, the line stays"
 
 
 @pytest.mark.requirement("VAL-SIO-19", by=(JUDGE, CHANGE))

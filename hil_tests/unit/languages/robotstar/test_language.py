@@ -62,8 +62,8 @@ def test_a_global_name_is_unique() -> None:
 @pytest.mark.requirement("RSV-LNG-05", by="gateway.pure.languages.robotstar.machine:Machine.call")
 def test_locals_reach_into_called_programs() -> None:
     files = {"A.MPR": "LOC_VAR IABC\nCOPY 7,IABC\nCALL B", "B.SPR": "COPY IABC,I1", "C.MPR": "CALL B", "V.MPR": "VAR I1"}
-    assert run(files, "A").value("I1") == 7
-    ran = run(files, "C")
+    assert run(files, "A", until=1).value("I1") == 7
+    ran = run(files, "C", until=1)
     assert (ran.texts(), ran.end["program"], ran.step) == (["Definition not found!"], "B", 2)
 
 

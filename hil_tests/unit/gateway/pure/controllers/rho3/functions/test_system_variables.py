@@ -49,9 +49,15 @@ def test_writing_1_to_34322_stops_the_selected_process_alone() -> None:
 )
 def test_a_stopped_main_process_takes_its_sub_processes_along() -> None:
     plant, variables = plant_of_six()
+    main, sub = (plant.processes.named(name) for name in ("MAIN", "SUBA"))
+    assert main is not None and sub is not None
+    with pytest.raises(ProcessFault, match="1079"):
+        plant.processes.stop(main.number, by=sub.number)
     variables.write(34310, 1)
     variables.write(34322, 1)
     assert plant.names() == ["PERM", "OTHER", "BAD"]
+    assert [stopped.name for stopped in plant.processes.take_stopped()] == ["MAIN", "SUBA", "SUBB"]
+    assert plant.processes.stop(main.number) == (), "it is gone"
 
 
 @pytest.mark.requirement("RHO-PHG-06", by="gateway.pure.controllers.rho3.functions.system_variables:SystemVariables.read")
