@@ -31,7 +31,8 @@ class Verdict:
     ok: bool
 
     def line(self) -> str:
-        return f"{'ok  ' if self.ok else 'FAIL'}  {self.name}: {self.value:.4g} ({self.limit})"
+        value = "not measured" if math.isnan(self.value) else f"{self.value:.4g}"
+        return f"{'ok  ' if self.ok else 'FAIL'}  {self.name}: {value} ({self.limit})"
 
 
 @dataclass(frozen=True, slots=True)
