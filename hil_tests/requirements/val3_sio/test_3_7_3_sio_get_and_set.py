@@ -27,7 +27,10 @@ def test_sio_get_ends_when_the_array_is_full_or_the_buffer_empty() -> None:
     desk.hears(1, b"\x01\x02\x03\x04\xff")
     assert desk.outcome(desk.get(sio, data)) == 3 and data == [1.0, 2.0, 3.0]
     assert desk.outcome(desk.get(sio, data)) == 2 and data == [4.0, 255.0, 3.0]
-    assert desk.outcome(desk.get(sio, data)) == WAITS
+    call = desk.get(sio, data)
+    assert desk.outcome(call) == WAITS
+    with pytest.raises(RuntimeError, match="still waits"):
+        call.result()
 
 
 @pytest.mark.requirement("VAL-SIO-04", by=CORE + "get")
@@ -36,6 +39,7 @@ def test_sio_get_from_an_index_on() -> None:
     sio, data = desk.variable(SERIAL.name), [0.0] * 4
     desk.hears(1, b"\x01\x02\x03\x04")
     assert desk.outcome(desk.get(sio, data, start=2)) == 2 and data == [0.0, 0.0, 1.0, 2.0]
+    assert desk.code(lambda: desk.core.get(sio, data, 0, start=4)) == 20, "there is no such index"
 
 
 def test_an_index_outside_the_array_is_error_20_or_21() -> None:

@@ -26,6 +26,9 @@ def test_the_file_of_picture_2_byte_for_byte_in_both_directions() -> None:
     found = bnr.points(PICTURE + DATA, 1, 80)
     assert [point[0] for point in found] == [struct.unpack("<f", struct.pack("<f", value))[0] for value in VALUES]
     assert found[-1] == (360.0,)
+    for axes, offset in ((1, len(PICTURE + DATA) + 4), (1, -4)):
+        with pytest.raises(bnr.BnrError, match="no whole points"):
+            bnr.points(PICTURE + DATA, axes, offset)
 
 
 def test_axes_of_a_point_stand_side_by_side_cycle_by_cycle() -> None:

@@ -98,6 +98,9 @@ def test_no_response_leads_to_the_error_part_and_mpos_stays_what_it_was() -> Non
 @pytest.mark.requirement("RHO-MOT-13", by="motion.measure.mpos:MeasuredPosition.read")
 @pytest.mark.requirement("RHO-MOT-13", by="motion.measure.mpos:MeasuredPosition.component")
 def test_reading_mpos_first_is_point_not_defined() -> None:
+    measured = MeasuredPosition((0, 1))
+    measured.take((0.25, 0.5))
+    assert measured.read() == (0.25, 0.5)
     mpos = MeasuredPosition((0, 1))
     assert refusal(mpos) == refusal(mpos, 1) == "point not defined"
     mpos.take((0.25, None))

@@ -105,6 +105,10 @@ def test_poti_modify_from_another_process_makes_20_percent_during_the_block() ->
     accelerations = [(b - a) / P5 for a, b in pairwise(speeds)]
     assert max(map(abs, accelerations)) <= 3600 * DEG * 1.02, "by the limits, not by a jump"
     assert factors.kinematic_factors(1).velocity == 0.2, "it replaces the VFACTOR of the program"
+    assert Asynchronous(1, factors).override(1, 0.5) == pytest.approx(0.4) and Asynchronous(1, factors).override(1, 0.1) == 1.0
+    for planned in (0.0, 1.01):
+        with pytest.raises(MotionError, match="outside 0"):
+            Asynchronous(1, factors).override(1, planned)
 
 
 def test_the_global_factor_and_pieces_planned_slower_count_in_the_override() -> None:

@@ -42,7 +42,11 @@ def fault(mpos: MeasuredPosition) -> str:
 @pytest.mark.requirement("RHO-MOT-16", by="motion.measure.flying:FlyingMeasurement.on")
 def test_edge_1_the_input_reads_1_after_the_edge_and_the_motion_goes_on() -> None:
     rig, probes = Rig(bench()), FlyingMeasurement()
+    with pytest.raises(MotionError, match="edge 2"):
+        probes.on(1, 2, 610, rig.bench, 0)
     probes.on(1, 1, 610, rig.bench, 0)
+    with pytest.raises(MotionError, match="for kinematic 1"):
+        probes.on(2, 1, 610, rig.bench, 0)
     read = passed(rig, probes)
     seen = EDGE_NS // P5_NS
     assert read == [0] * seen + [1] * (len(read) - seen)

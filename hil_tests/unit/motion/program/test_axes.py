@@ -118,6 +118,9 @@ def test_a_disabled_axis_stays_out_whatever_its_drive_on_says() -> None:
 def test_17_1_three_axes_on_output_1_of_which_one_moves_at_a_time() -> None:
     assert groups({0: 101, 1: 102, 2: 103, 3: 2}) == {1: (0, 1, 2)}
     assert groups({0: 302, 1: 301, 4: 1, 5: 99}) == {3: (1, 0)}
+    for numbers, words in (({0: 100}, "running numbers"), ({0: 102}, "running numbers"), ({0: 201, 1: 201}, "given twice")):
+        with pytest.raises(MotionError, match=words):
+            groups(numbers)
     output = SharedOutput((0, 1, 2), (0.05, 0.05, 0.05))
     volts = (1.0, 2.0, 3.0)
     assert output.step((True, True, True), volts, 0.0) == 0.0, "idle: 0 V"
