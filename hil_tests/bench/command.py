@@ -12,7 +12,7 @@ import pathlib
 import platform
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/benchmarks.md"
@@ -158,7 +158,7 @@ def main(argv: list[str]) -> int:
     return 0 if all(figure["met"] for figure in found) else 1
 
 
-def known(figure: Figure) -> Figure:
+def known(figure: Mapping[str, object]) -> Figure:
     """A value that was not taken, NaN, is None: JSON knows no NaN, and a page has nothing to say of it."""
     return {name: None if isinstance(value, float) and math.isnan(value) else value for name, value in figure.items()}
 
