@@ -153,7 +153,8 @@ def _commission_on(cell: Cell, bus: Bus, axis: Axis, url: str, arguments: argpar
         told = {"axis": axis.name, "node": plan.node, "serial": identity.serial, "vendor": identity.vendor, "product": identity.product}
         print(json.dumps({**told, "options": booted.options, "notes": booted.notes}))
         return DONE
-    print(f"axis {axis.name}, node {plan.node}: starts up; mode {booted.mode} (CSP); stops when the gateway dies: {booted.options}")
+    options = ", ".join(f"{name} {value}" for name, value in booted.options.items())
+    print(f"axis {axis.name}, node {plan.node}: starts up; mode {booted.mode} (CSP); its stops (option codes): {options}")
     for note in booted.notes:
         print(f"  note: {note}")
     if not identity.serial:

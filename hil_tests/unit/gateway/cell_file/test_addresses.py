@@ -87,7 +87,7 @@ def test_0_2_addresses_are_read_as_they_are_written() -> None:
             f"{'RCI' if bit.direction is IN else 'RCO'} {row['bit']}",
         ):
             assert parse(text) == bit, (text, row)
-        assert parse("my  name", {"MY NAME": bit}) == bit, "a symbol of the program"
+        assert parse("cell.ready", {"CELL.READY": bit}) == bit, "a symbol of the program goes before the names of the cell"
 
 
 def test_every_bit_survives_every_world() -> None:

@@ -2,7 +2,9 @@
 
 import pytest
 
+from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.operands import Number
+from gateway.pure.languages.robotstar.values import Cell
 from hil_tests.unit.languages.robotstar.memory import checked, run, steps
 
 I1 = "VAR name:I1\nVAR name:I2"
@@ -69,6 +71,9 @@ def test_locals_reach_into_called_programs() -> None:
 
 @pytest.mark.requirement("RSV-LNG-06", by="gateway.pure.languages.robotstar.values:Cell.read")
 def test_reading_before_writing_is_an_error() -> None:
+    assert Cell("I", 5).read() == 5
+    with pytest.raises(StepFault, match="not initialized"):
+        Cell("I").read()
     ran = steps("COPY I1,I2", I1)
     assert (ran.texts(), ran.state, ran.step) == (["Variable not initialized!"], "error", 2)
 
