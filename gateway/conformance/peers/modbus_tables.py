@@ -157,6 +157,13 @@ class LowByte(Tables):
         return super().write_bits(address & 0xFF, values)
 
 
+class ReadsLowByte(LowByte):
+    """The high byte of an address does not count at all."""
+
+    def read_words(self, kind: Kind, address: int, count: int) -> Sequence[int] | ExceptionCode:
+        return super().read_words(kind, address & 0xFF, count)
+
+
 class AsFarAsThereIs(Tables):
     """A range beyond the end is written up to the end, and refused."""
 

@@ -135,6 +135,16 @@ class Tires(Device):
         return said if self.count < 80 else b""
 
 
+class GivesUp(Device):
+    """After ten refusals in a row it is silent, on a new connection as well."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        said = super().serve(request, now)
+        self.refused = self.refused + 1 if said[:1] >= b"\x80" else 0
+        self.dead = self.dead or self.refused > 10
+        return said
+
+
 class Sleeps(Device):
     """After two seconds without a request it is silent."""
 
@@ -177,6 +187,7 @@ MORE: tuple[Row, ...] = (
     ("bare-refusal", "refuses a short request without a header", ("FUN_BI_03",), lambda rtu: BareRefusal(False)),
     ("forgets", "what a client wrote is gone with its connection", ("EFF_CA_01",), lambda rtu: ForgetsWithTheClient(False)),
     ("tires", "silent after 80 requests", ("TCP_ST_01",), lambda rtu: Tires(False)),
+    ("gives-up", "silent after ten refusals in a row", ("TCP_RC_03",), lambda rtu: GivesUp(False)),
     ("sleeps", "silent after two seconds of rest", ("TCP_RC_04",), lambda rtu: Sleeps(False)),
 )
 MUTANTS = mutants("MBTCP", False, MORE, without=("after-refusals", "each-70th"))

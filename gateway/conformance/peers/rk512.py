@@ -11,6 +11,8 @@ from gateway.conformance.peers.rk512_active import (
     HangsWhenLong,
     HangsWhenShort,
     NoCommand,
+    RefusesReaction,
+    SmallLetters,
     SmallType,
     StopsAtCommand,
     WaitsForEver,
@@ -247,6 +249,8 @@ MUTANTS = (
     _mutant("small-type", "its SEND names type d", [f"{A}BV_03"], SmallType),
     _mutant("no-command", "its SEND is command I", [f"{A}BV_03"], NoCommand),
     _mutant("wrong-amount", "announces another amount than it sends", [f"{A}BV_01"], WrongAmount),
+    _mutant("refuses-reaction", "answers the reaction to its FETCH with NAK", ["RK512_ACT_BV_01"], RefusesReaction),
+    _mutant("small-letters", "takes commands in small letters", [f"{P}BI_20"], SmallLetters),
 )
 
 

@@ -1,7 +1,9 @@
 """RK512: active stations with one fault each (used by peers.rk512)."""
 
-from gateway.conformance.peers.stations import ActiveStation
+from gateway.conformance.peers.stations import ActiveStation, Built
 from protocols.base.machine import Ns, ms
+from protocols.p3964r.profiles import RHO3
+from protocols.p3964r.receiver import Receiver
 from protocols.rk512.active import Active
 from protocols.rk512.active import Event as ActiveEvent
 from protocols.rk512.station import Event as StationEvent
@@ -104,3 +106,25 @@ class WrongAmount(ActiveStation):
             elif len(block) == 10 and block[2] == 0x45:
                 block = block[:6] + b"\0\0" + block[8:]
             self.link.send(block, now)
+
+
+class _RefusesEight(Receiver):
+    """Refuses a block of eight characters, however right."""
+
+    def _judge(self, check: int) -> None:
+        super()._judge(check ^ 0xFF if len(self._data) == 8 else check)
+
+
+class RefusesReaction(ActiveStation):
+    """The reaction to its FETCH of two words is answered with NAK."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.link._receiver = _RefusesEight(RHO3, self.link._box, False)
+
+
+class SmallLetters(Built):
+    """Takes commands in small letters as well."""
+
+    def _serve(self, data: bytes, now: Ns) -> None:
+        super()._serve(data[:2] + data[2:3].upper() + data[3:], now)

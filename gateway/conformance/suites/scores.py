@@ -2,9 +2,9 @@
 
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (97, 97),
-    "rk512": (67, 67),
-    "modbus-tcp": (80, 80),
-    "modbus-rtu": (75, 75),
+    "rk512": (69, 69),
+    "modbus-tcp": (82, 82),
+    "modbus-rtu": (76, 76),
     "cia402": (86, 86),
     "canopen-301": (123, 123),
     "servodyn": (59, 59),

@@ -65,6 +65,8 @@ def _places(p: Purposes[ModbusTester], con: str) -> None:
         preamble=(f"{con}_FUN_BV_01", f"{con}_CON_BV_06"),
     )
     def registers(t: ModbusTester) -> None:
+        if not (t.setup.pics.get("fc6") or t.setup.pics.get("fc16")):
+            raise NotApplicable("it has neither FC 6 nor FC 16")
         at = t.setup.holding[0]
         with kept(t, 3, at, 1):
             for value in (*PLACES, *(1 << bit for bit in range(16))):
@@ -80,6 +82,8 @@ def _places(p: Purposes[ModbusTester], con: str) -> None:
         preamble=(f"{con}_FUN_BV_01", f"{con}_CON_BV_05"),
     )
     def coils(t: ModbusTester) -> None:
+        if not (t.setup.pics.get("fc5") or t.setup.pics.get("fc15")):
+            raise NotApplicable("it has neither FC 5 nor FC 15")
         at = _row(t.setup.coils, ROW, "coils")
         values = [int(offset % 3 == 0 or offset % 5 == 1) for offset in range(ROW)]
         with kept(t, 1, at, ROW):

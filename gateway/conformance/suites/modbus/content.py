@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 
 from gateway.conformance.suites.modbus.tester import ModbusTester
 from gateway.pure.conformance.purpose import Purposes
-from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable
+from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable, Warn
 
 NAMES = {"coil": 1, "discrete": 2, "holding": 3, "input": 4}
 
@@ -169,10 +169,26 @@ def _other_registers(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
                 t.echo(struct.pack(">BHH", 6, number, 0x4000 + 0x0101 * at), 5, "FC 6")
             for at, number in enumerate(numbers):
                 same_values(t.registers(3, number, 1), [0x4000 + 0x0101 * at], f"register {number}")
+            _shown_elsewhere(t, first_one)
         finally:
             with suppress(Ended):
                 for number, value in zip(numbers, before, strict=True):
                     write_back(t, 3, number, [value])
+
+
+def _shown_elsewhere(t: ModbusTester, at: int) -> None:
+    """Judged: addresses beyond those that may be written, one bit away, do not show this register.  A lone one may be meant so."""
+    bits = [bit for bit in range(16) if at ^ 1 << bit not in t.setup.holding]
+    for value in (0x2A55, 0x55D2):  # what shows both is this register
+        t.echo(struct.pack(">BHH", 6, at, value), 5, "FC 6")
+        bits = [bit for bit in bits if t.ask(struct.pack(">BHH", 3, at ^ 1 << bit, 1)) == struct.pack(">BBH", 3, 2, value)]
+    if not bits:
+        return
+    others = ", ".join(str(at ^ 1 << bit) for bit in bits)
+    found = f"register {at} is also read at {others}"
+    if len(bits) > 2 and bits == list(range(bits[0], 16)):
+        raise Fail(f"{found}: bits {bits[0]} to 15 of the address do not count", "02h, or values of their own", f"{value:04X}")
+    raise Warn(found, "02h, or values of their own", f"{value:04X}")
 
 
 def _writes_in_one_request(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:

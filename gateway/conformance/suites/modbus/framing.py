@@ -38,9 +38,12 @@ def _many(t: ModbusTester) -> None:
 
 
 def _exceptions(t: ModbusTester) -> None:
-    for _ in range(20):
+    refusal = b"\x03\xff\xff\x00\x02"
+    answers = bool(t.ask(refusal))
+    for count in range(20):
         t.ask(b"\x41\x00\x00\x00\x01")
-        t.ask(b"\x03\xff\xff\x00\x02")
+        if not t.ask(refusal) and answers:
+            raise Fail(f"after {2 * count + 2} refusals nothing is answered", "an exception", "silence, or closed")
     _served(t, "40 refusals")
 
 

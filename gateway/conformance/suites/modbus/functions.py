@@ -154,7 +154,10 @@ def _refused_reads(reading: Reading) -> None:
     function, number, most = reading.function, reading.number, reading.most
 
     def refusal(at: int, what: str, de: str, pdu: bytes, code: int, others: tuple[int, ...] = ()) -> None:
-        @reading.case(f"BI_{number + at}", f"{what} is refused with {code:02X}h", f"{de} wird mit {code:02X}h abgelehnt")
+        prefix = reading.basic.removesuffix("BV_01")
+        more = (f"{prefix}BI_{number}",) if at in (1, 2) else ()  # a wrong number for an amount is one fault
+
+        @reading.case(f"BI_{number + at}", f"{what} is refused with {code:02X}h", f"{de} wird mit {code:02X}h abgelehnt", more=more)
         def body(t: ModbusTester) -> None:
             request = pdu[:1] + (t.setup.base[function].to_bytes(2, "big") if pdu[1:3] == b"\xee\xee" else pdu[1:3]) + pdu[3:]
             lived = t.exception(request, code, f"FC {function}: {what}", others)
@@ -182,7 +185,10 @@ def _misread(reading: Reading) -> None:
     function, number = reading.function, reading.number
 
     @reading.case(
-        f"BI_{number + 4}", "a range that is partly missing is refused with 02h", "ein teilweise fehlender Bereich wird mit 02h abgelehnt"
+        f"BI_{number + 4}",
+        "a range that is partly missing is refused with 02h",
+        "ein teilweise fehlender Bereich wird mit 02h abgelehnt",
+        more=(f"{reading.basic.removesuffix('BV_01')}BI_{number + 3}",),
     )
     def partly(t: ModbusTester) -> None:
         base, span = t.setup.base[function], t.setup.span[function]

@@ -13,7 +13,20 @@ from gateway.conformance.suites.rk512.passive import (
     send_in_pieces,
     served_again,
 )
-from gateway.conformance.suites.rk512.telegrams import DB, DX_SEND, FETCH, SEND, Reaction, ask, db_of, header, number_words, room, saved
+from gateway.conformance.suites.rk512.telegrams import (
+    DB,
+    DX_SEND,
+    FETCH,
+    SEND,
+    Reaction,
+    ask,
+    db_of,
+    header,
+    number_words,
+    refused,
+    room,
+    saved,
+)
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable
 
@@ -157,3 +170,15 @@ def locked_send(t: LineTester) -> None:
         if found.number != LOCKED:
             raise Fail(f"a SEND whose flag is set: {found.words()}", number_words(LOCKED), found.words())
         compared(saved(t, db, 0, 1), before, f"DB{db}.DW0 after a SEND refused with 32h")
+
+
+@PAS.case(
+    "BI_20",
+    "byte 3 is e, F or 7Fh: refused with 16h",
+    "Byte 3 ist e, F oder 7Fh: mit 16h abgelehnt",
+    clause="serial-protocols 2.4",
+    preamble=(BASIC, "RK512_PAS_BI_05"),
+)
+def near_commands(t: LineTester) -> None:
+    for command in (0x65, 0x46, 0x7F):
+        refused(t, "wrong_command", header(command, DB, t.setup.db, 0, 1), 0x16, (0x10,))
