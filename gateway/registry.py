@@ -60,7 +60,7 @@ class LineLayer:
     source: "Callable[[], Callable[..., BaseSource]]"  # its command source
     commands: bool = True  # it is a command source
     blocks: bool = False  # [[db]] are served by number, with jobs of RK512
-    first: bool = False  # the usual one: blocks without a line are of the only line of this layer
+    first: bool = False  # the usual one: blocks without a line are of the only line of this layer, else of the only one that serves any
     telegrams: bool = False  # [[telegram]] belong to it; a quiet partner is no loss
     shadowed: bool = False  # a shadow understands it
     kinds: str = "DXEAMTZ"  # of blocks that it carries

@@ -30,6 +30,7 @@ __all__ = ["CellFaults", "Fault", "load_cell", "load_tables"]
 DEFAULTS_TAKEN = ("mode", "stop_on_bus_loss", "stop_evidence", "brake", "following_error", "home", "first_enable")
 JERK_PER_ACCEL = 10.0  # 1/s: full acceleration is reached in 0.1 s (AX-123)
 FIRST = next(layer.name for layer in LINE_LAYERS.values() if layer.first)
+SERVING = tuple(layer.name for layer in LINE_LAYERS.values() if layer.blocks)
 QUIET = tuple(layer.name for layer in LINE_LAYERS.values() if layer.telegrams)  # partners that speak when they have something to say
 PLANT_KEYS = frozenset(RANGES) | set(ServoSettings.__dataclass_fields__)
 PLANT_OWN = frozenset(name for name in PLANT_KEYS if name.startswith(("start", "reference_switch", "hard_limit", "following_error")))
@@ -117,11 +118,14 @@ class _Loader:
             if line.get("layer") in QUIET and "supervision" not in line:  # such a partner speaks when it has something to say
                 line["supervision"] = {"max_silence_ms": 0}
                 sources[f"line.{line.get('name')}.supervision.max_silence_ms"] = Source("default of telegrams: no supervision (AX-195)")
-        served = [line.get("name") for line in _tables(raw.get("line")) if line.get("layer", FIRST) == FIRST]
+        layers = {line.get("name"): line.get("layer", FIRST) for line in _tables(raw.get("line"))}
+        usual = [name for name, layer in layers.items() if layer == FIRST]
+        served = usual or [name for name, layer in layers.items() if layer in SERVING]
+        why = "the only RK512 line" if usual else "the only line that serves data blocks"
         for block in _tables(raw.get("db")):
             if "line" not in block and len(served) == 1 and isinstance(served[0], str):
                 block["line"] = served[0]
-                sources[f"db.{block.get('number')}.line"] = Source("the only RK512 line")
+                sources[f"db.{block.get('number')}.line"] = Source(why)
 
     def _plant(self, raw: dict[str, Any]) -> list[Fault]:
         """Keys named like the emulator's settings go into `settings`; each is held against the emulator's own range."""

@@ -71,7 +71,9 @@ def block_heads(check: Context) -> None:
             check.fault(
                 f"db.{block.number}.line",
                 "",
-                'which line is it served on? write line = ".." (several lines could)' if lines else "no [[line]] serves it",
+                'which line is it served on? write line = ".." (several lines could)'
+                if any(LINE_LAYERS[line.layer].blocks for line in lines.values())
+                else 'no [[line]] serves data blocks; layer = "rk512" or "buep64" does',
             )
         elif (
             not check.unknown(f"db.{block.number}.line", block.line, "line")

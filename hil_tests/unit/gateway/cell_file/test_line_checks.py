@@ -182,6 +182,14 @@ def test_a_block_nobody_could_reach_and_a_type_without_blocks() -> None:
     assert "BUEP64 carries data modules only" in str(faults('layer = "buep64"', '[line.rk512]\ntypes = ["M"]')["line.plc.rk512.types"])
 
 
+def test_a_block_without_a_line_is_of_the_only_line_that_serves_blocks() -> None:
+    """A cell with one BUEP64 line was told that several lines could serve its blocks."""
+    free = block().replace('line = "plc"\n', "")
+    assert free != block() and faults('layer = "buep64"\nprofile = "bosch-buep64"', "", free) == {}
+    told = faults('layer = "program"', "", free)["db.10.line"]
+    assert "no [[line]] serves data blocks" in str(told) and "several" not in str(told)
+
+
 def test_the_same_number_as_db_and_dx_is_no_double() -> None:
     both = block() + block(more='kind = "X"')
     assert faults("", '[line.rk512]\ntypes = ["D", "X"]', both) == {}
