@@ -254,7 +254,7 @@ def _step(here: Any, part: str) -> tuple[str, Any] | None:
             for name in ("name", "number", "at", "axis"):
                 if str(getattr(each, name, None)) == bare:
                     return part, each
-        if bare.isdigit() and 1 <= int(bare) <= len(here):
+        if bare.isdecimal() and 1 <= int(bare) <= len(here):
             each = here[int(bare) - 1]
             return str(getattr(each, "name", part)), each
         return None

@@ -144,7 +144,7 @@ def _said_or_ordered(client: ToolClient, answer: Row, text: str, *, typed: bool)
 
 def _ordered(client: ToolClient, job: object, words: list[str]) -> Row:
     what, *rest = words or [""]
-    if len(rest) > (what == "cut") or (what == "cut" and not (rest and rest[0].isdigit())):
+    if len(rest) > (what == "cut") or (what == "cut" and not (rest and rest[0].isdecimal())):
         raise ToolError(f"!{' '.join(words)}: {'!cut and the number of a block' if what == 'cut' else 'nothing follows the order'}")
     request = {"do": what, **ORDERS.get(what, {}), **({"block": int(rest[0])} if rest else {})}
     return client.ask("stream", job=job, **request)

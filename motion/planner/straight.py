@@ -43,6 +43,7 @@ def straight_law(run: Run) -> Law | None:
 def _law(profile: Profile | TwoRamps, length: float) -> Law:
     """On an even grid."""
     count = max(math.ceil(check_seconds(profile.duration) / STEP_S), 2)
-    states = np.array([profile.at(profile.duration * k / count) for k in range(count + 1)])
+    times = [profile.duration * k / count for k in range(count + 1)]
+    states = profile.states(np.array(times)) if isinstance(profile, TwoRamps) else np.array([profile.at(t) for t in times])
     states[0], states[-1] = (0.0, 0.0, 0.0), (length, 0.0, 0.0)
     return Law(states[:, 0], states[:, 1], states[:, 2], profile.duration / count)

@@ -58,7 +58,7 @@ def recording_of(head: str, rest: list[str]) -> Recording:
             raise Fault(head, f"{' '.join(rest)} is too much")
         return Recording()
     found = _DISTANCE.fullmatch(rest[1]) if len(rest) == 2 else None
-    if found is None or not rest[0].isdigit() or rest[0] == "0":
+    if found is None or not rest[0].isdecimal() or rest[0] == "0":
         raise Fault(head, "measuring system from 1 on, and distance: record_on 1 13mm, record_on 4 5deg, record_on 1 10cycles")
     distance = number(head, found[1], 1e-6, 1e6, found[2])
     if found[2] == "cycles":
@@ -70,7 +70,7 @@ def recording_of(head: str, rest: list[str]) -> Recording:
 
 def entry_of(words: list[str]) -> int:
     """`recorded N`."""
-    if len(words) != 1 or not words[0].isdigit() or not 1 <= int(words[0]) <= ENTRIES:
+    if len(words) != 1 or not words[0].isdecimal() or not 1 <= int(words[0]) <= ENTRIES:
         raise Fault("recorded", f"{' '.join(words)!r}: an entry of the reference path, 1 (the latest) .. {ENTRIES}")
     return int(words[0])
 

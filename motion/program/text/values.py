@@ -135,7 +135,7 @@ def search_of(head: str, rest: list[str]) -> int:
     word = rest[0] if len(rest) == 1 else ""
     if word == "-":
         return 0
-    if not word.isdigit() or not 1 <= int(word) <= MOST:
+    if not word.isdecimal() or not 1 <= int(word) <= MOST:
         raise Fault(head, f"{' '.join(rest)!r}: 1 .. {MOST} blocks that are prepared while one is run, or - for all that are known")
     return int(word)
 

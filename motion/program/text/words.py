@@ -8,6 +8,7 @@ from motion.errors import MotionError
 from motion.program.errors import TextError
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
+LONG = re.compile(r"\d{100}")  # digits: no number of a program has so many, and no number is made of more than 4,300
 
 
 class Fault(Exception):
@@ -22,6 +23,8 @@ def statement(raw: str, number: int, line: Callable[[list[str], int], None]) -> 
     words = raw.partition("#")[0].split()
     if not words:
         return
+    if LONG.search(raw):
+        raise TextError(number, words[0], "a number of 100 digits and more")
     try:
         line(words, number)
     except Fault as fault:

@@ -65,6 +65,6 @@ def _assigned(at: int, match: re.Match[str], text: str) -> Order:
     if bit is not None and bit > 7:
         raise OrderFault(f"{text!r}: bit {bit} is outside 0 to 7")
     most = 255 if bit is None else 1
-    if not value.isdigit() or int(value) > most:
+    if not value.isdecimal() or int(value) > most:
         raise OrderFault(f"{text!r}: the value {value} is outside 0 to {most}")
     return Order(at, what, number, bit, int(value))

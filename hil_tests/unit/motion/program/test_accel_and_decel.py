@@ -9,14 +9,15 @@ import pytest
 from hil_tests.lab.cells.arms import Array, portal, robot
 from hil_tests.lab.judges.tool_speed import PERIOD_S, driven, sampled
 from motion.planner.arm import Arm
+from motion.planner.route import Route
 from motion.planner.runs import make_run
 from motion.planner.straight import straight_law
 from motion.planner.trace import route_of, trace
-from motion.program.blocks import Block, Program
+from motion.program.blocks import Block, Interpolation, JointTarget, Pace, Program
 from motion.program.factors import Factors
 from motion.program.text.reader import read
 from motion.timing.sine_square import sine_square
-from motion.timing.two_ramps import two_ramps
+from motion.timing.two_ramps import TwoRamps, two_ramps
 
 HEAD = "robot portal\nangles rho3\naxes mm mm mm deg\nstart 0 0 0 0\n"
 LINE = "linear pose 300 0 0 0 0 0\n"
@@ -141,3 +142,17 @@ def test_a_straight_run_of_two_strengths_has_its_closed_form() -> None:
     given, machine = read(f"{HEAD}set accel=30 decel=60\nptp joints 300 0 0 0\n"), robot("portal")
     law = straight_law(make_run(route_of(given, machine).stretches, machine))
     assert law is not None and math.isfinite(law.duration)
+
+
+def test_a_law_of_two_ramps_is_not_worked_out_place_by_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 0.2 ms a place: 5 s of PTP took the planner 1 s in one go, and check a minute for what it then refused."""
+    monkeypatch.setattr(TwoRamps, "at", lambda *_: pytest.fail("one place at a time"))
+    machine = portal()
+    route = Route(machine, (0.0, 0.0, 0.0))
+    route.add(Block(Interpolation.PTP, JointTarget((1.0, 0.5, 0.0)), pace=Pace(speed=0.05, accel=0.2, decel=0.1)))
+    route.finish()
+    law = straight_law(make_run(route.take(), machine))
+    assert law is not None and law.s[0] == 0.0 and law.speed[0] == law.speed[-1] == 0.0
+    rates = np.gradient(law.speed, law.step)
+    assert rates.max() == pytest.approx(law.accel.max(), rel=1e-3) and rates.min() == pytest.approx(law.accel.min(), rel=1e-3)
+    assert law.accel.max() == pytest.approx(-2.0 * law.accel.min(), rel=1e-9)
