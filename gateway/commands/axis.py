@@ -10,8 +10,9 @@ from gateway.assembly.run import slug_of
 from gateway.pure.cell.cell import Axis, Cell
 from gateway.pure.image.records.cell import AxisFlag
 from gateway.registry import DRIVE_FAMILIES
+from gateway.tools.cell_argument import load
 from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
-from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.drives.first_enable import percent
 
 EXAMPLES = """examples:

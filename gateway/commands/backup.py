@@ -6,7 +6,8 @@ import pathlib
 import sys
 
 from gateway.recording import backup
-from gateway.tools.command_support import DONE, ENVIRONMENT, load
+from gateway.tools.cell_argument import load
+from gateway.tools.command_support import DONE, ENVIRONMENT
 
 EXAMPLES = """examples:
   axisgate backup cell.toml --to cell-2026-11-21.zip           everything that makes this cell

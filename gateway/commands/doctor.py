@@ -55,7 +55,7 @@ def main(argv: list[str]) -> int:
 
 
 def _hour(options: argparse.Namespace) -> int:
-    from gateway.tools.command_support import load
+    from gateway.tools.cell_argument import load
     from gateway.tools.doctor.tools import hour
 
     cell = load(options.hour)

@@ -12,8 +12,9 @@ from drivers.drives.cia402_manual import ManualError
 from drivers.ports.base import PortError
 from gateway.pure.cell.cell import Axis, Bus, Cell
 from gateway.registry import BUS_PROTOCOLS, DRIVE_FAMILIES
+from gateway.tools.cell_argument import load
 from gateway.tools.client import UNHURRIED_MS, ToolError, running, simulated
-from gateway.tools.command_support import BANNER, DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.command_support import BANNER, DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.drives.first_enable import TEXT, confirm, unconfirmed
 
 if TYPE_CHECKING:

@@ -14,7 +14,8 @@ from gateway.links.canopen.listen_first import listen, taken_nodes
 from gateway.pure.cell.cell import Bus, Cell
 from gateway.registry import BUS_PROTOCOLS
 from gateway.simulation.drives import process as emulator
-from gateway.tools.command_support import BANNER, ENVIRONMENT, load
+from gateway.tools.cell_argument import load
+from gateway.tools.command_support import BANNER, ENVIRONMENT
 
 LOCAL = ("broker:", "socketcan:vcan")  # buses without metal
 EXAMPLES = """examples:

@@ -12,7 +12,8 @@ from drivers.ports.base import runtime_dir
 from gateway.assembly.run import slug_of
 from gateway.commands.var import SUFFIX
 from gateway.pure.buses.contacts import WATCHDOG
-from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.cell_argument import load
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 
 EXAMPLES = """examples:
   axisgate io list cell.toml            every contact: signal, value, quality

@@ -6,7 +6,8 @@ import sys
 
 from gateway.pure.reports.tables import FORMS, render
 from gateway.tools.address_map import SHEETS
-from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, load
+from gateway.tools.cell_argument import load
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING
 
 EXAMPLES = """examples:
   axisgate map demo --modbus                                all registers, counted from 0 and from 1

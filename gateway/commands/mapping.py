@@ -10,7 +10,8 @@ from gateway.files.find import read_signals
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.addresses import pic
 from gateway.pure.image.signals import from_tables
-from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.cell_argument import load
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.mapping_tables import (
     COLUMNS,
     MappingFault,

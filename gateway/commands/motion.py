@@ -19,7 +19,7 @@ from gateway.files.robots import RobotFaults, load_robot
 from gateway.pure.cell.cell import Cell
 from gateway.pure.planning.trial import Files
 from gateway.runtime.exit_codes import Exit
-from gateway.tools.command_support import load as cell_of
+from gateway.tools.cell_argument import load as cell_of
 from gateway.tools.motion.dry_run import DryRun, sections_of
 from gateway.tools.motion.dry_run_team import team_findings, team_slowed, team_traces
 from gateway.tools.motion.plot import page, team_page

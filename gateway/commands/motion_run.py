@@ -8,8 +8,9 @@ import time
 
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.records.cell import Motion
+from gateway.tools.cell_argument import load
 from gateway.tools.client import Row, ToolClient, ToolError, mask_of
-from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.motion.ready import client_of, reference
 
 EXAMPLES = """examples:

@@ -13,9 +13,10 @@ from typing import TextIO
 from gateway.assembly.programs import machines_of_cell, mask_of
 from gateway.commands.motion_run import stopped
 from gateway.pure.cell.cell import Cell
+from gateway.tools.cell_argument import load
 from gateway.tools.client import Row, ToolClient, ToolError
 from gateway.tools.client import mask_of as named_axes
-from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.motion.ready import client_of, reference
 from motion.errors import MotionError
 

@@ -19,8 +19,9 @@ from gateway.pure.languages.plc.plc import Settings
 from gateway.pure.languages.plc.reader import lines_of
 from gateway.pure.languages.plc.virtual import Event, VirtualRun
 from gateway.runtime.exit_codes import Exit
+from gateway.tools.cell_argument import load
 from gateway.tools.client import Row, ToolClient, ToolError, running
-from gateway.tools.command_support import ENVIRONMENT, load
+from gateway.tools.command_support import ENVIRONMENT
 
 ACTS_S = 0.3  # an order is carried out between two scans; a long program takes some time to be translated
 SHOWN_STEPS = 500  # of it in one answer

@@ -11,8 +11,9 @@ from gateway.assembly.run import slug_of
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.records.cell import Motion
 from gateway.registry import CONTROLLERS, NO_PROGRAMS, language_in
+from gateway.tools.cell_argument import load
 from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
-from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 
 IN_CELLS = ("run", "start", "stop", "status")
 POLL_S = 0.05

@@ -11,7 +11,8 @@ from gateway.pure.languages.baps2.compiling import compile_program
 from gateway.pure.languages.baps2.library import Library
 from gateway.runtime.exit_codes import Exit
 from gateway.runtime.safe_file import write_whole
-from gateway.tools.command_support import USAGE, load
+from gateway.tools.cell_argument import load
+from gateway.tools.command_support import USAGE
 
 OF_FILES = ("put", "get", "compile")
 

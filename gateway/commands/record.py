@@ -16,7 +16,8 @@ from gateway.pure.cell.faults import CellFaults
 from gateway.recording.backup import make
 from gateway.recording.file import RecordError, Writer
 from gateway.recording.recorder import Recorder, RecorderError, Rings, attached, head_of, status_of
-from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, interruptible, load
+from gateway.tools.cell_argument import load
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, interruptible
 
 EXAMPLES = """examples:
   axisgate record cell.toml -o monday.axrec                 until Ctrl-C; the cell runs in another terminal

@@ -11,7 +11,8 @@ from gateway.pure.image.records.cell import AxisFlag
 from gateway.pure.recording.messages import ServiceEvent, Source
 from gateway.recording.file import Found, RecordError, read
 from gateway.recording.replay import Verdict, recorded_cell, replay
-from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.cell_argument import load
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.progress import Progress
 
 EXAMPLES = """examples:

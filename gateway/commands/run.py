@@ -19,7 +19,8 @@ from gateway.pure.cell.web import Web
 from gateway.runtime.console import fill_standard, say_at_start
 from gateway.runtime.realtime import die_with_parent, realtime_allowed
 from gateway.runtime.state_folder import usable, warning
-from gateway.tools.command_support import BANNER, DONE, ENVIRONMENT, USAGE, load
+from gateway.tools.cell_argument import load
+from gateway.tools.command_support import BANNER, DONE, ENVIRONMENT, USAGE
 from gateway.tools.drives.first_enable import TEXT, confirm, needed
 
 EXAMPLES = """examples:

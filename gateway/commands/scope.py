@@ -15,8 +15,9 @@ from gateway.scope.live import ScopeError, attached, capture, facts_of, named_ch
 from gateway.scope.plots import at_cursors, page, picture
 from gateway.scope.recording import Recording, RecordingError, export, save
 from gateway.scope.recording import load as reopen
+from gateway.tools.cell_argument import load
 from gateway.tools.client import ToolError, simulated
-from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, load
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 
 EXAMPLES = """examples:
   axisgate scope record demo --channels axis.A1.set,axis.A1.actual,axis.A1.lag --for 5 -o move.scope

@@ -8,7 +8,8 @@ import sys
 
 from gateway.pure.cell.web import Web
 from gateway.runtime.page_data import data_file
-from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, load
+from gateway.tools.cell_argument import load
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING
 from gateway.web.store import Role, Store, StoreError
 
 EXAMPLES = """examples:

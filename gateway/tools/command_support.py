@@ -1,14 +1,8 @@
-"""What the commands share: exit codes, the banner, loading a cell with a report of its faults."""
+"""What the commands share: exit codes, the banner, a polite end.  It loads nothing."""
 
 import contextlib
 import signal
-import sys
 from collections.abc import Callable, Iterator
-
-from gateway.cell_file.load import load_cell
-from gateway.files.find import ConfigNotFound, find_config
-from gateway.pure.cell.cell import Cell
-from gateway.pure.cell.faults import CellFaults
 
 DONE, FINDING, USAGE, ENVIRONMENT = 0, 1, 2, 3
 BANNER = (
@@ -17,20 +11,6 @@ BANNER = (
     "axisgate ist keine Sicherheitseinrichtung: Not-Halt, STO, Schutztueren, Zustimmung und sichere Geschwindigkeit gehoeren in\n"
     "zertifizierte Hardware, die ohne axisgate wirkt."
 )
-
-
-def load(name: str) -> Cell | int:
-    """The checked cell, or the exit code after its faults were printed."""
-    try:
-        return load_cell(str(find_config(name, "cells")))
-    except ConfigNotFound as error:
-        print(f"axisgate: {error}", file=sys.stderr)
-        return USAGE
-    except CellFaults as faults:
-        for fault in faults.faults:
-            print(fault, file=sys.stderr)
-        print(f"axisgate: {len(faults.faults)} faults; axisgate check {name} explains them", file=sys.stderr)
-        return USAGE
 
 
 @contextlib.contextmanager

@@ -11,7 +11,8 @@ from gateway.assembly.bus_frames import bitrate, traffic
 from gateway.pure.buses.load import Judgement, Times, Traffic, judge, times
 from gateway.pure.cell.cell import Bus, Cell
 from gateway.tools.bus.logs import READABLE, BadLog, read_log
-from gateway.tools.command_support import DONE, FINDING, USAGE, load
+from gateway.tools.cell_argument import load
+from gateway.tools.command_support import DONE, FINDING, USAGE
 from protocols.base.can_bits import frame_bits
 from protocols.base.machine import Frame, Ns
 
