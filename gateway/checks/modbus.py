@@ -42,6 +42,10 @@ def _server(check: Context, door: Modbus, key: str) -> None:
     if not (door.serial or door.local or door.allow or door.writers or door.roles or door.tls):
         hint = 'reached from other computers: name the PLC that may write, allow = ["10.0.0.5"], give writers or roles, or bind 127.0.0.1'
         check.fault(f"{key}.bind", door.bind, hint)
+    if door.first_address:
+        check.fault(
+            f"{key}.first_address", door.first_address, "addresses on the line count from 0; axisgate map shows both counts: keep 0"
+        )
     if door.device or door.value:
         check.fault(f"{key}.role", door.role, 'device and value belong to role = "client"')
     for text, where in (*((text, "allow") for text in door.allow), *((writer.from_, "writers") for writer in door.writers)):

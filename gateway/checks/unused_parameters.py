@@ -1,4 +1,4 @@
-"""P numbers of [rho3] that were typed in and change nothing in this cell: tuning them would have no effect."""
+"""What was typed in and changes nothing in this cell: P numbers of [rho3] whose tuning has no effect, a file of zeros."""
 
 from collections.abc import Iterator
 from dataclasses import fields
@@ -50,5 +50,12 @@ def unused_notes(cell: Cell) -> Iterator[Notice]:
             yield Notice("warning", f"rho3.{name}", texts.said(why, meanings.said(name)))
 
 
+def unread_zeros(cell: Cell) -> Iterator[Notice]:
+    """Files of zeros that a robot names: the zeros in force are those in the state folder."""
+    for robot in cell.robot:
+        if robot.zero:
+            yield Notice("warning", f"robot.{robot.name}.zero" if robot.name else "robot.zero", read_texts("check").said("unread_zero"))
+
+
 CHECKS: tuple[()] = ()
-NOTES = (unused_notes,)
+NOTES = (unused_notes, unread_zeros)

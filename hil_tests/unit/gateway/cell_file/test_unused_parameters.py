@@ -9,6 +9,7 @@ from gateway.cell_file.rho3_parameters import LEGAL, USED
 from gateway.files.find import PACKAGED, find_config, read_text
 from gateway.files.texts import read_texts
 from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.faults import CellFaults
 from gateway.pure.cell.rho3 import CONTROLLED, DOWNLOADED
 from gateway.pure.reports.sentences import in_language
 
@@ -82,3 +83,20 @@ def test_every_parameter_beside_the_tables_own_has_its_meaning_in_both_languages
     texts = read_texts("rho3-parameters")
     assert texts.ids() == LEGAL
     assert all(str(texts.said(number)) != texts.said(number).german for number in texts.ids())
+
+
+def test_a_file_of_zeros_that_nothing_reads_is_warned_of() -> None:
+    shipped = read_text(find_config("rho3-servodyn", "cells"))
+    cell = load_cell("own.toml", shipped.replace('name       = "ROB1"', 'name       = "ROB1"\nzero = "zero/2026-11-12.toml"'))
+    said = {notice.where: notice.text for notice in cell.warnings if notice.where == "robot.ROB1.zero"}
+    assert in_language(said["robot.ROB1.zero"], "en").startswith("not read: axisgate axis zero writes the zeros into the state folder")
+    assert in_language(said["robot.ROB1.zero"], "de").startswith("wird nicht gelesen:")
+
+
+def test_addresses_on_a_modbus_line_count_from_0() -> None:
+    shipped = read_text(find_config("rho3-servodyn", "cells"))
+    with pytest.raises(CellFaults) as caught:
+        load_cell("own.toml", shipped.replace("first_address = 0", "first_address = 1"))
+    assert [(fault.key, fault.line, "axisgate map shows both counts" in fault.hint) for fault in caught.value.faults] == [
+        ("modbus.plc.first_address", 1 + shipped[: shipped.index("first_address")].count("\n"), True)
+    ]
