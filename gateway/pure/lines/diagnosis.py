@@ -221,8 +221,8 @@ def _checks(seen: Evidence) -> list[Finding]:
 # ---- what rides on it
 def _rides(seen: Evidence) -> list[Finding]:
     if seen.spoilt:
-        text = said("the reaction to a FETCH is no good block: {}", seen.spoilt)
-        return [Finding("reaction spoilt", "fault", text, "parity, speed, or the partner's software")]
+        spoilt = said("the reaction to a FETCH is no good block: {}", seen.spoilt)
+        return [Finding("reaction spoilt", "fault", spoilt, "parity, speed, or the partner's software")]
     if seen.reaction or any(_is_rk512(block) for block in seen.blocks):
         number = said(", it answered {:02X}h", seen.reaction[3]) if seen.reaction and len(seen.reaction) >= 4 else ""
         return [Finding("RK512", "ok", said("RK512 rides on 3964R{}", number), 'layer = "rk512"')]

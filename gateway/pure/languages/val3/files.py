@@ -183,10 +183,11 @@ class Reader:
         if name in ("start", "stop") and given:
             self._say(path, each.line, f"'{name}' : the program cannot have parameters")  # L584, L594
         known = set[str]()
-        for declared in (*parameters, *found):
-            if declared.name in known:
-                self._say(path, declared.line, f"'{declared.name}' is declared twice")
-            known.add(declared.name)
+        places = [(one.name, one.line) for one in parameters] + [(one.name, one.line) for one in found]
+        for own_name, line in places:
+            if own_name in known:
+                self._say(path, line, f"'{own_name}' is declared twice")
+            known.add(own_name)
         return ProgramText(name, path, each.get("access").lower() == "public", parameters, found, lines, each.line)
 
     def _parameter(self, path: str, each: Element) -> Parameter | None:

@@ -185,8 +185,8 @@ class Loader:
                 faults.error("val3-library", Position(app.project, use.line), f"library '{use.name}': {fault}")
                 continue
             found, inside = self.read(folder, own)
-            for fault in inside if self._there(folder, own) else ():  # the library cannot be loaded (12), the application can
-                faults.warning(fault.id, fault.position, f"library '{use.name}': {fault.text}")
+            for each in inside if self._there(folder, own) else ():  # the library cannot be loaded (12), the application can
+                faults.warning(each.id, each.position, f"library '{use.name}': {each.text}")
             app.interfaces[use.name] = found
             if found is None:
                 faults.error("val3-library", Position(app.project, use.line), f"library '{use.name}': there is no application {use.path}")

@@ -1,6 +1,7 @@
 """What a data or program file declares wrongly is named at load, with its line; nothing is guessed (issue 24, bad input)."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import pytest
 
@@ -14,7 +15,7 @@ def errors(app: App, *others: App) -> list[tuple[str, int, str]]:
     return [(fault.position.file, fault.position.line, fault.text) for fault in check(app, *others) if fault.severity.value == "error"]
 
 
-WRONG = {
+WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "num": ({"value": "abc"}, "'abc' is no number"),
     "bool": ({"value": "maybe"}, "'maybe' is neither true nor false"),
     "mdesc": ({"blend": "round"}, "blend 'round': there are off, joint, Cartesian"),

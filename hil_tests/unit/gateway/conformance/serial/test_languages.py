@@ -53,9 +53,9 @@ def test_tables_and_titles_have_their_german() -> None:
     assert [text for table in tables for text in table.values() if text not in GERMAN] == []
     titles = [case.title for case in all_cases(Settings(RHO3, Priority.LOW, active=True))]
     patterns = [title.pattern if isinstance(title, Text) else title for title in titles]
-    tables = [*line_diagnosis.PAFE.values(), *line_diagnosis.ANZW_BITS.values(), *line_diagnosis.ANZW_ERRORS.values()]
-    tables += [*line_diagnosis.CP341_CLASSES.values(), *line_diagnosis.CP341_EVENTS.values(), *cases_rk512.ERROR_WORDS.values()]
-    tables += [
+    texts = [*line_diagnosis.PAFE.values(), *line_diagnosis.ANZW_BITS.values(), *line_diagnosis.ANZW_ERRORS.values()]
+    texts += [*line_diagnosis.CP341_CLASSES.values(), *line_diagnosis.CP341_EVENTS.values(), *cases_rk512.ERROR_WORDS.values()]
+    texts += [
         report.TEXT,
         report.BANNER,
         report.UNCERTAINTY,
@@ -65,7 +65,7 @@ def test_tables_and_titles_have_their_german() -> None:
         "nothing",
         "a damaged character",
     ]
-    assert sorted(text for text in {*patterns, *tables} if text not in GERMAN) == []
+    assert sorted(text for text in {*patterns, *texts} if text not in GERMAN) == []
 
 
 def fields(pattern: str) -> list[tuple[str, str]]:

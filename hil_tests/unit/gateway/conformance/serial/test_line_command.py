@@ -14,9 +14,10 @@ import pytest
 from drivers.ports.base import PortError
 from drivers.ports.serial.line_format import parse_format
 from gateway.commands import line
-from gateway.conformance.serial.run import Settings
-from gateway.links.serial.line_monitor import Recorder
+from gateway.conformance.serial.run import Settings, probe
+from gateway.links.serial.line_monitor import Recorder, replay
 from gateway.tools.line.client import Client
+from gateway.tools.line.learn import characters
 
 
 def axisgate(*words: str) -> tuple[int, str, str]:
@@ -97,7 +98,7 @@ def test_what_was_heard_before_an_adapter_was_pulled_is_learned(monkeypatch: pyt
     record.write_text("".join(lines))
 
     def listen(arguments: object, names: object, tell: object) -> None:
-        line.replay(line.characters(record.read_text()), tell)  # type: ignore[arg-type]
+        replay(characters(record.read_text()), tell)  # type: ignore[arg-type]
         raise PortError(errno.EIO, "serial port x: is gone (hung up); it is opened again when the adapter is back")
 
     monkeypatch.setattr(line, "_listen", listen)
@@ -139,8 +140,6 @@ def test_ctrl_c_in_a_job_is_no_success(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_ctrl_c_in_a_probe_leaves_its_report(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
-    probe = line.probe
-
     def broken(wire: object, settings: Settings, operator: object, told: object) -> None:
         probe(wire, settings, operator, told)  # type: ignore[arg-type]
         raise KeyboardInterrupt
