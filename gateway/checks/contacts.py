@@ -4,6 +4,7 @@ from gateway.assembly.contacts import CHIP, COUPLER, MODBUS
 from gateway.assembly.routes import symbols_of
 from gateway.assembly.telegrams import named_values
 from gateway.checks.context import Context, near
+from gateway.checks.controller import names_of
 from gateway.pure.arbitration.data_blocks import RC_NAMES
 from gateway.pure.buses.contacts import CONTACTS, WATCHDOG, Source, source_of
 from gateway.pure.cell.cell import Io
@@ -13,6 +14,7 @@ from gateway.registry import BUS_PROTOCOLS
 
 CHANNELS = 64  # digital inputs or outputs of PDO 1 (CiA 401)
 TCP_REQUEST_MS, RTU_CHARACTER_MS, RTU_REQUEST_CHARS = 2.0, 11 / 9.6, 8 + 7  # one question and its answer, at 9600 Bd
+REIS = "reis.output."  # an output of a Reis by byte and bit, reis.output.3.7
 SHOWN_ONLY = "cell.safety_ok"  # an input that is shown and told first-out, and moves nothing
 
 
@@ -65,7 +67,8 @@ def _output(check: Context, io: Io) -> None:
     source = source_of(io.signal, [axis.name for axis in check.cell.axis], None)[0]
     found = lookup(io.signal)
     readable = found is not None and found.name.from_ and found.name.kind is Kind.BIT and not io.signal.startswith("move.")
-    if source is Source.SERVICES and not readable and io.signal not in named_values(check.cell):
+    readable = readable or io.signal in named_values(check.cell) or (io.signal.startswith(REIS) and io.signal in names_of(check.cell))
+    if source is Source.SERVICES and not readable:
         known = [WATCHDOG, "cell.ready", "cell.drives_on", "cell.emergency_stop", "cell.error"]
         known += [
             f"axis.{axis.name}.{what}" for axis in check.cell.axis for what in ("brake", "enabled", "referenced", "in_position", "fault")

@@ -1,7 +1,6 @@
 """Binary inputs and outputs, 40 bytes each.  Source: robotstar 4.1 (L438-504, L1597-1618, L2272-2276); place in the image: AX-515."""
 
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection
 from enum import Enum
 
 from gateway.pure.controllers.pic_image import PicImage
@@ -103,47 +102,3 @@ class SharedOutputs:
         for (byte, bit), level in {**self._robot, **self._plc}.items():
             self._io.write_bit(Area.OUTPUT, level, byte, bit)
         self._robot, self._plc = {}, {}
-
-
-@dataclass(frozen=True, slots=True)
-class Module:
-    """A CAN module of one direction: `points` in whole bytes from `first_byte` on."""
-
-    node: int
-    area: Area
-    first_byte: int
-    points: int
-
-
-class Modules:
-    """Which module carries which bytes (L504, L529, L2276)."""
-
-    def __init__(self, modules: Sequence[Module]) -> None:
-        """IoFault: no whole bytes, outside 0..39, or two modules of one direction in one byte."""
-        taken: dict[tuple[Area, int], int] = {}
-        for module in modules:
-            if module.points < 8 or module.points % 8:
-                raise IoFault(f"node {module.node}: {module.points} points, 8 or a multiple of 8")
-            for byte in range(module.first_byte, module.first_byte + module.points // 8):
-                check_place(byte, 0)
-                if (module.area, byte) in taken:
-                    raise IoFault(f"byte {byte} belongs to node {taken[module.area, byte]} and node {module.node}")
-                taken[module.area, byte] = module.node
-        self._modules = tuple(modules)
-
-    def outputs(self, io: BinaryIo) -> dict[int, bytes]:
-        """Data for each output module; channel c is bit c mod 8 of byte c div 8."""
-        return {
-            module.node: bytes(io.byte(Area.OUTPUT, module.first_byte + at) for at in range(module.points // 8))
-            for module in self._modules
-            if module.area is Area.OUTPUT
-        }
-
-    def take(self, io: BinaryIo, node: int, data: bytes) -> None:
-        """An input module has reported its points; IoFault: unknown node or wrong length."""
-        found = [module for module in self._modules if module.node == node and module.area is Area.INPUT]
-        if not found or len(data) * 8 != found[0].points:
-            raise IoFault(f"node {node}: {len(data)} bytes do not fit a module here")
-        for at, value in enumerate(data):
-            for bit in range(8):
-                io.write_bit(Area.INPUT, bool(value >> bit & 1), found[0].first_byte + at, bit)

@@ -184,3 +184,10 @@ def test_a_drive_that_is_not_on_canopen_has_no_parameters_a_route_writes() -> No
     servodyn = read_text(find_config("demo", "cells"))
     found = faults(route("r", from_="AB 91", type="u8", to="A1:6072h:00", to_type="u16"), servodyn)
     assert [key for key, hint in found if "not on a CANopen bus" in hint] == ["route.r.to"]
+
+
+def test_a_contact_shows_an_output_of_a_reis_where_the_cell_has_one() -> None:
+    lamp = io("lamp", f"{CAN}, output = 3", "reis.output.3.7")
+    reis = '\n[controller]\nkind = "reis"\n'
+    assert ("io.lamp.signal" in dict(faults(lamp)), "io.lamp.signal" in dict(faults(lamp + reis))) == (True, False)
+    assert "io.lamp.signal" in dict(faults(lamp.replace("3.7", "3.8") + reis)), "a byte has eight bits"

@@ -3,6 +3,8 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
@@ -11,11 +13,14 @@ from drivers.drives.canopen_steps import Answer, Nmt, Read, Refused, Silent, Wri
 from drivers.drives.cia402_boot import BootRefused
 from drivers.drives.cia402_family import Cia402Family
 from drivers.emulator.io.coupler_401 import Couplers
-from gateway.assembly.contacts import falls
+from gateway.assembly.contacts import couplers_of, falls, outputs_of
 from gateway.files.find import find_config
+from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.buses.cia401 import REFRESH, Coupler, CouplerFamily, contacts_lost
 from gateway.pure.buses.contacts import FORCED, Output, Outputs, Said, Source, pack_said, source_of, unpack_said
-from gateway.pure.cell.cell import Io, IoDevice
+from gateway.pure.cell.cell import Cell, Io, IoDevice
+from gateway.pure.controllers.reis.binary import Area
+from gateway.pure.controllers.reis.control import ReisControl, ReisSetup
 from gateway.pure.image.records.cell import AxisFlag, AxisState, CellState, Quality
 from protocols.base.machine import Frame, ms
 from protocols.canopen import cob_id as cobid
@@ -31,10 +36,10 @@ P5 = ms(4)
 class Bench:
     """The emulated node, a family that speaks to it once per cycle, and a master with perfect hearing."""
 
-    def __init__(self) -> None:
+    def __init__(self, coupler: Coupler | None = None) -> None:
         self.now = ms(1000)
         self.emulated = Couplers({NODE: SHEET})
-        self.coupler = Coupler(NODE, {0: 0, 1: 1, 9: 2}, {0: 3, 17: 4})
+        self.coupler = coupler or Coupler(NODE, {0: 0, 1: 1, 9: 2}, {0: 3, 17: 4})
         self.family = CouplerFamily(Cia402Family([], 12, 12), [self.coupler], 50)
         self.heard: list[Frame] = []
         self.cycles(20)
@@ -249,3 +254,25 @@ def test_a_forced_output_shows_what_it_is_forced_to_and_the_watchdog_never_does(
     forced = [Said(True, Quality.GOOD, forced=True), Said(True, Quality.GOOD, forced=True)]
     assert outputs.show(CellState(), bytes(128), forced) == {0: True, 1: False}
     assert unpack_said(pack_said(forced))[:3] == [*forced, Said()] and pack_said(forced)[1] & FORCED
+
+
+@pytest.mark.requirement(
+    "RSV-IO-08", by=("gateway.assembly.contacts:couplers_of", "gateway.pure.controllers.reis.control:ReisControl.value")
+)
+def test_output_3_7_of_a_reis_switches_channel_15_of_its_module_alone() -> None:
+    """A module with 16 outputs is bytes 2 and 3 (L504): each contact has the output of the Reis as its signal."""
+    device = [IoDevice("canopen-401", "can0", NODE, output=channel) for channel in range(16)]
+    contacts = [Io(f"c{n}", device[n], f"reis.output.{2 + n // 8}.{n % 8}") for n in range(16)]
+    cell = cast(Cell, SimpleNamespace(io=contacts, axis=[], signals={}))
+    (coupler,) = couplers_of(cell, "can0")
+    bench, outputs = Bench(coupler), Outputs(outputs_of(cell, "canopen-401", 4), 0)
+    bench.boot(io_boot.CouplerPlan(NODE, (), falls=(), channels=16))
+    control = ReisControl(ReisSetup(), CommandDispatcher((), lambda *_: b"", 1))
+    switched = []
+    for byte, bit in ((3, 7), (4, 0), (2, 0)):
+        control.io.write_bit(Area.OUTPUT, True, byte, bit)
+        said = [Said(bool(control.value(io.signal)), Quality.GOOD) for io in contacts]
+        bench.family.show(outputs.show(CellState(ready=True, cycle=0, axes=[]), b"", said))
+        bench.cycles(2)
+        switched.append(bench.outputs())
+    assert switched == [1 << 15, 1 << 15, 1 << 15 | 1]

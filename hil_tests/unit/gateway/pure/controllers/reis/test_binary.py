@@ -5,7 +5,7 @@ import contextlib
 import pytest
 
 from gateway.pure.controllers.pic_image import PicImage
-from gateway.pure.controllers.reis.binary import Area, BinaryIo, IoFault, Module, Modules, SharedOutputs
+from gateway.pure.controllers.reis.binary import Area, BinaryIo, IoFault, SharedOutputs
 
 IN, OUT = Area.INPUT, Area.OUTPUT
 
@@ -85,33 +85,6 @@ def test_the_plcs_value_remains_where_both_write() -> None:
         shared.by_plc(True, 8, 0)
 
 
-@pytest.mark.requirement("RSV-IO-08", by="gateway.pure.controllers.reis.binary:Modules.outputs")
-def test_output_3_7_switches_channel_15_of_the_module_in_bytes_2_and_3() -> None:
-    io = BinaryIo(PicImage())
-    modules = Modules([Module(11, OUT, 2, 16), Module(12, OUT, 0, 16), Module(13, OUT, 4, 8), Module(14, IN, 2, 16)])
-    io.write_bit(OUT, True, 3, 7)
-    told = modules.outputs(io)
-    assert {node: int.from_bytes(data, "little") for node, data in told.items()} == {11: 1 << 15, 12: 0, 13: 0}
-
-
-@pytest.mark.requirement("RSV-IO-08", by="gateway.pure.controllers.reis.binary:Modules.take")
-def test_input_modules_by_node_number() -> None:
-    io = BinaryIo(PicImage())
-    modules = Modules([Module(14, IN, 2, 16), Module(15, IN, 38, 16)])
-    modules.take(io, 15, b"\x01\x80")
-    assert io.element(IN, 10) == 0x80010000
-    for node, data in ((14, b"\1"), (16, b"\1\1")):
-        with pytest.raises(IoFault, match=f"node {node}"):
-            modules.take(io, node, data)
-
-
-def test_modules_that_do_not_fit() -> None:
-    for rows, words in (
-        ([Module(1, IN, 0, 12)], "multiple of 8"),
-        ([Module(1, IN, 39, 16)], r"0\.\.39"),
-        ([Module(1, IN, 0, 16), Module(2, IN, 1, 8)], "node 1 and node 2"),
-    ):
-        with pytest.raises(IoFault, match=words):
-            Modules(rows)
+def test_a_place_outside_the_image() -> None:
     with pytest.raises(IoFault, match="first byte"):
         BinaryIo(PicImage(), 89)
