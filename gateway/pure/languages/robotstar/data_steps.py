@@ -189,7 +189,7 @@ def vector_value(machine: Machine, step: Step, following: int) -> Op:
 
     def act() -> None:
         vector = valid(structure(machine, step.slots["source"], "V"))
-        put(math.sqrt(sum(vector.number(name) ** 2 for name in "XYZ")))
+        put(math.hypot(*(vector.number(name) for name in "XYZ")))
 
     return _then(act, following)
 

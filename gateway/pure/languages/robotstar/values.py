@@ -13,6 +13,7 @@ from gateway.pure.languages.robotstar.operands import HIGHEST, LOWEST
 from motion.geometry.conventions import angles_zyx, rotation_zyx
 
 Scalar: TypeAlias = int | float | str
+NO_REAL = "value is outside the range of a real variable"
 AXES = tuple(f"A{n}" for n in range(1, 25))
 ELEMENTS: Mapping[str, tuple[str, ...]] = {
     "V": ("FRAME", "X", "Y", "Z", "A", "B", "C", *AXES),
@@ -208,9 +209,12 @@ def converted(value: Scalar, kind: str, length: int) -> Scalar:
         raise StepFault(WRONG_TYPES)
     if kind == "R":
         try:
-            return float(value)
+            real = float(value)
         except OverflowError as error:
-            raise StepFault("value is outside the range of a real variable") from error
+            raise StepFault(NO_REAL) from error
+        if not math.isfinite(real):
+            raise StepFault(NO_REAL)
+        return real
     if isinstance(value, float):
         if not math.isfinite(value):
             raise StepFault("value is outside the range of an integer variable")

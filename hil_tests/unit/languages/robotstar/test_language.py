@@ -264,3 +264,16 @@ def test_a_pattern_that_nobody_calls_is_checked() -> None:
     assert [(fault.position.line, fault.text) for fault in faults] == [
         (1, "step 1: pallet program P: syntax error: one TOOL and four positions are needed")
     ]
+
+
+@pytest.mark.parametrize("text", ["COPY 1.0e308,R1\nADD 1.0e308,R1", "COPY 1.0e200,R1\nMUL R1,R1", "COPY -1.0e300,R1\nDIV 1.0e-10,R1"])
+def test_a_result_that_no_real_takes_stops(text: str) -> None:
+    """`end` is JSON, which has no infinity."""
+    ran = steps(text, "VAR R1")
+    assert ran.texts() == ["value is outside the range of a real variable"]
+    assert abs(float(str(ran.value("R1")))) in (1e308, 1e200, 1e300)
+
+
+def test_the_length_of_a_huge_vector() -> None:
+    ran = steps("COPY 1.0e200,V1.X\nVEC_VALUE V1,R1", "VAR R1\nVAR V1")
+    assert (ran.texts(), ran.value("R1")) == ([], 1e200)
