@@ -55,6 +55,9 @@ def main(argv: list[str]) -> int:
         return _fault(arguments.tool, in_language(error.text, _language(arguments)), FINDING)
     except PortError as error:
         return _fault(arguments.tool, _of_port(error), ENVIRONMENT)
+    except BrokenPipeError:  # `| head`: who reads has seen enough; nothing is left to be flushed at the end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        return ENVIRONMENT
     except OSError as error:
         return _fault(arguments.tool, _of_file(error), ENVIRONMENT)
     except ImportError as error:

@@ -20,6 +20,8 @@ __all__ = ["READ_SIZE", "PtyPort", "marks_asked", "offer_marks", "set_raw"]
 # Control characters that a raw terminal never looks at, and what the line process writes there; no program sets them so by chance.
 SIGNATURE = {termios.VEOL: b"A", termios.VEOL2: b"X", termios.VREPRINT: b"M", termios.VWERASE: b"K"}
 
+ABSENT = "is its line process running, and the adapter inserted?"
+HINTS = {errno.EACCES: "it belongs to another user (ls -l)", errno.EISDIR: "name the pty itself"}
 MARKS_AT = 0x41584D4B  # byte of the pty that a port locks while it asks for marks; the kernel takes the lock off with its last user
 
 
@@ -71,7 +73,7 @@ class PtyPort(DescriptorPort):
         try:
             self._fd = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK | os.O_CLOEXEC)
         except OSError as error:
-            raise PortError(error.errno, f"pty {path}: {error.strerror}; is its line process running, and the adapter inserted?") from error
+            raise PortError(error.errno, f"pty {path}: {error.strerror}; {HINTS.get(error.errno or 0, ABSENT)}") from error
         try:
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
             if not _has_marks(self._fd):

@@ -94,12 +94,15 @@ class Recorder:
 
     def __init__(self, out: TextIO, name: str, line_format: LineFormat, now: Ns) -> None:
         self._out = out
-        out.write(Note(now, f"ready name={name} baud={line_format.baud} bits={line_format.char_bits} scheduling=tap").line())
+        self._put(Note(now, f"ready name={name} baud={line_format.baud} bits={line_format.char_bits} scheduling=tap").line())
 
     def __call__(self, stamp: Ns, side: str, what: int | Damage) -> None:
         run = Run(stamp, side, b"\0", what.name.lower()) if isinstance(what, Damage) else Run(stamp, side, bytes((what,)))
+        self._put(run.line())
+
+    def _put(self, text: str) -> None:
         try:
-            self._out.write(run.line())
+            self._out.write(text)
         except OSError as error:  # a full disk has no name of its own
             raise OSError(error.errno, f"nothing more can be kept: {error.strerror}", self._out.name) from error
 

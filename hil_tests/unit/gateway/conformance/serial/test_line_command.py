@@ -13,6 +13,7 @@ import pytest
 
 from drivers.ports.base import PortError
 from drivers.ports.serial.line_format import parse_format
+from drivers.ports.serial.pty import PtyPort
 from gateway.commands import line
 from gateway.conformance.serial.run import Settings, probe
 from gateway.links.serial.line_monitor import Recorder, replay
@@ -109,18 +110,31 @@ def test_what_was_heard_before_an_adapter_was_pulled_is_learned(monkeypatch: pyt
 
 class FullDisk(io.StringIO):
     name = "line.rec"
+    room = 1  # lines
 
     def write(self, text: str) -> int:
-        if self.tell():
+        if not self.room:
             raise OSError(errno.ENOSPC, "No space left on device")
+        self.room -= 1
         return super().write(text)
 
 
-def test_a_full_disk_is_named_with_its_file() -> None:
-    keep = Recorder(FullDisk(), "tap", parse_format("9600 8E1"), 0)
+@pytest.mark.parametrize("room", [0, 1])
+def test_a_full_disk_is_named_with_its_file(room: int) -> None:
+    disk = FullDisk()
+    disk.room = room
     with pytest.raises(OSError, match="nothing more can be kept: No space left") as told:
-        keep(1, "A", 2)
+        Recorder(disk, "tap", parse_format("9600 8E1"), 0)(1, "A", 2)
     assert told.value.filename == "line.rec"
+
+
+def test_a_pty_of_another_user_is_not_called_absent(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(path: str, flags: int) -> int:
+        raise PermissionError(errno.EACCES, "Permission denied", path)
+
+    monkeypatch.setattr("drivers.ports.serial.pty.os.open", refuse)
+    with pytest.raises(PortError, match=r"Permission denied; it belongs to another user \(ls -l\)"):
+        PtyPort("/dev/pts/0", parse_format("9600 8E1"))
 
 
 def test_a_probe_whose_report_cannot_be_kept_still_says_what_it_found(tmp_path: pathlib.Path) -> None:
