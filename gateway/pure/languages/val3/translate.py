@@ -173,7 +173,7 @@ class ProgramTranslator:
     def _statement(self, line: str) -> None:
         parser = Expressions(line, strict=self.strict)
         first = parser.next
-        word = first.text.lower() if first.kind == "name" else ""
+        word = first.text.lower() if first.kind == "name" and parser.tokens[1].text not in ("=", "[", ".") else ""  # do[1] is a variable
         translator = Translator(self.scope, line)
         handler: Callable[[Expressions, Translator], None] | None = getattr(self, f"_do_{word}", None) if word in STATEMENTS else None
         self.missing = self._add_ons(parser)

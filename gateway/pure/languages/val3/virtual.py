@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.machine import Machine
+from gateway.pure.languages.val3.tasks import SYSTEM_CYCLE
 from gateway.pure.languages.val3.values import (
     AioV,
     Container,
@@ -49,7 +50,8 @@ class Run:
         if machine.ended or machine.clock >= self.until:
             return False
         moment = min([self.until, machine.clock + most, *(event.at for event in waiting[:1])])
-        machine.run(moment)
+        while machine.clock < moment and not machine.ended and not machine.halted and (waiting or not machine.stuck):
+            machine.run(min(moment, machine.clock + SYSTEM_CYCLE))
         if machine.halted:
             return True
         self._happen(machine.clock)

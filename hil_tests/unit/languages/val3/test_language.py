@@ -307,3 +307,12 @@ def test_an_open_block_is_named_with_its_line() -> None:
 
 def test_an_add_on_loads_and_stops_with_250() -> None:
     assert error_of("n=1\n$trackOn(n)\nn=2", NUMS) == 250
+
+
+def test_variables_that_are_named_as_statements_are() -> None:
+    """An output `do[1]`, a counter `step`: an assignment, a field or an index makes it a variable."""
+    found = globals_of(
+        "do[1]=true\nstep = 3\nfor to=1 to step\nendFor\nend.x=to",
+        datum("do", "bool", "2") + datum("step", "num") + datum("to", "num") + datum("end", "trsf"),
+    )
+    assert (found["do"], found["step"], found["to"]) == ([False, True], 3, 4)

@@ -263,3 +263,11 @@ def test_instructions_that_wait_give_the_turn_away() -> None:
     found = run(App(data=data, programs=programs))["globals"]
     assert isinstance(found, dict)
     assert found["k"] == 0 and found["a"][0] in (0, 1) and found["i"] == 1 and found["j"] > 1000
+
+
+def test_a_run_ends_when_all_tasks_are_stopped_and_nothing_is_to_come() -> None:
+    parts, code = datum("n", "num"), "delay(0.5)\nn=1/n"
+    found = run(App(data=parts, programs={"start": code}))
+    assert found["tasks"] == {"demo~": {"status": 10, "program": "start", "line": 3}} and found["end_s"] == pytest.approx(0.5, abs=0.005)
+    late = run(App(data=parts, programs={"start": code}), at=[(3.0, "n=2")])
+    assert late["globals"] == {"n": 2} and late["end_s"] == 3.0
