@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-from gateway.files.find import read_signals
+from gateway.files.signal_lists import signal_list
 from gateway.pure.cell.cell import Cell, Db, Entry
 from gateway.pure.image.addresses import AddressFault, DataBit, DataWord, Direction, Kind, Operand, RcBit, parse, parse_operand
 from gateway.pure.image.names import lookup
-from gateway.pure.image.signals import SignalList, from_tables
+from gateway.pure.image.signals import SignalList
 
 
 def parsed(block: Db, entry: Entry) -> object:
@@ -30,7 +30,7 @@ def place_of(block: Db, entry: Entry) -> DataWord | DataBit | None:
 
 def signals_of(cell: Cell) -> SignalList:
     """The list with the places of this cell."""
-    return from_tables(read_signals()).moved(cell.signals)
+    return signal_list().moved(cell.signals)
 
 
 def rc_place(text: str, signals: SignalList) -> RcBit | None:

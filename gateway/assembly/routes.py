@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from gateway.files.find import read_signals
+from gateway.files.signal_lists import signal_list
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.modbus import ModbusTable, ModbusValue
 from gateway.pure.cell.routes import Route
 from gateway.pure.image.addresses import RcBit
-from gateway.pure.image.signals import SignalList, from_tables
+from gateway.pure.image.signals import SignalList
 from gateway.pure.routes.addresses import NO_DEVICES, REGISTER_TYPES, Place, World, place_of
 from gateway.pure.routes.forms import BIT, span_of
 from gateway.pure.routes.judge import Joined
@@ -37,7 +37,7 @@ class Compiled:
 
 def symbols_of(cell: Cell, signals: SignalList | None = None) -> Mapping[str, RcBit]:
     """Signal names in capitals, axisgate's own at the places the cell moved them to."""
-    known = (signals or from_tables(read_signals())).symbols()
+    known = (signals or signal_list()).symbols()
     moved = {name.upper(): RcBit(known[name.upper()].direction, bit) for name, bit in cell.signals.items() if name.upper() in known}
     return {**known, **moved}
 

@@ -15,7 +15,8 @@ from gateway.cell_file.glossary import ALIASES, ALSO_CALLED, MEANINGS, PARAMETER
 from gateway.cell_file.keys import line_of, steps_of, written
 from gateway.cell_file.rho3_parameters import LEGAL
 from gateway.files.decisions import read_decision
-from gateway.files.find import find_config, read_signals, read_text
+from gateway.files.find import find_config, read_text
+from gateway.files.signal_lists import signal_list
 from gateway.files.texts import read_texts
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.cell import Line as CellLine
@@ -33,7 +34,6 @@ from gateway.pure.image.addresses import (
     pic,
     rc,
 )
-from gateway.pure.image.signals import from_tables
 from gateway.pure.lines.line_profiles import link_profile
 from gateway.pure.reports.toml_lines import lines_of
 from gateway.registry import LINE_LAYERS
@@ -197,7 +197,7 @@ def _of_line(name: str, cell_line: CellLine) -> Line:
 
 def address(text: str, language: str, cell: Cell | None = None) -> list[Line]:
     """An address in all worlds, signals where the cell has them; [] when it is none."""
-    signals = from_tables(read_signals())
+    signals = signal_list()
     signals = signals.moved(cell.signals) if cell is not None else signals
     try:
         place = parse_operand(text, signals.symbols())

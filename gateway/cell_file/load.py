@@ -18,10 +18,10 @@ from gateway.cell_file.rho3_parameters import merge
 from gateway.cell_file.syntax_hints import syntax_fault
 from gateway.cell_file.validation import validated
 from gateway.checks import cross_faults, notices
-from gateway.files.find import find_config, read_signals, read_text
+from gateway.files.find import find_config, read_text
+from gateway.files.signal_lists import signal_list
 from gateway.pure.cell.cell import Cell, CellTables, Source
 from gateway.pure.cell.faults import CellFaults, Fault
-from gateway.pure.image.signals import from_tables
 from gateway.pure.reports.toml_lines import Path, lines_of, nearest
 from gateway.registry import LINE_LAYERS
 
@@ -78,7 +78,7 @@ class _Loader:
         if tables is not None:
             cell = self._cell(tables, sources)
             known = self._known_names(merged.raw)
-            crossed += cross_faults(cell, known, from_tables(read_signals()), self._line)
+            crossed += cross_faults(cell, known, signal_list(), self._line)
             if not faults and not crossed:
                 return dataclasses.replace(cell, notices=tuple(notices(cell)))
         raise CellFaults([*faults, *sorted(crossed, key=lambda fault: fault.line or 0)])

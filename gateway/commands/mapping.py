@@ -6,10 +6,9 @@ import sys
 import zipfile
 from collections.abc import Iterable
 
-from gateway.files.find import read_signals
+from gateway.files.signal_lists import signal_list
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.addresses import pic
-from gateway.pure.image.signals import from_tables
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.mapping_tables import (
@@ -113,9 +112,7 @@ def rows_of(cell: Cell) -> list[Row]:
         )
         for route in cell.route
     ]  # fmt: skip
-    return rows + [
-        Row("symbol", name=signal.name, at=_german(pic(signal.at)), comment=signal.de) for signal in from_tables(read_signals()).all
-    ]
+    return rows + [Row("symbol", name=signal.name, at=_german(pic(signal.at)), comment=signal.de) for signal in signal_list().all]
 
 
 def _german(operand: str) -> str:

@@ -2,9 +2,8 @@
 
 import pathlib
 
-from gateway.files.find import read_signals
 from gateway.files.program_memory import folder_memory
-from gateway.pure.image.signals import from_tables
+from gateway.files.signal_lists import signal_list
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.pic.reader import read_program
 from gateway.pure.languages.pic.symbols import named_in, symbols_of
@@ -12,7 +11,7 @@ from gateway.pure.languages.pic.symbols import named_in, symbols_of
 
 def check_pic(path: pathlib.Path, text: str) -> Faults:
     """Faults of a QLS file and of the SYM file of its name.  OSError: its folder cannot be read."""
-    named, faults = named_in(from_tables(read_signals())), Faults()
+    named, faults = named_in(signal_list()), Faults()
     beside = f"{path.stem}.SYM"
     symbols = symbols_of(folder_memory(path.resolve().parent).text(beside) or "", str(path.with_name(beside)), named, faults)
     read_program(text, str(path), symbols, faults)

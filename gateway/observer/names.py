@@ -5,14 +5,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from gateway.assembly.telegrams import named_values
-from gateway.files.find import read_signals
+from gateway.files.signal_lists import signal_list
 from gateway.pure.arbitration.block_keys import block_key
 from gateway.pure.arbitration.data_blocks import RC_NAMES
 from gateway.pure.cell.cell import Cell, Db
 from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, PERMITS
 from gateway.pure.image.addresses import AddressFault, DataBit, DataWord, Direction, Kind, Operand, RcBit, parse, parse_operand, pic
 from gateway.pure.image.records.cell import RC_BYTES
-from gateway.pure.image.signals import SignalList, from_tables
+from gateway.pure.image.signals import SignalList
 
 AXIS_FIELDS = ("actual", "set", "lag", "speed", "torque", "enabled", "referenced", "in_position", "fault")
 CELL_FIELDS = ("ready", "drives_on", "emergency_stop", "error", "life", "override", "motion")
@@ -53,7 +53,7 @@ class Names:
 
     def __init__(self, cell: Cell) -> None:
         self.cell = cell
-        signals = from_tables(read_signals())
+        signals = signal_list()
         self.signals: SignalList = signals.moved(cell.signals) if cell.signals else signals
         self._used = _uses(cell)
         self.all = [*self._cell_values(), *self._axes(), *self._blocks(), *self._named(), *self._contacts(), *self._rc()]

@@ -63,6 +63,8 @@ class SignalList:
 
     def moved(self, places: Mapping[str, int]) -> "SignalList":
         """The list with rows at other bits; own signals anywhere free, the manual's only at a number it prints (AX-509).  SignalFault."""
+        if not places:
+            return self
         for name, bit in places.items():
             signal = self.named(name)
             if signal is None:

@@ -1,8 +1,12 @@
 """The signal list: generated rows, names in two languages, moved numbers, and the modules that use its numbers."""
 
+import os
+import pathlib
+
 import pytest
 
 from gateway.files.find import read_signals
+from gateway.files.signal_lists import signal_list
 from gateway.pure.controllers.pic_image import PicImage
 from gateway.pure.controllers.rho3.signals import errors, modes, user
 from gateway.pure.controllers.rho3.signals.numbers import AS_SHIPPED, numbers_of
@@ -134,3 +138,24 @@ def test_everything_else_is_read_as_ever_and_limits_hold() -> None:
             parse_operand(text)
     with pytest.raises(AddressFault, match="expected"):
         parse_operand("X5")
+
+
+ROW = '[[signal]]\nname = "{name}"\ndirection = "input"\nbit = 7\nsource = "axisgate"\nen = "a signal"\nde = "ein Signal"\n'
+
+
+def test_the_shipped_list_is_parsed_once_and_unmoved_it_stays_itself() -> None:
+    assert signal_list() is signal_list()
+    assert signal_list().moved({}) is signal_list()
+    assert signal_list().all == ALL.all
+
+
+def test_a_list_whose_file_has_changed_is_read_again(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "signals" / "own.toml"
+    file.parent.mkdir()
+    monkeypatch.setenv("AXISGATE_CONFIGS", str(tmp_path))
+    file.write_text(ROW.format(name="FIRST_RCI"))
+    assert [each.name for each in signal_list("own").all] == ["FIRST_RCI"]
+    file.write_text(ROW.format(name="OTHER_RCI"))  # as long as the first one
+    os.utime(file, ns=(1, 1))
+    assert [each.name for each in signal_list("own").all] == ["OTHER_RCI"]
+    assert signal_list().all == ALL.all
