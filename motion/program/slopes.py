@@ -97,9 +97,15 @@ class Ramped:
         shape = self._profile.slower(factor)
         return Ramped(self.path, shape.duration, shape)
 
+    def states(self, t: Array) -> Array:
+        """(n, 3) s, sdot, sddot at these times, as s()."""
+        if isinstance(self._profile, TwoRamps):  # a place alone costs as much as all of them
+            return self._profile.states(t)
+        return np.array([self.s(float(x)) for x in t])
+
     def motion(self, t: Array) -> tuple[Array, Array, Array]:
         """(n, axes) position against its start, speed and acceleration."""
-        state = np.array([self.s(float(x)) for x in t])
+        state = self.states(t)
         s, v, a = state[:, 0], state[:, 1:2], state[:, 2:3]
         n = self.path.axes
         q, q1, q2 = (self.path.at(s, order)[:, :n] for order in range(3))
@@ -231,7 +237,7 @@ def frozen(before: Ramped, after: Ramped, found: Overlap) -> tuple[JointPath, Cl
     if float(np.min(size)) < SLOWEST * float(np.max(size)):
         return None
     # the parameter of both blocks added: at either end it is that of the one which runs there, so slope and bend join
-    own = np.array([[before.s(float(x)), after.s(float(x) - found.start)] for x in t]).sum(axis=1)
+    own = before.states(t) + after.states(t - found.start)
     rate, pull = own[:, 1], own[:, 2]
     if before.sine and after.sine and _little(before, after, found, float(rate[0]), float(rate[-1])):
         return None
@@ -265,7 +271,7 @@ def _ways(before: Ramped, after: Ramped, found: Overlap, t: Array) -> tuple[Arra
     """Way and turning of both blocks added: an upper bound of what the TCP really does."""
     total, rate = np.zeros((len(t), 2)), np.zeros((len(t), 2))
     for block, moments in ((before, t), (after, t - found.start)):
-        state = np.array([block.s(float(x)) for x in moments])
+        state = block.states(moments)
         table = block.path.at(state[:, 0])[:, -2:]
         total += table - table[0]
         rate += block.path.at(state[:, 0], 1)[:, -2:] * state[:, 1:2]

@@ -156,3 +156,16 @@ def test_a_law_of_two_ramps_is_not_worked_out_place_by_place(monkeypatch: pytest
     rates = np.gradient(law.speed, law.step)
     assert rates.max() == pytest.approx(law.accel.max(), rel=1e-3) and rates.min() == pytest.approx(law.accel.min(), rel=1e-3)
     assert law.accel.max() == pytest.approx(-2.0 * law.accel.min(), rel=1e-9)
+
+
+def test_an_overlap_of_two_ramps_is_worked_out_at_all_its_places_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    at, places = TwoRamps.at, []
+
+    def counted(ramps: TwoRamps, t: float) -> tuple[float, float, float]:
+        places.append(t)
+        return at(ramps, t)
+
+    monkeypatch.setattr(TwoRamps, "at", counted)
+    given = read(f"{HEAD}set slope=block accel=30 decel=60\n{CORNERS}")
+    assert len(route_of(given, robot("portal")).stretches) == 5
+    assert len(places) < 400
