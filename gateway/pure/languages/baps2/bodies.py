@@ -49,6 +49,7 @@ class Bodies:
         self.out = Lines()
         self.function = Function({}, False)
         self._temporary = self._loops = 0
+        self.before_move = False
         self._at: Position | None = None  # of the statement under translation
 
     def new(self, letter: str) -> str:
@@ -101,7 +102,9 @@ class Bodies:
 
     def several(self, statements: Iterable[Statement]) -> None:
         """Statements one after the other."""
-        for statement in statements:
+        rows = tuple(statements)
+        for place, statement in enumerate(rows, 1):
+            self.before_move = place < len(rows) and isinstance(rows[place], Move)
             self.one(statement)
 
     def _nested(self, *statements: Statement) -> None:

@@ -307,6 +307,9 @@ class Control(ABC):
                 return self.move(task, request)
             case demands.ReadPosition(kinematic=kinematic, name=name):
                 return self.position(task, kinematic, name) if self._may_read(task) else PENDING
+            case demands.Late():
+                task.not_before = self.now + 2 * self.feed.p5
+                return None
             case demands.Special(number=number, values=values):
                 return self.specials.call(task, number, values)
             case demands.Dwell() | demands.WaitFor() | demands.SyncBelt() | demands.Synchronise() | demands.Reference():

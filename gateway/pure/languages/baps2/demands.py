@@ -72,6 +72,11 @@ class WaitFor(Request):
 
 
 @dataclass(frozen=True, slots=True)
+class Late(Request):
+    """The next block begins two P5 from now at the earliest: a wait for a high-speed input was not directly before it (L4752-4764)."""
+
+
+@dataclass(frozen=True, slots=True)
 class ReadDevice(Request):
     """One item: its type, components of a point, elements of an array (0: none).  The value, a list of an array."""
 

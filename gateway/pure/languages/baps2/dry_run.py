@@ -100,6 +100,7 @@ class DryRun(Control):
             if device.due is not None:
                 yield device.due
         for task in self.tasks.values():
+            yield task.not_before
             for item in task.queue:
                 if isinstance(item, FastWait) and item.due is not None:
                     yield item.due
@@ -120,7 +121,7 @@ class DryRun(Control):
         """Begins or goes on with a block; True: it is over."""
         lane = self.lane(block.kinematic)
         if block.began is None:
-            if lane.owner not in (None, task):
+            if lane.owner not in (None, task) or self.now < task.not_before:
                 return False
             lane.owner, lane.moving = task, block
             block.began, block.start = self.now, lane.position

@@ -64,6 +64,7 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
     """All tokens, an END token last.  What is no token is a fault and is passed over."""
     text, at, line, start = source.text, 0, 1, 0
     name, above, size, match_at = source.name, source.included_from, len(source.text), _PATTERN.match
+    new = tuple.__new__  # a call less for each of the many tokens
     while at < size:
         match = match_at(text, at)
         if match is None:
@@ -77,11 +78,11 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
         if kind == "line":
             line, start = line + 1, end
         elif kind not in SKIPPED:
-            position = Position(name, line, at - start + 1, above)
+            position = new(Position, (name, line, at - start + 1, above))
             if kind == "name":
-                yield Token(Kind.NAME, found, position, words.token(found) or "")
+                yield new(Token, (Kind.NAME, found, position, words.token(found) or ""))
             elif kind == "sign":
-                yield Token(Kind.SIGN, _SAME.get(found, found), position)
+                yield new(Token, (Kind.SIGN, _SAME.get(found, found), position, ""))
             elif kind == "number":
                 if end < size and (text[end].isalpha() or text[end] == "_"):
                     faults.error("number-runs-into-word", position, f"'{found}' runs into the word behind it", "put a blank between them")

@@ -70,6 +70,7 @@ class Writer(Protocol):
     way: str
     out: Lines
     function: Function
+    before_move: bool  # a movement follows the statement directly
 
     def new(self, letter: str) -> str:
         """A Python name that nothing else has."""

@@ -110,6 +110,7 @@ class Task:
     began: int | None = None  # the moment from which a wait counts
     block: Block | None = None  # of the move it waits for
     said: Statement | None = None  # that it waits for
+    not_before: int = 0  # the moment at which its next block begins at the earliest
     last: str | None = None  # kinematic of its last traverse block
     children: list["Task"] = field(default_factory=list)
     semaphores: list[tuple[str, str]] = field(default_factory=list)

@@ -96,6 +96,12 @@ def wait(bodies: Writer, statement: WaitUntil) -> str:
     symbol = bodies.names.find(_input_of(statement.condition))
     fast = symbol is not None and _is_fast(symbol) and statement.otherwise is None
     name = bodies.new("m")
+    if fast and not bodies.before_move:  # what follows comes in its order, from TO04 on (L4752-4764)
+        bodies.out.add(f"{name} = yield WaitFor(lambda: {condition})")
+        if statement.max_time is not None:
+            bodies.out.add(f"yield Dwell({limit})")
+        bodies.out.add("yield Late()")
+        return name
     asked = f", {symbol.channel}, {_level(bodies, statement.condition)}" if fast and symbol is not None else ""
     bodies.out.add(f"{name} = yield WaitFor(lambda: {condition}, {limit}, {fast}{asked})")
     return name

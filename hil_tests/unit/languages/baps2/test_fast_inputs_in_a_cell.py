@@ -75,3 +75,14 @@ def test_without_the_dummy_movement_the_wait_holds_the_next_block_of_the_old_kin
     began = {str(targets[each["n"]]): each["t"] for each in events if each["event"] == "moving"}
     before = [place for place in ("[20.0]", "[30.0]") if float(str(began[place])) < 9]
     assert before == (["[20.0]"] if held == "TWO" else []), began
+
+
+@pytest.mark.requirement("RHO-MOT-18", by="gateway.pure.languages.baps2.travel:wait")
+def test_what_follows_a_fast_wait_comes_in_its_order_and_the_movement_two_p5_later() -> None:
+    head = ";;KINEMATICS : (1 = ONE)\n;;ONE.WC_NAMES = X\nPROGRAM P\nINPUT : 631 = HS\nOUTPUT : 1 = OFF1, 2 = OFF2\nBEGIN\nMOVE TO (1)\n"
+    text = head + "WAIT UNTIL HS = 1{0}\nOFF1 = 1\nOFF2 = 0\nWRITE PHG, 'HS_31 is set'\nMOVE TO (2)\nPROGRAM_END"
+    for limit, after in (("", 0.0), (" MAX_TIME = 0.15", 0.15)):
+        events = run(text.format(limit), "[[input]]\nchannel = 631\nat = 3")
+        told = [(each["t"], each["event"]) for each in events if each["event"] in ("out", "write", "moving")]
+        moved = round(3.02 + after, 2)
+        assert told == [(0.0, "moving"), (3 + after, "out"), (3 + after, "out"), (3 + after, "write"), (moved, "moving")]
