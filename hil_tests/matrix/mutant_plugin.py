@@ -116,7 +116,9 @@ class Mutants:
         name, pure = function_id(item.nodeid), is_pure(item)
         if pure and not lines and (name, by) in self._found:
             return  # this parameter does not come to the function
-        chosen = self._small.setdefault((name, by), small_mutants(by, MOST if pure else MOST_OF_A_RUN, lines))
+        known, most = self._small.get((name, by), ()), MOST if pure else MOST_OF_A_RUN
+        others = (one for one in small_mutants(by, most, lines) if one.name not in {each.name for each in known})
+        chosen = self._small[name, by] = (*known, *others)[:most]  # other parameters run other lines
         limit = max(LEAST_PURE_S if pure else LEAST_S, 10 * seconds)
         for variant in (*VARIANTS, *(one.name for one in chosen)):
             if self._found.get((name, by), {}).get(variant) == "killed" or (variant not in VARIANTS and not self._open(name, by)):

@@ -225,6 +225,8 @@ def test_transformations() -> None:
     )
     assert (found[3]["x"], found[3]["y"], found[3]["z"]) == pytest.approx((10, 20, 30))
     assert error_of("tr[0]=interpolateL(tr[0],tr[1],2)", GEO) == 70
+    product = globals_of("tr[0]={10,0,0,0,0,90}\ntr[1]={5,0,0,30,0,0}\ntr[2]=tr[0]*tr[1]", GEO)["tr"]
+    assert isinstance(product, list) and product[2] == pytest.approx({"x": 10, "y": 5, "z": 0, "rx": 0, "ry": 30, "rz": 90}, abs=1e-9)
 
 
 @pytest.mark.requirement("VAL-FRM-01", "VAL-FRM-02", by=(G + "f_set_frame", G + "f_link"))
@@ -276,8 +278,9 @@ def test_joints_compare_by_every_field() -> None:
         "q[2]={1,5,9,9,9,9}\nq[3]={0,6,0,0,0,0}\nif q[2]>q[3] or q[2]<q[3]\nj=1\nendIf"
     )
     code += "\nb=isInRange(q[0])\nq[0].j1=999\nif isInRange(q[0])\nj=2\nendIf"
+    code += "\nq[2]={1,1,1,1,1,1}\nif q[2]<q[1]\nj=j+4\nendIf\nif q[1]<q[1]\nj=j+8\nendIf"
     found = globals_of(code, GEO, arm=True)
-    assert (found["i"], found["j"], found["b"]) == (1, 0, True)
+    assert (found["i"], found["j"], found["b"]) == (1, 4, True)
 
 
 @pytest.mark.requirement("VAL-UI-06", "VAL-UI-08", by="gateway.pure.languages.val3.builtin_pages:f_log_msg")
