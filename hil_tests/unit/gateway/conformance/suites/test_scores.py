@@ -1,12 +1,18 @@
 """Every faulty device is found by a case that is expected to find it, every correct one passes; in virtual time."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import cast
+
 import pytest
 
+from gateway.conformance.peers.modbus_devices import Device
 from gateway.conformance.peers.score import fails, peers, play
 from gateway.conformance.peers.stations import Mutant, Variant
 from gateway.conformance.suites.registry import SUITES
 from gateway.conformance.suites.scores import SCORES
 from gateway.pure.conformance.verdict import Verdict
+from protocols.modbus.view import Kind
 
 MUTANTS = [pytest.param(name, mutant, id=f"{name}-{mutant.id}") for name, suite in SUITES.items() for mutant in peers(suite)[0]]
 VARIANTS = [pytest.param(name, variant, id=f"{name}-{variant.id}") for name, suite in SUITES.items() for variant in peers(suite)[1]]
@@ -88,3 +94,21 @@ def test_no_order_changes_a_verdict_of_a_drive_that_keeps_the_error_of_a_lost_ma
     variant, only = peers(suite)[1][0], ("CIA402_FLT_BI_03", "CIA402_FLT_BV_09")
     results = {seed: {each.purpose.id: each.verdict for each in play(suite, variant, only, seed=seed)} for seed in (1, 2)}
     assert {seed: found["CIA402_FLT_BV_09"] for seed, found in results.items()} == dict.fromkeys(results, Verdict.PASS)
+
+
+@pytest.mark.parametrize("kind", ["all", "any-coil-value", "longer-fc6", "writes-bad"])
+def test_what_a_modbus_suite_wrote_it_writes_back_whatever_the_server_executes(kind: str) -> None:
+    suite = SUITES["modbus-tcp"]
+    device = next(one for one in (*peers(suite)[0], *peers(suite)[1]) if one.id == kind)
+    made = []
+
+    def make() -> Device:
+        made.append(cast(Device, device.make()))
+        made[-1].tables.write_bits(0, [True, False, True])
+        made[-1].tables.write_words(0, [0x1234, 0x2345])
+        return made[-1]
+
+    play(suite, replace(device, make=make), ("MBTCP_FUN_BI_5?", "MBTCP_FUN_BI_6?", "MBTCP_FUN_BI_7?", "MBTCP_LEN_*"))
+    tables = made[-1].tables
+    assert list(cast(Sequence[bool], tables.read_bits(Kind.COILS, 0, 3))) == [True, False, True]
+    assert list(cast(Sequence[int], tables.read_words(Kind.HOLDING_REGISTERS, 0, 2))) == [0x1234, 0x2345]
