@@ -91,10 +91,12 @@ def _reason(error: OSError | UnicodeDecodeError) -> str:
 def verify(folder: pathlib.Path) -> list[str]:
     """Every changed, missing or added file; [] where nothing is."""
     try:
-        rows = (folder / SUMS).read_text(encoding="utf-8").splitlines()
+        rows = (folder / SUMS).read_bytes().decode("utf-8").split("\n")  # a line ends with LF alone: another end is a changed byte
     except (OSError, UnicodeDecodeError) as error:
         raise BadReport(f"{folder / SUMS}: cannot be read ({_reason(error)}); is this the folder of --report?") from error
     faults, listed = [], {SUMS}
+    if rows.pop():
+        faults.append(f"{SUMS}: its last line does not end")
     for number, row in enumerate(rows, 1):
         digest, space, name = row.partition("  ")
         if not space or len(digest) != 64:

@@ -205,6 +205,10 @@ def test_a_report_is_whole_and_any_changed_byte_is_found(tmp_path: pathlib.Path,
         said = json.loads(capsys.readouterr().out.splitlines()[0])
         assert said == {"folder": str(copy), "faults": verify(copy)}
         shutil.rmtree(copy)
+    sums = (folder / "SHA256SUMS").read_bytes()
+    for end in (b"\x0b", b"\r", b""):
+        (folder / "SHA256SUMS").write_bytes(sums[:-1] + end)
+        assert any("SHA256SUMS" in fault for fault in verify(folder))
     with pytest.raises(BadReport):
         verify(tmp_path)
 
