@@ -39,6 +39,11 @@ COUNTS = {  # type -> smallest and largest count of a whole number (STEP 5)
 }
 
 
+def serving_layers() -> str:
+    """Names of the line layers that serve data blocks, for a hint."""
+    return ", ".join(name for name, layer in LINE_LAYERS.items() if layer.blocks)
+
+
 def split_unit(text: str) -> tuple[float, str]:
     """ "0.1 mm" -> (0.1, "mm")."""
     factor, _, unit = text.partition(" ")
@@ -73,14 +78,15 @@ def block_heads(check: Context) -> None:
                 "",
                 'which line is it served on? write line = ".." (several lines could)'
                 if any(LINE_LAYERS[line.layer].blocks for line in lines.values())
-                else 'no [[line]] serves data blocks; layer = "rk512" or "buep64" does',
+                else f"no [[line]] serves data blocks; layers that do: {serving_layers()}",
             )
         elif (
             not check.unknown(f"db.{block.number}.line", block.line, "line")
             and block.line in lines
             and not LINE_LAYERS[lines[block.line].layer].blocks
         ):
-            check.fault(f"db.{block.number}.line", block.line, f'layer "{lines[block.line].layer}" serves no data blocks; rk512 does')
+            hint = f'layer "{lines[block.line].layer}" serves no data blocks; layers that do: {serving_layers()}'
+            check.fault(f"db.{block.number}.line", block.line, hint)
 
 
 def places(check: Context) -> None:

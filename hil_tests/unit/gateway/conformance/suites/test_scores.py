@@ -99,8 +99,9 @@ def test_no_order_changes_a_verdict_of_a_drive_that_keeps_the_error_of_a_lost_ma
 @pytest.mark.parametrize("kind", ["all", "any-coil-value", "longer-fc6", "writes-bad"])
 def test_what_a_modbus_suite_wrote_it_writes_back_whatever_the_server_executes(kind: str) -> None:
     suite = SUITES["modbus-tcp"]
-    device = next(one for one in (*peers(suite)[0], *peers(suite)[1]) if one.id == kind)
-    made = []
+    every: list[Mutant | Variant] = [*peers(suite)[0], *peers(suite)[1]]
+    device = next(one for one in every if one.id == kind)
+    made = list[Device]()
 
     def make() -> Device:
         made.append(cast(Device, device.make()))
