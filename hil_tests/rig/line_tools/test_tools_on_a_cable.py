@@ -37,7 +37,7 @@ def test_an_unplugged_cable_is_told_in_both_vocabularies(cable: Cable, station: 
         control.unplug()
     failed = axisgate("line", "fetch", cable.near, "DB10.DW2")
     assert failed.returncode == 1
-    assert "QVZ/ADT 550 ms, 6 attempts" in failed.stderr
+    assert "QVZ/ADT 550 ms (6 attempts)" in failed.stderr
 
 
 def test_a_port_that_is_not_there_is_the_environment(cable: Cable) -> None:
