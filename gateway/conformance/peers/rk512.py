@@ -10,6 +10,7 @@ from gateway.conformance.peers.rk512_active import (
     HangsAtError,
     HangsWhenLong,
     HangsWhenShort,
+    LongJobs,
     NoCommand,
     RefusesReaction,
     SmallLetters,
@@ -294,5 +295,6 @@ VARIANTS = (
     ),
     _variant("powered", "its supply can be switched", make=lambda: Powered(Built)),
     _variant("active", "both roles", make=ActiveStation),
+    _variant("active-long", "both roles, jobs of 300 bytes", make=LongJobs),
     _variant("active-no-nesting", "both roles, no nesting", make=lambda: ActiveStation(nesting=False)),
 )

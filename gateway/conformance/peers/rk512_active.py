@@ -123,6 +123,18 @@ class RefusesReaction(ActiveStation):
         self.link._receiver = _RefusesEight(RHO3, self.link._box, False)
 
 
+class LongJobs(ActiveStation):
+    """Correct; its jobs need follow-on telegrams."""
+
+    def stimulate(self, now: Ns, block: bytes = b"") -> None:
+        self._jobs += 1
+        if self._jobs % 2:
+            self.active.fetch(0, 150, block=5)
+        else:
+            self.active.send(0, bytes(300), block=5)
+        self._hand_over(now)
+
+
 class SmallLetters(Built):
     """Takes commands in small letters as well."""
 

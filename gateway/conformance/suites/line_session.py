@@ -10,7 +10,7 @@ from gateway.conformance.framework.bench_file import TIMES, Bench
 from gateway.conformance.framework.machine import Guarded
 from gateway.conformance.framework.witness import Witness
 from gateway.conformance.suites.line import LineSetup, LineTester
-from gateway.conformance.suites.rk512.telegrams import ask, fetch, is_command, right_reaction
+from gateway.conformance.suites.rk512.telegrams import ask, fetch, finish, is_command, right_reaction
 from gateway.links.serial.tool_wire import VirtualWire, Wire
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive
 from gateway.registry import LINE_LAYERS
@@ -248,6 +248,7 @@ class LineSession:
             return False
         with contextlib.suppress(Ended):  # what it makes of the reaction is a question of its own
             self.tester.good(right_reaction(block.data))
+            finish(self.tester, block.data)
         self.assumed.append("active: its own block is an RK512 command")
         return True
 

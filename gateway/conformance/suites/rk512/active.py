@@ -7,7 +7,7 @@ endlessly, and that it sends the next job.
 from collections.abc import Callable
 
 from gateway.conformance.suites.line import LineTester, named
-from gateway.conformance.suites.rk512.telegrams import DX_SEND, FETCH, SEND, is_command, right_reaction
+from gateway.conformance.suites.rk512.telegrams import DX_SEND, FETCH, PIECE, SEND, finish, is_command, right_reaction, size_of
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, Inconclusive, NotApplicable
 from protocols.base.machine import ms
@@ -44,12 +44,15 @@ def _well_formed(t: LineTester) -> None:
     data = command(t)
     if len(data) < 10 or data[1] != 0 or data[0] != 0:
         raise Fail(f"header {data[:10].hex(' ').upper()}", "00 00, command, type, address, amount, flag", data[:10].hex(" ").upper())
-    amount = int.from_bytes(data[6:8], "big")
-    size = amount if data[3] in b"EAM" else 2 * amount
-    wanted = 0 if data[2] == FETCH else min(size, 128)
-    if amount == 0 or len(data) - 10 != wanted:
-        raise Fail(f"announces {size} bytes and carries {len(data) - 10}", f"{wanted} data bytes", data[:24].hex(" ").upper())
+    _judge_size(data)
     _takes(t, data)
+
+
+def _judge_size(data: bytes) -> None:
+    size = size_of(data)
+    wanted = 0 if data[2] == FETCH else min(size, PIECE)
+    if size == 0 or len(data) - 10 != wanted:
+        raise Fail(f"announces {size} bytes and carries {len(data) - 10}", f"{wanted} data bytes", data[:24].hex(" ").upper())
 
 
 def _takes(t: LineTester, data: bytes) -> None:
@@ -57,6 +60,7 @@ def _takes(t: LineTester, data: bytes) -> None:
     reaction = right_reaction(data)
     got = t.block(wire_block(reaction, t.profile.block_check), "the right reaction")
     if got == Char.DLE:
+        finish(t, data)
         return
     with t.given():
         t.settle()
@@ -88,11 +92,7 @@ def _judge_header(data: bytes) -> None:
         raise Fail(f"byte 3 is {data[2]:02X}h: no command", "41h (A), 45h (E) or 4Fh (O)", shown)
     if data[3] not in TYPES:
         raise Fail(f"byte 4 is {data[3]:02X}h: no data type", "one of " + " ".join(map(chr, TYPES)), shown)
-    amount = int.from_bytes(data[6:8], "big")
-    size = amount if data[3] in b"EAM" else 2 * amount
-    wanted = 0 if data[2] == FETCH else min(size, 128)
-    if amount == 0 or len(data) - 10 != wanted:
-        raise Fail(f"announces {size} bytes and carries {len(data) - 10}", f"{wanted} data bytes", shown)
+    _judge_size(data)
 
 
 @ACT.case("BV_02", "after the right reaction it neither repeats nor complains", "nach der richtigen Reaktion wiederholt er nicht")
@@ -112,6 +112,7 @@ def _once(t: LineTester) -> None:
             raise Fail("the command came again after its right reaction", "nothing", again.data[:16].hex(" ").upper())
         if is_command(again.data):
             t.good(right_reaction(again.data), "the right reaction")
+            finish(t, again.data)
     elif got is not None:
         t.fail("the right reaction", got, "nothing")
 
@@ -148,6 +149,7 @@ def _quiet(t: LineTester) -> None:
                 block = t.take()
             if is_command(block.data):
                 t.good(right_reaction(block.data), "the right reaction")
+                finish(t, block.data)
     if t.setup.stimulus_name != "periodic":
         raise Fail(f"sends again more than {MOST_REPEATS} times", "an end", "STX (02h)")
 
@@ -159,6 +161,7 @@ def _works(t: LineTester, after: str) -> None:
     except Inconclusive as ended:
         raise Fail(f"after {after} it sends no job any more: {ended.reason}", "STX (02h) and a command", ended.got or "nothing") from ended
     t.good(right_reaction(again), "the right reaction to the next job")
+    finish(t, again)
     got = t.answer(ms(100))
     if got not in (None, Char.STX):
         t.fail("the right reaction to the next job", got, f"nothing, not {named(got)}")
@@ -193,4 +196,5 @@ def run(t: LineTester) -> None:
     for count in range(10 if t.setup.stimulus_name != "operator" else 2):
         data = command(t)
         t.good(right_reaction(data), f"the right reaction to job {count + 1}")
+        finish(t, data)
         t.settle(ms(150))

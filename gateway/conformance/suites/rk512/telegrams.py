@@ -23,6 +23,7 @@ ERROR_WORDS = {
     0x34: "length wrong",
     0x36: "sequence: follow-on without a first telegram",
 }
+PIECE = 128  # data bytes of one telegram
 MOST_FOREIGN = 6  # blocks that are no reaction, before one is missed
 
 
@@ -64,11 +65,30 @@ def is_command(block: bytes) -> bool:
 
 def right_reaction(command: bytes) -> bytes:
     """What a good passive station answers, with zeros for data."""
-    size = 0
-    if command[2] == FETCH and len(command) >= 10:
-        amount = int.from_bytes(command[6:8], "big")
-        size = amount if command[3] in b"EAM" else 2 * amount
-    return bytes((command[0], 0, 0, 0)) + bytes(min(size, 128))
+    size = size_of(command) if command[2] == FETCH else 0
+    return bytes((command[0], 0, 0, 0)) + bytes(min(size, PIECE))
+
+
+def size_of(command: bytes) -> int:
+    """Bytes of the whole job, which a command telegram announces; 0 where it has no whole header."""
+    if len(command) < 10:
+        return 0
+    amount = int.from_bytes(command[6:8], "big")
+    return amount if command[3] in b"EAM" else 2 * amount
+
+
+def finish(t: LineTester, command: bytes) -> None:
+    """Behind the right reaction a job longer than one telegram goes on: each follow-on telegram gets its own (serial-protocols 2.1)."""
+    left = size_of(command) - PIECE
+    while left > 0 and t.answer(t.setup.reaction_wait) == Char.STX:
+        with t.given():
+            piece = t.take().data
+            if piece[:1] != b"\xff" and is_command(piece):  # it gave this job up
+                t.good(right_reaction(piece), "the right reaction")
+                return
+            data = bytes(min(left, PIECE)) if command[2] == FETCH else b""
+            t.good(b"\xff\0\0\0" + data, "the right reaction to a follow-on telegram")
+        left -= PIECE
 
 
 def ask(t: LineTester, telegram: bytes, judge_link: bool = False) -> Reaction:
@@ -118,6 +138,7 @@ def serve_command(t: LineTester, command: bytes) -> None:
     t.notes.unasked += 1
     with t.given():
         t.good(right_reaction(command), "the reaction to its own command")
+    finish(t, command)
 
 
 def normal(t: LineTester, telegram: bytes, size: int, what: str) -> bytes:

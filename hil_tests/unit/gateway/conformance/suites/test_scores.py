@@ -8,11 +8,13 @@ import pytest
 
 from gateway.conformance.peers.modbus_devices import Device
 from gateway.conformance.peers.score import fails, peers, play
-from gateway.conformance.peers.stations import Mutant, Variant
+from gateway.conformance.peers.stations import Chatty, Mutant, Variant, link_of
 from gateway.conformance.suites.registry import SUITES
 from gateway.conformance.suites.scores import SCORES
 from gateway.pure.conformance.verdict import Verdict
+from protocols.base.machine import ms
 from protocols.modbus.view import Kind
+from protocols.p3964r.profiles import RHO3, Priority
 
 MUTANTS = [pytest.param(name, mutant, id=f"{name}-{mutant.id}") for name, suite in SUITES.items() for mutant in peers(suite)[0]]
 VARIANTS = [pytest.param(name, variant, id=f"{name}-{variant.id}") for name, suite in SUITES.items() for variant in peers(suite)[1]]
@@ -68,6 +70,15 @@ def test_a_station_whose_blocks_never_end_is_not_blamed_for_what_follows() -> No
     results = play(suite, next(one for one in peers(suite)[0] if one.id == "no-end"))
     assert "3964R_SND_BV_01" in fails(results) and len(fails(results)) <= 12
     assert not {"3964R_RCV_BO_06", "3964R_RCV_BO_07"} & set(fails(results))
+
+
+@pytest.mark.parametrize("period", [300, 700, 900])
+def test_a_station_that_sends_the_same_block_cyclically_is_not_said_to_repeat_it(period: int) -> None:
+    """Its next block begins behind our DLE by chance, and is the same."""
+    only = ("3964R_SND_BV_03", "3964R_SND_TI_05", "3964R_CON_BO_02")
+    cyclic = Variant("cyclic", "", lambda: Chatty(period=ms(period)), link_of(RHO3, Priority.LOW), {})
+    results = play(SUITES["3964r"], cyclic, only)
+    assert not [result.reason for result in results if result.verdict not in (Verdict.PASS, Verdict.NA)]
 
 
 @pytest.mark.parametrize("name", ["modbus-tcp", "modbus-rtu"])
