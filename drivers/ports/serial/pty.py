@@ -46,8 +46,11 @@ def _has_marks(fd: int) -> bool:
     return all(control[place] == sign for place, sign in SIGNATURE.items())
 
 
+LOCK = "hhqqi4x"  # type, whence, start, length, pid: fcntl(2), struct flock
+
+
 def _lock(kind: int) -> bytes:
-    return struct.pack("hhqqi4x", kind, os.SEEK_SET, MARKS_AT, 1, 0)
+    return struct.pack(LOCK, kind, os.SEEK_SET, MARKS_AT, 1, 0)
 
 
 def _ask_for_marks(fd: int) -> None:
@@ -55,9 +58,9 @@ def _ask_for_marks(fd: int) -> None:
 
 
 def marks_asked(fd: int) -> bool:
-    """A port that decodes marks has this pty open (through another descriptor than `fd`)."""
-    found = fcntl.fcntl(fd, fcntl.F_OFD_GETLK, _lock(fcntl.F_WRLCK))
-    return bool(struct.unpack_from("h", found)[0] != fcntl.F_UNLCK)
+    """A port that decodes marks has this pty open (through another descriptor than `fd`).  A lock on all of it is a foreign program's."""
+    kind, _, start, length, _ = struct.unpack(LOCK, fcntl.fcntl(fd, fcntl.F_OFD_GETLK, _lock(fcntl.F_WRLCK)))
+    return kind != fcntl.F_UNLCK and (start, length) == (MARKS_AT, 1)
 
 
 class PtyPort(DescriptorPort):
