@@ -12,7 +12,8 @@ from gateway.conformance.peers.stations import Chatty, Mutant, Variant, link_of
 from gateway.conformance.suites.registry import SUITES
 from gateway.conformance.suites.scores import SCORES
 from gateway.pure.conformance.verdict import Verdict
-from protocols.base.machine import ms
+from protocols.base.machine import Ns, ms
+from protocols.modbus.mbap import Request
 from protocols.modbus.view import Kind
 from protocols.p3964r.profiles import RHO3, Priority
 
@@ -79,6 +80,23 @@ def test_a_station_that_sends_the_same_block_cyclically_is_not_said_to_repeat_it
     cyclic = Variant("cyclic", "", lambda: Chatty(period=ms(period)), link_of(RHO3, Priority.LOW), {})
     results = play(SUITES["3964r"], cyclic, only)
     assert not [result.reason for result in results if result.verdict not in (Verdict.PASS, Verdict.NA)]
+
+
+class ClosesAfterRefusals(Device):
+    """The ninth refusal in a row is not sent: the connection is closed, and the next one begins anew."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        said = super().serve(request, now)
+        self.refused = self.refused + 1 if said[:1] >= b"\x80" else 0
+        if self.refused < 9:
+            return said
+        self.refused = 0
+        return b""
+
+
+def test_a_server_that_closes_a_connection_with_many_refusals_lives_on() -> None:
+    device = Variant("closes", "", lambda: ClosesAfterRefusals(False), {}, {})
+    assert play(SUITES["modbus-tcp"], device, ("MBTCP_TCP_RC_03",))[-1].verdict is Verdict.PASS
 
 
 @pytest.mark.parametrize("name", ["modbus-tcp", "modbus-rtu"])
