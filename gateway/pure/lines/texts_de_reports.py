@@ -107,7 +107,7 @@ DIAGNOSIS = {
     "another protocol or speed at the partner, or cross-talk on an open line": (
         "anderes Protokoll oder andere Geschwindigkeit beim Partner, oder Uebersprechen auf einer offenen Leitung"
     ),
-    "reaction spoilt": "Reaktion verdorben",
+    "reaction spoilt": "Reaktion fehlerhaft",
     "the reaction to a FETCH is no good block: {}": "die Reaktion auf ein FETCH ist kein guter Block: {}",
     "parity, speed, or the partner's software": "Paritaet, Geschwindigkeit oder die Software des Partners",
     "{} characters came while we were silent": "{} Zeichen kamen, waehrend wir schwiegen",
@@ -157,8 +157,8 @@ DIAGNOSIS = {
     "echo {} | sudo tee {}": "echo {} | sudo tee {}",
     "3964 without R": "3964 ohne R",
     "{}: the partner is set to 3964": "{}: der Partner steht auf 3964",
-    "blocks without check are taken, with check refused": "Bloecke ohne Pruefzeichen werden genommen, mit Pruefzeichen abgelehnt",
-    "blocks are taken without their check": "Bloecke werden ohne ihr Pruefzeichen genommen",
+    "blocks without check are taken, with check refused": "Bloecke ohne Pruefzeichen werden angenommen, mit Pruefzeichen abgelehnt",
+    "blocks are taken without their check": "Bloecke werden ohne ihr Pruefzeichen angenommen",
     'set both to 3964R (or protocol = "3964")': 'beide auf 3964R stellen (oder protocol = "3964")',
     "blocks refused": "Bloecke abgelehnt",
     "a good block is refused with every check tried": "ein guter Block wird mit jedem versuchten Pruefzeichen abgelehnt",
