@@ -8,7 +8,8 @@ import pathlib
 import sys
 import time
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from typing import TextIO
 
 from drivers.ports.base import PortError
 from drivers.ports.serial.line_format import parse_format
@@ -332,11 +333,24 @@ def _listen(arguments: argparse.Namespace, names: list[str], tell: Callable[[Lin
             ports.append((side, port))
         keep: Callable[[Ns, str, int | Damage], None] = forget
         if arguments.save is not None:
-            out = stack.enter_context(arguments.save.open("w", encoding="ascii", buffering=1))
+            out = stack.enter_context(_record(arguments.save))
             keep = Recorder(out, "tap", parse_format(arguments.format), time.monotonic_ns())
         monitor = Monitor(ports, time.monotonic_ns, tell, not arguments.plain, keep)
         print(f"axisgate line {arguments.tool}: listening at {' and '.join(names)}, Ctrl-C ends it", file=sys.stderr, flush=True)
         monitor.run(None if arguments.seconds is None else ms(1000 * arguments.seconds), lambda silence: _quiet(arguments.tool, silence))
+
+
+@contextlib.contextmanager
+def _record(path: pathlib.Path) -> Iterator[TextIO]:
+    """The file of --save, written line by line.  A full disk fails again when it is closed, and that error has no name, either."""
+    out = path.open("w", encoding="ascii", buffering=1)
+    try:
+        yield out
+    finally:
+        try:
+            out.close()
+        except OSError as error:
+            raise OSError(error.errno, f"nothing more can be kept: {error.strerror}", str(path)) from error
 
 
 def _quiet(tool: str, silence: Ns) -> None:

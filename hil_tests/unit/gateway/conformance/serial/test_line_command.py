@@ -80,6 +80,11 @@ def test_what_is_no_serial_port_is_named_so(port: str, why: str) -> None:
     assert code == 3 and f"serial port {port}: {why}" in told
 
 
+def test_a_record_on_a_full_disk_is_named(pty: tuple[int, str]) -> None:
+    code, _, told = axisgate("monitor", pty[1], "--save", "/dev/full", "--seconds", "5")
+    assert code == 3 and told == "axisgate line monitor: /dev/full: nothing more can be kept: No space left on device\n"
+
+
 def test_a_pulled_adapter_is_not_said_to_be_opened_again(pty: tuple[int, str]) -> None:
     threading.Timer(0.2, os.close, (pty[0],)).start()
     code, _, told = axisgate("fetch", pty[1], "DB10.DW0")
