@@ -43,7 +43,7 @@ def main() -> int:
     arguments = parser.parse_args()
     if arguments.sample is not None and arguments.sample < 1:
         parser.error(f"--sample {arguments.sample}: at least 1 pair")
-    keep(left_over())
+    keep(left_over(verdicts.KEPT.stat().st_mtime_ns if verdicts.KEPT.exists() else 0))
     run: list[Pair] = []
     if not arguments.page:
         lot = ["--mutants-sample", f"{arguments.sample}:{arguments.seed}"] if arguments.sample else []
@@ -64,9 +64,13 @@ def main() -> int:
     return tell(list(told.values()) if arguments.page or arguments.missing else run)
 
 
-def left_over() -> list[Pair]:
-    """What the last run has judged and this tree still holds, on this machine and in the guest; that of a run that was killed as well."""
-    return [pair for path in (THIS_RUN, GUEST_RESULTS) for pair in verdicts.load_run(path) if verdicts.current(pair)]
+def left_over(since_ns: int = 0) -> list[Pair]:
+    """What the last run has judged and this tree still holds, on this machine and in the guest; that of a run that was killed as well.
+
+    `since_ns`: no results written before; verdicts that came into the tree later count more.
+    """
+    paths = [path for path in (THIS_RUN, GUEST_RESULTS) if path.exists() and path.stat().st_mtime_ns > since_ns]
+    return [pair for path in paths for pair in verdicts.load_run(path) if verdicts.current(pair)]
 
 
 def keep(run: Iterable[Pair]) -> None:

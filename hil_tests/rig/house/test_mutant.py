@@ -12,12 +12,13 @@ from collections.abc import Callable, Iterator, Sequence
 import pytest
 
 from gateway.pure.controllers.rho3.functions.display import Display
+from hil_tests.matrix import mutants
 from hil_tests.matrix.catalogue import ROOT, MarkError, claim, resolve
 from hil_tests.matrix.content import fingerprint
 from hil_tests.matrix.mutant import MutantError, broken, default_of, mutated
 from hil_tests.matrix.mutant_plugin import lines_run
 from hil_tests.matrix.small import codes, places, small_mutants
-from hil_tests.matrix.verdicts import Pair, Trial, keep_pairs, load_pairs, load_run
+from hil_tests.matrix.verdicts import Pair, Trial, keep_pairs, load_pairs, load_run, save_run
 from protocols.base.machine import ms  # an import made before the mutant: it must meet it all the same
 
 MS = "protocols.base.machine:ms"
@@ -269,6 +270,20 @@ def test_a_verdict_is_kept_in_the_tree_as_it_was_given_and_only_while_test_and_f
     assert load_pairs(kept) == []
     keep_pairs([dataclasses.replace(pair, raised="not run: sound test: crash")], kept)
     assert kept.read_text() == "", "what could not be judged is tried again"
+
+
+def test_results_of_an_earlier_run_do_not_replace_verdicts_that_came_into_the_tree_since(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    test, name = "hil_tests/requirements/p3964r/test_block_check_vectors.py", "test_sent"
+    pair = Pair(f"{test}::{name}", MS, ("RHO-SER-01",), "crash", "alive", fingerprint(ROOT / test, name, MS), ())
+    run = tmp_path / "run.json"
+    save_run([pair], run)
+    monkeypatch.setattr(mutants, "THIS_RUN", run)
+    monkeypatch.setattr(mutants, "GUEST_RESULTS", tmp_path / "none.json")
+    written = run.stat().st_mtime_ns
+    assert mutants.left_over(written - 1) == mutants.left_over() == [pair]
+    assert mutants.left_over(written) == []
 
 
 TEST = """
