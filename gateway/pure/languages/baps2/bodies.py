@@ -104,7 +104,8 @@ class Bodies:
         """Statements one after the other."""
         rows = tuple(statements)
         for place, statement in enumerate(rows, 1):
-            self.before_move = place < len(rows) and isinstance(rows[place], Move)
+            following = next((row for row in rows[place:] if not isinstance(row, Label | Instruction)), None)
+            self.before_move = isinstance(following, Move)
             self.one(statement)
 
     def _nested(self, *statements: Statement) -> None:

@@ -113,7 +113,7 @@ def _components(word: str, kinematic: str, value: str, at: Position, head: Head,
 
 def _once(word: str, value: str, at: Position, head: Head, faults: Faults, begun: bool) -> bool:
     """What holds for the whole program: in front of BEGIN, and once (L2198, L5738-5739)."""
-    if begun:
+    if begun or head.over:
         faults.error("instruction-place", at, f"{word} belongs at the beginning of the program, in front of BEGIN")
     elif word in head.said:
         faults.error("instruction-twice", at, f"{word} may occur once")

@@ -12,6 +12,7 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position, SourceFile
 from gateway.pure.languages.base.store import ProgramStore
 
+BEGINS = ("BEGIN", "START")
 ENDS = {"PROGRAM": ("PROGRAM_END", "END"), "SUBROUTINE": ("SUB_END", "END")}
 
 
@@ -35,6 +36,7 @@ class _Reader:
                 return None
         external = self._stream.token.word == "SUBROUTINE"
         main = self._routine()
+        self._head.over = True
         subroutines = []
         while self._more():
             subroutines.append(self._routine())
@@ -94,13 +96,14 @@ class _Reader:
     def _name(self, what: str) -> str:
         """The name of a routine; words of the language may be one (L5756), but not what begins its body or a declaration."""
         token, following = self._stream.token, self._stream.ahead()
-        if token.word in ("BEGIN", "START") or (token.word in STARTERS and following.text in (":", "[")):
+        begins = token.word in BEGINS and following.word not in (*BEGINS, *STARTERS)
+        if begins or (token.word in STARTERS and following.text in (":", "[")):
             self._stream.wrong(f"{what} is expected, not {token}")
         return self._stream.length(self._stream.name(what)).key
 
     def _body(self, word: str, at: Position, expressions: ExpressionReader, declarations: DeclarationReader) -> tuple[Statement, ...]:
         """From BEGIN to the end of the routine."""
-        if not self._stream.word("BEGIN", "START"):
+        if not self._stream.word(*BEGINS):
             self._faults.error("no-begin", self._stream.token.position, f"BEGIN is expected, not {self._stream.token}")
         statements = StatementReader(self._stream, expressions, declarations, self._head)
         found: list[Statement] = []

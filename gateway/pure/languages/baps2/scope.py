@@ -45,7 +45,6 @@ class Names:
         """Enters a name in the innermost scope."""
         if symbol.name in TAKEN:
             self.faults.error("name-taken", at, f"{symbol.name} is a standard subroutine", "give it another name")
-            return
         if symbol.name in self.scopes[-1]:
             self.faults.error("declared-twice", at, f"{symbol.name} is declared twice")
             return

@@ -374,6 +374,7 @@ class Head:
     default_kinematic: str = ""
     default_way: str = ""
     said: set[str] = field(default_factory=set)  # instructions that may occur once
+    over: bool = False  # the main part has been read
 
 
 @dataclass(frozen=True, slots=True)

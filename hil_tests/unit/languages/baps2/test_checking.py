@@ -44,7 +44,7 @@ HEAD = ";;KINEMATICS : (1=K, 2=L)\n;;K.WC_NAMES = X,Y\n;;K.JC_NAMES = A1,A2\n;;L
         ("CASE I EQUAL ROUND(1.6) : HALT EQUAL TRUNC(2.9) : HALT CASE_END", "INTEGER : I", [("case-twice", 4)]),
         ("CASE I CASE_END", "INTEGER : I", [("syntax", 4)]),
         ("JUMP\nWAIT 1", "", [("syntax", 5)]),
-        ("HALT", "INTEGER : BREAK", [("name-taken", 2)]),
+        ("BREAK = 1", "INTEGER : BREAK", [("name-taken", 2)]),
         ("WRITE 'A\nWRITE 'B'", "", [("text-without-end", 4)]),
         (";;FILE_ERROR -", "", [("instruction-place", 4)]),
         ("I = 1 R = 1", "INTEGR : I REAL : R", [("syntax", 2), ("name-unknown", 4)]),
@@ -111,11 +111,17 @@ def test_imports_are_typed_by_the_exporter() -> None:
         ("PROGRAM P\nBEGIN\nPROGRAM_END\nPROGRAM Q\nBEGIN\nPROGRAM_END", [("behind-the-end", 4)]),
         ("PROGRAM\nBEGIN\nHALT\nPROGRAM_END", [("syntax", 2)]),
         (";;SER_IO_STOP -\n;;SER_IO_STOP +\nPROGRAM P\nBEGIN\nPROGRAM_END", [("instruction-twice", 2)]),
+        (
+            "PROGRAM P\nBEGIN\nS\nPROGRAM_END\n;;FILE_ERROR -\nSR S\n;;SER_IO_STOP -\nBEGIN SR_END",
+            [("instruction-place", 5), ("instruction-place", 7)],
+        ),
+        ("PROGRAM START\nINTEGER : I\nBEGIN\nI = 1\nPROGRAM_END", []),
+        ("PROGRAM BEGIN\nSTART\nHALT\nPROGRAM_END", []),
         ("PROGRAM P\nINTEGER : I\nL: I = 1\nIF I = 1 THEN JUMP L\nPROGRAM_END", [("no-begin", 3)]),
         ("PROGRAM P\nINTEGER : I\nBEGIN\nS(I + 1)\nPROGRAM_END\nSR S(INTEGER : X)\nBEGIN\nSR_END", [("not-assignable", 4)]),
     ],
 )
-def test_a_faulty_frame_is_one_fault(text: str, expected: list[tuple[str, int]]) -> None:
+def test_each_fault_of_a_frame_is_reported_once(text: str, expected: list[tuple[str, int]]) -> None:
     assert faults_of(text) == expected
 
 

@@ -86,3 +86,10 @@ def test_what_follows_a_fast_wait_comes_in_its_order_and_the_movement_two_p5_lat
         told = [(each["t"], each["event"]) for each in events if each["event"] in ("out", "write", "moving")]
         moved = round(3.02 + after, 2)
         assert told == [(0.0, "moving"), (3 + after, "out"), (3 + after, "out"), (3 + after, "write"), (moved, "moving")]
+
+
+@pytest.mark.parametrize("between", ["", "AGAIN: ", ";;INT = LINEAR\n"])
+def test_a_label_or_an_instruction_before_the_movement_delays_nothing(between: str) -> None:
+    head = ";;KINEMATICS : (1 = ONE)\n;;ONE.WC_NAMES = X\nPROGRAM P\nINPUT : 631 = HS\nBEGIN\nMOVE TO (1)\nWAIT UNTIL HS = 1\n"
+    events = run(f"{head}{between}MOVE TO (2)\nPROGRAM_END", "[[input]]\nchannel = 631\nat = 3")
+    assert [each["t"] for each in events if each["event"] == "moving"] == [0.0, 3.0]
