@@ -70,7 +70,8 @@ def _program(checking: _Check, program: Program) -> None:
             continue
         if step.macro:
             tool = True
-            began = _macro(checking, program, step) or began
+            called = _macro(checking, program, step)
+            began = began or called
             continue
         if began and step.word in DEFINITIONS:
             checking.structural(program, step, "rsv.definition_late", f"definitions stand at the begin, before step {began}")

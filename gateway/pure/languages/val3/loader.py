@@ -106,6 +106,7 @@ class Loader:
             return None
         key = f"{folder}/{own}".lower()
         if key in self._types:
+            _pass_on(self.read(folder, own)[1], faults)
             return self._types[key]
         if key in self._open_types or len(self._open_types) > DEEPEST:
             faults.error("val3-type", Position(app.project, line), f"'{name}' : the type is made of itself")

@@ -387,6 +387,7 @@ def test_english_labels_that_look_like_operands_and_constants_that_are_added() -
         ("CLR;L MB 20;U E 0.0;= A 0.0", (0, 1)),
         ("SET;SET;XN E 0.0;= A 0.0", (1, 0)),
         ("SET;NOT;= A 0.0;CLR;NOT;= A 0.1", (2, 2)),
+        ("U E 0.0;U(;U E 0.1;SET;);= A 0.0;U E 0.0;O(;CLR;);= A 0.1", (0, 3)),
     ],
 )
 def test_set_and_clr_end_the_chain_in_front_of_them(lines: str, outputs: tuple[int, int]) -> None:

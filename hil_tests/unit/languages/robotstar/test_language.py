@@ -254,8 +254,8 @@ def test_a_loop_of_tests_gives_its_time_away() -> None:
 def test_a_misspelt_definition_is_one_fault_and_a_macro_in_front_of_definitions_another() -> None:
     _, faults = checked({"P.MPR": "VRA I1\nVAR I2\nCOPY 1,I2"})
     assert [fault.text for fault in faults] == ["step 2: VRA is neither a command nor a macro of this memory"]
-    memory, faults = checked({"P.MPR": "MAK\nVAR I2\nCOPY 1,I2", "MAK.MAC": "WAIT 1"})
-    assert [fault.text for fault in faults] == ["step 3: definitions stand at the begin, before step 2"]
+    memory, faults = checked({"P.MPR": "MAK\nMAK\nVAR I2\nCOPY 1,I2", "MAK.MAC": "WAIT 1"})
+    assert [fault.text for fault in faults] == ["step 4: definitions stand at the begin, before step 2"]
     assert memory.programs["P"][0].refused
 
 

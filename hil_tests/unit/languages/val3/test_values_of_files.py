@@ -82,6 +82,16 @@ def test_broken_files_of_a_type_and_of_a_library_are_named() -> None:
     assert _faults(files) == [("warning", "part/part.dtx", 6)], "libLoad answers 12, the application runs"
 
 
+def test_broken_files_of_a_type_are_named_in_each_application_that_uses_it() -> None:
+    user = '<Data name="u" access="public" xsi:type="array" type="Part" size="1"></Data>'
+    files = dict(disk(App("one", user, types=USES), App("two", user, types=USES), PART).files)
+    files["part/part.dtx"] = files["part/part.dtx"][:-12]
+    loader = Loader(Disk(files))
+    for name in ("one", "two"):
+        found = loader.load(name, name)
+        assert found is not None and [fault.position.file for fault in found.faults] == ["part/part.dtx"]
+
+
 def test_types_in_a_ring_are_named() -> None:
     one = App("one", datum("x", "Two"), types='<Type name="Two" path="Disk://two/two.pjx" />')
     two = App("two", datum("x", "One"), types='<Type name="One" path="Disk://one/one.pjx" />')

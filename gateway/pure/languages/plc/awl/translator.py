@@ -246,11 +246,12 @@ class Translator:
                 raise NoCounterpart("NOT behind the end of a chain; invert the chain itself")
             self.lines += ["XO(", *ONE, ")"]
             return
-        family = None if self._next is None else self._family(self._next.word)
+        word_next = "" if self._next is None else self._next.word
+        family = self._family(word_next) if word_next != ")" else self._use  # the end of a bracket uses what is in it
         begun = not self._fresh
         if family not in (self._link, self._bracket):
             self.lines += ONE if word == "SET" else ("U M0.0", "UN M0.0")
-            if self._next is not None and self._next.word == "NOT":
+            if word_next == "NOT":
                 self._fresh, self._one = False, False
                 return
             begun = family not in (None, self._use, self._branch)
