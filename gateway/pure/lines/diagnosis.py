@@ -73,7 +73,7 @@ def _idle(seen: Evidence) -> list[Finding]:
             Finding("wires crossed", "fault", text, "exchange the two wires of the receiving pair (A and B, or + and -; TTY: RX+ and RX-)")
         ]
     if seen.blocks:
-        text = said("the partner sent {} blocks by itself; they were acknowledged and not used", len(seen.blocks))
+        text = said("blocks that the partner sent by itself were acknowledged and not used: {}", len(seen.blocks))
         return [Finding("line in use", "note", text, "nothing; stop its program where the blocks must not get lost")]
     if seen.idle:
         text = said("{} characters came while we were silent", len(seen.idle))

@@ -96,8 +96,8 @@ DIAGNOSIS = {
         "die beiden Adern des Empfangspaars tauschen (A und B, oder + und -; TTY: RX+ und RX-)"
     ),
     "line in use": "Leitung belegt",
-    "the partner sent {} blocks by itself; they were acknowledged and not used": (
-        "der Partner sandte von selbst {} Bloecke; sie wurden quittiert und nicht verwendet"
+    "blocks that the partner sent by itself were acknowledged and not used: {}": (
+        "Bloecke, die der Partner von selbst sandte, wurden quittiert und nicht verwendet: {}"
     ),
     "nothing; stop its program where the blocks must not get lost": (
         "nichts; sein Programm anhalten, wo die Bloecke nicht verloren gehen duerfen"

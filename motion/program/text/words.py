@@ -23,7 +23,7 @@ def statement(raw: str, number: int, line: Callable[[list[str], int], None]) -> 
     words = raw.partition("#")[0].split()
     if not words:
         return
-    if LONG.search(raw):
+    if any(map(LONG.search, words)):
         raise TextError(number, words[0], "a number of 100 digits and more")
     try:
         line(words, number)

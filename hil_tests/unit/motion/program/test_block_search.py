@@ -130,3 +130,7 @@ def test_ends_of_the_path_that_move_on_keep_the_jerk(search: str) -> None:
 def test_digits_that_make_no_number_are_told_with_their_line(line: str) -> None:
     with pytest.raises(TextFaults, match="line 5: "):
         read(HEAD + line)
+
+
+def test_a_comment_may_hold_any_number() -> None:
+    assert len(read(f"{HEAD}{LINES[0]}  # {'9' * 5000}\n").blocks) == 1

@@ -72,7 +72,7 @@ def test_a_partner_that_sends_by_itself_is_no_cross_talk(priority: Priority) -> 
     for number in range(OWN_BLOCKS + 3):
         station.stimulate(0, b"U" + bytes((number,)))
     found = seen_of(station)
-    assert re.fullmatch(r"the partner sent \d+ blocks by itself; they were acknowledged and not used", found["line in use"].text)
+    assert re.fullmatch(r"blocks that the partner sent by itself were acknowledged and not used: \d+", found["line in use"].text)
     assert "RK512" in found and "cross-talk" not in found
     assert ("same priority" in found) is (priority is Priority.LOW)
 
