@@ -135,7 +135,7 @@ class Bodies:
 
     def _too_complex(self) -> None:
         if self._at is not None:
-            self.names.faults.error("too-complex", self._at, "this nests too deep", "divide its expressions into smaller ones")
+            self.names.faults.error("too-complex", self._at, "this is nested too deeply", "divide its expressions into smaller ones")
 
     def _one(self, statement: Statement) -> None:
         self.function.count += 1

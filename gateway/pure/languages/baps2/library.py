@@ -49,7 +49,7 @@ class Library:
         try:
             return read(source, self._words, self._store, faults)
         except RecursionError:
-            faults.error("too-complex", source.at(1), f"{source.name} nests too deep")
+            faults.error("too-complex", source.at(1), f"{source.name} is nested too deeply")
             return None
 
     def check(self, file: str, text: str) -> tuple[Unit | None, Faults]:

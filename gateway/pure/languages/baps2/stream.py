@@ -46,7 +46,7 @@ class Stream:
         elif source.includes_itself(file):
             self.faults.error("include-loop", at, f"{file} includes itself")
         elif source.depth() >= MOST_INCLUDED:
-            self.faults.error("include-too-deep", at, f"more than {MOST_INCLUDED} files included one in the other")
+            self.faults.error("include-too-deep", at, f"more than {MOST_INCLUDED} nested include files")
         else:
             yield from self._expanded(SourceFile(file, text, at))
 
@@ -124,7 +124,7 @@ class Stream:
             if self._too_deep:  # it is said once; what follows is a consequence
                 raise Misread
             self._too_deep = True
-            self.wrong(f"more than {MOST_NESTED} levels one in the other", "nesting-too-deep")
+            self.wrong(f"more than {MOST_NESTED} nested levels", "nesting-too-deep")
 
     def back(self) -> None:
         """One level less deep."""

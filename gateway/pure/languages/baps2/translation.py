@@ -89,7 +89,9 @@ def check(program: Program, faults: Faults, programs: Programs) -> Unit:
 
 
 def _too_complex(program: Program, faults: Faults) -> None:
-    faults.error("too-complex", program.main.at, f"{program.main.name} nests too deep", "divide its expressions or loops into smaller ones")
+    faults.error(
+        "too-complex", program.main.at, f"{program.main.name} is nested too deeply", "divide its expressions or loops into smaller ones"
+    )
 
 
 class _Translation:

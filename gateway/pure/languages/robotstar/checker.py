@@ -24,7 +24,7 @@ from gateway.pure.languages.robotstar.literals import wrong_kind, wrong_literal
 from gateway.pure.languages.robotstar.memory import DEFAULT_TOOL, Memory
 from gateway.pure.languages.robotstar.operands import HIGHEST, LOWEST, Equate, Number, Operand, Ref, Text
 from gateway.pure.languages.robotstar.pallet import pattern_of
-from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Program, Step
+from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Program, Step, definition_late
 from gateway.pure.languages.robotstar.values import Array, Names, Structure, SystemCell, Variable
 
 POSITIONS = ("POSITION", "VAR_POS")
@@ -74,7 +74,7 @@ def _program(checking: _Check, program: Program) -> None:
             began = began or called
             continue
         if began and step.word in DEFINITIONS:
-            checking.structural(program, step, "rsv.definition_late", f"definitions stand at the begin, before step {began}")
+            checking.structural(program, step, "rsv.definition_late", definition_late(began))
         tool = tool or step.word in ("TOOL", "CALL")
         if step.word in POSITIONS:
             _position(checking, program, step, tool)

@@ -50,3 +50,8 @@ class Program:
     def key(self) -> str:
         """Path below the root and name, upper case."""
         return f"{self.directory}/{self.name}".upper() if self.directory else self.name.upper()
+
+
+def definition_late(began: int) -> str:
+    """What is wrong with a definition behind the step that began the program (L803)."""
+    return f"definitions belong at the beginning, before step {began}"

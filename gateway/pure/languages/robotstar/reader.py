@@ -11,7 +11,7 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.grammar import GRAMMAR, NOT_BUILT, Place, fits, typed
 from gateway.pure.languages.robotstar.operands import Blank, Equate, Number, Operand, OperandFault, Ref, Text, operand
-from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Parameter, Program, Step
+from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Parameter, Program, Step, definition_late
 from gateway.pure.languages.robotstar.words import Words
 
 _NUMBERED = re.compile(r"\s*S?\s*\d+\s*[.:)]?\s+(?=\S)", re.IGNORECASE)
@@ -326,9 +326,7 @@ def _definitions_first(reading: _Reading) -> None:
         if step.word not in DEFINITIONS:
             began = began or step
         elif began is not None and not (pattern and step.word in ("LOC_CONST", "CONST")):
-            reading.fault(
-                "rsv.definition_late", step.line, f"step {step.number}: definitions stand at the begin, before step {began.number}"
-            )
+            reading.fault("rsv.definition_late", step.line, f"step {step.number}: {definition_late(began.number)}")
 
 
 def _looks_like_pattern(program: Program) -> bool:

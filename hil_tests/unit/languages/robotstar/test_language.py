@@ -255,7 +255,7 @@ def test_a_misspelt_definition_is_one_fault_and_a_macro_in_front_of_definitions_
     _, faults = checked({"P.MPR": "VRA I1\nVAR I2\nCOPY 1,I2"})
     assert [fault.text for fault in faults] == ["step 2: VRA is neither a command nor a macro of this memory"]
     memory, faults = checked({"P.MPR": "MAK\nMAK\nVAR I2\nCOPY 1,I2", "MAK.MAC": "WAIT 1"})
-    assert [fault.text for fault in faults] == ["step 4: definitions stand at the begin, before step 2"]
+    assert [fault.text for fault in faults] == ["step 4: definitions belong at the beginning, before step 2"]
     assert memory.programs["P"][0].refused
 
 

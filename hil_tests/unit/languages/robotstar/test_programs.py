@@ -97,7 +97,7 @@ def test_an_invalid_step_is_skipped() -> None:
 @pytest.mark.requirement("RSV-PRG-11", by="gateway.pure.languages.robotstar.reader:_definitions_first")
 def test_definitions_stand_at_the_begin() -> None:
     _, faults = checked({"P.MPR": f"TOOL T\n{AT.format(1)}\nVAR I1", "Q.MPR": "C text\nVAR I2"})
-    assert [fault.text for fault in faults] == ["step 4: definitions stand at the begin, before step 2"]
+    assert [fault.text for fault in faults] == ["step 4: definitions belong at the beginning, before step 2"]
 
 
 WAITS = "WAIT_BIT #EINGANG, Pegel: 1, Byte: 0, Bit_Nr: 5, Max_Zeit: 0.0, Marke: X\nCOPY 1,I1"
