@@ -163,7 +163,7 @@ def typed(place: Place, operand: Operand) -> str:
         if not operand.name.startswith("_") and operand.name[0] not in place.types:
             return f"{operand.name} is of type {operand.name[0]}; {' or '.join(place.types.strip('_'))} is needed"
     if isinstance(operand, Number) and place.low is not None and place.high is not None and not place.low <= operand.value <= place.high:
-        if place.low == LEAST:
+        if place.low == LEAST and not 0 < operand.value < LEAST:
             return f"{place.name} {operand.value:g} must be above 0 and at most {place.high:g}"
         return f"{place.name} {operand.value:g} is outside {place.low:g} .. {place.high:g}"
     return ""

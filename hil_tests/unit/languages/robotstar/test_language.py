@@ -277,3 +277,16 @@ def test_a_result_that_no_real_takes_stops(text: str) -> None:
 def test_the_length_of_a_huge_vector() -> None:
     ran = steps("COPY 1.0e200,V1.X\nVEC_VALUE V1,R1", "VAR R1\nVAR V1")
     assert (ran.texts(), ran.value("R1")) == ([], 1e200)
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ("0", "value 0 must be above 0 and at most 1e+06"),
+        ("-5", "value -5 must be above 0 and at most 1e+06"),
+        ("2000000", "value 2e+06 must be above 0 and at most 1e+06"),
+        ("1.0e-10", "value 1e-10 is outside 1e-06 .. 1e+06"),
+    ],
+)
+def test_a_speed_that_is_none_is_named_with_its_range(value: str, said: str) -> None:
+    assert steps(f"PATH_SPEED {value}").faults == [f"step 2: PATH_SPEED: {said}"]
