@@ -170,6 +170,7 @@ def test_words_of_16_bits_with_a_sign() -> None:
         ("CALL PUMP", "a block is needed"),
         ("EIN :  E 1.0", "parameters"),
         ("BEZ :EIN E/A/D/B/T/Z: E BI/BY/W/D: BI", "parameters"),
+        ("DECL :EIN I/Q/D/B/T/C: I BI/BY/W/D: BI", "parameters"),
         ("SPA FB [MW 20]", "indirect"),
         ("U E [AR1,P#0.0]", "indirect"),
         ("L MB [MD 10]", "indirect"),
@@ -410,3 +411,11 @@ def test_set_and_clr_end_the_chain_in_front_of_them(lines: str, outputs: tuple[i
 )
 def test_a_row_of_the_table_that_cannot_count_is_named(rows: str, said: str) -> None:
     assert imported("OB 1\n:U E 0.0\n:= A 0.0\n:BE", rows).notes == ([said] if said else [])
+
+
+def test_a_label_named_as_a_declaration_is_a_label() -> None:
+    found = imported(
+        "OB 1\n0000      :U    E    0.0         Start\n0001 BEZ  :U    E    0.1         Ein/Aus\n0002      :=    A    0.0\n0003      :BE",
+        "",
+    )
+    assert found.refused == [] and "M BEZ\nU E0.1" in found.programs["OB1"]

@@ -21,7 +21,7 @@ ADDRESSED = re.compile(r"[0-9A-F]{4,6}\s*(?=[:A-Z])", re.IGNORECASE)
 PARAMETER = re.compile(r"(?:[EAMTZDIQCB][BWD]?\s+\d|K[A-Z]\s|[A-Z]+/[A-Z]+/)", re.IGNORECASE)
 PRINTED = re.compile(r"\s*(?:[0-9A-F]{4,6}\s+)?[A-Z0-9_]{0,8}\s*:", re.IGNORECASE)
 ADDS = re.compile(r"(?:\d*\s*:)?\s*\+\s*-?\d")  # STEP 7 adds a constant: a statement without a letter
-DECLARES = ("BEZ", "DECL")  # a parameter of a function block of STEP 5: BEZ :EIN  E/A/D/B/T/Z: E  BI/BY/W/D: BI
+DECLARES = re.compile(r"(?:BEZ|DECL)\s*:.*\b[EI]/[AQ]/D/B/[TC]", re.IGNORECASE)  # BEZ :EIN  E/A/D/B/T/Z: E  BI/BY/W/D: BI, of STEP 5
 LABELLED = re.compile(r"([A-Z_][A-Z0-9_]{0,23})?\s*:\s*(.*)$", re.IGNORECASE)
 WORD = re.compile(
     r"(==[IDR]|<>[IDR]|[><]=?[IDRFG]|>=[IDFG]|<=[IDFG]|!=[FDG]|><[FDG]|[+\-*/:X][IDRFG]\b|[LT]AR[12]\b|\+AR[12]\b|\+|[A-Z]+\(|=|\)|[A-Z]+\b)\s*(.*)$",
@@ -186,7 +186,7 @@ class Reader:
         if self._printed and ":" not in body:
             self.found.notes.append(f"line {number}: {part[:60]!r} is taken as print: it has no ':'")
             return
-        if label and ((self.step7 and ":=" in body) or PARAMETER.match(rest) or (label in DECLARES and "/" in rest)):
+        if label and ((self.step7 and ":=" in body) or PARAMETER.match(rest) or DECLARES.match(body)):
             self._refuse(number, part, "subprograms of the integrated PLC have no parameters")
             self._add(Statement(number, "", "?", "", part))
             return
