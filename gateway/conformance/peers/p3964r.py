@@ -85,6 +85,7 @@ from gateway.conformance.peers.p3964r_stations import (
 )
 from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.stations import (
+    ActiveStation,
     AnswersLate,
     Built,
     Chatty,
@@ -267,6 +268,7 @@ VARIANTS = (
     _variant("very-slow", "CP 341 that answers STX after 212 ms", SIEMENS_CP341, make=lambda: AnswersLate(SIEMENS_CP341, late=ms(212))),
     _variant("chatty", "sends every 2 s", make=Chatty),
     _variant("chatty-high", "sends every 2 s, with priority", priority=HIGH, make=lambda: Chatty(RHO3, HIGH)),
+    _variant("active", "an RK512 station with jobs of its own", make=ActiveStation),
     _variant("raw", "raw blocks, no RK512", make=lambda: Built(layer="raw")),
     _variant("powered", "its supply can be switched", make=lambda: Powered(lambda: Built(RHO3, LOW))),
     _variant("read-only", "nothing may be written", touch=False),

@@ -5,6 +5,7 @@ from contextlib import suppress
 from gateway.conformance.suites.line import DLE, NAK, STX, LineTester
 from gateway.conformance.suites.p3964r.refusals import stray_answer
 from gateway.conformance.suites.p3964r.send import FIRST, GAP, MOST, REPEATS, SILENCE, SND, attempts, gives_up, judge_count, same_block
+from gateway.conformance.suites.rk512.telegrams import is_command, serve_command
 from gateway.pure.conformance.verdict import Fail, Inconclusive, Warn
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, wire_block
@@ -283,3 +284,5 @@ def run(t: LineTester) -> None:
         block = t.take()
         if block.fault:
             raise Fail(f"block {count + 1}: {block.fault}", "a block by the rule", block.raw.hex(" ").upper())
+        if is_command(block.data):  # of RK512: its reaction ends the job
+            serve_command(t, block.data)
