@@ -16,7 +16,6 @@ INVALID, ENVIRONMENT = 2, 3  # exit codes: command line, cell or file invalid; e
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before any module loads numpy: more threads only wait for each other (AX-434)
     arguments = list(sys.argv[1:] if argv is None else argv)
     known = {entry.name: entry for entry in entry_points(group=GROUP)}
     if not arguments or arguments[0] in ("-h", "--help", "help"):
