@@ -91,6 +91,15 @@ def test_a_job_taken_back_while_the_partner_sends_never_begins() -> None:
     assert not line.link.untaken
 
 
+def test_the_partner_has_the_line_from_its_stx_to_the_end_of_its_block() -> None:
+    line = Line()
+    assert not line.link.receiving
+    line.at(ms(1)).hears(STX).says(DLE)
+    assert line.link.receiving
+    line.at(ms(2)).hears(BLOCK_B).says(DLE).reports(BlockReceived(b"B"))
+    assert not line.link.receiving
+
+
 def test_nothing_to_take_back() -> None:
     line = Line()
     line.link.revoke()
