@@ -65,14 +65,14 @@ class ExpressionReader:
     def _operand(self) -> Expression:
         token = self._stream.token
         match token.kind:
+            case Kind.NAME:
+                return self._named(token)
             case Kind.NUMBER:
                 self._stream.take()
                 return Number(token.position, _number(token.text))
             case Kind.TEXT:
                 self._stream.take()
                 return Text(token.position, token.text)
-            case Kind.NAME:
-                return self._named(token)
             case Kind.SIGN if token.text == "(":
                 self._stream.take()
                 values = self._list()

@@ -43,7 +43,7 @@ class Token(NamedTuple):
 
 
 _PATTERN = re.compile(
-    r"""(?P<blank>[^\S\n]+)
+    r"""(?:(?P<blank>[^\S\n]+)
       | (?P<line>\n)
       | (?P<instruction>(?:;[ \t]*;|::)[^\n]*)
       | (?P<separator>(?<=\w);(?=[ \t]*@?[^\W\d]\w*[ \t]*=[ \t]*[-+]?[\w.%]+[ \t]*(?:[;,]|\n|$)))
@@ -52,6 +52,7 @@ _PATTERN = re.compile(
       | (?P<name>@?[^\W\d]\w*)
       | (?P<text>'[^'\n]*'|"[^"\n]*")
       | (?P<sign><>|<=|>=|=<|=>|\.\.|[-+*/=<>(),:.\[\]@%])
+    )[^\S\n]*  # blanks behind a token go with it: half as many matches
     """,
     re.VERBOSE | re.DOTALL,
 )
@@ -65,6 +66,7 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
     text, at, line, start = source.text, 0, 1, 0
     name, above, size, match_at = source.name, source.included_from, len(source.text), _PATTERN.match
     new = tuple.__new__  # a call less for each of the many tokens
+    known: dict[str, tuple[Kind, str, str]] = {}  # names and signs that were here before
     while at < size:
         match = match_at(text, at)
         if match is None:
@@ -73,17 +75,22 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
             if text[begin] in QUOTES:  # its end is reported as missing; the text is a value all the same
                 yield Token(Kind.TEXT, text[begin + 1 : at], position)
             continue
-        kind, found = match.lastgroup, match[0]
-        end = match.end()
-        if kind == "line":
-            line, start = line + 1, end
+        kind = match.lastgroup or ""
+        found = match[kind]
+        if (same := known.get(found)) is not None:
+            yield new(Token, (same[0], same[1], new(Position, (name, line, at - start + 1, above)), same[2]))
+        elif kind == "line":
+            line, start = line + 1, at + 1
         elif kind not in SKIPPED:
             position = new(Position, (name, line, at - start + 1, above))
             if kind == "name":
-                yield new(Token, (Kind.NAME, found, position, words.token(found) or ""))
+                known[found] = Kind.NAME, found, words.token(found) or ""
+                yield Token(Kind.NAME, found, position, known[found][2])
             elif kind == "sign":
-                yield new(Token, (Kind.SIGN, _SAME.get(found, found), position, ""))
+                known[found] = Kind.SIGN, _SAME.get(found, found), ""
+                yield Token(Kind.SIGN, known[found][1], position)
             elif kind == "number":
+                end = match.end(kind)
                 if end < size and (text[end].isalpha() or text[end] == "_"):
                     faults.error("number-runs-into-word", position, f"'{found}' runs into the word behind it", "put a blank between them")
                 yield Token(Kind.NUMBER, found, position)
@@ -93,7 +100,7 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
                 yield Token(Kind.INSTRUCTION, found.lstrip(";: \t").partition(";")[0].strip(), position)
         elif kind == "comment" and "\n" in found:
             line, start = line + found.count("\n"), at + found.rindex("\n") + 1
-        at = end
+        at = match.end()
     yield Token(Kind.END, "", source.at(line, at - start + 1))
 
 

@@ -26,8 +26,12 @@ class Lines:
 
     def too_deep(self) -> bool:
         """Whether a row since the last look has more brackets one in the other than Python takes."""
-        rows, self.looked_at = self.rows[self.looked_at :], len(self.rows)
-        return any(len(row) > LONG_ROW and brackets(row) > MOST_BRACKETS for row in rows)
+        first, self.looked_at = self.looked_at, len(self.rows)
+        for at in range(first, self.looked_at):
+            row = self.rows[at]
+            if len(row) > LONG_ROW and brackets(row) > MOST_BRACKETS:
+                return True
+        return False
 
 
 def brackets(row: str) -> int:

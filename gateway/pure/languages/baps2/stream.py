@@ -32,10 +32,12 @@ class Stream:
 
     def _expanded(self, source: SourceFile) -> Iterator[Token]:
         for token in tokens_of(source, self._words, self.faults):
-            word, _, name = token.text.partition(" ")
-            if token.kind is Kind.INSTRUCTION and word.upper() == "INCLUDE":
-                yield from self._included(source, name.strip(" =:"), token.position)
-            elif token.kind is not Kind.END or source.included_from is None:
+            if token.kind is Kind.INSTRUCTION:
+                word, _, name = token.text.partition(" ")
+                if word.upper() == "INCLUDE":
+                    yield from self._included(source, name.strip(" =:"), token.position)
+                    continue
+            if token.kind is not Kind.END or source.included_from is None:
                 yield token
 
     def _included(self, source: SourceFile, name: str, at: Position) -> Iterator[Token]:

@@ -19,6 +19,17 @@ class Type:
     high: int | None = None
     element: str = ""
 
+    def __eq__(self, other: object) -> bool:
+        if self is other:  # most types of a program are the few below
+            return True
+        return isinstance(other, Type) and self.base == other.base and self._rest() == other._rest()
+
+    def __hash__(self) -> int:
+        return hash((self.base, *self._rest()))
+
+    def _rest(self) -> tuple[object, ...]:
+        return self.kinematic, self.low, self.high, self.element
+
     @property
     def is_array(self) -> bool:
         """Whether it has elements."""

@@ -54,12 +54,14 @@ class Typing:
     def of(self, tree: Expression) -> Typed:
         """The typed expression."""
         match tree:
-            case Number(value=value):
-                return self._number(tree.at, value)
-            case Text(value=value):
-                return Typed(CHAR if len(value) == 1 else TEXT, repr(value[:80]), value[:80])
             case Name():
                 return self._name(tree)
+            case Binary():
+                return self._binary(tree)
+            case Number():
+                return self._number(tree.at, tree.value)
+            case Text(value=value):
+                return Typed(CHAR if len(value) == 1 else TEXT, repr(value[:80]), value[:80])
             case Member():
                 return self._member(tree)
             case Index():
@@ -70,8 +72,6 @@ class Typing:
                 return self._call(tree)
             case Unary():
                 return self._unary(tree)
-            case Binary():
-                return self._binary(tree)
 
     def _number(self, at: Position, value: int | float) -> Typed:
         if isinstance(value, int):
