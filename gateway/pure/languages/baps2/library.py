@@ -1,12 +1,12 @@
 """The programs of a user memory: read and checked when first asked for."""
 
-import gc
 from collections.abc import Iterable
 
 from gateway.pure.languages.baps2.reader import read
 from gateway.pure.languages.baps2.translation import Unit, check
 from gateway.pure.languages.baps2.tree import Program
 from gateway.pure.languages.baps2.words import Words
+from gateway.pure.languages.base.collecting import uncollected
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.base.store import ProgramStore
@@ -60,16 +60,11 @@ class Library:
     def examined(self, file: str, text: str) -> tuple[Program | None, Unit | None, Faults]:
         """Reads and checks one source; its tree too, also where it has errors."""
         faults = Faults()
-        searched = gc.isenabled()
-        gc.disable()  # a tree has no cycles, and a third of the time of reading one would go into looking for them
-        try:
+        with uncollected():
             program = self._read(SourceFile(file, text), faults)
             if program is None:
                 return None, None, faults
             unit = check(program, faults, self.tree)
-        finally:
-            if searched:
-                gc.enable()
         return program, (unit if not faults.errors else None), faults
 
     def unit(self, name: str) -> tuple[Unit | None, Faults]:

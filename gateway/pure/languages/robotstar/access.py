@@ -120,6 +120,9 @@ def number(
 
 def whole(machine: Machine, operand: Operand, low: int, high: int, what: str) -> Callable[[], int]:
     """A function that reads an integer and checks its range."""
+    if isinstance(operand, Number) and isinstance(operand.value, int) and low <= operand.value <= high:
+        constant = operand.value
+        return lambda: constant
     get = scalar(machine, operand)
 
     def read() -> int:

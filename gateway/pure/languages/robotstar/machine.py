@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias
 
+from gateway.pure.languages.base.collecting import uncollected
 from gateway.pure.languages.base.requests import Ns, Request
 from gateway.pure.languages.robotstar.faults import IN_THE_STACK, StepFault, operating
 from gateway.pure.languages.robotstar.memory import Memory
@@ -206,7 +207,8 @@ class Machine:
     def _ops(self, program: Program) -> list[Op]:
         version, ops = self._built.get(program.key, (-1, []))
         if version != self.memory.version:
-            ops = self.build(self, program)
+            with uncollected():
+                ops = self.build(self, program)
             self._built[program.key] = (self.memory.version, ops)
         return ops
 

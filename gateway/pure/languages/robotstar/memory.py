@@ -6,6 +6,7 @@ A variable lives with the program that defines it; local ones, too: they keep th
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
+from gateway.pure.languages.base.collecting import uncollected
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.faults import StepFault
@@ -49,8 +50,9 @@ class Memory:
     def read(cls, sources: Iterable[Source], words: Words, faults: Faults) -> "Memory":
         """Reads all sources; what cannot be read is in `faults`."""
         memory = cls(words)
-        for source in sources:
-            memory._take(source, faults)
+        with uncollected():
+            for source in sources:
+                memory._take(source, faults)
         return memory
 
     def _take(self, source: Source, faults: Faults) -> None:

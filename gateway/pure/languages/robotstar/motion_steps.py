@@ -6,7 +6,7 @@ from gateway.pure.languages.robotstar.access import number, structure, valid
 from gateway.pure.languages.robotstar.control_steps import NS, equate_of
 from gateway.pure.languages.robotstar.faults import NO_ARRAY, NOT_FOUND, UNSET, WRONG_TYPES, StepFault
 from gateway.pure.languages.robotstar.machine import Go, Machine, Op
-from gateway.pure.languages.robotstar.operands import Operand, Ref
+from gateway.pure.languages.robotstar.operands import Number, Operand, Ref
 from gateway.pure.languages.robotstar.path import CARTESIAN, PathState, Target
 from gateway.pure.languages.robotstar.program import Step
 from gateway.pure.languages.robotstar.values import AXES, Array, Structure
@@ -26,7 +26,11 @@ def _then(machine: Machine, act: Callable[[], None], following: int) -> Op:
 
 def target_of(slots: dict[str, Operand], machine: Machine) -> Target:
     """The values of a POSITION step."""
-    values = {name: number(machine, operand)() for name, operand in slots.items() if name in CARTESIAN or name in AXES}
+    values = {
+        name: operand.value if isinstance(operand, Number) else number(machine, operand)()
+        for name, operand in slots.items()
+        if name in CARTESIAN or name in AXES
+    }
     frame = number(machine, slots["FRAME"], 0, 2**31 - 1, "frame")() if "FRAME" in slots else 0
     pose = tuple(values[name] for name in CARTESIAN) if "X" in values else ()
     axes = {name: values[name] for name in sorted(values, key=_axis) if name in AXES}

@@ -32,6 +32,10 @@ class Step:
     text: str = ""  # as written, without number and backslash
     slots: Mapping[str, Operand] = field(default_factory=dict)  # the parameters by their place in the command
 
+    def given(self, parameters: tuple[Parameter, ...], slots: Mapping[str, Operand]) -> "Step":
+        """The step with its parameters."""
+        return Step(self.number, self.word, parameters, self.line, self.valid, self.macro, self.text, slots)
+
 
 @dataclass(slots=True)
 class Program:

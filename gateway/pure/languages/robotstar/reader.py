@@ -4,8 +4,8 @@ All faults of the text are collected; a step that cannot be read keeps its numbe
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import SourceFile
@@ -33,6 +33,25 @@ class _Reading:
     source: SourceFile
     faults: Faults
     program: Program
+    # What was read before, by its text: lines and their parts repeat in a program, and nobody changes what is made of them.
+    steps: dict[str, Step] = field(default_factory=dict)  # without a fault
+    parameters: dict[tuple[str, str, int], Parameter] = field(default_factory=dict)
+    descriptors: dict[str, str] = field(default_factory=dict)
+
+    def descriptor(self, text: str) -> str:
+        """The descriptor a text is; "" for none."""
+        found = self.descriptors.get(text)
+        if found is None:
+            found = self.descriptors[text] = self.words.descriptor(text)
+        return found
+
+    def parameter(self, text: str, descriptor: str, column: int) -> Parameter:
+        """One parameter; OperandFault with a sentence."""
+        key = text, descriptor, column
+        found = self.parameters.get(key)
+        if found is None:
+            found = self.parameters[key] = Parameter(operand(text, self.words.equates), descriptor, column)
+        return found
 
     def fault(self, id: str, line: int, text: str, hint: str = "", step: int = 0) -> None:
         """A fault of one line; the program does not run.  `step`: put in front where a START shows the manual's text alone."""
@@ -46,7 +65,8 @@ def read_program(source: SourceFile, name: str, kind: str, words: Words, faults:
     reading = _Reading(words, source, faults, program)
     number = 0
     for line, text in enumerate(source.text.splitlines(), 1):
-        text = _REMARK.sub("", text.replace("\ufeff", "")).strip()
+        text = text.replace("\ufeff", "")
+        text = (_REMARK.sub("", text) if "/*" in text else text).strip()
         if text:
             number += 1
             program.steps.append(_step(reading, number, line, text))
@@ -56,6 +76,16 @@ def read_program(source: SourceFile, name: str, kind: str, words: Words, faults:
 
 def _step(reading: _Reading, number: int, line: int, text: str) -> Step:
     text = unnumbered(text)
+    known = reading.steps.get(text)
+    if known is not None:
+        return Step(number, known.word, known.parameters, line, text=known.text, slots=known.slots)
+    step = _read_step(reading, number, line, text)
+    if step.valid and not step.macro and step.word not in NOT_BUILT:
+        reading.steps[text] = step
+    return step
+
+
+def _read_step(reading: _Reading, number: int, line: int, text: str) -> Step:
     valid = not text.startswith("\\")
     text = text.lstrip("\\").strip()
     assigned = _ASSIGNED.fullmatch(text)
@@ -65,10 +95,10 @@ def _step(reading: _Reading, number: int, line: int, text: str) -> Step:
     if not found:
         reading.fault("rsv.step", line, f"step {number}: {text[:40]!r} does not begin with a command")
         return Step(number, "", line=line, valid=False, text=text)
-    spelling = found["word"].upper()
-    rest = found["rest"]
-    if found["unit"] and found["unit"][1:-1].strip().lower() not in reading.words.units:
-        rest = found["unit"] + rest
+    spelling, unit, rest = found.groups()
+    spelling = spelling.upper()
+    if unit and unit[1:-1].strip().lower() not in reading.words.units:
+        rest = unit + rest
     word, rest = _command(reading.words.words, spelling, rest)
     step = Step(number, word or spelling, line=line, valid=valid, macro=not word, text=text)
     if word == "C":
@@ -109,13 +139,13 @@ def _with_parameters(reading: _Reading, step: Step, rest: str) -> Step:
             )
         return step
     try:
-        parameters = tuple(_parameters(rest, reading.words))
+        parameters = _parameters(rest, reading)
     except OperandFault as fault:
         if step.valid:
             reading.fault("rsv.operand", step.line, str(fault), step=step.number)
         return replace(step, word="" if step.valid else step.word, valid=False, slots={})
     if not step.valid or step.macro:
-        return replace(step, parameters=parameters)
+        return step.given(parameters, step.slots)
     if step.word == "POSITION":
         return _position(reading, step, parameters)
     return _placed(reading, step, parameters, GRAMMAR[step.word])
@@ -128,11 +158,11 @@ def _head_name(rest: str) -> str:
     return (quoted[1] or quoted[2] or "").strip() if quoted else rest
 
 
-def _parameters(rest: str, words: Words) -> Iterator[Parameter]:
+def _parameters(rest: str, reading: _Reading) -> tuple[Parameter, ...]:
     """Parameters in their order: separated by commas, or by spaces where none is missing."""
-    descriptor, expected = "", False
+    parameters: list[Parameter] = []
+    descriptor, expected, at = "", False, 0
     tokens = [(found.group(), found.start() + 1) for found in _TOKEN.finditer(rest)]
-    at = 0
     while at < len(tokens):
         text, column = tokens[at]
         at += 1
@@ -142,7 +172,7 @@ def _parameters(rest: str, words: Words) -> Iterator[Parameter]:
             expected = False
             continue
         following = tokens[at][0] if at < len(tokens) else ""
-        known = words.descriptor(text)
+        known = reading.descriptor(text)
         if following == ":" and not text.startswith(('"', "#")):
             if not known:
                 raise OperandFault(f"{text}: no such descriptor")
@@ -153,15 +183,16 @@ def _parameters(rest: str, words: Words) -> Iterator[Parameter]:
             continue
         if text == ":":
             raise OperandFault("a colon without a descriptor in front of it")
-        yield Parameter(operand(text, words.equates), descriptor, column)
+        parameters.append(reading.parameter(text, descriptor, column))
         descriptor, expected = "", True
     if descriptor:
         raise OperandFault(f"{descriptor}: a value is missing behind the colon")
     if tokens and tokens[-1][0] == ",":
         raise OperandFault("a parameter is missing behind the last comma")
+    return tuple(parameters)
 
 
-def _placed(reading: _Reading, step: Step, parameters: Sequence[Parameter], places: tuple[Place, ...]) -> Step:
+def _placed(reading: _Reading, step: Step, parameters: tuple[Parameter, ...], places: tuple[Place, ...]) -> Step:
     """Each parameter in its place: by its descriptor, an equate by its value, the rest in order."""
     slots: dict[str, Operand] = {}
     for parameter in parameters:
@@ -186,23 +217,33 @@ def _placed(reading: _Reading, step: Step, parameters: Sequence[Parameter], plac
     if missing:
         reading.fault("rsv.parameters", step.line, f"step {step.number}: {step.word}: {', '.join(missing)} missing")
         return replace(step, valid=False, word="")
-    return replace(step, parameters=tuple(parameters), slots=slots)
+    return step.given(parameters, slots)
 
 
 def _place_of(parameter: Parameter, places: tuple[Place, ...], slots: Mapping[str, Operand], word: str) -> Place | None:
-    free = [place for place in places if place.name not in slots]
     if parameter.descriptor:
-        named = [place for place in free if parameter.descriptor in place.descriptors]
-        exact = [place for place in named if parameter.descriptor == place.descriptors[0]]
-        return next(iter(exact or named), None)
-    if isinstance(parameter.operand, Equate):
-        return next((place for place in free if place.kind == "equate"), None)
+        return _place_named(parameter.descriptor, places, slots)
+    equate = isinstance(parameter.operand, Equate)
     if word in DEFINITIONS and isinstance(parameter.operand, Ref) and slots:
         return None
-    return next((place for place in free if place.kind != "equate"), None)
+    for place in places:
+        if (place.kind == "equate") is equate and place.name not in slots:
+            return place
+    return None
 
 
-def _position(reading: _Reading, step: Step, parameters: Sequence[Parameter]) -> Step:
+def _place_named(descriptor: str, places: tuple[Place, ...], slots: Mapping[str, Operand]) -> Place | None:
+    """The free place with this descriptor: rather the one that has it first."""
+    other: Place | None = None
+    for place in places:
+        if descriptor in place.descriptors and place.name not in slots:
+            if descriptor == place.descriptors[0]:
+                return place
+            other = other or place
+    return other
+
+
+def _position(reading: _Reading, step: Step, parameters: tuple[Parameter, ...]) -> Step:
     """POSITION #N, X:.., Y:.., ..: the six values, or those of the axes; or the name of a position variable."""
     slots: dict[str, Operand] = {}
     plain = list(POSITION_ELEMENTS)
@@ -227,15 +268,15 @@ def _position(reading: _Reading, step: Step, parameters: Sequence[Parameter]) ->
             "rsv.position", step.line, f"step {step.number}: POSITION: {wrong}", "robotstar import --points fills in named positions"
         )
         return replace(step, valid=False, word="")
-    return replace(step, parameters=tuple(parameters), slots=slots)
+    return step.given(parameters, slots)
 
 
 def _lacking(slots: Mapping[str, Operand]) -> str:
     cartesian = [name for name in POSITION_ELEMENTS if name in slots]
-    axes = [name for name in slots if _AXIS.fullmatch(name)]
-    if cartesian and len(cartesian) < 6:
-        return f"{', '.join(name for name in POSITION_ELEMENTS if name not in slots)} missing"
-    if cartesian or axes or ("variable" in slots and isinstance(slots["variable"], Ref)):
+    if cartesian:
+        missing = [name for name in POSITION_ELEMENTS if name not in slots]
+        return f"{', '.join(missing)} missing" if missing else ""
+    if any(_AXIS.fullmatch(name) for name in slots) or ("variable" in slots and isinstance(slots["variable"], Ref)):
         return ""
     return "it has no values"
 
