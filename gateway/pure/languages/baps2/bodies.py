@@ -104,7 +104,7 @@ class Bodies:
         """Statements one after the other."""
         rows = tuple(statements)
         for place, statement in enumerate(rows, 1):
-            following = next((row for row in rows[place:] if not isinstance(row, Label | Instruction)), None)
+            following = next((rows[at] for at in range(place, len(rows)) if not isinstance(rows[at], Label | Instruction)), None)
             self.before_move = isinstance(following, Move)
             self.one(statement)
 
