@@ -8,6 +8,7 @@ import os
 import pathlib
 import threading
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
@@ -103,8 +104,8 @@ def test_what_was_heard_before_an_adapter_was_pulled_is_learned(monkeypatch: pyt
             lines.append(f"{at} {side} {byte:02x}\n")
     record.write_text("".join(lines))
 
-    def listen(arguments: object, names: object, tell: object) -> None:
-        replay(characters(record.read_text()), tell)  # type: ignore[arg-type]
+    def listen(arguments: object, names: object, tell: Any) -> None:
+        replay(characters(record.read_text()), tell)
         raise PortError(errno.EIO, "serial port x: is gone (hung up); it is opened again when the adapter is back")
 
     monkeypatch.setattr(line, "_listen", listen)
@@ -159,8 +160,8 @@ def test_ctrl_c_in_a_job_is_no_success(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_ctrl_c_in_a_probe_leaves_its_report(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
-    def broken(wire: object, settings: Settings, operator: object, told: object) -> None:
-        probe(wire, settings, operator, told)  # type: ignore[arg-type]
+    def broken(wire: Any, settings: Settings, operator: Any, told: Any) -> None:
+        probe(wire, settings, operator, told)
         raise KeyboardInterrupt
 
     monkeypatch.setattr(line, "probe", broken)
