@@ -326,7 +326,7 @@ class Supervisor:
                     raise PortError(f"{path}: a run of cell {self.plan.slug!r} is already up; stop it first (Ctrl-C there)")
             path.unlink()
         listener.bind(str(path))
-        listener.listen(8)
+        listener.listen(TOOLS)
         listener.setblocking(False)
         self._selector.register(listener, selectors.EVENT_READ, lambda _: self._accept(listener))
         return listener

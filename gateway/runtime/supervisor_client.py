@@ -7,6 +7,8 @@ import time
 
 from drivers.ports.base import PortError, runtime_dir
 
+RETRY_S = 0.01
+
 
 def ask(slug: str, op: str, timeout_s: float = 5.0, **more: str) -> socket.socket:
     """Open connection with the request sent; the caller reads the answer.  PortError when no such run is up."""
@@ -14,12 +16,24 @@ def ask(slug: str, op: str, timeout_s: float = 5.0, **more: str) -> socket.socke
     connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     connection.settimeout(timeout_s)
     try:
-        connection.connect(str(path))
+        _connect(connection, str(path), time.monotonic() + timeout_s)
         connection.sendall(json.dumps({"op": op, **more}).encode())
     except OSError as error:
         connection.close()
         raise PortError(f"{path}: no run of {slug!r} answers ({error.strerror}); start one: axisgate run CELL --sim") from error
     return connection
+
+
+def _connect(connection: socket.socket, path: str, until: float) -> None:
+    """Waits while others wait to be accepted: a full queue refuses a socket with a time-out at once (unix(7): EAGAIN)."""
+    while True:
+        try:
+            connection.connect(path)
+            return
+        except BlockingIOError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(RETRY_S)
 
 
 def wait_up(slug: str, seconds: float) -> bool:

@@ -1,5 +1,6 @@
 """Tools at a run: what they ask, what they get wrong, and that none of them disturbs the processes (one run for all)."""
 
+import contextlib
 import json
 import os
 import pathlib
@@ -7,13 +8,14 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 
 import pytest
 
 from drivers.emulator.servo.record import read
-from drivers.ports.base import runtime_dir
+from drivers.ports.base import PortError, runtime_dir
 from gateway.runtime.supervisor_client import ask
 from hil_tests.lab.running.bus_running import running_bus
 from hil_tests.lab.running.cell_running import P5_MS, CellRun, gone, left_over, running_cell, runtime_folder, special_files
@@ -153,6 +155,20 @@ def test_tools_that_say_nothing_delay_neither_tools_nor_the_watch(run: CellRun) 
     finally:
         for tool in mute:
             tool.close()
+
+
+def test_a_tool_waits_behind_tools_that_were_not_accepted_yet() -> None:
+    with runtime_folder(), socket.socket(socket.AF_UNIX) as late, contextlib.ExitStack() as tools:
+        late.bind(str(runtime_dir() / "late.sock"))
+        late.listen(1)
+        for _ in range(2):  # the queue is full
+            tools.enter_context(ask("late", "status"))
+        with pytest.raises(PortError, match="no run of 'late' answers"):
+            ask("late", "status", timeout_s=0.1)
+        accepting = threading.Timer(0.1, lambda: tools.enter_context(late.accept()[0]))
+        accepting.start()
+        tools.enter_context(ask("late", "status", timeout_s=5.0))
+        accepting.join()
 
 
 # ---- the end ----------------------------------------------------------------------------------------------------------
