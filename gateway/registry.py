@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from gateway.pure.cell.modbus import Modbus
     from gateway.pure.controllers.control import Control
     from gateway.pure.languages.base.hosting import Port, Programs
+    from gateway.pure.lines.decoder import Decoder
     from gateway.pure.modbus.other_views import Image
     from gateway.pure.modbus.registers import Registers
     from gateway.pure.reports.tables import Cell as Field
@@ -51,6 +52,12 @@ def _table(*rows: R) -> Mapping[str, R]:
 # ---- layers of a serial line: `layer` of [[line]] ---------------------------------------------------------------------
 
 
+def _procedure_decoder(line: "Line") -> "Decoder":
+    from gateway.pure.lines.decoder import LineDecoder
+
+    return LineDecoder(both=True, block_check=line.protocol == "3964R")
+
+
 @dataclass(frozen=True, slots=True)
 class LineLayer:
     """What rides on the link of a [[line]]."""
@@ -67,6 +74,7 @@ class LineLayer:
     profile: str = ""  # a station of this profile speaks it whatever the layer says
     dialect: "Callable[[Line], Dialect] | None" = None  # of its blocks
     failure: "Callable[[Failed | Denied], object] | None" = None  # what the partner shows where our own job failed
+    decoder: "Callable[[Line], Decoder]" = _procedure_decoder  # what the characters of such a line mean, for page and monitor
 
 
 def _blocks_source() -> "Callable[..., BaseSource]":

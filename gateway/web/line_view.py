@@ -6,8 +6,9 @@ from typing import Any
 from gateway.observer.tool_link import ServicesLink
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.reasons import Reason, text
-from gateway.pure.lines.decoder import LineDecoder
+from gateway.pure.lines.decoder import Decoder
 from gateway.pure.modbus import texts as modbus_words
+from gateway.registry import LINE_LAYERS
 from gateway.web.german import says, umlauts
 from protocols.base.machine import Damage
 
@@ -52,9 +53,9 @@ class LineViews:
 
     def __init__(self, cell: Cell, desk: ServicesLink) -> None:
         self._desk = desk
-        self._rk512 = {line.name for line in cell.line}
+        self._lines = {line.name: line for line in cell.line}
         self._seen: dict[str, int] = {}
-        self._decoders: dict[str, LineDecoder] = {}
+        self._decoders: dict[str, Decoder] = {}
         self._told: dict[str, deque[Row]] = {}
 
     async def look(self) -> dict[str, list[Row]]:
@@ -68,7 +69,10 @@ class LineViews:
         return {line: list(told)[-SHOWN:] for line, told in self._told.items()}
 
     def _take(self, line: str, pieces: list[list[Any]]) -> None:
-        decoder = self._decoders.setdefault(line, LineDecoder(both=True))
+        if line not in self._decoders:
+            table = self._lines[line]
+            self._decoders[line] = LINE_LAYERS[table.layer].decoder(table)
+        decoder = self._decoders[line]
         told = self._told.setdefault(line, deque(maxlen=KEPT))
         for number, stamp, side, what in pieces:
             self._seen[line] = number

@@ -4,7 +4,9 @@ Both sides or one side only (a tap in one wire): with both, a block begins when 
 with whatever follows STX.  Order of the characters: serial-protocols 1.3, 1.4; telegrams: 2.1..2.4.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char
@@ -42,6 +44,13 @@ class LineReport:
     check_ok: bool | None = None
     check_difference: int = 0  # BCC as sent xor BCC by the rule
     first: Ns = 0
+
+
+class Decoder(Protocol):
+    """Puts the characters of both sides of a line into words, as they come."""
+
+    def take(self, stamp: Ns, side: str, what: int | Damage) -> Sequence[LineReport]:
+        """Sentences that this character completes."""
 
 
 @dataclass(slots=True)

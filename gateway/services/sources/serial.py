@@ -35,7 +35,7 @@ class SerialSource(BaseSource):
         self._journal_next: Ns = 0
         self._tell(
             "link",
-            f"command source {self.number} {self.name}: {line.protocol} {line.profile} on {self._run.plan.lines[line.name]}",
+            f"command source {self.number} {self.name}: {self.procedure} on {self._run.plan.lines[line.name]}",
             door=self.number,
         )
 
@@ -57,6 +57,11 @@ class SerialSource(BaseSource):
     def connected(self) -> bool:
         """The port is there."""
         return self._runner is not None and self._runner.state.connected
+
+    @property
+    def procedure(self) -> str:
+        """What is spoken on the line, for the journal; a source with another machine names its own."""
+        return f"{self.line.protocol} {self.line.profile}"
 
     def step(self, now: Ns) -> None:
         super().step(now)
