@@ -6,26 +6,24 @@ a new dispatcher has no jobs, so a command already present starts nothing (desig
 """
 
 import functools
-import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
 
-from drivers.drives.tracking import sentence
+from gateway.pure.arbitration.admission import Admission
+from gateway.pure.arbitration.axis_masks import axes_with, names_of
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.jobs import AxisFacts, DispatcherEvent, Job, OnLoss, SourceState
+from gateway.pure.arbitration.outcomes import Outcomes
 from gateway.pure.arbitration.overrides import Overrides
 from gateway.pure.arbitration.ownership import NOBODY, Ownership
 from gateway.pure.cell.web import PAGE_DOOR
-from gateway.pure.image.belt_texts import belt_words
 from gateway.pure.image.reasons import CommandState, Reason, Refusal
-from gateway.pure.image.records.cell import EVERY_AXIS, AxisFlag, CellState, Motion, Order, OrderRecord, Permit
-from gateway.pure.image.records.planner import PlannerState, ProgramFacts, ProgramOrder, function_words
+from gateway.pure.image.records.cell import EVERY_AXIS, AxisFlag, CellState, Motion, Order, OrderRecord
+from gateway.pure.image.records.planner import PlannerState, ProgramFacts, ProgramOrder
 from protocols.base.machine import Ns, ms
 
 ENABLE_PATIENCE = ms(5_000)  # brake, power and enabling of six drives take well under 2 s
 RESET_PATIENCE = ms(2_000)
-TINY, TRAVELS = 1e-6, 10.0  # AX-010: what looks like a number in another format
-
 
 Planner = Callable[[Sequence[float], Sequence[float], int, float, float, int], bytes]  # start, target (SI), mask, v, a, job -> piece
 ABOUT_AXES = (Code.ENABLE, Code.DISABLE, Code.REFERENCE, Code.PTP_ABSOLUTE, Code.PTP_RELATIVE)
@@ -45,9 +43,9 @@ class CommandDispatcher:
         self.control = Ownership()
         self.cell: CellState | None = None
         self.stopped_moves = 0
-        self.barred = 0  # axes the interface has disabled
-        self.unspoken: dict[int, str] = {}  # axes nothing is ever sent to, and why (AX-436)
+        self.admission = Admission(self.axes)
         self.overrides = Overrides(len(self.axes))
+        self._outcomes = Outcomes(self.axes)
         self._plan = plan
         self._next = first_job
         self._doors: dict[int, SourceState] = {}
@@ -58,14 +56,9 @@ class CommandDispatcher:
         self._first_try = False
         self._moves: list[Job] = []  # moves and reference runs that axes are on: one at most of each lane
 
-    @property
-    def _all(self) -> int:
-        """Mask of all axes."""
-        return (1 << len(self.axes)) - 1
-
     def bar(self, mask: int) -> None:
         """These axes are disabled at the interface: off at once whichever source has control, and not moved until a new start (AX-333)."""
-        new, self.barred = mask & ~self.barred, mask
+        new, self.admission.barred = mask & ~self.admission.barred, mask
         if new & self.enabled_mask():
             self._order(Order.DISABLE, mask=new, reason=Reason.DRIVES_OFF)
 
@@ -73,7 +66,7 @@ class CommandDispatcher:
         """A factor on every override, whichever source has control (AX-1000)."""
         if self.cell is not None:
             for mask, value in self.overrides.multiplied(factor, self.cell):
-                self._order(Order.OVERRIDE, mask=0 if mask == self._all else mask, value=value)
+                self._order(Order.OVERRIDE, mask=0 if mask == self.admission.every_axis else mask, value=value)
 
     def belt_stood(self, place: int, offset: float) -> None:
         """Offset of a belt's counter to its encoder when last seen; NaN: unknown (AX-480)."""
@@ -105,14 +98,11 @@ class CommandDispatcher:
 
     def enabled_mask(self, flag: AxisFlag = AxisFlag.ENABLED) -> int:
         """Axes (bit n-1 = axis n) with `flag` set."""
-        if self.cell is None:
-            return 0
-        wanted, mask, place = int(flag), 0, 1
-        for axis in self.cell.axes[: len(self.axes)]:
-            if int(axis.flags) & wanted:  # plain numbers: arithmetic of enum flags costs a microsecond each
-                mask |= place
-            place <<= 1
-        return mask
+        return axes_with(flag, self.cell, len(self.axes))
+
+    def strayed(self, language: str = "en") -> str:
+        """Axes that did not follow or did not come to rest, as Outcomes.strayed."""
+        return self._outcomes.strayed(self.cell, language)
 
     # ---- time goes on ----------------------------------------------------------------------------------------------------
     def observe(self, cell: CellState, now: Ns) -> None:
@@ -130,91 +120,12 @@ class CommandDispatcher:
     def _settle(self, job: Job, cell: CellState, now: Ns) -> None:
         if job.state is CommandState.ACCEPTED and (cell.moves(job.id) if job.code == Code.PROGRAM else cell.taken >= job.id):
             job.state = CommandState.RUNNING
-        outcome = self._outcome(job, cell)
+        outcome = self._outcomes.of(job, cell)
         if outcome is not None:
-            detail = self._fault(job, cell, outcome)
-            self._end(job, self._ended(job, outcome), outcome, detail)
+            detail = self._outcomes.fault(job, cell, self.planner, outcome)
+            self._end(job, self._outcomes.ended(job, outcome), outcome, detail)
         elif job.until is not None and now >= job.until:
-            self._end(job, CommandState.ABORTED, *self._why_not(job, cell))
-
-    @staticmethod
-    def _ended(job: Job, outcome: Reason) -> CommandState:
-        """A program that failed before anything moved was refused."""
-        if outcome is Reason.NONE:
-            return CommandState.DONE
-        untried = outcome in (Reason.PROGRAM_FAULT, Reason.DRIVE_ON_NOT_AVAILABLE)
-        refused = job.code == Code.PROGRAM and job.state is CommandState.ACCEPTED and untried
-        return CommandState.REFUSED if refused else CommandState.ABORTED
-
-    def _fault(self, job: Job, cell: CellState, outcome: Reason) -> str:
-        """The planner's words: line, block, axis and the manual's number; or which axis did not follow."""
-        if outcome is Reason.FOLLOWING_ERROR:
-            return self.strayed()
-        if outcome in (Reason.BELT_FAULT, Reason.ALTER_FAULT):
-            axis = self.axes[cell.belt_axis - 1].name if 0 < cell.belt_axis <= len(self.axes) else ""
-            return belt_words(cell.belt_code, cell.belt_block or (self.planner.of(job.watch).block if self.planner else 0), axis)
-        if outcome is Reason.SERVO_ERROR:
-            return self.axes[cell.belt_axis - 1].name if 0 < cell.belt_axis <= len(self.axes) else ""
-        if outcome in (Reason.DRIVE_ON_NOT_AVAILABLE, Reason.DRIVE_ON_NOT_ALLOWED):
-            drive_axis = cell.lane_of(job.span).drive_axis
-            return f"axis {self.axes[drive_axis - 1].name}" if 0 < drive_axis <= len(self.axes) else ""
-        if outcome is Reason.NOT_READY:
-            off = ", ".join(axis.name for n, axis in enumerate(self.axes) if (job.mask & ~self.enabled_mask()) >> n & 1)
-            return f"drives off: {off}" if off else "its axes move or are being referenced"
-        if outcome is Reason.OUTPUT_IN_USE:
-            return function_words(cell.lane_of(job.span).path_stop)
-        planner = self.planner.of(job.watch) if self.planner is not None else None
-        if outcome is not Reason.PROGRAM_FAULT or planner is None or planner.failed_job != job.watch:
-            return ""
-        return planner.fault
-
-    def strayed(self, language: str = "en") -> str:
-        """Axes that did not follow or did not stand, each with the number and words of the old error list; empty: none."""
-        found = self.cell.axes if self.cell is not None else []
-        told = [(axis.name, found[n].finding) for n, axis in enumerate(self.axes[: len(found)]) if found[n].finding]
-        return ", ".join(f"{name} {sentence(number, language)}" for name, number in told)
-
-    def _outcome(self, job: Job, cell: CellState) -> Reason | None:
-        """NONE: done; a reason: aborted; None: still open."""
-        if cell.taken < job.id:
-            return None
-        job.also = tuple(other for other in job.also if not cell.done(other))
-        failed = cell.failure(job.watch or (job.id if job.code == Code.ENABLE else 0))
-        if job.watch:
-            done = cell.done(job.watch)
-            if job.also and (done or not failed):
-                if done:
-                    job.watch, job.also = job.also[0], job.also[1:]
-                return None
-            return Reason.NONE if done else Reason(failed) if failed else None
-        if failed:
-            return Reason(failed)
-        return Reason.NONE if self._reached(job, cell) else None
-
-    def _reached(self, job: Job, cell: CellState) -> bool:
-        """Whether what the command asks for stands."""
-        enabled = self.enabled_mask() & job.mask
-        match job.code:
-            case Code.ENABLE:
-                return enabled == job.mask
-            case Code.DISABLE:
-                return not enabled
-            case Code.STOP:
-                return cell.rests(job.id)
-            case Code.ABANDON | Code.REQUEST_CONTROL:
-                return cell.motion_of(job.span) is Motion.IDLE
-            case Code.FAULT_RESET:
-                return not cell.emergency and not self.enabled_mask(AxisFlag.FAULT | AxisFlag.LOST)
-            case _:
-                return True
-
-    def _why_not(self, job: Job, cell: CellState) -> tuple[Reason, str]:
-        if cell.emergency:
-            return Reason.EMERGENCY_STOP, ""
-        faults = [f"{a.name} fault {cell.axes[n].fault_code}" for n, a in enumerate(self.axes) if cell.axes[n].flags & AxisFlag.FAULT]
-        if faults:
-            return Reason.DRIVE_FAULT, ", ".join(faults)
-        return Reason.TIME_OUT, Code(job.code).name.lower()
+            self._end(job, CommandState.ABORTED, *self._outcomes.why_not(job, cell))
 
     def _end(self, job: Job, state: CommandState, reason: Reason, detail: str = "") -> None:
         job.state, job.reason, job.detail = state, reason, detail or job.detail
@@ -257,7 +168,7 @@ class CommandDispatcher:
         if cell is None or not cell.generation:
             raise Refusal(Reason.NOT_READY, "the cycle does not run")
         if code in (*ABOUT_AXES, Code.REQUEST_CONTROL, Code.RELEASE_CONTROL):
-            job.span = cell.span(job.mask & self._all)
+            job.span = cell.span(job.mask & self.admission.every_axis)
         at_rest = cell.motion_of(job.span) in (Motion.IDLE, Motion.STOPPED)
         match code:
             case Code.REQUEST_CONTROL:
@@ -270,7 +181,7 @@ class CommandDispatcher:
                 self._stop(job, cell)
             case _:
                 self.control.demand(job.door)
-                if code not in ABOUT_AXES or not job.mask & self._all:
+                if code not in ABOUT_AXES or not job.mask & self.admission.every_axis:
                     job.span = self.control.axes_of(job.door)  # what names no axes is about those it has
                 self.control.demand(job.door, job.span)
                 self._owners_command(job, code, command, cell, now)
@@ -298,7 +209,7 @@ class CommandDispatcher:
         move = next(iter(self._moves_of(span)), None)
         if move is None:
             return ""
-        names = ", ".join(axis.name for n, axis in enumerate(self.axes) if (mask & move.mask or move.mask) >> n & 1)
+        names = names_of(self.axes, mask & move.mask or move.mask)
         what = move.what or Code(move.code).name.lower().replace("_", " ")
         return f"{names}: {what} of command source {move.door} is under way"
 
@@ -327,7 +238,7 @@ class CommandDispatcher:
         if cell is None or not cell.generation:
             raise Refusal(Reason.NOT_READY, "the cycle does not run")
         self.control.demand(move.door, move.span)
-        self._may_move(cell, self._in_loop(move), idle=False)
+        self._may_move(cell, self.admission.in_loop(move, cell), idle=False)
         if cell.override_of(move.span) <= 0.0:
             raise Refusal(Reason.OVERRIDE_ZERO)
         if not back:
@@ -345,19 +256,19 @@ class CommandDispatcher:
     def _owners_command(self, job: Job, code: Code, command: Command, cell: CellState, now: Ns) -> None:
         match code:
             case Code.ENABLE:
-                self._mask(job)
-                self._spoken_to(job.mask)
-                self._may_enable(cell)
+                self.admission.mask(job)
+                self.admission.spoken_to(job.mask)
+                self.admission.may_enable(cell)
                 job.until = now + ENABLE_PATIENCE
                 self._order(Order.ENABLE, job.id, mask=job.mask)
             case Code.DISABLE:
-                self._mask(job)
+                self.admission.mask(job)
                 job.until = now + ENABLE_PATIENCE
                 self._order(Order.DISABLE, job.id, mask=job.mask)
             case Code.REFERENCE:
-                self._mask(job)
+                self.admission.mask(job)
                 self._may_move(cell, job.mask, referenced=False)
-                self._can_be_referenced(job.mask)
+                self.admission.can_be_referenced(cell, job.mask)
                 self._moving(job)
                 self._order(Order.REFERENCE, job.id, mask=job.mask, reason=_without_services(job))
             case Code.PTP_ABSOLUTE | Code.PTP_RELATIVE:
@@ -386,7 +297,7 @@ class CommandDispatcher:
         if not moves:
             raise Refusal(Reason.NOTHING_TO_RESUME)
         for move in moves:
-            self._may_move(cell, self._in_loop(move), idle=False)
+            self._may_move(cell, self.admission.in_loop(move, cell), idle=False)
         for move in moves:
             move.reason, move.detail = Reason.NONE, ""
         job.watch, job.also = moves[0].id, tuple(move.id for move in moves[1:])
@@ -398,22 +309,15 @@ class CommandDispatcher:
         self._moves.append(job)
 
     def _ptp(self, job: Job, command: Command, cell: CellState, *, relative: bool) -> None:
-        self._mask(job)
+        self.admission.mask(job)
         if job.mask >> len(command.targets):
             missing = ", ".join(axis.name for n, axis in enumerate(self.axes) if n >= len(command.targets) and job.mask >> n & 1)
             raise Refusal(Reason.MASK, f"{job.mask:04X}h; {len(command.targets)} targets are given, none for {missing}")
         alone = self._first_try and relative and job.mask.bit_count() == 1
         self._may_move(cell, job.mask, referenced=not alone)
-        self._rates(command, cell.override_of(job.span))
+        self.admission.rates(command, cell.override_of(job.span))
         start = [axis.set for axis in cell.axes[: len(self.axes)]]
-        target = list(start)
-        for n, axis in enumerate(self.axes):
-            if job.mask >> n & 1:
-                self._plausible(axis, command.targets[n], relative=relative)
-                wanted = command.targets[n] + (start[n] / axis.si if relative else 0.0)
-                if not axis.low <= wanted <= axis.high and not (relative and axis.endless):
-                    raise Refusal(Reason.TARGET_LIMIT, f"{axis.name} {wanted:.3f} {axis.unit}; {axis.low:g}..{axis.high:g} {axis.unit}")
-                target[n] = wanted * axis.si
+        target = self.admission.ptp_targets(job.mask, command, start, relative=relative)
         piece = self._plan(start, target, job.mask, command.velocity, command.acceleration, job.id)
         self._moving(job)
         self._order(Order.MOVE, job.id, mask=job.mask, reason=_without_services(job), piece=piece)
@@ -435,7 +339,7 @@ class CommandDispatcher:
                 raise Refusal(Reason.NOT_READY, "the cycle does not run")
             job.span = cell.span(mask)
             self.control.demand(door, job.span)
-            self._may_move(cell, self._in_loop(job))
+            self._may_move(cell, self.admission.in_loop(job, cell))
             if cell.override_of(job.span) <= 0.0:
                 raise Refusal(Reason.OVERRIDE_ZERO)
             self._begin(job, ProgramOrder(job.id, 0, 1.0, 1.0, robot))
@@ -454,8 +358,8 @@ class CommandDispatcher:
         job.mask, job.what = self.programs[number].mask, f"program {number} {self.programs[number].name}"
         job.span = cell.span(job.mask)
         self.control.demand(job.door, job.span)
-        self._may_move(cell, self._in_loop(job))
-        self._rates(command, cell.override_of(job.span))
+        self._may_move(cell, self.admission.in_loop(job, cell))
+        self.admission.rates(command, cell.override_of(job.span))
         self._begin(job, ProgramOrder(job.id, number, command.velocity, command.acceleration))
 
     def _begin(self, job: Job, order: ProgramOrder) -> None:
@@ -468,74 +372,13 @@ class CommandDispatcher:
         self._order(Order.PROGRAM, job.id, mask=job.mask, reason=_without_services(job))
         self._programs.append(order)
 
-    def _in_loop(self, job: Job) -> int:
-        """Axes of a move that have to be enabled.  A program does without axes that somebody has switched off or disabled, one by one
-        (rho 3 L1295-1330): it ends where it would move one of them."""
-        off = job.mask & ~self.enabled_mask()
-        amiss = self.enabled_mask(AxisFlag.ON | AxisFlag.FAULT | AxisFlag.LOST | AxisFlag.UNCONFIGURED) & ~self.barred
-        return job.mask if job.code != Code.PROGRAM or off == job.mask or off & amiss else job.mask & ~off
-
-    def _spoken_to(self, mask: int) -> None:
-        for axis, why in self.unspoken.items():
-            if mask >> axis & 1:
-                raise Refusal(Reason.NOT_READY, why)
-
-    @staticmethod
-    def _rates(command: Command, override: float) -> None:
-        for name, value in (("velocity", command.velocity), ("acceleration", command.acceleration)):
-            if not 0.0 < value <= 1.0:
-                raise Refusal(Reason.RATE, f"{name} {value:.2%}; 0.01..100 %")
-        if override <= 0.0:
-            raise Refusal(Reason.OVERRIDE_ZERO)
-
-    @staticmethod
-    def _plausible(axis: AxisFacts, value: float, *, relative: bool) -> None:
-        """AX-010: a target that only a number read in the wrong format would have."""
-        travel = axis.high - axis.low
-        if not math.isfinite(value) or (value != 0.0 and abs(value) < TINY) or abs(value) > TRAVELS * travel:
-            kind = "distance" if relative else "target"
-            raise Refusal(
-                Reason.FORMAT_SUSPICION,
-                f"{axis.name} {kind} {value:.3g} {axis.unit} looks like KG read as IEEE (travel {travel:g} {axis.unit})",
-            )
-
-    def _mask(self, job: Job) -> None:
-        if job.mask == 0 or job.mask & ~self._all:
-            raise Refusal(Reason.MASK, f"{job.mask:04X}h; this cell has {len(self.axes)} axes: 0001h..{self._all:04X}h")
-        if job.mask & self.barred and job.code != Code.DISABLE:
-            names = ", ".join(axis.name for n, axis in enumerate(self.axes) if (job.mask & self.barred) >> n & 1)
-            raise Refusal(Reason.DRIVES_OFF, f"{names} disabled at the interface")
-
-    def _can_be_referenced(self, mask: int) -> None:
-        """An absolute axis needs no reference run, but a zero."""
-        missing = mask & ~self.enabled_mask(AxisFlag.REFERENCED)
-        names = ", ".join(axis.name for n, axis in enumerate(self.axes) if missing >> n & 1 and axis.absolute)
-        if names:
-            raise Refusal(
-                Reason.NOT_REFERENCED, f'{names}: home.by = "none" and no zero is known; set it: axisgate axis zero CELL AXIS --at POSITION'
-            )
-
-    @staticmethod
-    def _may_enable(cell: CellState) -> None:
-        if cell.emergency or not cell.permits & Permit.CHAIN:
-            raise Refusal(Reason.EMERGENCY_STOP)
-        if not cell.permits & Permit.CONTROL:
-            raise Refusal(Reason.CONTROL_NOT_ALLOWED)
-
     def _may_move(self, cell: CellState, mask: int, *, referenced: bool = True, idle: bool = True) -> None:
-        self._may_enable(cell)
+        self.admission.may_enable(cell)
         motion = cell.motion_of(cell.span(mask))
         if idle and motion is not Motion.IDLE:
             stopped = motion is Motion.STOPPED
             raise Refusal(Reason.BUSY, "resume or abandon the stopped move first" if stopped else self._moved_by(mask, cell.span(mask)))
-        if not cell.permits & Permit.FEED:
-            raise Refusal(Reason.FEED_NOT_ALLOWED)
-        if not cell.permits & Permit.TRAVEL:
-            raise Refusal(Reason.TRAVEL_NOT_ALLOWED)
-        for flag, reason in ((AxisFlag.ENABLED, Reason.DRIVES_OFF), (AxisFlag.REFERENCED, Reason.NOT_REFERENCED)):
-            missing = mask & ~self.enabled_mask(flag)
-            if missing and (flag is AxisFlag.ENABLED or referenced):
-                raise Refusal(reason, ", ".join(axis.name for n, axis in enumerate(self.axes) if missing >> n & 1))
+        self.admission.may_travel(cell, mask, referenced=referenced)
 
     def _order(self, order: Order, job: int = 0, *, mask: int = 0, value: float = 0.0, reason: int = 0, piece: bytes = b"") -> None:
         if not job:
@@ -556,7 +399,7 @@ class CommandDispatcher:
         own = self.control.axes_of(door)
         moving = self.cell.motion_of(own) in (Motion.RUNNING, Motion.REFERENCING)
         if on_loss is OnLoss.QUICK_STOP:
-            self._order(Order.DISABLE, mask=self._all & own, reason=Reason.LINK_LOST)
+            self._order(Order.DISABLE, mask=self.admission.every_axis & own, reason=Reason.LINK_LOST)
         elif on_loss in (OnLoss.STOP, OnLoss.HOLD) and moving:
             self._order(Order.STOP, mask=_named(own), reason=Reason.LINK_LOST)
         if moving and on_loss is not OnLoss.FINISH:
