@@ -18,7 +18,7 @@ from gateway.pure.arbitration.command_block import Code
 from gateway.pure.cycle.core import CycleLogic
 from gateway.pure.image.records.cell import InputImage, Motion, OrderRecord
 from gateway.pure.image.records.planner import BlockRecord, Say
-from hil_tests.bench.figure_row import Figure, row
+from hil_tests.bench.figure_row import EMPTY_LOOP, Figure, loop_turns, row
 from hil_tests.lab.cells.arm_and_scara import CELL
 from hil_tests.lab.virtual.cell_402_bench import Cell402Bench
 from hil_tests.lab.virtual.cell_bench import ENABLING
@@ -160,7 +160,7 @@ def run(rounds: int = 4, blocks: int = BLOCKS) -> list[Figure]:
     first, answers = firsts(bench)
     return [
         row("lanes.step_ratio", four / one, f"median, {LANES} lanes of {AXES // LANES} axes to one of {AXES}", 1.5, "one lane, us", one),
-        row("stream.blocks_per_s", blocks / spent, f"blocks of {STEP:g} mm, {SHORT}", 1000.0, at_least=True),
+        row("stream.blocks_per_s", blocks / spent, f"blocks of {STEP:g} mm, {SHORT}", 1000.0, EMPTY_LOOP, loop_turns(), at_least=True),
         row("stream.starved", float(stood), "periods without way between the first block and the last", 0.0),
         row("stream.speed", whole / streamed, "of the same program read whole", 0.95, "whole, s", whole, at_least=True),
         row("stream.first_ms", first[-1], "ms from the order to the first set value, most", 100.0),

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 
 from gateway.pure.languages.plc.plc import Plc
-from hil_tests.bench.figure_row import Figure, row
+from hil_tests.bench.figure_row import EMPTY_LOOP, Figure, loop_turns, row
 
 PART = """U E0.{0}
 UN M{1}.3
@@ -82,5 +82,5 @@ def run(count: int = 2_000) -> list[Figure]:
         row("plc.scan_1000", scans[len(scans) // 2], "ms", 0.1, "empty loop of 1,000 turns", anchor),
         row("plc.scan_1000_p99", scans[len(scans) * 99 // 100], "ms", 0.2, "empty loop of 1,000 turns", anchor),
         row("plc.display_1000", shown[len(shown) // 2], "ms", 0.5, "empty loop of 1,000 turns", anchor),
-        row("plc.translate_10000", translated / 1e3, "s", 1.0),
+        row("plc.translate_10000", translated / 1e3, "s", 1.0, EMPTY_LOOP, loop_turns()),
     ]

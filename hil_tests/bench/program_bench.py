@@ -14,7 +14,7 @@ from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.words import Words, words_of
 from gateway.pure.languages.base.hosting import PathState, View
-from hil_tests.bench.figure_row import Figure, row
+from hil_tests.bench.figure_row import EMPTY_LOOP, Figure, loop_turns, row
 from hil_tests.lab.virtual.baps2_bench import CELL, HEAD, VirtualPort
 
 LINES, TURNS, INSIDE = 100_000, 400_000, 6
@@ -140,13 +140,10 @@ def blocks_s() -> float:
 
 def run() -> list[Figure]:
     """All figures; the anchor is an empty loop of Python in the same run."""
-    began = time.perf_counter()
-    for _ in range(10_000_000):
-        pass
-    anchor = 10_000_000 / (time.perf_counter() - began)
+    anchor = loop_turns()
     return [
-        row("program.statements_s", statements_s(), "1/s", FAST, "turns of an empty Python loop a second", anchor, at_least=True),
-        row("program.loops_cpu", loops_cpu(), "of a core", LOOPS_CPU, "turns of an empty Python loop a second", anchor),
-        row("program.blocks_s", blocks_s(), "1/s", BLOCKS_S, "turns of an empty Python loop a second", anchor, at_least=True),
-        row("program.parse_s", parse_s(), "s", QUICK_S, "turns of an empty Python loop a second", anchor),
+        row("program.statements_s", statements_s(), "1/s", FAST, EMPTY_LOOP, anchor, at_least=True),
+        row("program.loops_cpu", loops_cpu(), "of a core", LOOPS_CPU, EMPTY_LOOP, anchor),
+        row("program.blocks_s", blocks_s(), "1/s", BLOCKS_S, EMPTY_LOOP, anchor, at_least=True),
+        row("program.parse_s", parse_s(), "s", QUICK_S, EMPTY_LOOP, anchor),
     ]
