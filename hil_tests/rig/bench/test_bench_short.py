@@ -25,7 +25,7 @@ FIGURES = {
 def test_every_figure_is_measured(name: str) -> None:
     command = [sys.executable, "-m", "gateway", "bench", name, "--json", "--blocks", "1", "--seconds", "1"]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
-    assert done.returncode in (0, 1), done.stderr[-2000:]
+    assert done.returncode in (0, 1), done.stderr[-4000:]
     figures = json.loads(done.stdout)
     assert {figure["figure"] for figure in figures} == {f"{name}.{figure}" for figure in FIGURES[name]}
     for figure in figures:

@@ -2,7 +2,11 @@
 
 import json
 import math
+import pathlib
 
+import pytest
+
+from hil_tests.bench import command
 from hil_tests.bench.command import PAGE, known, page, sentence
 from hil_tests.bench.figure_row import row
 
@@ -21,3 +25,20 @@ def test_a_reference_that_was_not_taken_is_left_empty() -> None:
     assert sentence(figure) == "met   x.y: 2.0 ms  (goal 3.0; by hand)"
     assert sentence(known(row("x.y", math.inf, "ms", 3.0))) == "MISS  x.y: inf ms  (goal 3.0)"
     assert sentence(known(row("x.y", 2.0, "ms", 3.0, "by hand", 4.0))) == "met   x.y: 2.0 ms  (goal 3.0; by hand: 4.0)"
+
+
+def test_a_bench_that_breaks_off_costs_the_others_nothing(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken(arguments: object) -> list[command.Figure]:
+        raise TimeoutError("the cell did not come up")
+
+    figure: command.Figure = {"figure": "b.x", "value": 1.0, "unit": "s", "goal": 2.0, "met": True}
+    monkeypatch.setattr(command, "BENCHES", {"a": broken, "b": lambda arguments: [figure]})
+    monkeypatch.setattr(command, "PAGE", tmp_path / "benchmarks.md")
+    monkeypatch.setattr(command, "REFERENCES", ())
+    assert command.main(["all"]) == 3
+    assert not (tmp_path / "benchmarks.md").exists()
+    said = capsys.readouterr()
+    assert "b.x" in said.out
+    assert "the cell did not come up" in said.err and "not measured: a " in said.err
