@@ -150,8 +150,14 @@ def _done(own: Instance, call: "Call[int] | Call[float] | Call[str]") -> Waiting
     """Waits for it; an asynchronous task yields its turn once in any case (L3368)."""
     if not own.machine.current_is_synchronous:
         yield own.machine.now
-    own.machine.sio.settle()
+    _settle(own)
     while not call.done:
         yield None
-        own.machine.sio.settle()
+        _settle(own)
     return call.result()
+
+
+def _settle(own: Instance) -> None:
+    """The channels as they are at this line: a call that may not wait (time-out -1) has ended then, and costs no cycle (L3391)."""
+    own.machine.sio.now = own.machine.now
+    own.machine.sio.settle()

@@ -41,6 +41,18 @@ def test_reading_waits_as_its_time_out_says() -> None:
     assert found[:6] == [1, 3, 3, pytest.approx(2.0, abs=0.01), 2, 0]
 
 
+@pytest.mark.requirement("VAL-SIO-04", by=IO + "f_sio_get")
+def test_a_poll_of_a_synchronous_task_takes_its_line_and_no_cycle() -> None:
+    """Without a partner, with one that says nothing, and with one that goes: a cycle ends at delay alone."""
+    code = 'sioCtrl(srv1,"timeout",-1)\ntaskCreateSync "p",0.004,b,poll()\ndelay(3)\ntaskKill("p")'
+    poll = "while true\nn[0]=sioGet(srv1,d)+2\nn[n[0]]=n[n[0]]+1\ndelay(0)\nendWhile"
+    app = App(data=DATA + datum("b", "bool"), programs={"start": code, "poll": poll})
+    at = ((1.0, "sio.server=connect"), (2.0, "sio.server=disconnect"))
+    data = run(app, at=at, until=5.0)["globals"]
+    assert isinstance(data, dict)
+    assert data["n"][1] == pytest.approx(500, abs=2) and data["n"][2] == pytest.approx(250, abs=2)
+
+
 @pytest.mark.requirement("VAL-SIO-05", "VAL-SIO-10", by=S + "disconnect")
 def test_a_partner_that_goes_and_a_time_out_of_an_operator() -> None:
     code = (
