@@ -280,6 +280,7 @@ def test_a_sync_waits_for_the_belt_and_sets_its_counter() -> None:
     assert [(event["t"], written([event])) for event in events if event["event"] == "write"] == [(1.0, ["-20.0"])]
 
 
+@pytest.mark.requirement("RHO-BAP-17", by="gateway.pure.languages.baps2.special:Specials._delete")
 def test_command_refuses_to_delete_a_file_that_is_open_even_one_that_is_new() -> None:
     declared = "SPC_FCT : 4 = CMD (VALUE INTEGER : C TEXT : S, T INTEGER : R)\nFILE : LOG, OLD\nTEXT : NAME\nINTEGER : R"
     text = "WRITE_BEGIN LOG\nREAD_BEGIN OLD\nNAME = 'LOG.DAT'\nCMD (3, NAME, NAME, R)\nWRITE PHG, R\n"
@@ -298,6 +299,15 @@ def test_the_compiler_serves_one_process_at_a_time_and_is_free_again_behind_it()
     events = run(body(text, COMPILER), GOOD="PROGRAM GOOD\nBEGIN\nPROGRAM_END\n")
     assert "".join(written(events)) == "0 -7 0"
     assert [event["t"] for event in events if event["event"] == "end"] == [0.02], "a P5 each"
+
+
+@pytest.mark.requirement("RHO-BAP-17", by="gateway.pure.languages.baps2.special:Specials._start")
+def test_command_answers_1092_for_the_start_of_a_program_that_is_not_there_and_goes_on() -> None:
+    text = "NAME = 'NOWHERE'\nCMD (4, NAME, NAME, R)\nWRITE PHG, R, ' '\nNAME = 'GOOD'\nCMD (4, NAME, NAME, R)\nWRITE PHG, R"
+    events = run(body(text, COMPILER), GOOD="PROGRAM GOOD\nBEGIN\nPROGRAM_END\n")
+    assert "".join(written(events)) == "1092 0"
+    assert not short(events, "error"), "the status reports it, no runtime error does"
+    assert "GOOD" in [event["process"] for event in events if event["event"] == "start"]
 
 
 @pytest.mark.requirement("RHO-BAP-17", by="gateway.pure.languages.baps2.compiling:compile_program")
