@@ -147,10 +147,14 @@ def sio_read_num(own: Instance, variable: SioV) -> Waiting:
 
 
 def _done(own: Instance, call: "Call[int] | Call[float] | Call[str]") -> Waiting:
-    """Waits for it; an asynchronous task yields its turn once in any case (L3368)."""
+    """Waits for it; an asynchronous task yields its turn once in any case (L3368).
+
+    What has ended at once does not look at the network: a telegram read byte by byte would cost a system call for each byte.
+    """
     if not own.machine.current_is_synchronous:
         yield own.machine.now
-    _settle(own)
+    if not call.done or own.machine.sio.core.ordered():
+        _settle(own)
     while not call.done:
         yield None
         _settle(own)

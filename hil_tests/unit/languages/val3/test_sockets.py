@@ -53,6 +53,26 @@ def test_a_poll_of_a_synchronous_task_takes_its_line_and_no_cycle() -> None:
     assert data["n"][1] == pytest.approx(500, abs=2) and data["n"][2] == pytest.approx(250, abs=2)
 
 
+@pytest.mark.requirement("VAL-SIO-04", by=IO + "f_sio_get")
+def test_bytes_that_are_there_are_read_without_the_network(monkeypatch: pytest.MonkeyPatch) -> None:
+    code = 'sioCtrl(srv1,"timeout",-1)\nn[0]=sioGet(srv1,d)\nwait(clock()>1)\ntaskCreateSync "p",0.004,b,read()\ndelay(0.1)'
+    read = "while sioGet(srv1,d[2])==1\nn[1]=n[1]+d[2]\nendWhile\nwait(false)"
+    app = App(data=DATA + datum("b", "bool"), programs={"start": code, "read": read})
+    made = machine(app)
+    looks: list[int] = []
+    settle = made.sio.settle
+
+    def look() -> None:
+        looks.append(made.clock)
+        settle()
+
+    monkeypatch.setattr(made.sio, "settle", look)
+    at = ((0.4, "sio.server=connect"), (0.5, "sio.server=hex:" + "01" * 500))
+    data = run(app, on=made, at=at, until=3.0)["globals"]
+    assert isinstance(data, dict) and data["n"][1] == 500
+    assert 0 < sum(1 for when in looks if when > 1_000_000_000) < 10
+
+
 @pytest.mark.requirement("VAL-SIO-05", "VAL-SIO-10", by=S + "disconnect")
 def test_a_partner_that_goes_and_a_time_out_of_an_operator() -> None:
     code = (

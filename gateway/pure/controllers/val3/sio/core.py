@@ -164,6 +164,10 @@ class SioCore:
         line.channel = channel
         line.orders += [Configure(connection.number, channel) for connection in line.connections() if connection.state is State.OPEN]
 
+    def ordered(self) -> bool:
+        """Whether there is something to carry out."""
+        return any(line.orders for line in self._lines.values())
+
     def take_orders(self) -> list[Order]:
         """Carry these out in this order, once."""
         orders = [order for line in self._lines.values() for order in line.orders]
