@@ -153,12 +153,13 @@ class Output:
 class Until:
     """MOVE UNTIL: the block ends early when this input has the value.  channel: a measuring input by its number (rho 3: 6x0 probe, 6xy
     high-speed input), 0: the RC input `number`; error: label the program goes on at when the input never had it, empty: at the next
-    block."""
+    block; within: s of movement after which the block ends without it (MAX_TIME), None: at its target alone."""
 
     number: int
     value: bool = True
     channel: int = 0
     error: str = ""
+    within: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

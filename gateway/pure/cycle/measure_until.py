@@ -12,7 +12,7 @@ from gateway.pure.cycle.axis import HeldAxis
 from gateway.pure.cycle.measured import Measured
 from gateway.pure.cycle.probes import LATE, DriveProbe
 from gateway.pure.image.records.cell import CellState, InputImage, Quality
-from gateway.pure.image.records.planner import UntilInput
+from gateway.pure.image.records.planner import NO_LIMIT, UntilInput
 from motion.execution.stepper import State
 from motion.measure.history import History
 from motion.measure.inputs import Board, InputKind, MeasuringInput
@@ -39,6 +39,8 @@ class CoreMeasure:
         self._stored = False
         self._patience = 0
         self._ended = 0  # cycles since the path ended
+        self._moved = 0  # cycles the part has moved
+        self._late = False  # its time was up before the input came
         self._heard_by = TO_REST_NS // period_ns + LATE  # cycles: until then the drives have told of an edge they passed
 
     def program_started(self) -> None:
@@ -50,14 +52,14 @@ class CoreMeasure:
         """The part that follows ends with this input."""
         self._until, self._history = until, History(self._axes)
         self._level, self._hit, self._stored, self._patience = None, None, False, PATIENT
-        self._ended = 0
+        self._ended, self._moved, self._late = 0, 0, False
         self._probe = DriveProbe(until.drives, until.level) if until.drives else None
         if self._probe is None:
             self._see(until, inputs, now)
 
     def end(self) -> None:
         """The part is over, or the program."""
-        self._until, self._probe = None, None
+        self._until, self._probe, self._late = None, None, False
 
     def hear(self, said: Sequence[tuple[Latched, HeldAxis] | None]) -> None:
         """What the drives' own probes have caught, before look()."""
@@ -77,7 +79,7 @@ class CoreMeasure:
     @property
     def waits(self) -> bool:
         """The edge came, its position is not stored yet; or a drive may have passed it and has not reported it yet."""
-        if self._until is None or self._stored:
+        if self._until is None or self._stored or self._late:
             return False
         if self._hit is not None:
             return self._patience > 0
@@ -92,9 +94,16 @@ class CoreMeasure:
         self._hit = 0
         return True
 
+    def timeless(self) -> bool:
+        """Before the block, where the input has not its value: whether it has no time at all, and nothing moves."""
+        self._late = self._late or (self._until is not None and self._until.within == 0.0)
+        return self._late
+
     def look(self, inputs: InputImage, now: Ns, path: State) -> bool:
         """Once a cycle while the part is on: whether the path is to stop now, or its edge came.  A stopped path stays for its resume."""
         until = self._until
+        if self._late:
+            return False  # what comes while the axes stop is too late
         if until is not None and self._probe is not None:
             self._hit = now if self._hit is None and self._probe.hit else self._hit
             self._ended = self._ended + 1 if path is State.IDLE else 0
@@ -108,6 +117,16 @@ class CoreMeasure:
                 return False  # the level counts when the path goes on
             self._hit = edge
         return self._hit is not None and path is State.RUNNING
+
+    def late(self, path: State) -> bool:
+        """Once a cycle behind look(), where the input has not come: whether the time of the part is up now.  A path that is held does
+        not use it up."""
+        until = self._until
+        if until is None or until.within == NO_LIMIT or self._late or path is not State.RUNNING:
+            return False
+        self._moved += 1
+        self._late = self._moved * self._period_ns >= round(until.within * 1e9)
+        return self._late
 
     def store(self, actual: Sequence[float | None]) -> None:
         """actual: (axes,) as latched at this SYNC, None where the telegram did not come."""

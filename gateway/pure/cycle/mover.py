@@ -298,8 +298,10 @@ class Mover:
 
     def _take_piece(self, data: bytes) -> None:
         program = self.program
-        if self.stepper.state is State.IDLE and not program.met and not self.start.on and self.measure.stands(self._inputs):
-            program.met = True  # it stands already: there is no movement (rho3 4.3)
+        if self.stepper.state is State.IDLE and not program.met and not self.start.on:
+            stands = self.measure.stands(self._inputs)  # it stands already: there is no movement (rho3 4.3)
+            program.late = not stands and self.measure.timeless()
+            program.met = stands or program.late
         if program.met or program.failed:
             return
         try:
@@ -444,8 +446,11 @@ class Mover:
         if looks and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
             stepper.abandon()
             program.met = True
+        elif looks and not program.met and measure.late(stepper.state):
+            stepper.abandon()
+            program.met = program.late = True  # what still comes of the part is dropped as behind an input
         if program.rests and self.free and not measure.waits and not waits:
-            self._state.met = program.met and not program.flushed
+            self._state.met = program.met and not (program.flushed or program.late)
             if measure.on and self.gate.watches:
                 self.gate.accepted()
                 stepper.place(sample.q)
@@ -481,7 +486,7 @@ class Mover:
             if not self.program.failed:
                 self._state.done_job = self.running
                 if program.begun:
-                    self._state.met = program.met and not program.flushed  # of its last part, which nothing rests behind
+                    self._state.met = program.met and not (program.flushed or program.late)  # of its last part, which nothing rests behind
             self._over()
         elif self._arriving * self._period > ARRIVAL_S:
             self._state.fail(self.running, Reason.FOLLOWING_ERROR)

@@ -28,6 +28,7 @@ class ProgramRun:
     held: bool = False  # by an order to the stream: what comes waits
     backward: bool = False  # it goes back along its path as soon as the axes rest
     flushed: bool = False  # the part was ended by an order, not by its input
+    late: bool = False  # the part was ended by its time, not by its input
 
     def order(self, job: int, mask: int = 0) -> None:
         """From now on pieces of this job are taken."""
@@ -47,7 +48,7 @@ class ProgramRun:
 
     def part_over(self) -> None:
         """The next part begins from rest."""
-        self.met, self.rests, self.flushed = False, False, False
+        self.met, self.rests, self.flushed, self.late = False, False, False, False
         self.switches.clear()
 
     def switch(self, entry: Entry) -> None:

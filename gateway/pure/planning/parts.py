@@ -9,6 +9,7 @@ from gateway.pure.image.records.alter import FREEZE, alter_record
 from gateway.pure.image.records.belts import belt_block_record, synchron_record
 from gateway.pure.image.records.inputs import FlyingAt, StartOrder, flying_record, start_record
 from gateway.pure.image.records.planner import (
+    NO_LIMIT,
     FunctionAt,
     MeasuringFacts,
     Part,
@@ -282,14 +283,15 @@ class Measuring:
 
     def wanted(self, until: Until, mask: int) -> UntilInput:
         """Raises ProgramFault inadmissable input for a channel the robot does not have."""
+        within = NO_LIMIT if until.within is None else until.within
         if not until.channel:
-            return UntilInput(until.number, until.value, mask)
+            return UntilInput(until.number, until.value, mask, within=within)
         asked, own = input_of(until.channel), self._own(mask)
         facts = own.get(until.channel)
         if facts is None or asked.kind in (InputKind.MODIFIED, InputKind.NORMAL):
             known = ", ".join(f"ch{channel}" for channel in sorted(own)) or "none"
             raise ProgramFault(INADMISSABLE_INPUT, f"channel {until.channel}; the robot has {known} ([[measuring]])")
-        return UntilInput(facts.input, until.value, facts.mask & mask, asked.by_edge, facts.drives & mask)
+        return UntilInput(facts.input, until.value, facts.mask & mask, asked.by_edge, facts.drives & mask, within)
 
     def start(self, wait: StartWait, mask: int) -> StartOrder:
         """Raises ProgramFault inadmissable input for what is no high-speed input of the robot."""

@@ -16,6 +16,7 @@ from motion.rho3.kinematic import PLANES, mirrored
 
 Part = TypeVar("Part", Pace, Blend, Curving, Block)
 BIG = textkeys.BIG
+LONGEST_WITHIN_S = 1e6
 MOST = 11  # blocks prepared while one runs (rho 3 L7953)
 FLAGS: dict[str, tuple[str, Enum]] = {
     word.value: (field, word) for field, words in (("shoulder", Shoulder), ("elbow", Elbow), ("wrist", Wrist)) for word in words
@@ -141,8 +142,10 @@ def search_of(head: str, rest: list[str]) -> int:
 
 
 def until_of(keys: dict[str, str]) -> Until | None:
-    """until= and error= of a block."""
+    """until=, within= and error= of a block."""
     if "until" not in keys:
+        if "within" in keys:
+            raise Fault("within", "belongs to until=: so long the block moves at most")
         if "error" in keys:
             raise Fault("error", "belongs to until=, whose input never came")
         return None
@@ -150,7 +153,8 @@ def until_of(keys: dict[str, str]) -> Until | None:
     if match is None:
         raise Fault("until", f"{keys['until']!r}: the number of an input (464) or a channel (ch610), with ! in front for its being 0")
     wanted, error = int(match[3]), name("error", keys["error"]) if "error" in keys else ""
-    return Until(0 if match[2] else wanted, not match[1], wanted if match[2] else 0, error)
+    within = number("within", keys["within"], 0.0, LONGEST_WITHIN_S, "s") if "within" in keys else None
+    return Until(0 if match[2] else wanted, not match[1], wanted if match[2] else 0, error, within)
 
 
 def sync_of(head: str, rest: list[str], *, inside: bool) -> Sync:

@@ -195,6 +195,7 @@ def _keys(block: Block, units: tuple[str, ...]) -> list[str]:
     if block.until is not None:
         until = block.until
         found.append(f"until={'' if until.value else '!'}{f'ch{until.channel}' if until.channel else until.number}")
+        found += [] if until.within is None else [f"within={_plain(until.within)}"]
         found += [f"error={until.error}"] if until.error else []
     found += [f"error={block.otherwise}"] if block.otherwise else []
     if block.wait is not None:

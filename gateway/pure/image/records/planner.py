@@ -211,16 +211,20 @@ class MeasuringFacts:
     latch: str = ""  # fIn0, fIn1: it is this fast input of VAL 3
 
 
+NO_LIMIT = -1.0
+
+
 @dataclass(frozen=True, slots=True)
 class UntilInput:
     """RC input `number` has this value.  mask: axes whose positions are stored; by_edge: a probe, it has to change during the block;
-    drives: axes whose drives catch its edge."""
+    drives: axes whose drives catch its edge; within: s of movement after which the part ends without it, NO_LIMIT: at its end."""
 
     number: I32
     level: Yes
     mask: U32 = 0
     by_edge: Yes = False
     drives: U32 = 0
+    within: F64 = NO_LIMIT
 
 
 VOID = -1

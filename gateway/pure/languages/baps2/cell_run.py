@@ -370,14 +370,13 @@ class CellRun(Control):
 
     def _until(self, until: demands.Until) -> str:
         """The input that ends a movement, as the planner knows it."""
-        if until.limit is not None:
-            raise fault(222, "MOVE UNTIL with MAX_TIME")
         number, sign = until.channel % EARLY, "" if until.level else "!"
+        most = lines.within(until.limit)
         self.signal(number, self.now)  # one that is not there is a runtime error of this statement
         if 1 <= number <= USER:
-            return f"until={sign}{FIRST_INPUT + number - 1}"
+            return f"until={sign}{FIRST_INPUT + number - 1}{most}"
         if FIRST_FAST <= number < FIRST_FAST + FAST:
-            return f"until={sign}ch{number}"
+            return f"until={sign}ch{number}{most}"
         raise fault(222, f"MOVE UNTIL with input {until.channel}")
 
     def _target(self, task: Task, lane: Lane, request: demands.MoveTo) -> tuple[float, ...]:

@@ -10,6 +10,7 @@ from gateway.pure.languages.baps2.robots import CellRobot
 from motion.errors import MotionError
 from motion.program.blocks import Interpolation
 from motion.program.passing import Passing, Presets
+from motion.program.text.values import LONGEST_WITHIN_S
 
 LEAST, MOST = 0.01, 500.0  # % of a speed, as the text form takes it
 KINDS = (("V", "path", "V_PTP", "speed", 0), ("A", "pathaccel", "A_PTP", "accel", 1), ("D", "pathdecel", "D_PTP", "decel", 2))
@@ -43,6 +44,11 @@ def system(frame: Frame) -> list[str]:
     if frame == NO_FRAME:
         return ["wc_system WC_UR"]
     return [f"wc_frame SYSTEM {' '.join(f'{value:.10g}' for value in frame)}", "wc_system SYSTEM"]
+
+
+def within(limit: float | None) -> str:
+    """MAX_TIME of MOVE UNTIL (s) as a key behind until=; one below 0 is over at once."""
+    return "" if limit is None else f" within={min(max(limit, 0.0), LONGEST_WITHIN_S):.10g}"
 
 
 def line(wanted: Wanted, world: Sequence[float], shares: Sequence[float], through: Wanted | None = None) -> str:

@@ -160,7 +160,7 @@ ptp joints 1 1
 measure_off ch610
 measure_on ch620
 ptp joints 2 2 wait=!ch611 delay=0.15
-ptp joints 3 3 wait=464 until=ch610
+ptp joints 3 3 wait=464 until=ch610 within=1.5
 """
 
 
@@ -170,7 +170,7 @@ def test_measuring_on_the_way_and_waits_before_a_block_arrive_and_are_written_ag
     assert first.functions[0] == Flying(610, False) and len(first.functions) == 2 and first.wait is None and first.measures
     assert second.functions == (Flying(610, None), Flying(620, True))
     assert second.wait == StartWait(0, False, 611, 0.15) and second.measures
-    assert third.wait == StartWait(464) and third.until == Until(0, True, 610)
+    assert third.wait == StartWait(464) and third.until == Until(0, True, 610, within=1.5)
     again = read(write(program))
     assert [(b.functions, b.wait, b.until) for b in again.blocks] == [(b.functions, b.wait, b.until) for b in program.blocks]
 
