@@ -3,21 +3,27 @@ figures of the integrated PLC.
 """
 
 import functools
+import math
 import time
+from dataclasses import replace
+from itertools import pairwise
 
 from gateway.files.robotstar import words
+from gateway.pure.cell.programs import Program
+from gateway.pure.image.records.planner import ProgramFacts
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.robotstar.checker import check
 from gateway.pure.languages.robotstar.memory import Memory, Source
 from gateway.pure.languages.robotstar.robot import MODES
 from gateway.pure.languages.robotstar.virtual import VirtualCell
 from hil_tests.bench import plc_bench
-from hil_tests.bench.figure_row import Figure, row
-from hil_tests.lab.virtual.reis_bench import ReisCell, at, main
+from hil_tests.bench.figure_row import EMPTY_LOOP, Figure, loop_turns, row
+from hil_tests.lab.virtual.reis_bench import CELL, DOOR, ReisCell, at, main
 
 TURNS, INSIDE, LOADED, EDGES, STARTS = 500_000, 4, 10_000, 100, 10
 FAST, LOAD_S, START_MS, BIT_CYCLES = 1e6, 0.5, 100.0, 5.0
 CYCLE_MS, OUTPUT = 4.0, 2009
+DENSE, APART, ROUND, LONGEST_S = 10_000, 2.0, 60.0, 900.0  # positions; mm between them; radius of the circle they lie on
 LOOP = f"""MPR "P"
 VAR I1
 VAR I2
@@ -94,6 +100,36 @@ def start_ms() -> float:
     return longest
 
 
+class Whole(ReisCell):
+    """A cell whose program 1 is a text that the planner reads whole."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        super().__init__(main("STOP"), cell=replace(CELL, program=(Program(1, "dense.txt"),)))
+        self.bench.office.programs = {1: ProgramFacts("dense", self.mask)}
+
+    def _text(self, number: int) -> str:
+        return self.text
+
+
+def dense(positions: int, speed: int) -> tuple[float, float]:
+    """s that a program of rounded positions on a circle takes, and that the same blocks take as a [[program]]; both begin with a PTP."""
+    angles = [number * APART / ROUND for number in range(positions + 1)]
+    way = [at(round(420 + ROUND * math.cos(angle), 3), round(ROUND * math.sin(angle), 3), 480) for angle in angles]
+    settings = f"BEWEG_ART #LINEAR\nBAHN_GESCHW {speed}\nBAHN_RADIUS 1.0\nUEBERSCHL #EIN"
+    cell = ReisCell(main("\n".join([way[0], settings, *way[1:], "STOP"])))
+    cell.run(seconds=LONGEST_S)
+    whole = Whole("\n".join(cell.lines))
+    job = whole.bench.office.order_program(DOOR, 1, whole.bench.now)
+    whole.until(lambda: not job.open, LONGEST_S)
+    return _moving_s(cell), _moving_s(whole)
+
+
+def _moving_s(cell: ReisCell) -> float:
+    moved = [number for number, (a, b) in enumerate(pairwise(cell.joints)) if a != b]
+    return (moved[-1] - moved[0]) * CYCLE_MS / 1e3
+
+
 def bit_cycles() -> float:
     """From an input of the image to the output the program switches, 99 of 100."""
     cell = ReisCell(main(FOLLOW))
@@ -112,13 +148,12 @@ def bit_cycles() -> float:
 
 def run() -> list[Figure]:
     """The anchor is an empty loop of Python in the same run."""
-    began = time.perf_counter()
-    for _ in range(10_000_000):
-        pass
-    anchor, beside = 10_000_000 / (time.perf_counter() - began), "turns of an empty Python loop a second"
+    anchor, beside = loop_turns(), EMPTY_LOOP
+    streamed, whole = dense(DENSE, 100)
     return [
         row("rsv.steps", steps_s(), "1/s", FAST, beside, anchor, at_least=True),
         row("rsv.load", load_s(), "s", LOAD_S, beside, anchor),
+        row("rsv.dense", streamed / whole, f"of the same [[program]], {DENSE} positions {APART:g} mm apart", 1.01, "[[program]], s", whole),
         row("rsv.start_ms", start_ms(), "ms", START_MS, beside, anchor),
         row("rsv.bit", bit_cycles(), "cycles", BIT_CYCLES, beside, anchor),
         *plc_bench.run(),

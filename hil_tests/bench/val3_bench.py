@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.languages.val3.machine import Machine
 from hil_tests.bench import val3_cell_figures
-from hil_tests.bench.figure_row import Figure, row
+from hil_tests.bench.figure_row import EMPTY_LOOP, Figure, loop_turns, row
 
 SPACE = "http://www.staubli.com/robotics/VAL3/"
 XSI = 'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
@@ -104,10 +104,7 @@ def load_s() -> float:
 
 def run(seconds: float = val3_cell_figures.SYNC_S) -> list[Figure]:
     """The anchor is an empty loop of Python in the same run."""
-    began = time.perf_counter()
-    for _ in range(10_000_000):
-        pass
-    anchor, beside = 10_000_000 / (time.perf_counter() - began), "turns of an empty Python loop a second"
+    anchor, beside = loop_turns(), EMPTY_LOOP
     return [
         row("val3.lines", lines_s(), "1/s", FAST, beside, anchor, at_least=True),
         row("val3.mix", mix_s(), "1/s", MIXED, beside, anchor, at_least=True),

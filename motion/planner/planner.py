@@ -312,7 +312,7 @@ class Planner:
         if not ready or (ahead > self.lead_s and self._few(ready)):
             return None
         known = self._fresh[ready - 1].stop or ready >= self.window
-        if ahead > max(self.ahead_s if hurry else self.horizon_s, 2.0 * self.lead_s * self._patience):
+        if ahead > max(self.ahead_s if hurry else self.horizon_s, 2.0 * self.lead_s * self._patience + self._carried()):
             return None
         if not self._planned or self._planned[-1].stops:
             if not (known or hurry or ready < len(self._fresh) or any(stretch.stop for stretch in self._fresh)):
@@ -352,7 +352,12 @@ class Planner:
         last = self._planned[-1]
         if last.quick is None:
             return None
-        return next(((at, number) for at, number in last.cuts if at >= tau + self.lead_s * self._patience + self.queued_s), None)
+        lead = max(self.lead_s * self._patience, self.lead_s * IN_TIME + self._carried()) + self.queued_s
+        return next(((at, number) for at, number in last.cuts if at >= tau + lead), None)
+
+    def _carried(self) -> float:
+        """Until all pieces of a tail are with the axes: it has about as many as the law that it replaces."""
+        return self.carried_s * (len(self._planned[-1].cuts) + len(self._fresh)) if self._planned else 0.0
 
     def _from_rest(self, row: list[Stretch]) -> Work[list[TimedPiece]]:
         """A law of its own: near the optimum where the path ends at rest by itself, a quick one where it will go on."""

@@ -15,7 +15,7 @@ from gateway.pure.languages.robotstar.lines import line, rest_of_circle, tool_li
 from gateway.pure.languages.robotstar.machine import Go
 from gateway.pure.languages.robotstar.path import CIRCLES, Target
 
-FEWEST, MOST, AHEAD_NS = 4, 200, 1_000_000_000  # positions that may be prepared, and how much motion
+FEWEST, MOST, AHEAD_NS = 4, 200, 2_000_000_000  # positions that may be prepared, and how much motion
 BACK = "speed=10 accel=50 decel=50 lead=yes"  # of the way back to where a program was interrupted
 NEAR = 1e-3  # mm or degrees: the axes are still there
 ROBOT = 1
@@ -68,16 +68,18 @@ class Ahead:
         return bool(self.items)
 
     def room(self) -> bool:
-        """One more may be prepared; of a spline all of it, since each point changes the course before it."""
+        """One more may be prepared; of a spline all of it, since each point changes the course before it.  What is under way does not
+        count: behind a long movement short ones have to be known in time."""
         blocks = [item for item in self.items if isinstance(item, Block)]
         if blocks and blocks[-1].go.mode == "SPLINE":
             return len(blocks) < MOST
-        return len(blocks) < FEWEST or (len(blocks) < MOST and sum(block.lasts for block in blocks) < AHEAD_NS)
+        return len(blocks) < FEWEST or (len(blocks) < MOST and sum(block.lasts for block in blocks[1:]) < AHEAD_NS)
 
     @property
     def full(self) -> bool:
-        """A spline is longer than what may be prepared: it comes to rest there."""
-        return len(self.items) >= MOST and not self.room()
+        """A spline is longer than what may be prepared: it comes to rest there.  Other positions wait until one is over."""
+        last = next((item for item in reversed(self.items) if isinstance(item, Block)), None)
+        return last is not None and last.go.mode == "SPLINE" and len(self.items) >= MOST and not self.room()
 
     def put(self, go: Go, start: Target, places: tuple[float, ...]) -> None:
         """A position; StepFault where this robot has none such, or does not reach it."""

@@ -220,6 +220,7 @@ def test_auto_repeats_under_one_order_and_a_place_between_end_and_head_is_passed
     cell = ReisCell(main(f"{LINE}{corner}{at(900, 100, 590)}\n{at(900, 100, 690)}\n{at(900, 0, 590)}"))
     cell.start()
     cell.until(lambda: sum(line.startswith("linear") for line in cell.lines) > 8)
+    cell.until(lambda: cell.places[-1][1] > 80)
     cell.until(lambda: cell.places[-1][1] < 60 and cell.places[-1][2] < 640)
     began = len(cell.places)
     cell.bench.run(1.2)
