@@ -41,7 +41,10 @@ class CoreMeasure:
         self._ended = 0  # cycles since the path ended
         self._moved = 0  # cycles the part has moved
         self._late = False  # its time was up before the input came
-        self._heard_by = TO_REST_NS // period_ns + LATE  # cycles: until then the drives have told of an edge they passed
+
+    def _heard_by(self) -> int:
+        """Cycles behind the end of a part: by then the drives have reported an edge that they passed."""
+        return TO_REST_NS // self._period_ns + LATE
 
     def program_started(self) -> None:
         """What an earlier program measured is not this one's (L1132)."""
@@ -83,7 +86,7 @@ class CoreMeasure:
             return False
         if self._hit is not None:
             return self._patience > 0
-        return self._probe is not None and self._ended < self._heard_by
+        return self._probe is not None and self._ended < self._heard_by()
 
     def stands(self, inputs: InputImage) -> bool:
         """Before the block: an input that has its value already lets nothing move, and the axes' place is measured; a probe has to

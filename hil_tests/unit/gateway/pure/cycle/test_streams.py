@@ -237,7 +237,7 @@ MOVES = (
     "linear FAR",
 )
 ASKS = (
-    f"linear A path=20 until={SEEN} error=NEXT",
+    f"linear A path=20 until={SEEN} within=60 error=NEXT",
     "linear pose 200 200 50 0 0 0",
     "label NEXT",
     f"linear FAR wait={PART} delay=0.05",
