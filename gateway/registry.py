@@ -74,7 +74,7 @@ class LineLayer:
     profile: str = ""  # a station of this profile speaks it whatever the layer says
     dialect: "Callable[[Line], Dialect] | None" = None  # of its blocks
     failure: "Callable[[Failed | Denied], object] | None" = None  # what the partner shows where our own job failed
-    decoder: "Callable[[Line], Decoder]" = _procedure_decoder  # what the characters of such a line mean, for page and monitor
+    decoder: "Callable[[Line], Decoder]" = _procedure_decoder  # decodes the line for page and monitor
 
 
 def _blocks_source() -> "Callable[..., BaseSource]":

@@ -25,7 +25,7 @@ def ask(slug: str, op: str, timeout_s: float = 5.0, **more: str) -> socket.socke
 
 
 def _connect(connection: socket.socket, path: str, until: float) -> None:
-    """Waits while others wait to be accepted: a full queue refuses a socket with a time-out at once (unix(7): EAGAIN)."""
+    """Retry while the queue is full: it refuses a socket that has a time-out at once (unix(7): EAGAIN)."""
     while True:
         try:
             connection.connect(path)

@@ -75,7 +75,7 @@ class Services:
         self.office = office = self._dispatcher(fds)
         context = PartContext(run, image, values, office)
         self._blind = {name: f"bus {name} {LISTENS}" for name in plan.listening}
-        office.admission.unspoken = {n: self._blind[axis.drive.bus] for n, axis in enumerate(cell.axis) if axis.drive.bus in self._blind}
+        office.admission.listen_only = {n: self._blind[axis.drive.bus] for n, axis in enumerate(cell.axis) if axis.drive.bus in self._blind}
         for words in self._blind.values():
             run.journal.write("alarm", words)
         self.errors = ErrorList()

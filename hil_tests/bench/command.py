@@ -159,7 +159,7 @@ def main(argv: list[str]) -> int:
 
 
 def measured(names: Sequence[str], arguments: argparse.Namespace) -> tuple[list[Figure], list[str]]:
-    """Figures of these benches, and those that broke off: one that a busy machine spoils must not cost an hour of the others."""
+    """Figures of these benches and the names of those that failed: one failure must not lose the figures of the others."""
     found, broken = list[Figure](), list[str]()
     for name in names:
         try:

@@ -10,7 +10,7 @@ TURNS = 10_000_000
 
 
 def loop_turns() -> float:
-    """How fast this machine is now, for figures of plain computing: read them by the ratio to it."""
+    """Speed of this machine now, the reference for figures of plain computing."""
     began = time.perf_counter()
     for _ in range(TURNS):
         pass

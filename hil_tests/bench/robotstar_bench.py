@@ -113,7 +113,7 @@ class Whole(ReisCell):
 
 
 def dense(positions: int, speed: int) -> tuple[float, float]:
-    """s that a program of rounded positions on a circle takes, and that the same blocks take as a [[program]]; both begin with a PTP."""
+    """Times in s of a program of rounded positions on a circle and of the same blocks as a [[program]]; both begin with a PTP."""
     angles = [number * APART / ROUND for number in range(positions + 1)]
     way = [at(round(420 + ROUND * math.cos(angle), 3), round(ROUND * math.sin(angle), 3), 480) for angle in angles]
     settings = f"BEWEG_ART #LINEAR\nBAHN_GESCHW {speed}\nBAHN_RADIUS 1.0\nUEBERSCHL #EIN"

@@ -356,7 +356,7 @@ class Planner:
         return next(((at, number) for at, number in last.cuts if at >= tau + lead), None)
 
     def _carried(self) -> float:
-        """Until all pieces of a tail are with the axes: it has about as many as the law that it replaces."""
+        """s until all pieces of a tail are with the axes: about as many as the law it replaces has, and one for each new stretch."""
         return self.carried_s * (len(self._planned[-1].cuts) + len(self._fresh)) if self._planned else 0.0
 
     def _from_rest(self, row: list[Stretch]) -> Work[list[TimedPiece]]:

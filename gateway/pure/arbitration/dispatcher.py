@@ -101,7 +101,7 @@ class CommandDispatcher:
         return axes_with(flag, self.cell, len(self.axes))
 
     def strayed(self, language: str = "en") -> str:
-        """Axes that did not follow or did not come to rest, as Outcomes.strayed."""
+        """Axes that did not follow or did not come to rest, in words."""
         return self._outcomes.strayed(self.cell, language)
 
     # ---- time goes on ----------------------------------------------------------------------------------------------------
@@ -238,7 +238,7 @@ class CommandDispatcher:
         if cell is None or not cell.generation:
             raise Refusal(Reason.NOT_READY, "the cycle does not run")
         self.control.demand(move.door, move.span)
-        self._may_move(cell, self.admission.in_loop(move, cell), idle=False)
+        self._may_move(cell, self.admission.to_be_enabled(move, cell), idle=False)
         if cell.override_of(move.span) <= 0.0:
             raise Refusal(Reason.OVERRIDE_ZERO)
         if not back:
@@ -256,19 +256,19 @@ class CommandDispatcher:
     def _owners_command(self, job: Job, code: Code, command: Command, cell: CellState, now: Ns) -> None:
         match code:
             case Code.ENABLE:
-                self.admission.mask(job)
-                self.admission.spoken_to(job.mask)
-                self.admission.may_enable(cell)
+                self.admission.check_axes(job)
+                self.admission.check_sent(job.mask)
+                self.admission.check_enabling(cell)
                 job.until = now + ENABLE_PATIENCE
                 self._order(Order.ENABLE, job.id, mask=job.mask)
             case Code.DISABLE:
-                self.admission.mask(job)
+                self.admission.check_axes(job)
                 job.until = now + ENABLE_PATIENCE
                 self._order(Order.DISABLE, job.id, mask=job.mask)
             case Code.REFERENCE:
-                self.admission.mask(job)
+                self.admission.check_axes(job)
                 self._may_move(cell, job.mask, referenced=False)
-                self.admission.can_be_referenced(cell, job.mask)
+                self.admission.check_reference_run(cell, job.mask)
                 self._moving(job)
                 self._order(Order.REFERENCE, job.id, mask=job.mask, reason=_without_services(job))
             case Code.PTP_ABSOLUTE | Code.PTP_RELATIVE:
@@ -297,7 +297,7 @@ class CommandDispatcher:
         if not moves:
             raise Refusal(Reason.NOTHING_TO_RESUME)
         for move in moves:
-            self._may_move(cell, self.admission.in_loop(move, cell), idle=False)
+            self._may_move(cell, self.admission.to_be_enabled(move, cell), idle=False)
         for move in moves:
             move.reason, move.detail = Reason.NONE, ""
         job.watch, job.also = moves[0].id, tuple(move.id for move in moves[1:])
@@ -309,13 +309,13 @@ class CommandDispatcher:
         self._moves.append(job)
 
     def _ptp(self, job: Job, command: Command, cell: CellState, *, relative: bool) -> None:
-        self.admission.mask(job)
+        self.admission.check_axes(job)
         if job.mask >> len(command.targets):
             missing = ", ".join(axis.name for n, axis in enumerate(self.axes) if n >= len(command.targets) and job.mask >> n & 1)
             raise Refusal(Reason.MASK, f"{job.mask:04X}h; {len(command.targets)} targets are given, none for {missing}")
         alone = self._first_try and relative and job.mask.bit_count() == 1
         self._may_move(cell, job.mask, referenced=not alone)
-        self.admission.rates(command, cell.override_of(job.span))
+        self.admission.check_rates(command, cell.override_of(job.span))
         start = [axis.set for axis in cell.axes[: len(self.axes)]]
         target = self.admission.ptp_targets(job.mask, command, start, relative=relative)
         piece = self._plan(start, target, job.mask, command.velocity, command.acceleration, job.id)
@@ -339,7 +339,7 @@ class CommandDispatcher:
                 raise Refusal(Reason.NOT_READY, "the cycle does not run")
             job.span = cell.span(mask)
             self.control.demand(door, job.span)
-            self._may_move(cell, self.admission.in_loop(job, cell))
+            self._may_move(cell, self.admission.to_be_enabled(job, cell))
             if cell.override_of(job.span) <= 0.0:
                 raise Refusal(Reason.OVERRIDE_ZERO)
             self._begin(job, ProgramOrder(job.id, 0, 1.0, 1.0, robot))
@@ -358,8 +358,8 @@ class CommandDispatcher:
         job.mask, job.what = self.programs[number].mask, f"program {number} {self.programs[number].name}"
         job.span = cell.span(job.mask)
         self.control.demand(job.door, job.span)
-        self._may_move(cell, self.admission.in_loop(job, cell))
-        self.admission.rates(command, cell.override_of(job.span))
+        self._may_move(cell, self.admission.to_be_enabled(job, cell))
+        self.admission.check_rates(command, cell.override_of(job.span))
         self._begin(job, ProgramOrder(job.id, number, command.velocity, command.acceleration))
 
     def _begin(self, job: Job, order: ProgramOrder) -> None:
@@ -373,12 +373,12 @@ class CommandDispatcher:
         self._programs.append(order)
 
     def _may_move(self, cell: CellState, mask: int, *, referenced: bool = True, idle: bool = True) -> None:
-        self.admission.may_enable(cell)
+        self.admission.check_enabling(cell)
         motion = cell.motion_of(cell.span(mask))
         if idle and motion is not Motion.IDLE:
             stopped = motion is Motion.STOPPED
             raise Refusal(Reason.BUSY, "resume or abandon the stopped move first" if stopped else self._moved_by(mask, cell.span(mask)))
-        self.admission.may_travel(cell, mask, referenced=referenced)
+        self.admission.check_travel(cell, mask, referenced=referenced)
 
     def _order(self, order: Order, job: int = 0, *, mask: int = 0, value: float = 0.0, reason: int = 0, piece: bytes = b"") -> None:
         if not job:

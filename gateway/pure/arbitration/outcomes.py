@@ -1,4 +1,4 @@
-"""What became of a command, out of what the cycle and the planner published: still open, done, or aborted and why, in words."""
+"""Outcome of a command from what the cycle and the planner published: still open, done, or aborted with its reason in words."""
 
 from collections.abc import Sequence
 
@@ -20,7 +20,7 @@ class Outcomes:
 
     @staticmethod
     def ended(job: Job, outcome: Reason) -> CommandState:
-        """A program that failed before anything moved was refused."""
+        """State of a job that has ended; a program that failed before anything moved counts as refused."""
         if outcome is Reason.NONE:
             return CommandState.DONE
         untried = outcome in (Reason.PROGRAM_FAULT, Reason.DRIVE_ON_NOT_AVAILABLE)
@@ -50,10 +50,10 @@ class Outcomes:
         return program.fault
 
     def strayed(self, cell: CellState | None, language: str = "en") -> str:
-        """Axes that did not follow or did not stand, each with the number and words of the old error list; empty: none."""
+        """Axes that did not follow or did not come to rest, each with number and text of the old error list; empty: none."""
         found = cell.axes if cell is not None else []
-        told = [(axis.name, found[n].finding) for n, axis in enumerate(self._axes[: len(found)]) if found[n].finding]
-        return ", ".join(f"{name} {sentence(number, language)}" for name, number in told)
+        strayed = [(axis.name, found[n].finding) for n, axis in enumerate(self._axes[: len(found)]) if found[n].finding]
+        return ", ".join(f"{name} {sentence(number, language)}" for name, number in strayed)
 
     def of(self, job: Job, cell: CellState) -> Reason | None:
         """NONE: done; a reason: aborted; None: still open."""
@@ -73,7 +73,7 @@ class Outcomes:
         return Reason.NONE if self._reached(job, cell) else None
 
     def _reached(self, job: Job, cell: CellState) -> bool:
-        """Whether what the command asks for stands."""
+        """Whether the state that the command asks for is reached."""
         enabled = self._with(AxisFlag.ENABLED, cell) & job.mask
         match job.code:
             case Code.ENABLE:
@@ -90,6 +90,7 @@ class Outcomes:
                 return True
 
     def why_not(self, job: Job, cell: CellState) -> tuple[Reason, str]:
+        """Why a command did not reach its state in time."""
         if cell.emergency:
             return Reason.EMERGENCY_STOP, ""
         faults = [f"{a.name} fault {cell.axes[n].fault_code}" for n, a in enumerate(self._axes) if cell.axes[n].flags & AxisFlag.FAULT]

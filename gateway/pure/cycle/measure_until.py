@@ -98,7 +98,7 @@ class CoreMeasure:
         return True
 
     def timeless(self) -> bool:
-        """Before the block, where the input has not its value: whether it has no time at all, and nothing moves."""
+        """Before the block, whose input does not have its value yet: whether its time is 0, so that nothing moves."""
         self._late = self._late or (self._until is not None and self._until.within == 0.0)
         return self._late
 
@@ -106,7 +106,7 @@ class CoreMeasure:
         """Once a cycle while the part is on: whether the path is to stop now, or its edge came.  A stopped path stays for its resume."""
         until = self._until
         if self._late:
-            return False  # what comes while the axes stop is too late
+            return False  # an edge while the axes brake is too late
         if until is not None and self._probe is not None:
             self._hit = now if self._hit is None and self._probe.hit else self._hit
             self._ended = self._ended + 1 if path is State.IDLE else 0
@@ -122,8 +122,8 @@ class CoreMeasure:
         return self._hit is not None and path is State.RUNNING
 
     def late(self, path: State) -> bool:
-        """Once a cycle behind look(), where the input has not come: whether the time of the part is up now.  A path that is held does
-        not use it up."""
+        """Once a cycle after look(), while the input has not come: whether the time of the part is up now.  A stopped path does not
+        use it up."""
         until = self._until
         if until is None or until.within == NO_LIMIT or self._late or path is not State.RUNNING:
             return False

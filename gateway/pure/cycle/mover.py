@@ -299,9 +299,9 @@ class Mover:
     def _take_piece(self, data: bytes) -> None:
         program = self.program
         if self.stepper.state is State.IDLE and not program.met and not self.start.on:
-            stands = self.measure.stands(self._inputs)  # it stands already: there is no movement (rho3 4.3)
-            program.late = not stands and self.measure.timeless()
-            program.met = stands or program.late
+            has_value = self.measure.stands(self._inputs)  # then there is no movement (rho3 4.3)
+            program.late = not has_value and self.measure.timeless()
+            program.met = has_value or program.late
         if program.met or program.failed:
             return
         try:
@@ -448,7 +448,7 @@ class Mover:
             program.met = True
         elif looks and not program.met and measure.late(stepper.state):
             stepper.abandon()
-            program.met = program.late = True  # what still comes of the part is dropped as behind an input
+            program.met = program.late = True  # the rest of the part is dropped, as after an input
         if program.rests and self.free and not measure.waits and not waits:
             self._state.met = program.met and not (program.flushed or program.late)
             if measure.on and self.gate.watches:

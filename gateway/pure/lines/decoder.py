@@ -47,10 +47,10 @@ class LineReport:
 
 
 class Decoder(Protocol):
-    """Puts the characters of both sides of a line into words, as they come."""
+    """Decodes the characters of both sides of a line as they come."""
 
     def take(self, stamp: Ns, side: str, what: int | Damage) -> Sequence[LineReport]:
-        """Sentences that this character completes."""
+        """Reports that this character completes."""
 
 
 @dataclass(slots=True)

@@ -60,7 +60,7 @@ class SerialSource(BaseSource):
 
     @property
     def procedure(self) -> str:
-        """What is spoken on the line, for the journal; a source with another machine names its own."""
+        """Protocol and profile of the line for the journal; a source that is not on 3964(R) overrides it."""
         return f"{self.line.protocol} {self.line.profile}"
 
     def step(self, now: Ns) -> None:

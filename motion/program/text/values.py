@@ -145,7 +145,7 @@ def until_of(keys: dict[str, str]) -> Until | None:
     """until=, within= and error= of a block."""
     if "until" not in keys:
         if "within" in keys:
-            raise Fault("within", "belongs to until=: so long the block moves at most")
+            raise Fault("within", "belongs to until=: it limits the time that the block moves")
         if "error" in keys:
             raise Fault("error", "belongs to until=, whose input never came")
         return None

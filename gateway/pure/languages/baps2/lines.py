@@ -47,7 +47,7 @@ def system(frame: Frame) -> list[str]:
 
 
 def within(limit: float | None) -> str:
-    """MAX_TIME of MOVE UNTIL (s) as a key behind until=; one below 0 is over at once."""
+    """MAX_TIME of MOVE UNTIL (s) as a key behind until=; a negative one counts as 0."""
     return "" if limit is None else f" within={min(max(limit, 0.0), LONGEST_WITHIN_S):.10g}"
 
 

@@ -68,8 +68,8 @@ class Ahead:
         return bool(self.items)
 
     def room(self) -> bool:
-        """One more may be prepared; of a spline all of it, since each point changes the course before it.  What is under way does not
-        count: behind a long movement short ones have to be known in time."""
+        """One more may be prepared; of a spline all of it, since each point changes the course before it.  The position under way does not
+        count: the planner must know the short moves behind a long one in time."""
         blocks = [item for item in self.items if isinstance(item, Block)]
         if blocks and blocks[-1].go.mode == "SPLINE":
             return len(blocks) < MOST
@@ -77,7 +77,7 @@ class Ahead:
 
     @property
     def full(self) -> bool:
-        """A spline is longer than what may be prepared: it comes to rest there.  Other positions wait until one is over."""
+        """A spline is longer than may be prepared and comes to rest there.  Other positions wait until one is over."""
         last = next((item for item in reversed(self.items) if isinstance(item, Block)), None)
         return last is not None and last.go.mode == "SPLINE" and len(self.items) >= MOST and not self.room()
 

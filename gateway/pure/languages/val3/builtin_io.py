@@ -149,7 +149,7 @@ def sio_read_num(own: Instance, variable: SioV) -> Waiting:
 def _done(own: Instance, call: "Call[int] | Call[float] | Call[str]") -> Waiting:
     """Waits for it; an asynchronous task yields its turn once in any case (L3368).
 
-    What has ended at once does not look at the network: a telegram read byte by byte would cost a system call for each byte.
+    A call that has ended at once does not look at the network: reading a telegram byte by byte would cost a system call for each byte.
     """
     if not own.machine.current_is_synchronous:
         yield own.machine.now
@@ -162,6 +162,6 @@ def _done(own: Instance, call: "Call[int] | Call[float] | Call[str]") -> Waiting
 
 
 def _settle(own: Instance) -> None:
-    """The channels as they are at this line: a call that may not wait (time-out -1) has ended then, and costs no cycle (L3391)."""
+    """Bring the channels up to date: a call that must not wait (time-out -1) has ended then and costs no cycle (L3391)."""
     own.machine.sio.now = own.machine.now
     own.machine.sio.settle()

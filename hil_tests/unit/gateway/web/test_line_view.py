@@ -1,4 +1,4 @@
-"""Lines of a run in words: each is decoded as it is spoken."""
+"""Each line of a run is decoded by its own protocol."""
 
 import asyncio
 from collections.abc import Sequence

@@ -165,7 +165,7 @@ class SioCore:
         line.orders += [Configure(connection.number, channel) for connection in line.connections() if connection.state is State.OPEN]
 
     def ordered(self) -> bool:
-        """Whether there is something to carry out."""
+        """Whether take_orders() would return any."""
         return any(line.orders for line in self._lines.values())
 
     def take_orders(self) -> list[Order]:
