@@ -80,7 +80,7 @@ def of_the_doors(story: Story) -> Iterator[Verdict]:
     refused = (facts["refused reason"], facts["owner"])
     yield Verdict("PLC 2 refused while PLC 1 has control, reason", refused[0], "1, owner 1", refused == (NOT_OWNER, 1))
     words = facts["format reason"] == FORMAT and facts["format words"] == 1.0
-    yield Verdict("KG where REAL stands refused in words, reason", facts["format reason"], "5", words)
+    yield Verdict("KG instead of REAL refused in words, reason", facts["format reason"], "5", words)
 
 
 def of_the_moves(judge: Judge, path: SetPath, story: Story) -> Iterator[Verdict]:
@@ -107,10 +107,10 @@ def of_the_line(judge: Judge, story: Story, runs: list[Run]) -> Iterator[Verdict
 
 
 def of_the_restart(judge: Judge, story: Story) -> Iterator[Verdict]:
-    """Services killed under a standing start bit."""
+    """Services killed under a start bit that stays set."""
     yield at_most("services back after SIGKILL, s", story.facts["services back"], 3)
     yield at_most("both links at work after that, s", story.facts["links back"], 2)
-    yield at_most("moved by the standing start bit, increments", judge.moved(story.events["kill"], story.events["kill end"]), 2)
+    yield at_most("moved by the start bit that was still set, increments", judge.moved(story.events["kill"], story.events["kill end"]), 2)
 
 
 def shifted(frames: Iterable[buslog.Logged], by_ns: int) -> Iterator[buslog.Logged]:

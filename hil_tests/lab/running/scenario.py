@@ -175,7 +175,7 @@ class Scenario:
             ("PLC 1 references six axes", self._reference),
             ("PLC 1 drives its path, targets in KF at 0.1 mm", self._path_1),
             ("the line is unplugged in the middle of a move, and plugged again", self._unplug),
-            ("PLC 1 sends a KG number where REAL stands", self._wrong_format),
+            ("PLC 1 sends a KG number instead of REAL", self._wrong_format),
             ("PLC 1 hands over to PLC 2", self._hand_over),
             ("PLC 2 drives its path with the command block", self._path_2),
             ("PLC 2 stops on the path and resumes", self._stop_and_resume),
