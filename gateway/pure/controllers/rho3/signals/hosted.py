@@ -53,6 +53,12 @@ class Mover(Protocol):
     def open_reference(self, program: str, robot: int, now: Ns) -> Job:
         """An order to reference a robot; ProcessFault: the mode does not allow it."""
 
+    def slow(self, move: Job, share: float) -> None:
+        """A share, 0 .. 1, of the speed of this move."""
+
+    def run_on(self, robot: int, distance: float) -> None:
+        """m or rad that a robot runs on behind an edge."""
+
     def path_closed(self, program: str, robot: int) -> None:
         """It is over."""
 
@@ -187,6 +193,8 @@ class HostedPrograms:
                 self._wants(self.control.open_path, int(said["ticket"]), str(said["program"]), int(said["robot"]), now)
             case "reference":
                 self._wants(self.control.open_reference, int(said["ticket"]), str(said["program"]), int(said["robot"]), now)
+            case "slow" | "run-on":
+                self._asynchronous(said)
             case "started":
                 self._started(int(said["run"]), str(said["program"]), int(said["parent"]))
             case "over":
@@ -205,6 +213,14 @@ class HostedPrograms:
                 self.control.pic.hear(said, now)
             case "pic-stopped" if self.control.pic is not None:
                 self.control.pic.stopped = True
+
+    def _asynchronous(self, said: Mapping[str, Fact]) -> None:
+        """Special functions 41 and 42, beside the path."""
+        if said["say"] == "run-on":
+            self.control.run_on(int(said["robot"]), float(said["distance"]))
+        for order in self._paths:
+            if said["say"] == "slow" and order.job.id == said["job"] and order.job.open:
+                self.control.slow(order.job, float(said["share"]))
 
     def _informed(self, said: Mapping[str, Fact]) -> None:
         """Of the user memory, or what became of an order to the test system."""
