@@ -176,8 +176,6 @@ class CycleLogic:
     def _apply_override(self) -> None:
         """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""
         for lane in self.lanes:
-            if not lane.mover.busy:
-                lane.factor = 1.0
             ordered = lane.ramp.step(lane.override) * lane.factor
             value = ordered if self._permits & FLOW == FLOW else 0.0
             if value != lane.mover.override:
@@ -269,6 +267,8 @@ class CycleLogic:
             self.state.fail(record.job, Reason.BUSY)
             return
         lane.held = record.reason == Reason.SERVICES_LOST
+        if not lane.busy:
+            lane.factor = 1.0
         if record.order is Order.MOVE:
             lane.mover.move(record)
         else:

@@ -379,7 +379,7 @@ class CellRun(Control):
         self.signal(number, self.now)  # one that is not there is a runtime error of this statement
         if 1 <= number <= USER:
             return f"until={sign}{FIRST_INPUT + number - 1}{most}"
-        if number in RUN_ON and request.way != "ptp" and not self.robot_of(request.kinematic).plain:
+        if number in RUN_ON and request.way != "ptp" and not self.robot_of(request.kinematic).straight:
             raise fault(222, f"input {until.channel} ends a {request.way} movement of an arm; use PTP")
         if FIRST_FAST <= number < FIRST_FAST + FAST or number in RUN_ON:
             return f"until={sign}ch{number}{most}"
@@ -545,7 +545,8 @@ class CellRun(Control):
             case demands.Reference(kinematic=kinematic):
                 return self.acts.reference(task, kinematic)
             case demands.Special(number=number, values=values) if number in (SPEED, DISTANCE):
-                return self.asynchronous.call(task, number, values)
+                self.asynchronous.call(task, number, values)
+                return None
             case demands.Special(number=number, values=values) if number in TOLD:
                 return self.acts.special(task, number, values)
             case demands.WriteOutput(channel=channel) if channel not in OUTPUTS:
