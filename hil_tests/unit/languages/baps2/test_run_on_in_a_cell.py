@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from gateway.cell_file.load import load_cell
 from gateway.pure.cell.belts import Measuring
 from gateway.pure.languages.base.faults import Faults
 from hil_tests.lab.virtual.baps2_bench import CELL, FIRST_INPUT, ProgramCell, one
@@ -103,3 +104,15 @@ def test_a_distance_out_of_the_travel_ends_the_program_and_names_the_axis() -> N
     cell.bench.permit(WIRE)
     how, code, text, _ = cell.ends(run)
     assert (how, code) == ("aborted", 253) and CELL.axis[0].name in text and not cell.outputs
+
+
+def test_a_line_of_an_arm_has_no_such_way() -> None:
+    scara = load_cell("scara")
+    cell = ProgramCell(
+        {
+            "P.QLL": ";;CONTROL = RHO3\n;;KINEMATICS : (1 = SCARA)\n;;SCARA.WC_NAMES = X, Y, Z, C\nPROGRAM P\nINPUT : 710 = PROBE\nBEGIN\n"
+            "MOVE LINEAR UNTIL PROBE = 1 TO (300, 60, 40, 12)\nPROGRAM_END\n"
+        },
+        replace(scara, controller=CELL.controller, measuring=(Measuring(610, WIRE),)),
+    )
+    assert cell.run("P")[1:3] == (222, "not possible in a cell: input 710 ends a linear movement of an arm; use PTP")

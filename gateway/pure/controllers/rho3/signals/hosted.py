@@ -193,8 +193,6 @@ class HostedPrograms:
                 self._wants(self.control.open_path, int(said["ticket"]), str(said["program"]), int(said["robot"]), now)
             case "reference":
                 self._wants(self.control.open_reference, int(said["ticket"]), str(said["program"]), int(said["robot"]), now)
-            case "slow" | "run-on":
-                self._asynchronous(said)
             case "started":
                 self._started(int(said["run"]), str(said["program"]), int(said["parent"]))
             case "over":
@@ -203,7 +201,7 @@ class HostedPrograms:
                     if said["code"] and body.process is not None:
                         self.told.append(f"{body.process.name}: {said['code']} {said['text']} ({said['place']})")
                     self._end(body, str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
-            case "memory" | "answered" | "phg2000":
+            case "memory" | "answered" | "phg2000" | "slow" | "run-on":
                 self._informed(said)
             case "phg-read":
                 self.control.panel.reader.reads(str(said["base"]))
@@ -223,7 +221,10 @@ class HostedPrograms:
                 self.control.slow(order.job, float(said["share"]))
 
     def _informed(self, said: Mapping[str, Fact]) -> None:
-        """Of the user memory, or what became of an order to the test system."""
+        """Of the user memory, special functions beside the path, or what became of an order to the test system."""
+        if said["say"] in ("slow", "run-on"):
+            self._asynchronous(said)
+            return
         if said["say"] == "phg2000":
             self.control.screen.take(bytes.fromhex(str(said["hex"])), more=bool(said["more"]))
             return

@@ -1,4 +1,4 @@
-"""The modified MOVE UNTIL in the cycle (rho 3 releases part 2, L6756-6830): behind the edge the axes run on by a distance, without ramps."""
+"""The modified MOVE UNTIL in the cycle (rho 3 part 2, L6756-6830): the axes run on behind the edge, without ramps."""
 
 from collections.abc import Callable
 from itertools import pairwise
