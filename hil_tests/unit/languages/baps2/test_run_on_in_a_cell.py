@@ -108,11 +108,12 @@ def test_a_distance_out_of_the_travel_ends_the_program_and_names_the_axis() -> N
 
 def test_a_line_of_an_arm_has_no_such_way() -> None:
     scara = load_cell("scara")
+    axes = tuple(replace(axis, name=its.name, unit=its.unit, limits=its.limits) for axis, its in zip(CELL.axis, scara.axis, strict=True))
     cell = ProgramCell(
         {
             "P.QLL": ";;CONTROL = RHO3\n;;KINEMATICS : (1 = SCARA)\n;;SCARA.WC_NAMES = X, Y, Z, C\nPROGRAM P\nINPUT : 710 = PROBE\nBEGIN\n"
             "MOVE LINEAR UNTIL PROBE = 1 TO (300, 60, 40, 12)\nPROGRAM_END\n"
         },
-        replace(scara, controller=CELL.controller, measuring=(Measuring(610, WIRE),)),
+        replace(CELL, axis=axes, robot=scara.robot, plant=None, measuring=(Measuring(610, WIRE),)),
     )
     assert cell.run("P")[1:3] == (222, "not possible in a cell: input 710 ends a linear movement of an arm; use PTP")
