@@ -11,6 +11,7 @@ from gateway.assembly.programs import machines_of_cell, mask_of
 from gateway.files.find import beside
 from gateway.files.robots import load_robot
 from gateway.files.val3_disk import place_of
+from gateway.files.val3_texts import val3_language, val3_texts
 from gateway.pure.cell.cell import Axis, Cell
 from gateway.pure.cell.val3 import MODES, Val3, Val3Channel, Val3UserIo
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
@@ -91,5 +92,5 @@ def setup_of(cell: Cell, table: Val3) -> Setup:
         table.strict_priorities, table.auto_connect, epoch, round(table.watchdog_s * 1e9), table.prompts == "page",
         alter_place(cell), boards_of(table), service_of(table), table.current_profile, {each.name: each.password for each in table.profile},
         {each.name: each.joints for each in table.reference}, {each.name: each.text for each in table.licence}, table.options,
-        tuple(map(rated_force, axes)),
+        tuple(map(rated_force, axes)), val3_language(cell.cell.language), val3_texts(),
     )  # fmt: skip

@@ -11,6 +11,7 @@ from gateway.commands import val3_import
 from gateway.files.find import ConfigNotFound
 from gateway.files.robots import load_robot
 from gateway.files.val3_disk import DiskUnreadable, place_of, read_disk
+from gateway.files.val3_texts import val3_language, val3_texts
 from gateway.pure.cell.faults import CellFaults
 from gateway.pure.languages.val3.loader import Loader, family_of_arm
 from gateway.pure.languages.val3.machine import Machine
@@ -107,7 +108,7 @@ def _check(options: argparse.Namespace) -> int:
     else:
         for fault in loaded.faults:
             level = "" if fault.severity.value == "error" else f" {fault.severity.value}:"
-            print(f"(File {fault.position.file}-line {fault.position.line}){level} {fault.text}")
+            print(loaded.logged(fault).replace(")", f"){level}", 1))
         count = loaded.faults.errors
         print(f"{name}: {len(loaded.app.programs)} programs, {len(loaded.app.data)} data, {count} {'error' if count == 1 else 'errors'}")
     return Exit.FINDING if loaded.faults.errors else Exit.OK
@@ -134,6 +135,9 @@ def _run(options: argparse.Namespace) -> int:
         )
         print(f"axisgate val3: {name} is not started: {why}", file=sys.stderr)
         return Exit.FINDING
+    machine.texts = val3_texts()
+    if options.cell is not None:
+        machine.robot.language = val3_language(load_cell(options.cell).cell.language)
     declare_links(machine, own.data.values())
     run = Run(machine, own, round(options.until * 1e9), events)
     run.go()

@@ -10,7 +10,6 @@ from gateway.files.val3_disk import DiskUnreadable, read_disk
 from gateway.pure.cell.cell import Cell, Notice
 from gateway.pure.cell.val3 import Val3
 from gateway.pure.controllers.val3.sio.channel import channel_named
-from gateway.pure.languages.base.faults import SourceFault
 from gateway.pure.languages.val3.cell_io import found
 from gateway.pure.languages.val3.loader import Loaded, Loader, family_of_arm
 from gateway.pure.languages.val3.machine import Machine
@@ -99,7 +98,7 @@ def _loaded(cell: Cell, table: Val3) -> Loaded:
 def _programs(check: Context, table: Val3, loaded: Loaded) -> None:
     wrong = [fault for fault in loaded.faults if fault.severity.value == "error" or (fault.id == FAMILY and _of_another_arm(loaded))]
     for fault in wrong[:MOST]:
-        check.fault("val3.application", table.application, _text(fault))
+        check.fault("val3.application", table.application, loaded.logged(fault))
     if len(wrong) > MOST:
         check.fault("val3.application", table.application, f"{len(wrong) - MOST} more: axisgate val3 check names them")
     missing = [name for name in ("start", "stop") if name not in loaded.app.programs]
@@ -115,10 +114,6 @@ def _of_another_arm(loaded: Loaded) -> bool:
     families = {declared.family for declared in loaded.app.data.values() if declared.family}
     wrong = sum(fault.id == FAMILY for fault in loaded.faults)
     return wrong > 0 and len(families) == 1
-
-
-def _text(fault: SourceFault) -> str:
-    return f"(File {fault.position.file}-line {fault.position.line}) {fault.text}"
 
 
 def _links(check: Context, table: Val3) -> None:
@@ -151,4 +146,4 @@ def warnings(cell: Cell) -> Iterator[Notice]:
     another = _of_another_arm(loaded)
     for fault in loaded.faults:
         if fault.severity.value == "warning" and not (another and fault.id == FAMILY):
-            yield Notice("warning", "val3.application", _text(fault))
+            yield Notice("warning", "val3.application", loaded.logged(fault))

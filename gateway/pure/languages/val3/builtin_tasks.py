@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Generator
 
 from gateway.pure.languages.base.requests import Ns
-from gateway.pure.languages.val3.errors import Rte, help_text
+from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance, Program
 from gateway.pure.languages.val3.tasks import RUNNING, SUSPENDED, SYSTEM_CYCLE, Task
 from gateway.pure.languages.val3.values import cut
@@ -98,7 +98,7 @@ def f_task_status(own: Instance, name: str) -> float:
 
 def f_help(own: Instance, code: float) -> str:
     """The description of a code."""
-    return cut(help_text(code))
+    return cut(own.machine.help(int(code))) if code == int(code) else ""
 
 
 def f_set_mutex(own: Instance, mutex: tuple[list[object], int]) -> Waiting:

@@ -64,6 +64,8 @@ class Setup:
     licences: Mapping[str, str] = field(default_factory=dict)
     options: tuple[str, ...] = ()
     rated: tuple[float, ...] = ()  # force of each joint at the rated torque of its motor, Nm or N; 0: not known
+    language: str = "english"
+    texts: Mapping[str, Mapping[int, str]] = field(default_factory=dict)  # of run-time errors: language -> code -> text
 
 
 @dataclass(eq=False)
@@ -91,6 +93,7 @@ class CellRun:
     def __post_init__(self) -> None:
         setup = self.setup
         self._robot = CellRobot(port=self.port, axes=setup.axes, mode=setup.mode, arm_type=setup.robot.name, profile=setup.profile)
+        self._robot.language = setup.language
         self._robot.service, self._robot.components = setup.service, dict.fromkeys((name.lower() for name in setup.options), "enabled")
         boards = replace(setup.boards) if setup.boards is not None else None
         self._io = CellIo(owned=setup.points, put=lambda name, value: self.port.tell("put", name=name, value=value), boards=boards)
@@ -104,7 +107,7 @@ class CellRun:
         if loaded is None:
             self._row = ProgramRow(setup.name, "normal", (1,), 1, 0, f"there is no {setup.name}.pjx")
             return [self._row.fault]
-        lines = [f"(File {fault.position.file}-line {fault.position.line}) {fault.text}" for fault in loaded.faults]
+        lines = [loaded.logged(fault) for fault in loaded.faults]
         found = [line for line, fault in zip(lines, loaded.faults, strict=True) if fault.severity.value == "error"]
         found += [f"{setup.name} has no {each}()" for each in ("start", "stop") if each not in loaded.app.programs]
         self._row = ProgramRow(setup.name, "normal", (1,), len(found), len(lines) - loaded.faults.errors, *found[:1])
@@ -131,6 +134,7 @@ class CellRun:
         machine.io, machine.sio = self._io, self.sio()
         machine.pages.io, machine.operator = self._io, setup.operator
         machine.references, machine.licences, machine.profiles = setup.references, setup.licences, {"default": "", **setup.profiles}
+        machine.texts = setup.texts
         self._popups.clear()
         machine.epoch = now - setup.epoch
         own = machine.instance(setup.folder, setup.name, "")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.dates import date_at
 from gateway.pure.languages.val3.disk import Disk
-from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.errors import Rte, help_text
 from gateway.pure.languages.val3.loader import Loader, family_of_arm
 from gateway.pure.languages.val3.moves import Moves
 from gateway.pure.languages.val3.pages import PageBoard
@@ -71,6 +71,7 @@ class Controller:
     references: Mapping[str, Sequence[float]] = field(default_factory=dict)
     licences: Mapping[str, str] = field(default_factory=dict)
     profiles: Mapping[str, str] = field(default_factory=lambda: {"default": ""})
+    texts: Mapping[str, Mapping[int, str]] = field(default_factory=dict)  # of run-time errors, language -> code; empty: English
 
     def __post_init__(self) -> None:
         self.axes = len(self.moves_or_none.units) if self.moves_or_none is not None else 6
@@ -168,6 +169,10 @@ class Controller:
         if task.waiting is not None and task is not self.current:
             task.waiting.close()
         self._quiet = 0
+
+    def help(self, code: int) -> str:
+        """The description of a code in the language of the controller (L3635); "" where there is none."""
+        return self.texts.get(self.robot.language, {}).get(code) or help_text(code)
 
     def note(self, text: str, source: str) -> bool:
         """A line of the log; false: too many at once."""

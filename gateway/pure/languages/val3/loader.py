@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.faults import Faults, SourceFault
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.val3.disk import Disk, PathFault, application_of
 from gateway.pure.languages.val3.files import Reader
@@ -34,6 +34,11 @@ class Loaded:
     app: Application
     faults: Faults
     codes: dict[str, Code] = field(default_factory=dict)
+
+    def logged(self, fault: SourceFault) -> str:
+        """As a controller writes it to its log: files of the application itself without its folder."""
+        file = fault.position.file.removeprefix(f"{self.app.path}/") if self.app.path else fault.position.file
+        return f"(File {file}-line {fault.position.line}) {fault.text}"
 
 
 class Loader:

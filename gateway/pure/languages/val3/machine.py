@@ -66,8 +66,8 @@ class Machine(Controller):
             return self.shared[key]
         loaded = self.loader.load(folder, name)
         if loaded is None or loaded.faults.errors:
-            for fault in loaded.faults if loaded is not None else ():
-                self.note(f"(File {fault.position.file}-line {fault.position.line}) {fault.text}", "VAL3")
+            for line in map(loaded.logged, loaded.faults) if loaded is not None else ():
+                self.note(line, "VAL3")
             return None
         try:
             made = Instance(self, loaded, prefix)
@@ -367,8 +367,10 @@ class Machine(Controller):
         if task.waiting is not None:
             task.waiting.close()
             task.waiting = None
-        task.status, task.detail, task.wake = fault.code, str(fault), None
-        self.note(f"{task.name} {task.program} line {task.line}: error {fault.code} {fault}", "VAL3")
+        words = self.help(fault.code)
+        task.status, task.wake = fault.code, None
+        task.detail = f"{words} ({fault.detail})" if words and fault.detail else words or str(fault)
+        self.note(f"{task.name} {task.program} line {task.line}: error {fault.code} {task.detail}", "VAL3")
 
 
 def as_rte(error: Exception) -> Rte:

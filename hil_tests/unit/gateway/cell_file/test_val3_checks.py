@@ -49,7 +49,7 @@ def test_the_shipped_cell_is_sound(judged: Callable[..., list[str]]) -> None:
         (("cell", 'kind = "val3"', 'kind = "rho3"'), 'an application needs [controller] with kind = "val3"'),
         (("cell", 'name    = "valve1"', 'name    = "valve2"'), "cycle, tGripper: no [[controller.point]] is ValveIO\\valve1"),
         (("cell", "[controller]\n", CHANNEL.format("port = 0")), "port 0: 1..65535 expected"),
-        (("start.pgx", "nDone=0", "nDone=jHome"), "(File cycle/start.pgx-line 2)"),
+        (("start.pgx", "nDone=0", "nDone=jHome"), "(File start.pgx-line 2)"),
         (("start.pgx", "nDone=0", "call missing()"), "undefined program"),
         (("cycle.pjx", '<Program file="stop.pgx" />', ""), "cycle has no stop(): it serves as a library only"),
         (("cycle.dtx", 'type="joint" size="1"', 'type="jointRs" size="1"'), "made for an RS arm"),

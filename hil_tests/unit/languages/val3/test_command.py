@@ -26,7 +26,7 @@ def test_check_lists_file_line_column_and_text(tmp_path: pathlib.Path, capsys: p
     (row,) = json.loads(capsys.readouterr().out)
     assert (row["file"], row["line"], row["column"], row["text"]) == ("demo/start.pgx", 3, 3, "'nope' : data expected")
     assert main(["check", app]) == 1
-    assert "(File demo/start.pgx-line 3) 'nope' : data expected" in capsys.readouterr().out
+    assert "(File start.pgx-line 3) 'nope' : data expected" in capsys.readouterr().out
 
 
 def test_run_prints_the_same_bytes_for_the_same_input(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:

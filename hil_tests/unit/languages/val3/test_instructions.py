@@ -2,6 +2,8 @@
 
 import pytest
 
+from gateway.files.val3_texts import val3_language, val3_texts
+from hil_tests.lab.virtual.val3_cell_bench import CELL, SETUP
 from hil_tests.unit.languages.val3.apps import App, datum, error_of, globals_of, machine, run, value
 
 N = "gateway.pure.languages.val3.numbers:"
@@ -379,6 +381,16 @@ def test_every_code_of_the_table_has_a_text() -> None:
     for code in (*codes, 570, 571, 580, 590, 600, 611, 999):
         assert texts(f"help({code})") != [""], code
     assert texts("help(5555)") == [""]
+
+
+def test_help_and_log_are_in_the_language_of_the_controller() -> None:
+    app = App(data=datum("s", "string", "3"), programs={"start": 's[0]=help(10)\nsetLanguage("deutsch")\ns[1]=help(10)\ns[2]=left("x",-1)'})
+    controller = machine(app)
+    controller.texts = val3_texts()
+    found = run(app, on=controller)
+    assert found["globals"] == {"s": ["invalid calculation: division by zero", "ungueltige Berechnung: Division durch null", ""]}
+    assert str(found["log"]).endswith("demo~ start line 5: error 70 ungueltiger Parameterwert (size -1)']"), found["log"]
+    assert (val3_language("de"), SETUP.language) == ("deutsch", val3_language(CELL.cell.language))
 
 
 def test_latch_takes_the_position_of_the_edge() -> None:
