@@ -51,6 +51,13 @@ def key(collection: dict[str, object], name: str) -> str:
     raise Rte(25 if name else 23, f"key {name!r}")
 
 
+def there(container: Container, place: object) -> object:
+    """A place that is passed by reference: the line that passes it stops with 20, not the one that uses it."""
+    if isinstance(container, list) and isinstance(place, int) and place >= len(container):
+        raise Rte(20, f"index {place} of {len(container)}")
+    return place
+
+
 def store(container: dict[object, object], place: object, value: object) -> object:
     """= of plain values, as an expression."""
     container[place] = value

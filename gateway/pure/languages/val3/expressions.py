@@ -101,7 +101,8 @@ class Translator(VariableTranslator):
             return value.whole
         if value.dims != 1:
             raise self.fault(value.node, "1d array variable expected")
-        return f"({value.whole}, {value.offset})" if not value.local else f"Local({value.whole}, {value.offset})"
+        passed = f"({value.whole}, {_inside(value)})"
+        return f"Local{passed}" if value.local else passed
 
     def _of_library(self, node: Invoke, name: str) -> Value:
         if node.library not in self.scope.app.libraries:
@@ -179,7 +180,8 @@ class Translator(VariableTranslator):
         self._element(value)
         if value.type is not parameter.type and value.type != parameter.type:
             raise self.fault(value.node, "invalid type")
-        return [value.c, value.k]
+        place = _inside(value) if isinstance(value.node, Index) and value.dims == 1 and value.c == value.whole else value.k
+        return [value.c, place]
 
     def _container(self, value: Value, parameter: Parameter) -> list[str]:
         kind = {0: "collection", 1: "1d array", 2: "2d array", 3: "3d array"}[parameter.dims]
@@ -191,10 +193,16 @@ class Translator(VariableTranslator):
         if value.type is not parameter.type and value.type != parameter.type:
             raise self.fault(value.node, "invalid type")
         if parameter.dims == 1:
-            return [value.whole, value.offset]
+            return [value.whole, _inside(value)]
         if value.indexed:
             raise self.fault(value.node, f"unexpected indices for the {'array' if parameter.dims else 'collection'}")
         return [value.whole]
+
+
+def _inside(value: Value) -> str:
+    """The place from which on an array is passed; 20 where it lies behind the end."""
+    indexed = value.indexed and isinstance(value.node, Index)
+    return f"there({value.whole}, {value.offset})" if indexed else value.offset
 
 
 def _page_rest(name: str, event: str) -> tuple[int, int]:

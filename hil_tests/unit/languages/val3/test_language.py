@@ -245,6 +245,19 @@ def test_an_index_or_key_that_is_not_there_is_an_error(code: str, error: int) ->
 
 
 @pytest.mark.requirement("VAL-VAR-04", "VAL-VAR-05", by="gateway.pure.languages.val3.variable_expressions:VariableTranslator._on_size")
+def test_a_place_that_is_not_there_stops_the_line_that_passes_it() -> None:
+    data = datum("a", "num", "3") + datum("o", "dio", "2") + datum("n", "num")
+    callee: dict[str, str] = {"one(num& x)": "n=1", "part(num& x[])": "n=1", "on(num& x[], num y)": "call part(x[y])"}
+    for call in ("call one(a[3])", "call part(a[3])", "call on(a[1],2)", "n=dioGet(o[2])", 'taskCreate "t",10,one(a[4])'):
+        found = run(App(data=data, programs={"start": call, **callee}))
+        assert isinstance(found["globals"], dict) and found["globals"]["n"] == 0, call
+        tasks = found["tasks"]
+        assert isinstance(tasks, dict)
+        program, line = ("on", 2) if call.startswith("call on(") else ("start", 2)
+        assert tasks["demo~"] == {"status": 20, "program": program, "line": line}, call
+    assert globals_of("call on(a[1],1)", data, **callee)["n"] == 1
+
+
 def test_sizes() -> None:
     data = CONTAINERS + datum("t", "num", "2,3,4")
     found = globals_of("n=size(a)\ni=size(a[3])\nj=size(t,3)\nk=size(t,4)\nm=size(n)+size(c)+size(a,1)", data)
