@@ -167,8 +167,8 @@ def f_auto_connect(own: Instance) -> bool:
 
 
 def f_get_speed(own: Instance, tool: ToolV) -> float:
-    """Of the flange of the commanded positions, in length units a second."""
-    return moves_of(own).speed * 1e3 / scale_of(own)
+    """Of the tool centre point, by the commanded positions, in length units a second (L5964)."""
+    return moves_of(own).speed_at(tool_in(own, tool)) * 1e3 / scale_of(own)
 
 
 def f_get_position_err(own: Instance) -> JointV:

@@ -44,7 +44,6 @@ class CellMoves(Moves):
         self._settling = Settling(STANDARD_S)
         self.powered = False
         self._now: Ns = 0
-        self._last: tuple[float, ...] = ()
         self._fault: str | None = None
         super().__init__(robot)
 
@@ -171,8 +170,7 @@ class CellMoves(Moves):
         if mover.left is not None and self.stack.connects(mover.left, here) is Connection.RUNNING:
             mover.connect = True
         mover.step(self._now)
-        self.speed = 0.0 if not self._last or here == self._last else self._way(self._last, here)
-        self._last = here
+        self._cycle = (self._cycle[1] if self._cycle is not None else here, here)
         self.stack.observe()
         fault, self._fault = self._fault, None
         return fault

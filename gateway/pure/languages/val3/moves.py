@@ -1,5 +1,6 @@
 """The arm of a virtual run: the motion stack on planner and follower in virtual time, and the list of moves."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -38,7 +39,7 @@ class Moves:
     stack: MotionStack = field(init=False)
     alters: AlterMotion = field(init=False)
     geometry: Geometry = field(init=False)
-    speed: float = 0.0  # m/s of the tool centre point
+    _cycle: tuple[tuple[float, ...], tuple[float, ...]] | None = None  # set values before and after the last cycle, SI; None: at rest
 
     def __post_init__(self) -> None:
         self.units = tuple(axis.limits.unit for axis in self.robot.axes)
@@ -208,7 +209,7 @@ class Moves:
             self._connect(override)
             return None
         if self.idle:
-            self.speed = 0.0
+            self._cycle = None
             return None
         before = self.altered.joints
         self._still += 1
@@ -220,7 +221,7 @@ class Moves:
             self.altered.abandon()
             self._open.clear()
             return str(error)
-        self.speed = self._speed(before)
+        self._cycle = (tuple(before), tuple(self.altered.joints))
         self.stack.observe()
         if self.altered.fault is not None and fault is None:
             self.stack.failed(self.altered.fault)
@@ -256,7 +257,7 @@ class Moves:
         self._back.override = override
         before = self._away
         self._away = self._back.step()
-        self.speed = self._way(before, self._away)
+        self._cycle = (tuple(before), tuple(self._away))
         if self._back.resting and self._back.place().waiting == 0:
             self._away, self._back, self.stack.connection = None, None, Connection.NONE
 
@@ -272,12 +273,13 @@ class Moves:
         else:
             self.stack.confirm_connection()
 
-    def _speed(self, before: Sequence[float]) -> float:
-        return 0.0 if before == self.altered.joints else self._way(before, self.altered.joints)
-
-    def _way(self, before: Sequence[float], after: Sequence[float]) -> float:
-        first, second = self.machine.forward(before).position, self.machine.forward(after).position
-        return float(sum((a - b) ** 2 for a, b in zip(first, second, strict=True)) ** 0.5) / PERIOD_S
+    def speed_at(self, tool: Tool) -> float:
+        """m/s of the tool centre point, of the commanded positions (L5964)."""
+        if self._cycle is None or self._cycle[0] == self._cycle[1]:
+            return 0.0
+        hand = tool.on_flange()
+        before, after = (compose(self.machine.forward(joints), hand).position for joints in self._cycle)
+        return math.dist(before, after) / PERIOD_S
 
 
 def refused(fault: RuntimeFault) -> Rte:

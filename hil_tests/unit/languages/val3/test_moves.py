@@ -1,5 +1,7 @@
 """Moves of programs on the modelled arm in virtual time.  Source: VAL 3 reference 10."""
 
+import math
+
 import pytest
 
 from hil_tests.unit.languages.val3.apps import App, datum, error_of, faults_of, run, value
@@ -137,6 +139,20 @@ def test_a_first_move_without_way_is_done_at_once() -> None:
     for before in ("", "movej(q[1],t,m)\nwaitEndMove()\nresetMotion()\nq[2]=q[1]\n"):
         data, _ = made(before + ("q[2]=herej()\n" if not before else "") + "movej(q[2],t,m)\nwaitEndMove()\nn=1")
         assert data["n"] == 1
+
+
+def test_the_speed_is_that_of_the_tool_centre_point() -> None:
+    code = (
+        "q[0]=herej()\nq[0].j6=170\nm.vel=10\nm.blend=off\nt.trsf={100,0,0,0,0,0}\nmovej(q[0],t,m)\nwait(getMoveId()>0.5)\n"
+        "n=getSpeed(t)\ni=getSpeed(flange)\na[0]=herej().j6\na[1]=clock()\ndelay(0.02)\na[2]=herej().j6\na[3]=clock()\nwaitEndMove()\n"
+        "delay(0.01)\nj=getSpeed(t)"
+    )
+    data, _ = made(code)
+    turned = data["a"]
+    assert isinstance(turned, list)
+    rate = (turned[2] - turned[0]) / (turned[3] - turned[1])  # deg/s of joint 6, with the tool 100 mm beside its axis
+    assert data["n"] == pytest.approx(math.radians(rate) * 100, rel=0.1) and rate > 50
+    assert data["i"] == pytest.approx(0, abs=1e-6) and data["j"] == 0
 
 
 def test_reset_motion_empties_the_queue_at_once() -> None:
