@@ -19,6 +19,7 @@ from motion.errors import MotionError, PieceError
 from motion.execution.follower import FIT, Follower
 from motion.execution.pieces import MAX_AXES, Piece
 from motion.execution.profile import Profile
+from motion.execution.run_on import RunOn
 from motion.execution.timed import TimedPiece
 from motion.timing.foresight import Foresight
 
@@ -90,6 +91,8 @@ class Stepper:
         self._done = 0
         self._follower: Follower | None = None  # of the last chain of timed pieces; kept at its end, for retrace
         self._direction = 1  # of the chain; -1: retrace
+        self._past: RunOn | None = None  # the way past the edge of a probe, and the override it began with
+        self._past_override = 1.0
         if len(self._q) != axes:
             raise MotionError(f"{len(self._q)} positions for {axes} axes")
 
@@ -147,6 +150,8 @@ class Stepper:
         if isinstance(piece, TimedPiece):
             self._load_timed(piece)
             return
+        if self._past is not None:
+            raise PieceError(f"piece {piece.id}: the axes run on past an edge, load it at rest")
         if self._follower and self._state is not State.IDLE:
             raise PieceError(f"piece {piece.id}: a chain of timed pieces is under way, load it at rest")
         self._follower = None
@@ -164,7 +169,7 @@ class Stepper:
             self._state = State.RUNNING
 
     def _load_timed(self, piece: TimedPiece) -> None:
-        if self._abandon or self._piece or self._queue:
+        if self._abandon or self._piece or self._queue or self._past is not None:
             raise PieceError(f"piece {piece.id}: another piece is under way or being abandoned, load it at rest")
         if piece.axes[-1] >= len(self._q):
             raise PieceError(f"piece {piece.id}: axis {piece.axes[-1]} of its mask does not exist, there are {len(self._q)}")
@@ -224,6 +229,14 @@ class Stepper:
         if self._state is State.STOPPED:
             self._drop()
 
+    def run_on(self, target: Sequence[float], speed: float) -> None:
+        """The path is left here: straight to `target` (m or rad of every axis) at `speed` (per s, over all axes) at the present override,
+        with no ramp at either end (rho 3 L6766-6768).  stop(), and an override of 0, rest at once; a speed of 0 goes nowhere."""
+        self._drop()
+        if speed > 0.0 and list(target) != list(self._q):
+            self._past, self._past_override = RunOn(list(self._q), list(target), speed * self._period), self._override
+            self._state, self._direction = State.RUNNING, 1
+
     def uncommit(self) -> None:
         """Timed pieces whose tail does not end at rest yet are taken out; what is committed runs."""
         if self._follower is not None:
@@ -233,6 +246,8 @@ class Stepper:
         """The next sample, one period further."""
         if self._follower is not None and self._state is not IDLE:
             return self._follow(self._follower)
+        if self._past is not None:
+            return self._go_past(self._past)
         if self._piece is None and self._state is not State.IDLE:
             self._next_piece()
         if self._piece is None:
@@ -263,6 +278,21 @@ class Stepper:
         if self._abandon and self._state in (State.STOPPED, IDLE):
             self._drop()
         return Sample(tuple(q), tuple(qd), piece_id, places[-1], self._state, self._done)
+
+    def _go_past(self, past: RunOn) -> Sample:
+        """One period past the edge."""
+        if self._state is State.STOPPING:
+            self._state = State.STOPPED
+        if self._abandon:
+            self._drop()
+        before, qd = self._q, self._still
+        if self._state is RUNNING and self._override > 0.0:
+            share = self._override / self._past_override if self._past_override > 0.0 else 1.0
+            self._q = list(past.step(min(share, 1.0)))
+            qd = tuple((b - a) / self._period for a, b in zip(before, self._q, strict=True))
+            if past.arrived:
+                self._drop()
+        return Sample(tuple(self._q), qd, 0, 0.0, self._state, self._done)
 
     def _check_fit(self, piece: Piece | TimedPiece) -> None:
         """Each axis of the piece must start where it will stand by then."""
@@ -392,5 +422,5 @@ class Stepper:
 
     def _drop(self) -> None:
         self._queue.clear()
-        self._follower = None
+        self._follower, self._past = None, None
         self._piece, self._state, self._abandon = None, State.IDLE, False

@@ -11,6 +11,7 @@ from math import hypot
 from typing import Protocol
 
 from motion.errors import LimitError
+from motion.execution.run_on import RunOn
 from motion.execution.stepper import Sample, State
 from motion.geometry.limits import AxisLimits, check_targets
 from motion.geometry.units import to_si
@@ -80,7 +81,7 @@ class MoveUntil:
     _hit_ns: int | None = field(default=None, init=False)
     _taken: bool = field(default=False, init=False)
     _last: Sample | None = field(default=None, init=False)
-    _run: "RunOn | None" = field(default=None, init=False)
+    _run: RunOn | None = field(default=None, init=False)
 
     def begin(self, level: bool, now_ns: int) -> bool:
         """Whether the block is to be loaded.  level: of the input now.
@@ -143,7 +144,7 @@ class MoveUntil:
                 self.path.place(self._last.q)  # POS is made anew (L6768)
             self.outcome = Outcome.FAULT if self.fault else Outcome.MET
 
-    def _run_on(self, hit_ns: int) -> "RunOn | None":
+    def _run_on(self, hit_ns: int) -> RunOn | None:
         """From the set values of the last cycle to the distance past the edge, in the direction the axes were going; None, and
         the fault: that place is outside the travel."""
         axes, last = self.bench.axes, self._last
@@ -173,30 +174,3 @@ class MoveUntil:
             before = self._last.q[axis] if self._last is not None else value
             q[axis], qd[axis] = value, (value - before) / self.bench.period_s
         return sample._replace(q=tuple(q), qd=tuple(qd))
-
-
-@dataclass(slots=True)
-class RunOn:
-    """The rest of a modified MOVE UNTIL: straight to the target at the speed of the edge, no ramp at either end (L6768).
-
-    The acceleration limit is not kept here, as the manual wants it; the speed is the block's, which is within its limits.
-    """
-
-    q: list[float]
-    target: list[float]
-    step_length: float  # m or rad a cycle; 0: the axes stood
-
-    @property
-    def arrived(self) -> bool:
-        """Whether the last set values are the target."""
-        return self.q == self.target
-
-    def step(self) -> tuple[float, ...]:
-        """Set values of the next cycle."""
-        left = [b - a for a, b in zip(self.q, self.target, strict=True)]
-        length = hypot(*left)
-        if length <= self.step_length * (1 + 1e-9) or self.step_length == 0.0:
-            self.q = list(self.target)
-        else:
-            self.q = [a + way * self.step_length / length for a, way in zip(self.q, left, strict=True)]
-        return tuple(self.q)

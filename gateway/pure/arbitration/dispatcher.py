@@ -245,6 +245,14 @@ class CommandDispatcher:
             move.reason, move.detail = Reason.NONE, ""
         self._order(Order.RETRACE if back else Order.RESUME, mask=_named(move.span))
 
+    def run_on(self, axes: int, distance: float) -> None:
+        """Past the edge that ends a block of these axes: so far, in m or rad, from now on (rho 3 SF 42)."""
+        self._order(Order.DISTANCE, mask=_named(axes), value=distance)
+
+    def slow_move(self, move: Job, share: float) -> None:
+        """A share, 0 .. 1, of the override, as long as it runs (rho 3 SF 41)."""
+        self._order(Order.FACTOR, move.id, mask=_named(move.span), value=share)
+
     def _stop(self, job: Job, cell: CellState) -> None:
         """Every command source may stop, and stops all that moves."""
         self._order(Order.STOP, job.id, reason=Reason.STOPPED_BY_DOOR)

@@ -36,7 +36,7 @@ class Outcomes:
             return belt_words(cell.belt_code, cell.belt_block or (planner.of(job.watch).block if planner else 0), axis)
         if outcome is Reason.SERVO_ERROR:
             return self._axes[cell.belt_axis - 1].name if 0 < cell.belt_axis <= len(self._axes) else ""
-        if outcome in (Reason.DRIVE_ON_NOT_AVAILABLE, Reason.DRIVE_ON_NOT_ALLOWED):
+        if outcome in (Reason.DRIVE_ON_NOT_AVAILABLE, Reason.DRIVE_ON_NOT_ALLOWED, Reason.TARGET_LIMIT):
             drive_axis = cell.lane_of(job.span).drive_axis
             return f"axis {self._axes[drive_axis - 1].name}" if 0 < drive_axis <= len(self._axes) else ""
         if outcome is Reason.NOT_READY:

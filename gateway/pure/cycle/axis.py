@@ -28,6 +28,7 @@ class CoreAxis:
     zeroed: bool = True  # False: absolute, and nobody has said yet where it reads 0
     modulo: float = 0.0  # an endless axis goes round at it; 0: an axis with ends
     kinematic: int = 1  # number of its robot in the cell
+    travel: tuple[float, float] = (-math.inf, math.inf)  # ends, m or rad
 
     @property
     def absolute(self) -> bool:

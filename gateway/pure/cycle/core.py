@@ -176,7 +176,7 @@ class CycleLogic:
     def _apply_override(self) -> None:
         """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""
         for lane in self.lanes:
-            ordered = lane.ramp.step(lane.override)
+            ordered = lane.ramp.step(lane.override) * lane.factor
             value = ordered if self._permits & FLOW == FLOW else 0.0
             if value != lane.mover.override:
                 lane.mover.set_override(value)
@@ -249,7 +249,7 @@ class CycleLogic:
                 self._move(record)
             case Order.STOP:
                 self._stop(Reason(record.reason), record.mask or EVERY_AXIS)
-            case Order.RESUME | Order.ABANDON | Order.OVERRIDE | Order.HOLD | Order.RETRACE:
+            case Order.RESUME | Order.ABANDON | Order.OVERRIDE | Order.HOLD | Order.RETRACE | Order.DISTANCE | Order.FACTOR:
                 for lane in self._of(record.mask or EVERY_AXIS):
                     lane.obey(record)
             case Order.BELT:
@@ -267,6 +267,8 @@ class CycleLogic:
             self.state.fail(record.job, Reason.BUSY)
             return
         lane.held = record.reason == Reason.SERVICES_LOST
+        if not lane.busy:
+            lane.factor = 1.0
         if record.order is Order.MOVE:
             lane.mover.move(record)
         else:

@@ -2,10 +2,12 @@
 
 Positions are those the drives latched at each SYNC; the edge has the stamp its command source gave the input's byte, and what lies
 between two
-SYNCs is interpolated (motion.measure).  Source: rho 3 Releases part 1, L1100-1290; AX-391.
+SYNCs is interpolated (motion.measure).  Source: rho 3 Releases part 1, L1100-1290; part 2, L6756-6830; AX-391, AX-457.
 """
 
 from collections.abc import Sequence
+from math import hypot
+from typing import NamedTuple
 
 from drivers.drives.family import Latched
 from gateway.pure.cycle.axis import HeldAxis
@@ -22,14 +24,25 @@ from protocols.base.machine import Ns
 BOARD = 1  # the axes of one channel are one servo board
 GOOD = int(Quality.GOOD)
 PATIENT = 50  # cycles the end of a part waits for positions that do not come
+STANDS = 1e-9  # m/s or rad/s
 TO_REST_NS = 60_000_000  # five time constants of a position loop of Kv 80 1/s: drives lag behind a path that has ended (AX-566)
 
 
+class Course(NamedTuple):
+    """From an edge on: to these places of all axes (m or rad) at this speed; speed 0: the axes stay where they are."""
+
+    places: tuple[float, ...] = ()
+    speed: float = 0.0
+
+
 class CoreMeasure:
-    """One program's measuring."""
+    """One program's measuring.  distance: m or rad that a modified MOVE UNTIL runs on past its edge (special function 42)."""
 
     def __init__(self, state: CellState, axes: int, period_ns: Ns, mpos: Measured) -> None:
         self._state, self._axes, self._period_ns, self._mpos = state, axes, period_ns, mpos
+        self.distance = 0.0
+        self._edge: tuple[float, ...] = ()  # where the axes were at it, of a part that runs on
+        self._speeds: tuple[float, ...] = ()  # as its edge was seen
         self._until: UntilInput | None = None
         self._probe: DriveProbe | None = None  # of a part whose edge the drives catch
         self._history = History(axes)
@@ -55,6 +68,7 @@ class CoreMeasure:
         """The part that follows ends with this input."""
         self._until, self._history = until, History(self._axes)
         self._level, self._hit, self._stored, self._patience = None, None, False, PATIENT
+        self._edge, self._speeds = (), ()
         self._ended, self._moved, self._late = 0, 0, False
         self._probe = DriveProbe(until.drives, until.level) if until.drives else None
         if self._probe is None:
@@ -78,6 +92,25 @@ class CoreMeasure:
     def on(self) -> bool:
         """A part with an input is under way."""
         return self._until is not None
+
+    @property
+    def runs_on(self) -> bool:
+        """This part goes on by `distance` behind its edge."""
+        return self._until is not None and self._until.runs_on
+
+    def course(self, places: Sequence[float], speeds: Sequence[float]) -> Course | None:
+        """Behind the edge, once a cycle until it is known; None: where the axes were at the edge is not known yet.  places, speeds: set
+        values of this cycle; the speeds of the first call count, they are of the cycle that saw the edge."""
+        self._speeds = self._speeds or tuple(speeds)
+        if self.waits:
+            return None
+        mask = self._until.mask if self._until is not None else 0
+        speed = hypot(*(v for n, v in enumerate(self._speeds) if mask >> n & 1))
+        if not self._edge or speed < STANDS:
+            return Course()
+        rows = zip(places, self._edge, self._speeds, strict=True)
+        found = tuple(edge + self.distance * v / speed if v else place for place, edge, v in rows)
+        return Course(found, hypot(*self._speeds))
 
     @property
     def waits(self) -> bool:
@@ -111,6 +144,8 @@ class CoreMeasure:
             self._hit = now if self._hit is None and self._probe.hit else self._hit
             self._ended = self._ended + 1 if path is State.IDLE else 0
             return self._hit is not None and path in (State.RUNNING, State.IDLE)
+        if until is not None and until.runs_on and self._hit is not None:
+            return path in (State.RUNNING, State.IDLE)  # its path may end before the place of the edge is known
         if until is None or path is State.IDLE:
             return False
         before = self._level
@@ -158,6 +193,8 @@ class CoreMeasure:
         caught = self._probe.places if self._probe is not None else {}
         self._mpos.forget(until.mask)
         self._mpos.store({n: caught.get(n, place) for n, place in enumerate(found) if place is not None})
+        if until.runs_on:
+            self._edge = tuple(caught.get(n, place) for n, place in enumerate(self._history.at(hit)))
 
     def _see(self, until: UntilInput, inputs: InputImage, now: Ns) -> Ns:
         """Remembers the level; the stamp a change of it has: that of its byte where it is new, else this cycle's (AX-456).

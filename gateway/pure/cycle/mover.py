@@ -33,6 +33,7 @@ ENTRIES: dict[Part, Callable[[PieceRecord], Entry]] = {  # done at a place of a 
     Part.TAPE: tape_of,
     Part.LATCH: latch_of,
 }
+STILL = 1e-9  # m or rad
 ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by then has not arrived
 
 
@@ -444,8 +445,7 @@ class Mover:
         self.storing.look(self._inputs, self._state.sync_ns)
         looks = measure.on and not (self.start.on or stepper.backward)
         if looks and measure.look(self._inputs, self._state.sync_ns, stepper.state) and not program.met:
-            stepper.abandon()
-            program.met = True
+            self._edge(sample)
         elif looks and not program.met and measure.late(stepper.state):
             stepper.abandon()
             program.met = program.late = True  # the rest of the part is dropped, as after an input
@@ -457,6 +457,30 @@ class Mover:
             measure.end()
             program.part_over()
             self._state.parts += 1
+
+    def _edge(self, sample: Sample) -> None:
+        """The input of the part has come: the path is left."""
+        if not self.measure.runs_on:
+            self.stepper.abandon()
+            self.program.met = True
+            return
+        course = self.measure.course(sample.q, sample.qd)
+        if course is None:
+            return
+        self.program.met = True
+        outside = next((n for n, place in enumerate(course.places) if not self._in_travel(n, place, sample.q[n])), None)
+        if outside is not None:
+            self._state.drive_axis = outside + 1
+            self._end_program(Reason.TARGET_LIMIT)
+        if outside is None and course.speed > 0.0:
+            self.stepper.run_on(course.places, course.speed)
+        else:
+            self.stepper.abandon()
+
+    def _in_travel(self, axis: int, place: float, now: float) -> bool:
+        """An axis that does not move may be where it is."""
+        low, high = self._axes[axis].plan.travel
+        return low <= place <= high or abs(place - now) <= STILL
 
     def _switch(self, entry: SwitchAt) -> None:
         set_bit(self._outputs, entry.number, entry.value)

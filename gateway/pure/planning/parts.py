@@ -287,11 +287,11 @@ class Measuring:
         if not until.channel:
             return UntilInput(until.number, until.value, mask, within=within)
         asked, own = input_of(until.channel), self._own(mask)
-        facts = own.get(until.channel)
-        if facts is None or asked.kind in (InputKind.MODIFIED, InputKind.NORMAL):
+        facts, runs_on = own.get(asked.wire), asked.kind is InputKind.MODIFIED
+        if facts is None or asked.kind is InputKind.NORMAL:
             known = ", ".join(f"ch{channel}" for channel in sorted(own)) or "none"
             raise ProgramFault(INADMISSABLE_INPUT, f"channel {until.channel}; the robot has {known} ([[measuring]])")
-        return UntilInput(facts.input, until.value, facts.mask & mask, asked.by_edge, facts.drives & mask, within)
+        return UntilInput(facts.input, until.value, facts.mask & mask, asked.by_edge, facts.drives & mask, within, runs_on)
 
     def start(self, wait: StartWait, mask: int) -> StartOrder:
         """Raises ProgramFault inadmissable input for what is no high-speed input of the robot."""

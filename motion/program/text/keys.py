@@ -99,7 +99,7 @@ OTHERS = {
     "camin": "type 3: first section, the belt path A with its unit: 30mm",
     "camout": "type 3: last section, the belt path D with its unit: 70mm",
     "freeze": "yes, in an alterable part: from the end of this block on the correction stays as it is",
-    "until": "NUMBER or !NUMBER: the block ends when this input is 1 (0); ch610, !ch611: a measuring input",
+    "until": "NUMBER or !NUMBER: the block ends when this input is 1 (0); ch610, !ch611: a measuring input; ch710: runs on behind it",
     "within": "s: the block of until= ends after this time of movement, even if the input did not come",
     "error": "label the program goes on at when the input of until= never came, or nothing was measured (mpos) or stored (recorded)",
     "wait": "NUMBER, !NUMBER, ch611: the block begins when this input is 1 (0): fast start-off",

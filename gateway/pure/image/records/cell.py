@@ -300,6 +300,8 @@ class Order(IntEnum):
     EMERGENCY = 12  # as an open chain: drives off, READY open, until a fault reset
     HOLD = 14  # of a stream: on the path; what still comes waits until RESUME (AX-1080)
     RETRACE = 15  # and back along the path, to where it begins at most
+    DISTANCE = 16  # value: m or rad that a modified MOVE UNTIL of these axes runs on past the edge, until another one is ordered
+    FACTOR = 17  # of the program `job`: value is a share of the override, until its end (rho 3 SF 41)
 
 
 @dataclass(frozen=True, slots=True)

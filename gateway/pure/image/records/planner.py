@@ -217,7 +217,8 @@ NO_LIMIT = -1.0
 @dataclass(frozen=True, slots=True)
 class UntilInput:
     """RC input `number` has this value.  mask: axes whose positions are stored; by_edge: a probe, it has to change during the block;
-    drives: axes whose drives catch its edge; within: s of movement after which the part ends without it, NO_LIMIT: at its end."""
+    drives: axes whose drives catch its edge; within: s of movement after which the part ends without it, NO_LIMIT: at its end; runs_on:
+    behind the edge by the distance that was ordered last (rho 3 channel 7x0)."""
 
     number: I32
     level: Yes
@@ -225,6 +226,7 @@ class UntilInput:
     by_edge: Yes = False
     drives: U32 = 0
     within: F64 = NO_LIMIT
+    runs_on: Yes = False
 
 
 VOID = -1

@@ -8,6 +8,7 @@ from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI
 from gateway.pure.languages.baps2 import demands, lines
 from gateway.pure.languages.baps2.cell_access import CellAccess
 from gateway.pure.languages.baps2.cell_acts import TOLD, CellActs
+from gateway.pure.languages.baps2.cell_asynchronous import DISTANCE, SPEED, CellAsynchronous
 from gateway.pure.languages.baps2.cell_belts import CAM, CellBelts, CellSetup
 from gateway.pure.languages.baps2.cell_debugger import CellDebugger
 from gateway.pure.languages.baps2.cell_devices import CellDevices, SerialUnits, fault_of
@@ -34,6 +35,7 @@ from motion.program.passing import Presets
 
 FIRST_INPUT, USER = 464, 120  # RC input of user input 1
 FIRST_INTEGER, INTEGERS = 401, 8
+RUN_ON = range(710, 800, 10)  # probes of the modified MOVE UNTIL, of boards 1 to 9
 EARLY = 1_000  # the same inputs, read while the block is prepared
 SAID_ANEW = "-"  # no type: what is read next is said, also when it is nothing
 PIECE = 1_000  # characters of an output to the screen of a PHG 2000
@@ -90,6 +92,7 @@ class CellRun(Control):
         self.port, self.robots, self.setup = port, tuple(robots), setup or CellSetup()
         self.paths = Paths(port, len(robots), one=one)
         self.acts = CellActs(self, CellBelts(self.setup.belts, port))
+        self.asynchronous = CellAsynchronous(self)
         self.devices[PANEL] = Device(UnitFeed())
         self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its robot
         self._runs: dict[int, Task] = {}
@@ -259,6 +262,7 @@ class CellRun(Control):
         self._read.clear()
         self._lines_turn()
         self.paths.look()
+        self.asynchronous.turn()
         for lane, robot in ((self.lanes[name], self.robot_of(name)) for name in self.lanes):
             lane.position = robot.own(self.port.view.set)
         self._advance()
@@ -338,7 +342,7 @@ class CellRun(Control):
     # ---- movement
 
     def _ready(self, task: Task, lane: Lane, block: Block, request: demands.MoveTo) -> None:
-        until = "" if request.until is None else self._until(request.until)
+        until = "" if request.until is None else self._until(request.until, request)
         factors = {**lane.factors, **dict(request.factors)}
         robot = self.robot_of(request.kinematic)
         how = request.way, request.via, request.joint, request.relative
@@ -368,14 +372,16 @@ class CellRun(Control):
         """P212 to P214 of a kinematic."""
         return self.setup.presets[robot - 1] if robot <= len(self.setup.presets) else Presets()
 
-    def _until(self, until: demands.Until) -> str:
+    def _until(self, until: demands.Until, request: demands.MoveTo) -> str:
         """The input that ends a movement, as the planner knows it."""
         number, sign = until.channel % EARLY, "" if until.level else "!"
         most = lines.within(until.limit)
         self.signal(number, self.now)  # one that is not there is a runtime error of this statement
         if 1 <= number <= USER:
             return f"until={sign}{FIRST_INPUT + number - 1}{most}"
-        if FIRST_FAST <= number < FIRST_FAST + FAST:
+        if number in RUN_ON and request.way != "ptp" and not self.robot_of(request.kinematic).straight:
+            raise fault(222, f"input {until.channel} ends a {request.way} movement of an arm; use PTP")
+        if FIRST_FAST <= number < FIRST_FAST + FAST or number in RUN_ON:
             return f"until={sign}ch{number}{most}"
         raise fault(222, f"MOVE UNTIL with input {until.channel}")
 
@@ -538,6 +544,9 @@ class CellRun(Control):
                 return None
             case demands.Reference(kinematic=kinematic):
                 return self.acts.reference(task, kinematic)
+            case demands.Special(number=number, values=values) if number in (SPEED, DISTANCE):
+                self.asynchronous.call(task, number, values)
+                return None
             case demands.Special(number=number, values=values) if number in TOLD:
                 return self.acts.special(task, number, values)
             case demands.WriteOutput(channel=channel) if channel not in OUTPUTS:
@@ -579,6 +588,8 @@ class CellRun(Control):
     def signal(self, channel: int, now: int) -> int | float:
         """Value of an input as the control has it; a runtime error where there is none."""
         number, seen = channel % EARLY, self.port.view.channels
+        if number in RUN_ON:
+            number -= 100  # the probe of the same board
         if 1 <= number <= USER:
             bit = FIRST_INPUT + number - 1
             return seen.inputs[bit >> 3] >> (bit & 7) & 1

@@ -9,6 +9,7 @@ from motion.errors import MotionError
 from motion.geometry.conventions import CONVENTIONS
 from motion.geometry.units import from_si, to_si
 from motion.kinematics.identity import Identity
+from motion.kinematics.portal import Portal
 from motion.planner.robot import Machine
 
 RHO3 = CONVENTIONS["rho3"]
@@ -32,6 +33,11 @@ class CellRobot:
     def plain(self) -> bool:
         """World coordinates are those of the axes."""
         return isinstance(self.machine.kinematics, Identity)
+
+    @property
+    def straight(self) -> bool:
+        """Its lines are straight in its axes, too."""
+        return isinstance(self.machine.kinematics, Identity | Portal)
 
     @property
     def units(self) -> tuple[str, ...]:

@@ -40,7 +40,7 @@ def balancing(mailbox: Asynchronous, edges: list[Edge], orders: dict[int, tuple[
 
 @pytest.mark.requirement("RHO-MOT-14", by="motion.measure.until:MoveUntil._run_on")
 @pytest.mark.requirement("RHO-MOT-14", by="motion.measure.asynchronous:Asynchronous.move_dist")
-@pytest.mark.requirement("RHO-MOT-14", by="motion.measure.until:RunOn.step")
+@pytest.mark.requirement("RHO-MOT-14", by="motion.execution.run_on:RunOn.step")
 def test_a_probe_edge_with_move_dist_45_ends_45_degrees_past_it_without_a_ramp() -> None:
     rig, outcome = balancing(Asynchronous(1, FactorTable(1)), [Edge(610, EDGE_NS, True)], {100: (0.2, 45.0)})
     assert outcome is Outcome.MET

@@ -69,6 +69,14 @@ class AxisCommands:
         """A reference run of these axes."""
         return self._say(door, Command(Code.REFERENCE, mask), now)
 
+    def slow(self, move: Job, share: float) -> None:
+        """Special function 41: a share, 0 .. 1, of the speed of the move under way."""
+        self._office.slow_move(move, share)
+
+    def run_on(self, mask: int, distance: float) -> None:
+        """Special function 42: m or rad that these axes run on behind an edge."""
+        self._office.run_on(mask, distance)
+
     def stop(self, door: int, now: Ns, give_up: Job | None = None) -> None:
         """Stops on the path; `give_up`: the move whose rest is abandoned, as where a program is taken off (L2610)."""
         if give_up is None:

@@ -240,6 +240,14 @@ class RhoControl:
         """REF_PNT: a program references a robot, as its command source would."""
         return self._opened(program, robot, lambda door, mask: self._commands.reference(door, mask, now))
 
+    def slow(self, move: Job, share: float) -> None:
+        """POTI_MODIFY: what the program moves goes at this share, 0 .. 1, of the speed it was planned with."""
+        self._commands.slow(move, share)
+
+    def run_on(self, robot: int, distance: float) -> None:
+        """MOVE_DIST: m or rad that a robot runs on behind an edge."""
+        self._commands.run_on(self.setup.robot_masks[robot - 1], distance)
+
     def _opened(self, program: str, robot: int, ask: Callable[[int, int], Job]) -> Job:
         tested = self.hosted is not None and self.hosted.tests(program)
         barred = self.modes.set_up(program, robot) if tested else self.modes.prepare(program, (robot,))

@@ -53,6 +53,12 @@ class Mover(Protocol):
     def open_reference(self, program: str, robot: int, now: Ns) -> Job:
         """An order to reference a robot; ProcessFault: the mode does not allow it."""
 
+    def slow(self, move: Job, share: float) -> None:
+        """A share, 0 .. 1, of the speed of this move."""
+
+    def run_on(self, robot: int, distance: float) -> None:
+        """m or rad that a robot runs on behind an edge."""
+
     def path_closed(self, program: str, robot: int) -> None:
         """It is over."""
 
@@ -195,7 +201,7 @@ class HostedPrograms:
                     if said["code"] and body.process is not None:
                         self.told.append(f"{body.process.name}: {said['code']} {said['text']} ({said['place']})")
                     self._end(body, str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
-            case "memory" | "answered" | "phg2000":
+            case "memory" | "answered" | "phg2000" | "slow" | "run-on":
                 self._informed(said)
             case "phg-read":
                 self.control.panel.reader.reads(str(said["base"]))
@@ -206,8 +212,19 @@ class HostedPrograms:
             case "pic-stopped" if self.control.pic is not None:
                 self.control.pic.stopped = True
 
+    def _asynchronous(self, said: Mapping[str, Fact]) -> None:
+        """Special functions 41 and 42, beside the path."""
+        if said["say"] == "run-on":
+            self.control.run_on(int(said["robot"]), float(said["distance"]))
+        for order in self._paths:
+            if said["say"] == "slow" and order.job.id == said["job"] and order.job.open:
+                self.control.slow(order.job, float(said["share"]))
+
     def _informed(self, said: Mapping[str, Fact]) -> None:
-        """Of the user memory, or what became of an order to the test system."""
+        """Of the user memory, special functions beside the path, or what became of an order to the test system."""
+        if said["say"] in ("slow", "run-on"):
+            self._asynchronous(said)
+            return
         if said["say"] == "phg2000":
             self.control.screen.take(bytes.fromhex(str(said["hex"])), more=bool(said["more"]))
             return

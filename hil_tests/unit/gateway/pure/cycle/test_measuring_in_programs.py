@@ -114,7 +114,7 @@ def test_mpos_after_a_block_whose_input_never_came_is_not_defined(both: Probing)
         (["ptp mpos"], "block 1, axis A1: point not defined"),
         ([f"ptp joints {joints(5)} until=ch620", "ptp mpos"], "block 2, axis A3: point not defined"),
         ([f"ptp joints {joints(5)} until=ch630"], "inadmissable input: channel 630"),
-        ([f"ptp joints {joints(5)} until=ch710"], "inadmissable input: channel 710"),
+        ([f"ptp joints {joints(5)} until=ch730"], "inadmissable input: channel 730"),
         ([f"ptp joints {joints(5)} until=ch610 error=X", f"ptp joints {joints(6)}"], "label X"),
         (["label X", f"ptp joints {joints(5)} until=ch610 error=X"], "label X"),
         ([f"ptp joints {joints(5)} error=X", "label X"], "error"),
