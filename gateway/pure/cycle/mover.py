@@ -300,9 +300,7 @@ class Mover:
     def _take_piece(self, data: bytes) -> None:
         program = self.program
         if self.stepper.state is State.IDLE and not program.met and not self.start.on:
-            has_value = self.measure.stands(self._inputs)  # then there is no movement (rho3 4.3)
-            program.late = not has_value and self.measure.timeless()
-            program.met = has_value or program.late
+            self._needs_no_way()
         if program.met or program.failed:
             return
         try:
@@ -323,6 +321,13 @@ class Mover:
         if not program.begun:
             self._begin(program.job)
             program.begun = True
+
+    def _needs_no_way(self) -> bool:
+        """At the beginning of a part: the input that ends it has its value already, or its time is 0; then nothing moves (rho3 4.3)."""
+        has_value = self.measure.stands(self._inputs)
+        self.program.late = not has_value and self.measure.timeless()
+        self.program.met = has_value or self.program.late
+        return self.program.met
 
     def _may_run(self, piece: Piece | TimedPiece) -> bool:
         """Its axes follow; raises AxisError where some are out of the loop, and the piece moves them."""
@@ -416,6 +421,8 @@ class Mover:
         """One cycle of a part that waits for its input."""
         if not self.program.job or self.start.step(self._inputs, self._state.sync_ns):
             self._release()
+            if self.program.job and self.program.begun and self._needs_no_way():
+                self.stepper.abandon()
 
     def _release(self) -> None:
         self.start.end()
