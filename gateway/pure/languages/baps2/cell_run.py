@@ -26,6 +26,7 @@ from gateway.pure.languages.baps2.robots import CellRobot
 from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Statement, Task
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
+from gateway.pure.languages.baps2.working_range import check_range, range_keys
 from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
 from gateway.pure.languages.base.path import Paths, Stretch
 from gateway.pure.languages.base.process import Process, ProcessState
@@ -166,6 +167,7 @@ class CellRun(Control):
                 preset = self._presets(number)
                 self.lane(name).factors = {"R": preset.radius, "R_PTP": preset.factor}  # L1888
                 self.lane(name).measured = None
+                self.lane(name).limits = {}
 
     @staticmethod
     def _numbers_of(task: Task) -> tuple[int, ...]:
@@ -351,7 +353,7 @@ class CellRun(Control):
             on_belt += " " + self.acts.cam(lane, self.port.view.channels.factors, factors)
         block.before, lane.before = lane.before, ()
         held = "" if request.way == "circular" else self._held(task, request.kinematic)
-        until = f"{until} {held}".strip()
+        until = " ".join(each for each in (until, held, range_keys(lane.limits)) if each)
         block.wanted = Wanted(robot, *how, block.target, factors, self._presets(robot.number), lane.frame, until, on_belt)
         if not request.relative and not request.joint and request.way != "circular":
             robot.target(block.target, lane.position)  # its faults belong to the statement
@@ -384,6 +386,12 @@ class CellRun(Control):
         if FIRST_FAST <= number < FIRST_FAST + FAST or number in RUN_ON:
             return f"until={sign}ch{number}{most}"
         raise fault(222, f"MOVE UNTIL with input {until.channel}")
+
+    def _check_range(self, lane: Lane, request: demands.MoveTo, target: tuple[float, ...]) -> None:
+        """Of absolute points, before anything moves; the planner looks at the way, and at relative blocks."""
+        if not request.relative:
+            place = target if not request.joint else to_workpiece(lane.frame, self.robot_of(request.kinematic).world(target))
+            check_range(lane.limits, place)
 
     def _target(self, task: Task, lane: Lane, request: demands.MoveTo) -> tuple[float, ...]:
         values = tuple(float(value) for value in request.target if value is not None)

@@ -18,6 +18,7 @@ from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Ta
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.baps2.values import Shared
+from gateway.pure.languages.baps2.working_range import check_range
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.process import Process, ProcessState
 from gateway.pure.languages.base.requests import PENDING, Request, RuntimeFault
@@ -404,6 +405,8 @@ class Control(ABC):
         if len([each for each in task.blocks(request.kinematic) if each.began is None]) >= lane.most:
             return PENDING
         target = self._target(task, lane, request)
+        if lane.limits:
+            self._check_range(lane, request, target)
         self._moves += 1
         block = Block(self._moves, request.kinematic, target, task.process.line, request.until, stops=not request.via)
         self._ready(task, lane, block, request)
@@ -422,6 +425,10 @@ class Control(ABC):
     def _ready(self, task: Task, lane: Lane, block: Block, request: demands.MoveTo) -> None:
         """A block is prepared; what a cell needs to know of it."""
         return
+
+    def _check_range(self, lane: Lane, request: demands.MoveTo, target: tuple[float, ...]) -> None:
+        """LIMIT_MIN, LIMIT_MAX; a runtime error."""
+        check_range(lane.limits, to_workpiece(lane.frame, self.world(request.kinematic, target)))
 
     def _target(self, task: Task, lane: Lane, request: demands.MoveTo) -> tuple[float, ...]:
         values = tuple(float(value) for value in request.target if value is not None)

@@ -50,6 +50,7 @@ TEXTS = {
     222: "not possible in a cell",
     223: "a circle has two points",
     224: "inadmissable output",
+    225: "outside the working range",
 }
 OURS = range(208, 1_000)  # texts that the manual does not print
 

@@ -9,6 +9,7 @@ from gateway.pure.languages.baps2.frames import Frame, to_workpiece, to_world
 from gateway.pure.languages.baps2.machine import Machine
 from gateway.pure.languages.baps2.tasks import Peek, Poke, Task
 from gateway.pure.languages.baps2.values import KeptArray, Shared
+from gateway.pure.languages.baps2.working_range import check_limits
 from gateway.pure.languages.base.process import Process
 from gateway.pure.languages.base.requests import Request
 
@@ -66,7 +67,9 @@ class Handle:
 
     def set_limit(self, kinematic: str, name: str, value: tuple[float, ...]) -> None:
         """LIMIT_MIN, LIMIT_MAX."""
-        self._machine.lane(kinematic).limits[name] = value
+        lane = self._machine.lane(kinematic)
+        check_limits({**lane.limits, name: value})
+        lane.limits[name] = value
 
     def frame(self, kinematic: str) -> Frame:
         """WC_SYSTEM."""

@@ -180,3 +180,14 @@ def test_on_paper_and_written_again() -> None:
     text = f"{HEAD}move {AWAY[0]} until={SEEN}\nmove arm ptp mpos error=X and scara ptp mpos error=Y\nlabel X\nlabel Y\n"
     (fault,) = team_findings(read_team(text), pair()).faults
     assert "block 2: a shared block goes on at one label, not at X and Y: error= of one of them" in str(fault)
+
+
+def test_the_time_of_one_kinematic_ends_a_shared_block_for_all_and_leads_to_its_label(home: Planned) -> None:
+    lines = [f"move {AWAY[0]} and {AWAY[1]} until={SEEN} within=1.0 error=LATE", HOME, "label LATE", "move arm ptp rel joints 1 0 0 0 0 0"]
+    job = home.order(HEAD + "\n".join(lines))
+    home.until(lambda state: state.motion is Motion.RUNNING)
+    home.bench.run(1.0)
+    assert home.bench.settle(job).state is CommandState.DONE
+    arm, scara = gone(home)
+    assert 0.1 < scara < 0.9 and arm == pytest.approx(scara + 1 / 40, abs=1e-3), "both stopped on the way, and none went home"
+    assert home.state.measured_mask == 0
