@@ -1,6 +1,7 @@
 """From [[axis]] of a cell to what core, dispatcher and planner need: the one place where units of the file become SI."""
 
 from collections.abc import Mapping, Sequence
+from math import inf
 
 from drivers.drives.family import DriveHoming, DriveMaker
 from drivers.drives.reference_settings import ReferenceSettings, settings_from
@@ -76,11 +77,9 @@ def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *
         warn, trip = (to_si(lag.warn, axis.unit), to_si(lag.trip, axis.unit)) if lag else (float("inf"), float("inf"))
         standing = to_si(lag.standstill, axis.unit) if lag and lag.standstill is not None else float("inf")
         modulo = to_si(axis.modulo, axis.unit)
-        found.append(
-            CoreAxis(
-                axis.name, scaling, reference_of(axis, scaling), window_of(axis), drive, warn, trip, standing, zeroed, modulo, kinematic
-            )
-        )
+        travel = (-inf, inf) if modulo else (to_si(axis.limits.min, axis.unit), to_si(axis.limits.max, axis.unit))
+        lags, reference = (warn, trip, standing), reference_of(axis, scaling)
+        found.append(CoreAxis(axis.name, scaling, reference, window_of(axis), drive, *lags, zeroed, modulo, kinematic, travel))
     return found
 
 
