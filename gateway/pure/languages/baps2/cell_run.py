@@ -633,6 +633,18 @@ class CellRun(Control):
         """Set joints of a kinematic now."""
         return self.robot_of(kinematic).own(self.port.view.set)
 
+    def with_belts(self, unit: Unit, kinematic: str) -> tuple[float, ...]:
+        """Set joints, and behind them the counters of belts that the program names as components."""
+        robot = self.robot_of(kinematic)
+        return (*self.where(kinematic), *self.acts.belts.values(robot.number, max(0, size_of(unit, kinematic) - robot.size)))
+
+    def measuring_system(self, unit: Unit, number: int) -> float:
+        """The axes of the cell in its order, then its belts."""
+        found = (*self.port.view.set, *self.port.view.belts)
+        if not 1 <= number <= len(found):
+            raise fault(91, str(number))
+        return found[number - 1]
+
     def actual(self, kinematic: str) -> tuple[float, ...]:
         """As its drives report."""
         return self.robot_of(kinematic).own(self.port.view.actual)

@@ -94,6 +94,14 @@ class Control(ABC):
     def where(self, kinematic: str) -> tuple[float, ...]:
         """Joints of a kinematic now."""
 
+    def with_belts(self, unit: Unit, kinematic: str) -> tuple[float, ...]:
+        """Joints, and behind them the counters of belts."""
+        return self.where(kinematic)
+
+    @abstractmethod
+    def measuring_system(self, unit: Unit, number: int) -> float:
+        """What a measuring system reads; a runtime error where there is no such."""
+
     def actual(self, kinematic: str) -> tuple[float, ...]:
         """Without a lag, unless drives report it."""
         return self.where(kinematic)

@@ -10,12 +10,15 @@ from gateway.pure.languages.baps2.frames import to_workpiece
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Task, between
+from gateway.pure.languages.baps2.translation import Unit
+from gateway.pure.languages.baps2.tree import Declared
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.process import ProcessState
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.base.trace import Trace
 
 SIX = 6  # axes of a kinematic of which nothing is known
+MOST_SYSTEMS = 24
 SPARE = 2_000  # turns that cost no time
 
 
@@ -82,7 +85,8 @@ class DryRun(Control):
         if busy or any(task.moment == self.now and task.readings >= READINGS for task in self.tasks.values()):
             moments.append(tick)
         waiting = any(isinstance(task.process.waits_for, demands.WaitFor | demands.SyncBelt) for task in self.tasks.values())
-        if waiting and (any(self.feed.belts.values()) or any(lane.moving for lane in self.lanes.values())):
+        moving = any(lane.moving for lane in self.lanes.values())
+        if (waiting and (any(self.feed.belts.values()) or moving)) or (self.specials.records and (any(self.feed.belts.values()) or moving)):
             moments.append(tick)
         return min(moments, default=None)
 
@@ -125,6 +129,12 @@ class DryRun(Control):
                 return False
             lane.owner, lane.moving = task, block
             block.began, block.start = self.now, lane.position
+            try:
+                self.specials.functions.begun(block)
+            except RuntimeFault as error:
+                task.process.line = block.line
+                self.scheduler.fail(task.process, error, self.now)
+                return False
             if block.until is not None and block.until.channel % 10 == 0 and block.until.channel in PROBES:
                 block.was = block.until.test()
             self.event(task, "moving", block.line, n=block.number)
@@ -144,6 +154,9 @@ class DryRun(Control):
         facts = {"met": bool(block.met)} if block.until is not None else {}
         self.event(task, "moved", block.line, n=block.number, **facts)
         return True
+
+    def _ready(self, task: Task, lane: Lane, block: Block, request: demands.MoveTo) -> None:
+        self.specials.functions.prepared(block)
 
     def _cut(self, block: Block) -> bool:
         """Whether a time limit ended it before its end."""
@@ -214,6 +227,21 @@ class DryRun(Control):
         lane = self.lane(kinematic)
         return lane.position if lane.moving is None else between(lane.moving, self.now, self.feed.block)
 
+    def measuring_system(self, unit: Unit, number: int) -> float:
+        """In the order of the kinematics: their axes, then the belts that the program declares for them (L5276-5290).  One that the
+        program does not know may be there, and stands still."""
+        order = sorted(unit.program.head.kinematics.items(), key=lambda each: each[1]) or [("", 1)]
+        axes, belts = list[float](), list[float]()
+        for name, _ in order:
+            place = self.where(name)
+            count = len(place) - belts_of(unit, name)
+            axes += place[:count]
+            belts += place[count:]
+        found = (*axes, *belts, *(self.belt(each) for each in self.feed.belts))
+        if not 1 <= number <= MOST_SYSTEMS:
+            raise fault(91, str(number))
+        return found[number - 1] if number <= len(found) else 0.0
+
     def prepared(self, task: Task) -> bool:
         """In the last two P5 of the last movement, or behind it."""
         return task.prepared(self.now, self.feed.block, self.feed.p5)
@@ -233,3 +261,9 @@ class DryRun(Control):
     def image(self, letter: str, bit: int) -> int:
         """Outputs as assigned, inputs as the feed has them."""
         return int(self.outputs.get(bit, 0) if letter == "O" else self.input(bit))
+
+
+def belts_of(unit: Unit, kinematic: str) -> int:
+    """Components of a kinematic's points that are belts: those the program declares for it."""
+    declared = [each for each in unit.program.main.declarations if isinstance(each, Declared) and each.type.base == "BELT"]
+    return sum(each.type.kinematic == kinematic for each in declared)

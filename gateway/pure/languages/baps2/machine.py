@@ -8,6 +8,7 @@ from gateway.pure.languages.baps2.filing import Filing
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.tasks import Lane, Task
+from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.baps2.values import Shared
 from gateway.pure.languages.base.scheduler import Scheduler
@@ -64,6 +65,12 @@ class Machine(Protocol):
 
     def actual(self, kinematic: str) -> tuple[float, ...]:
         """Joints of a kinematic as they are measured now."""
+
+    def with_belts(self, unit: Unit, kinematic: str) -> tuple[float, ...]:
+        """Joints of a kinematic now, and behind them the counters of belts that the program names as its components."""
+
+    def measuring_system(self, unit: Unit, number: int) -> float:
+        """What a measuring system reads: axes of all kinematics, then belts, from 1; a runtime error where there is no such."""
 
     def belt(self, channel: int) -> float:
         """Counter of a belt in mm."""

@@ -7,17 +7,19 @@ from dataclasses import dataclass, field
 
 from gateway.pure.languages.baps2 import demands
 from gateway.pure.languages.baps2.compiling import compile_program
+from gateway.pure.languages.baps2.dry_outputs import DryOutputs
 from gateway.pure.languages.baps2.errors import TEXTS, fault
 from gateway.pure.languages.baps2.filing import file_name
 from gateway.pure.languages.baps2.frames import to_workpiece
 from gateway.pure.languages.baps2.machine import Machine
 from gateway.pure.languages.baps2.tasks import MOST_PREPARED, Lane, Task
+from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.values import MOST_REAL, Ref, point
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.requests import PENDING, RuntimeFault
 
 COPIES = {"QLL": ("QLL", "ERR", "DAT"), "DAT": ("QLL", "ERR", "DAT"), "PKT": ("PKT",), "SYM": ("SYM",), "IRD": ("IRD",)}
-MOST_ENTRIES, MOST_SYSTEMS = 50, 24  # of a recorded path (L5257), measuring systems
+MOST_ENTRIES = 50  # of a recorded path (L5257)
 _POINT_NAME = re.compile(r"(@?[A-Z]\w*)(\[-?\d+\])?", re.ASCII)
 WRONG_DIRECTION = 928  # of kinematic 1 (L6116-6128)
 HEADER, VERSION = 24, 500  # of a MOVE_FILE: bytes of its fields, version of TO05 (L6975-7005)
@@ -62,6 +64,7 @@ class _Measuring:
 class _Record:
     """A recorded path."""
 
+    unit: Unit
     system: int
     distance: float
     running: bool = True
@@ -76,7 +79,7 @@ class Specials:
         self._machine = machine
         self._resets: dict[int, float] = {}
         self._belt_types: dict[int, int] = {}
-        self._active: dict[tuple[int, int, int], tuple[object, ...]] = {}  # function, kinematic, number -> its values
+        self.functions = DryOutputs(machine)  # of a dry run
         self._measuring: dict[int, _Measuring] = {}  # channel of the probe
         self._records: dict[str, _Record] = {}
         self._compiler: Task | None = None  # whose program is being translated
@@ -87,7 +90,8 @@ class Specials:
             return PENDING
         match number:
             case 1 | 2:
-                self._logic(task, number, values)
+                name, lane = self.lane_of(task, values[1])
+                self.functions.call(task, number, name, len(lane.position), values)
             case 3:
                 self._machine_position(task, values)
             case 4:
@@ -149,11 +153,17 @@ class Specials:
             each.was = value
         for kinematic, record in self._records.items():
             if record.running:
-                self._store(record, self._machine.where(kinematic))
+                self._store(record, self._machine.with_belts(record.unit, kinematic))
+        self.functions.step()
+
+    @property
+    def records(self) -> bool:
+        """A path is being recorded, or a function waits for its place."""
+        return self.functions.on or any(record.running for record in self._records.values())
 
     def _store(self, record: _Record, joints: tuple[float, ...]) -> None:
-        """One entry each DISTANCE of a component; the newest are kept (L5198-5255)."""
-        now = joints[record.system - 1] if record.system <= len(joints) else 0.0
+        """One entry each DISTANCE of a measuring system; the newest are kept (L5198-5255)."""
+        now = self._machine.measuring_system(record.unit, record.system)
         if not record.points or abs(now - record.last) >= record.distance:
             record.points, record.last = [*record.points, joints][-MOST_ENTRIES:], now
 
@@ -162,9 +172,8 @@ class Specials:
         name, lane = self.lane_of(task, values[0])
         if number == 29:
             system = _whole(values[1])
-            if not 1 <= system <= max(MOST_SYSTEMS, len(lane.position)):
-                raise fault(91, str(system))
-            self._records[name] = _Record(system, _number(values[2]))
+            self._machine.measuring_system(task.unit, system)  # a runtime error where it is none
+            self._records[name] = _Record(task.unit, system, _number(values[2]))
             return
         record = self._records.get(name)
         if number == 30:
@@ -178,22 +187,6 @@ class Specials:
         joints = record.points[-index]
         _set(values[2], joints)
         _set(values[3], to_workpiece(lane.frame, self._machine.world(name, joints)))
-
-    def _logic(self, task: Task, number: int, values: tuple[object, ...]) -> None:
-        """IOL and PPO: a negative number resets the function and issues the value at once (L4210-4245)."""
-        function, kinematic = _whole(values[0]), _whole(values[1])
-        self.lane_of(task, kinematic)
-        key = (number, kinematic, abs(function))
-        if function < 0:
-            self._active.pop(key, None)
-            value = _number(values[4])
-            self._machine.outputs[-function] = value
-            facts = {"channel": -function, "value": int(value) if value.is_integer() else value}
-            self._machine.event(task, "out", task.process.line, **facts)
-        elif key in self._active:
-            raise fault(216 if number == 1 else 217)
-        else:
-            self._active[key] = values
 
     def _machine_position(self, task: Task, values: tuple[object, ...]) -> None:
         """Belts in the point are not set (L4119-4208)."""
