@@ -1,4 +1,4 @@
-"""IO logic and PPO of a dry run: special functions 1 and 2, led by the coordinates of its straight blocks (rho 3 releases L4210-4264).  Pure.
+"""IO logic and PPO of a dry run: special functions 1 and 2, led by the coordinates of its straight blocks (rho 3, L4210-4264).  Pure.
 
 What they do on the way is motion.outputs.rho3 (AX-465, AX-466).  A call acts from the next block of its kinematic on, as in a cell.
 The trace has the value where it is final, not each step of a PPO (AX-1682).

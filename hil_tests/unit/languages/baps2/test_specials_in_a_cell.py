@@ -67,3 +67,13 @@ def test_nothing_measured_is_an_error_and_so_is_a_probe_that_is_not_there() -> N
     body = "MEASURE_ON(1, 1, PROBE)\nMOVE LINEAR TO (100, 60, 40, 12)\n@HIT = @MPOS"
     assert ProgramCell(one(body, MEASURE), cell).run("P")[1] == 200
     assert ProgramCell(one(body, MEASURE)).run("P")[1] == 206
+
+
+def test_a_path_is_recorded_by_any_axis_of_the_cell_and_by_no_other() -> None:
+    body = "V = 200\nREC_ON(1, 2, 20.0)\nMOVE LINEAR TO (260, 60, 40, 12)\nMOVE LINEAR TO (260, 160, 40, 12)\nWAIT 0.1\nREC_OFF(1, N)\n"
+    cell = ProgramCell(one(f"{body}W1 = (N, 0, 0, 0)", RECORD))
+    begin = cell.at()[1]
+    assert cell.run("P")[:2] == ("ended", 0)
+    ways = (abs(60 - begin) // 20) + 5
+    assert cell.memory.points("P", Faults())["W1"][0] in (ways, ways + 1), "of the ways of A2 alone"
+    assert ProgramCell(one("REC_ON(1, 5, 20.0)", RECORD)).run("P")[1] == 91, "the cell has four axes and no belt"
