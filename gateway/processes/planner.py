@@ -20,6 +20,7 @@ from gateway.pure.image.records.planner import (
     PIECE_LAYOUT,
     SAY_LAYOUT,
     TAKEN_LAYOUT,
+    BlockRecord,
     PlannerState,
     pack_piece,
     pack_planner,
@@ -124,9 +125,7 @@ class PlannerProcess:
         taken = self.taken.read()  # before the state: what counts as taken is in it
         payload = self.axes.read()
         state = CellState() if payload is None else unpack_cell_state(payload)
-        records = [unpack_block(data) for _, data in self.blocks.take(TAKEN)]
-        if self.lines is not None:
-            records += [unpack_block(data) for _, data in self.lines.take(TAKEN)]  # behind the order that begins their stream
+        records = heard(self.blocks, self.lines)
         self._look_for_gaps()
         while time.monotonic_ns() - now < WORKING_NS and self.programs.prepare(state, self.count):
             pass
@@ -156,6 +155,19 @@ class PlannerProcess:
             self._told[lane] = fault
         for job, words in self.programs.warnings():
             self.journal.write("program", words, job=job, warning=True)
+
+
+def heard(blocks: RingReader, lines: RingReader | None) -> list[BlockRecord]:
+    """New records of the services, then statements of the interpreter.
+
+    A statement is written when its stream is ordered: of those that were there before the orders were looked at, the streams are known.
+    One that came meanwhile waits for the next turn, else the planner would not know its job, and drop it (AX-1691).
+    """
+    known = 0 if lines is None else lines.waiting
+    records = [unpack_block(data) for _, data in blocks.take(TAKEN)]
+    if lines is not None and known and len(records) < TAKEN:  # more orders may wait, and a stream among them
+        records += [unpack_block(data) for _, data in lines.take(min(known, TAKEN))]
+    return records
 
 
 def main(argv: list[str] | None = None) -> int:

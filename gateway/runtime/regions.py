@@ -309,6 +309,11 @@ class RingReader(_Mapped):
         self.position, self.generation = self._words[PUBLISHED], self._words[GENERATION]
         self.gaps, self.voided, self.overtaken = 0, 0, 0
 
+    @property
+    def waiting(self) -> int:
+        """Records that are there and not taken."""
+        return max(self._words[PUBLISHED] - self.position, 0)
+
     def take(self, limit: int = 64) -> list[tuple[int, bytes]]:
         """At most `limit` records with their sequence numbers, oldest first; [] when nothing waits."""
         for _ in range(TRIES):

@@ -68,6 +68,9 @@ class CellPrograms(Protocol):
     def after(self) -> list[str]:
         """After it: what a person should read."""
 
+    def pass_on(self) -> None:
+        """Orders to the interpreter, behind those to the planner."""
+
     def ending(self) -> list[int]:
         """Jobs of an interpreter that is gone."""
 
@@ -183,6 +186,11 @@ class ControllerHost(Part):
         cycle."""
         if self.control is not None and (self.wired or self._image.inputs.values != self._seen):
             self.step(now)
+
+    def pass_on(self) -> None:
+        """Planner and cycle have their orders: the interpreter may hear of them."""
+        if self.programs is not None:
+            self.programs.pass_on()
 
     def note(self, errors: list[tuple[int, str]], now: Ns) -> None:
         """Errors of the cell with axisgate's own numbers go into the same list; gone with its cause."""

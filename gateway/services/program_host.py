@@ -86,18 +86,22 @@ class ProgramHost:
         hosted.step(now)
 
     def after(self) -> list[str]:
-        """Behind it: the channels as programs see them, orders; what a person should read."""
+        """Behind it: the channels as programs see them; what a person should read."""
         hosted = self._programs.hosted
         seen = pack_channels(self._programs.seen())
         if seen != self._seen:
             self._seen = seen
             self._channels.write(seen, time.monotonic_ns())
         hosted.step(time.monotonic_ns())
+        told, hosted.told = hosted.told, []
+        return told
+
+    def pass_on(self) -> None:
+        """Orders to the interpreter, when the planner has its own: a statement that comes before its stream would be lost (AX-1691)."""
+        hosted = self._programs.hosted
         orders, hosted.orders = hosted.orders, []
         for order in orders:
             self._orders.put(pack_facts(order))
-        told, hosted.told = hosted.told, []
-        return told
 
     def ending(self) -> list[int]:
         """Jobs of an interpreter that is gone."""

@@ -59,6 +59,7 @@ class Publisher(Part):
         self._planner.order(self._office.take_programs())
         self._planner.say(self._image.statements)
         self._image.statements.clear()
+        self._host.pass_on()
 
     def _events(self) -> None:
         language, refusals = self._run.cell.cell.language, self._cell_values.refusals
