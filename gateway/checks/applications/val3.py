@@ -53,7 +53,7 @@ def _channels(check: Context, table: Val3) -> None:
     for index, row in enumerate(table.channel):
         for fault in channel_of(row).faults():
             check.fault(f"val3.channel.{row.name}", row.kind, fault)
-        if any(other.name.lower() == row.name.lower() for other in table.channel[:index]):
+        if any(other.name == row.name for other in table.channel[:index]):
             check.fault(f"val3.channel.{row.name}", row.name, "two channels of one name")
 
 

@@ -121,8 +121,8 @@ def _channels(card: Card, root: Element) -> list[CardChannel]:
         else:
             card.doubts.append(f"sio.cfx line {row.line}: <{row.tag}> is no serial line and no socket; {name} is left out")
             continue
-        if (twin := next((each for each in made[:-1] if each.name.lower() == made[-1].name.lower()), None)) is not None:
-            made.pop()  # names count without their case
+        if (twin := next((each for each in made[:-1] if each.name == made[-1].name), None)) is not None:  # their case counts
+            made.pop()
             card.doubts.append(f"sio.cfx line {row.line}: {name} has the name of {twin.name} above and is left out")
     return made
 

@@ -12,6 +12,7 @@ import pytest
 import configs
 from gateway.cell_file.load import load_cell
 from gateway.commands.val3 import main
+from gateway.pure.controllers.val3.sio.channel import Channel, Kind, channel_named
 from gateway.pure.languages.val3.card import card_of
 from gateway.pure.languages.val3.links import Link
 from gateway.tools.new_cell.val3_cell import distinct, place_of
@@ -184,11 +185,22 @@ def test_what_is_not_understood_is_said(name: str, text: str, doubt: str) -> Non
     assert any(doubt in each for each in found.doubts), found.doubts
 
 
-def test_two_sockets_whose_names_differ_in_case_alone_are_one() -> None:
-    row = '<socketSrv><String name="name" value="{}" /><Uint name="portNumber" value="8500" /></socketSrv>'
-    found = card_of({"sio.cfx": (HEAD + "<sio>" + row.format("Vision") + row.format("vision") + "</sio>").encode()})
-    assert [each.name for each in found.channels] == ["Socket\\Vision"], "a cell has a channel name once, whatever its case"
-    assert found.doubts == ["sio.cfx line 2: vision has the name of Socket\\Vision above and is left out"]
+def test_sockets_whose_names_differ_in_case_alone_are_two() -> None:
+    row = '<socketSrv><String name="name" value="{}" /><Uint name="portNumber" value="{}" /></socketSrv>'
+    rows = row.format("Vision", 8500) + row.format("vision", 5000) + row.format("vision", 5001)
+    found = card_of({"sio.cfx": (HEAD + "<sio>" + rows + "</sio>").encode()})
+    assert [(each.name, each.port) for each in found.channels] == [("Socket\\Vision", 8500), ("Socket\\vision", 5000)]
+    assert found.doubts == ["sio.cfx line 2: vision has the name of Socket\\vision above and is left out"]
+    channels = [Channel(each.name, Kind.TCP_SERVER) for each in found.channels]
+    leads = {link: channel_named(channels, link) for link in ("Socket\\vision", "vision", "Socket/Vision", "VISION", "Serial\\vision", "x")}
+    assert leads == {
+        "Socket\\vision": "Socket\\vision",
+        "vision": "Socket\\vision",
+        "Socket/Vision": "Socket\\Vision",
+        "VISION": "Socket\\Vision",
+        "Serial\\vision": "Socket\\vision",
+        "x": None,
+    }, "the one as written, else the first in any case"
 
 
 def zipped(folder: pathlib.Path, target: pathlib.Path, under: str = "") -> pathlib.Path:

@@ -1,7 +1,7 @@
 """A channel as it is declared at the controller: kind and parameters.  Source: VAL 3 manual, 3.7.1.2 and table of sioCtrl."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum, auto
 
@@ -87,9 +87,14 @@ def deadline_of(timeout_s: float, now: Ns) -> Ns | None:
 
 
 def channel_named(channels: Iterable[Channel], link: str) -> str | None:
-    """The channel a link leads to: its path or its last name, in any case."""
-    wanted = link.replace("/", "\\").lower()
+    """The channel a link leads to: its path or its last name, in any case; of two names that differ in nothing else the one as written."""
+    wanted = link.replace("/", "\\")
     names = [channel.name for channel in channels]
-    whole = next((name for name in names if name.lower() == wanted), None)
-    last = (name for name in names if name.lower().rpartition("\\")[2] == wanted.rpartition("\\")[2])
-    return whole or next(last, None)
+    last = wanted.rpartition("\\")[2]
+    ways: tuple[Callable[[str], bool], ...] = (
+        lambda name: name == wanted,
+        lambda name: name.lower() == wanted.lower(),
+        lambda name: name.rpartition("\\")[2] == last,
+        lambda name: name.lower().rpartition("\\")[2] == last.lower(),
+    )
+    return next((name for fits in ways for name in names if fits(name)), None)
