@@ -170,8 +170,8 @@ class Control(ABC):
         """The process is over."""
         task = self.tasks.pop(process.number)
         self._rest(task)
-        for semaphore in task.semaphores:
-            self._semaphores.pop(semaphore, None)
+        for semaphore in list(task.semaphores):
+            self._give_away(task, semaphore)
         self.filing.close_all(process.number)
         if process.state is ProcessState.FAILED and process.fault is not None:
             self.event(task, "error", process.line, code=process.fault.code, text=process.fault.text)
@@ -364,9 +364,8 @@ class Control(ABC):
             case demands.Enter(semaphore=semaphore):
                 return self._enter(task, semaphore)
             case demands.Leave(semaphore=semaphore):
-                self._semaphores.pop(semaphore, None)
-                if semaphore in task.semaphores:
-                    task.semaphores.remove(semaphore)
+                if self._semaphores.get(semaphore) is task:
+                    self._give_away(task, semaphore)
                 return None
             case demands.StartProgram(program=program):
                 self.start(program, task)
@@ -474,11 +473,21 @@ class Control(ABC):
 
     def _enter(self, task: Task, semaphore: tuple[str, str]) -> object:
         holder = self._semaphores.get(semaphore)
-        if holder is not None and holder is not task:
-            return PENDING
-        self._semaphores[semaphore] = task
-        task.semaphores.append(semaphore)
-        return None
+        if holder is None:
+            self._semaphores[semaphore] = task
+            task.semaphores.append(semaphore)
+        return None if holder in (None, task) else PENDING
+
+    def _give_away(self, task: Task, semaphore: tuple[str, str]) -> None:
+        """To the first one that waits for it, by priority; else it is free.  So a loop that enters again at once lets others in."""
+        task.semaphores.remove(semaphore)
+        waiting = [each for each in self.tasks.values() if each is not task and each.process.waits_for == demands.Enter(semaphore)]
+        heir = min(waiting, key=lambda each: (each.process.priority, each.since), default=None)
+        if heir is None:
+            del self._semaphores[semaphore]
+            return
+        self._semaphores[semaphore] = heir
+        heir.semaphores.append(semaphore)
 
     def stop_named(self, task: Task, program: str) -> object:
         """STOP: not a program that this process is part of (1079)."""

@@ -1,5 +1,7 @@
 """Translates READ, WRITE and the orders for files."""
 
+from dataclasses import replace
+
 from gateway.pure.languages.baps2.output import Writer
 from gateway.pure.languages.baps2.scope import Symbol
 from gateway.pure.languages.baps2.statements import DEVICES
@@ -22,13 +24,14 @@ def _unit(bodies: Writer, name: str, statement: Read | Write | FileOrder) -> tup
 
 
 def _fits_file(bodies: Writer, symbol: Symbol | None, kind: Type, tree: Expression) -> None:
-    """Reports a value that a binary file cannot hold."""
+    """Reports a value that a binary file cannot hold.  An INTEGER that is written becomes REAL in a file of REAL; one that is read does not
+    become INTEGER."""
     if symbol is None or kind is NONE or (symbol.type.base == "FILE" and symbol.type.element in ("", "CHAR")):
         return
     element = symbol.type.element
     if kind.base not in BINARY_FORMS:
         bodies.names.faults.error("file-type", tree.at, f"{kind} cannot be in a binary file")
-    elif element and element != kind.base and not (element == "REAL" and kind.base == "INTEGER"):
+    elif element and element != kind.base:
         bodies.names.faults.error("file-type", tree.at, f"{kind} cannot be in a file of {element}")
 
 
@@ -84,8 +87,9 @@ def write(bodies: Writer, statement: Write) -> None:
         _, count = _form(bodies, kind)
         if kind.base == "CHAR" and count > MOST_LETTERS:
             bodies.names.faults.error("array-size", tree.at, f"{count} characters; a WRITE takes {MOST_LETTERS}")
-        _fits_file(bodies, symbol, kind, tree)
-        items.append(f"({kind.base!r}, {_written(value)}),")
+        base = "REAL" if kind.base == "INTEGER" and symbol is not None and symbol.type.element == "REAL" else kind.base
+        _fits_file(bodies, symbol, replace(kind, base=base), tree)
+        items.append(f"({base!r}, {_written(value)}),")
     bodies.out.add(f"yield WriteDevice({unit}, ({' '.join(items)}), {statement.open})")
 
 
