@@ -467,6 +467,7 @@ CELL_CHECKS = _table(
     CellCheck("unused_parameters", (), notes=3),
     CellCheck("notes", (), notes=4),
     CellCheck("canopen", (), notes=5),
+    CellCheck("jog", ()),
     CellCheck("axes", ("axis", "defaults", "plant")),
     CellCheck("telegrams", ("telegram",), notes=1),
     CellCheck("robots", ("robot", "check_position")),

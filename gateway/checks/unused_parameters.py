@@ -5,7 +5,7 @@ from dataclasses import fields
 
 from gateway.files.texts import read_texts
 from gateway.pure.cell.cell import Cell, Notice, Rho3
-from gateway.pure.cell.rho3 import CONTROLLED, COUPLED, DOWNLOADED, ENDLESS
+from gateway.pure.cell.rho3 import CONTROLLED, COUPLED, DOWNLOADED, ENDLESS, JOGGED
 from gateway.registry import BUS_PROTOCOLS, CONTROLLERS
 
 SIGNALS = frozenset(("P2", "P9", "P20", "P24"))  # of the control's own list
@@ -24,6 +24,7 @@ def given(params: Rho3) -> list[str]:
 def why_unused(cell: Cell, params: Rho3, name: str) -> str:
     """Why: name of the sentence in configs/texts/check.toml; empty: it acts."""
     controlled = cell.controller is not None and CONTROLLERS[cell.controller.kind].parameters
+    jogs = name in JOGGED and "P113" in params.others and bool(cell.axis)
     boosted = any(BUS_PROTOCOLS[bus.protocol].boosted for bus in cell.bus)
     reasons = (
         (name in CONTROLLED | SIGNALS | {"P21"} and not controlled, "no_controller"),
@@ -33,9 +34,11 @@ def why_unused(cell: Cell, params: Rho3, name: str) -> str:
         (name == "P311" and not set(ENDLESS) & set(params.P303), "not_endless"),
         (name in KINEMATICS and not cell.robot, "no_robot"),
         (name in BLOCKS and not cell.bus, "no_bus"),
-        (name in DOWNLOADED and not params.P601, "download_off"),
-        (name in DOWNLOADED | {"P601"} and not boosted, "no_booster"),
-        (name in params.others and name not in DOWNLOADED | CONTROLLED, "unused_parameter"),
+        (name == "P113" and not cell.axis, "no_axis"),
+        (name == "P128" and not jogs, "no_jog_speed"),
+        (name in DOWNLOADED and not params.P601 and not jogs, "download_off"),
+        (name in DOWNLOADED | {"P601"} and not boosted and not jogs, "no_booster"),
+        (name in params.others and name not in DOWNLOADED | CONTROLLED | JOGGED, "unused_parameter"),
     )
     return next((why for holds, why in reasons if holds), "")
 

@@ -26,7 +26,7 @@ TOOL_DOOR = 90
 SILENCE: Ns = ms(1000)
 ENABLING_BITS, ENABLING_BYTE = range(24, 29), 3
 PERMIT_BYTES = (AUTO_MN >> 3, ENABLING_BYTE)
-LIFE = ("alive", "tool", "sdo", "permit", "stream")  # requests that show that the connection in control lives
+LIFE = ("alive", "tool", "pace", "sdo", "permit", "stream")  # requests that show that the connection in control lives
 MOST_SDO, TICKETS_KEPT = 8, 64  # SDO requests under way at a time, each in a thread; answers that wait to be fetched
 
 
@@ -108,7 +108,7 @@ class ToolInterface:
     def answer(self, request: dict[str, object], connection: object = "") -> dict[str, object] | None:
         """None: not for this part.  KeyError, ValueError: reported to the tool as an error."""
         operation = request.get("op")
-        if operation not in ("alive", "leave", "tool", "job", "axes", "sdo", "ticket", "permit", "programs", "stream"):
+        if operation not in ("alive", "leave", "tool", "pace", "job", "axes", "sdo", "ticket", "permit", "programs", "stream"):
             return None
         if self._permitting is not None and self._permitting[0] is connection:
             self._permitting = (connection, self._run.clock())
@@ -122,8 +122,9 @@ class ToolInterface:
                 return {"ok": True}
             case "tool":
                 return self._command(request, connection)
-            case "job":
-                return self._job(int(str(request["job"])))
+            case "job" | "pace":
+                number = int(str(request["job"]))
+                return self._job(number) if operation == "job" else self._pace(number, float(str(request["share"])), connection)
             case "sdo":
                 return self._sdo(request, connection)
             case "ticket":
@@ -148,10 +149,22 @@ class ToolInterface:
             tuple(values),
         )
         job = self._given(command, connection, first_try=bool(request.get("first_try")))
+        if "share" in request and job.open:
+            self._office.slow_move(job, _share(float(str(request["share"]))))
         self._jobs = {key: old for key, old in self._jobs.items() if old.open}
         self._jobs[job.id] = job
         self._image.pass_on()
         return {"job": job.id, **_told(job)}
+
+    def _pace(self, number: int, share: float, connection: object) -> dict[str, object]:
+        """A move of this connection goes at another share, 0 .. 1, of the speed it was planned with; one that is over stays so."""
+        if self._holder is not connection or not self._office.owns(self._door):
+            return {"error": f"not owner: only the {self._name} in control may change the pace of its move"}
+        job = self._jobs.get(number)
+        if job is not None and job.open:
+            self._office.slow_move(job, _share(share))
+            self._image.pass_on()
+        return {"ok": True}
 
     def _given(self, command: Command, connection: object, *, first_try: bool) -> Job:
         """To the office, if this connection may give it."""
@@ -301,6 +314,12 @@ class ToolInterface:
 
         threading.Thread(target=work, name="sdo of a tool", daemon=True).start()
         return {"ticket": number}
+
+
+def _share(value: float) -> float:
+    if not 0.0 < value <= 1.0:
+        raise ValueError(f"share {value:g}: above 0, at most 1")
+    return value
 
 
 def _told(job: Job) -> dict[str, object]:

@@ -14,6 +14,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Message, Receive, Send
 from starlette.types import Scope as Connection
 
+from gateway.assembly.jog import jog_of
 from gateway.assembly.run import RunPlan
 from gateway.observer.names import Names
 from gateway.observer.regions import Regions
@@ -82,7 +83,7 @@ class Headers:
 def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store, scope: Scope) -> Starlette:
     """Everything of one run, wired."""
     desk, looker = ServicesLink(plan.slug), ServicesLink(plan.slug, GLANCE_S)
-    hands = OperatorControl(desk, regions, plan.cell.axis)
+    hands = OperatorControl(desk, regions, plan.cell.axis, jog_of(plan.cell))
     plant = Plant(plan)
     names = Names(plan.cell)
     live = Live(plan, regions, looker, hands, plant, scope, names)

@@ -10,6 +10,7 @@ import contextlib
 import time
 from collections.abc import Awaitable, Callable, Sequence
 
+from gateway.assembly.jog import Jog
 from gateway.observer.regions import Regions
 from gateway.observer.tool_link import Gone, Refused, Row, ServicesLink
 from gateway.pure.cell.cell import Axis
@@ -37,8 +38,10 @@ class NotYours(Exception):
 class OperatorControl:
     """The page's command source and who holds it."""
 
-    def __init__(self, desk: ServicesLink, regions: Regions, axes: Sequence[Axis]) -> None:
+    def __init__(self, desk: ServicesLink, regions: Regions, axes: Sequence[Axis], speeds: Jog | None = None) -> None:
         self.desk, self.regions, self.axes = desk, regions, axes
+        self.speeds = speeds  # of a rho 3's jog keys; None: a share of the axis' speed
+        self._pace = (0, 1.0)  # job of the jog, and at which share of its speed it goes
         self.holder, self.name = "", ""  # key of a session or token, and its person
         self._heard = 0.0
         self._held: Held | None = None
@@ -122,7 +125,21 @@ class OperatorControl:
     async def jog(self, key: str, axis: int, direction: int, percent: float, *, first: bool = True) -> Row:
         """The key was pressed (`first`): begins the move; it is still held: keeps it, and begins nothing that was ended meanwhile."""
         speed = min(max(percent, SLOWEST), FASTEST)
-        return await self._hold(key, ("jog", axis, direction), lambda: self._begin(axis, direction, speed), first)
+        if self.speeds is not None and first and self._held is None:
+            self.speeds.keys.press(axis, direction, time.monotonic())
+        answer = await self._hold(key, ("jog", axis, direction), lambda: self._begin(axis, direction, speed), first)
+        if self._held is None and self.speeds is not None:
+            self.speeds.keys.release(axis)
+        elif self._held == ("jog", axis, direction):
+            await self._keep_pace(axis)
+        return answer
+
+    async def _keep_pace(self, axis: int) -> None:
+        """A key held for 1.5 s goes from slow to fast (rho 3 L628)."""
+        job, share = self._pace
+        if self.speeds is not None and job and share != (now := self.speeds.share(axis, time.monotonic()) / self.speeds.most(axis)):
+            self._pace = (job, now)
+            await self.desk.ask("pace", job=job, share=now)
 
     async def reference(self, key: str, mask: int, *, first: bool = True) -> Row:
         """The same for a reference run of the axes in the mask."""
@@ -157,17 +174,26 @@ class OperatorControl:
             say = [f"{axis.name} is at its limit", f"{axis.name} steht an der Grenze"]
             return {"state": "REFUSED", "open": False, "words": "TARGET_LIMIT", "detail": say[0], "say": say}
         rest: dict[str, object] = {"velocity": percent / 100.0, "acceleration": 0.5}
+        if self.speeds is not None:  # planned at the fast speed, begun at the slow one
+            slow = self.speeds.share(number, time.monotonic()) / self.speeds.most(number)
+            rest = {
+                "velocity": self.speeds.most(number) * percent / FASTEST,
+                "acceleration": self.speeds.acceleration(number),
+                "share": slow,
+            }
         targets = [0.0] * len(self.axes)
         targets[number] = way
         unreferenced = not state.flags & AxisFlag.REFERENCED
-        return await self.desk.command("ptp_relative", 1 << number, targets=targets, first_try=unreferenced, **rest)
+        answer = await self.desk.command("ptp_relative", 1 << number, targets=targets, first_try=unreferenced, **rest)
+        self._pace = (int(answer["job"]), float(str(rest.get("share", 1.0))))
+        return answer
 
     async def let_go(self) -> None:
         """The key was released, or its browser is gone: stop on the path and forget the rest."""
         async with self._held_lock:
             if self._held is None:
                 return
-            self._held = None
+            self._release()
             with contextlib.suppress(Gone, Refused):
                 await self.desk.command("stop")
                 await self._at_rest()
@@ -177,7 +203,12 @@ class OperatorControl:
     async def forget(self) -> None:
         """Stop was pressed: the axes rest, the key no longer counts."""
         async with self._held_lock:
-            self._held = None
+            self._release()
+
+    def _release(self) -> None:
+        if self._held is not None and self._held[0] == "jog" and self.speeds is not None:
+            self.speeds.keys.release(self._held[1])
+        self._held = None
 
     async def _at_rest(self) -> None:
         for _ in range(100):

@@ -79,9 +79,10 @@ class _Draw:
             case _:
                 return Blend()
 
-    def made(self, kind: Interpolation, q: tuple[float, ...], target: JointTarget | PoseTarget, **more: object) -> Block:
+    def made(self, kind: Interpolation, target: JointTarget | PoseTarget, via: PoseTarget | None = None) -> Block:
         tool, frame = (Tool(), Frame()) if isinstance(target, JointTarget) else (self.tool, self.frame)
-        return Block(kind, target, pace=self.pace(), blend=self.blend(), tool=tool, frame=frame, **more)  # type: ignore[arg-type]
+        turning = self.dice.choice(list(Turning)) if via is not None else Turning.VIA
+        return Block(kind, target, via=via, turning=turning, pace=self.pace(), blend=self.blend(), tool=tool, frame=frame)
 
     def row(self) -> list[Block]:
         """One block, or a row of a spline."""
@@ -101,15 +102,15 @@ class _Draw:
         self.reached = q = self.stand()
         match kind:
             case "ptp":
-                return [self.made(Interpolation.PTP, q, JointTarget(q))]
+                return [self.made(Interpolation.PTP, JointTarget(q))]
             case "ptp to a pose":
-                return [self.made(Interpolation.PTP, q, self.target(q))]
+                return [self.made(Interpolation.PTP, self.target(q))]
             case "line":
-                return [self.made(Interpolation.LINEAR, q, self.target(q))]
+                return [self.made(Interpolation.LINEAR, self.target(q))]
         here, self.q = self.q, tuple((a + b) / 2 for a, b in zip(self.q, q, strict=True))
         via = self.target(self.stand(0.4))
         self.q = here
-        return [self.made(Interpolation.CIRCULAR, q, self.target(q), via=via, turning=dice.choice(list(Turning)))]
+        return [self.made(Interpolation.CIRCULAR, self.target(q), via)]
 
     def blocks(self, count: int) -> list[Block]:
         found: list[Block] = []

@@ -16,22 +16,23 @@ FLANGE_LIMIT = 0.25  # m/s, VDI 2853
 
 @dataclass(frozen=True, slots=True)
 class JogSpeeds:
-    """P111 .. P114; per axis in m/s or rad/s, world coordinates in m/s."""
+    """P111 .. P114; per axis in m/s or rad/s, world coordinates in m/s (None: there is no jogging in them)."""
 
-    world_slow: float
-    world_fast: float
-    joint_slow: tuple[float, ...]
-    joint_fast: tuple[float, ...]  # P114: also the limit of every axis in manual mode
+    world_slow: float | None = None
+    world_fast: float | None = None
+    joint_slow: tuple[float, ...] = ()
+    joint_fast: tuple[float, ...] = ()  # P114: also the limit of every axis in manual mode
 
     def __post_init__(self) -> None:
         if len(self.joint_slow) != len(self.joint_fast):
-            raise MotionError(f"{len(self.joint_slow)} slow and {len(self.joint_fast)} fast jog speeds")
-        pairs = [("P111/P112", self.world_slow, self.world_fast)]
-        pairs += [(f"P113/P114 of axis {n + 1}", *both) for n, both in enumerate(zip(self.joint_slow, self.joint_fast, strict=True))]
+            raise MotionError(f"P113: {len(self.joint_slow)} slow and {len(self.joint_fast)} fast jog speeds")
+        pairs = [(f"P113/P114 of axis {n + 1}", *both) for n, both in enumerate(zip(self.joint_slow, self.joint_fast, strict=True))]
+        if self.world_slow is not None and self.world_fast is not None:
+            pairs.insert(0, ("P111/P112", self.world_slow, self.world_fast))
         for name, slow, fast in pairs:
             if not 0.0 < slow <= fast:
                 raise MotionError(f"{name}: slow {slow:.6g} and fast {fast:.6g} must be > 0 and slow not above fast")
-        if not self.world_fast <= FLANGE_LIMIT + 1e-12:
+        if self.world_fast is not None and not self.world_fast <= FLANGE_LIMIT + 1e-12:
             raise MotionError(
                 f"P112: {self.world_fast:.6g} m/s is above {FLANGE_LIMIT} m/s, the most a flange may do in manual mode (VDI 2853)"
             )
@@ -42,17 +43,17 @@ class SlopeParameters:
     """One axis; None: the parameter is not set.  P104/P128 in per s2, P105/P129 share of the speed, P122/P130 in s."""
 
     p104: float
-    p105: float
-    p122: float
+    p105: float | None = None
+    p122: float | None = None
     p128: float | None = None
     p129: float | None = None
     p130: float | None = None
 
-    def automatic(self) -> tuple[float, float, float]:
+    def automatic(self) -> tuple[float, float | None, float | None]:
         """Acceleration, slope point, change time of PTP in automatic."""
         return self.p104, self.p105, self.p122
 
-    def jogging(self) -> tuple[float, float, float]:
+    def jogging(self) -> tuple[float, float | None, float | None]:
         """The same for jogging in joint coordinates: each unset parameter takes the older one's value (L3669-3695)."""
         return (
             self.p104 if self.p128 is None else self.p128,

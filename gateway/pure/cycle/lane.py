@@ -26,7 +26,7 @@ class Lane:
         self.homings, self.mover, self.state = homings, mover, state
         self.ramp = ramp
         self.override = 0.0  # as ordered
-        self.factor = 1.0  # on it, of the program under way
+        self.factor = 1.0  # on it, of the program or PTP move under way
         self.held = False  # what moves is hold-to-run: it stops without the services
         self.own = self.holds = own  # axes (bit n-1 = axis n)
         self.places: tuple[int, ...] = ()  # of those it holds, from 0
@@ -79,7 +79,7 @@ class Lane:
                 self.override = min(max(record.value, 0.0), 1.0)
             case Order.DISTANCE:
                 self.mover.measure.distance = record.value
-            case Order.FACTOR if record.job == self.mover.program.job:
+            case Order.FACTOR if record.job in (self.mover.program.job, self.mover.running):
                 self.factor = min(max(record.value, 0.0), 1.0)
 
     def show(self, shown: LaneState, whole: CellState) -> None:

@@ -10,10 +10,10 @@ from gateway.files.find import PACKAGED, find_config, read_text
 from gateway.files.texts import read_texts
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.faults import CellFaults
-from gateway.pure.cell.rho3 import CONTROLLED, DOWNLOADED
+from gateway.pure.cell.rho3 import CONTROLLED, DOWNLOADED, JOGGED
 from gateway.pure.reports.sentences import in_language
 
-NOTHING = LEGAL - USED - DOWNLOADED - CONTROLLED
+NOTHING = LEGAL - USED - DOWNLOADED - CONTROLLED - JOGGED
 BARE = 'format = 1\n[cell]\nname = "bare"\n[rho3]\n'
 
 
@@ -21,10 +21,10 @@ def warned(cell: Cell, language: str = "en") -> dict[str, str]:
     return {notice.where: in_language(notice.text, language) for notice in cell.warnings if notice.where.startswith("rho3.P")}
 
 
-def test_each_of_the_30_is_warned_of_by_number_and_meaning() -> None:
+def test_each_of_the_28_is_warned_of_by_number_and_meaning() -> None:
     cell = load_cell("bare.toml", BARE + "".join(f"{number} = [1]\n" for number in sorted(NOTHING)))
     english, german = warned(cell), warned(cell, "de")
-    assert len(NOTHING) == 30 and set(english) == {f"rho3.{number}" for number in NOTHING}
+    assert len(NOTHING) == 28 and set(english) == {f"rho3.{number}" for number in NOTHING}
     assert english["rho3.P402"] == "acts on nothing: referencing on or off; here: home.by of the axis"
     assert german["rho3.P402"] == "wirkt auf nichts: Referenzieren ein oder aus; hier: home.by der Achse"
 
@@ -46,7 +46,7 @@ GIVEN = {  # of a cell that has nothing they are about, and what the sentence sa
     "P108": ("[1.0]", "an axis"), "P109": ("[1.0]", "an axis"), "P204": ("[1.0]", "an axis"), "P205": ("[1.0]", "an axis"),
     "P207": ("[1.0]", "an axis"), "P208": ("[1.0]", "an axis"), "P303": ("[0]", "an axis"), "P306": ("[{ monitoring = 1 }]", "[[robot]]"),
     "P311": ("[360.0]", "endless"), "P313": ("[[1, 2, 3, 4, 5, 6]]", "[[robot]]"), "P601": ("true", "SERVODYN"),
-    "P114": ("[1.0]", "P601"),
+    "P113": ("[1.0]", "an axis"), "P114": ("[1.0]", "P601"), "P128": ("[1.0]", "P113"),
 }  # fmt: skip
 
 
