@@ -1,6 +1,7 @@
 """Translates what moves or waits: MOVE, WAIT UNTIL, SYNC, SYNCHRON."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from gateway.pure.languages.baps2 import standard
 from gateway.pure.languages.baps2.output import Writer
@@ -23,8 +24,12 @@ def move(bodies: Writer, statement: Move) -> str:
     until = _until(bodies, statement)
     met = bodies.new("m") if until else ""
     depth = bodies.out.indent
+    pairs = WAYS[statement.way or bodies.way] == "circular" and len(statement.legs) % 2 == 0  # the way and the end of circles
     for number, leg in enumerate(statement.legs):
-        request = _block(bodies, statement, leg, kinematic, until)
+        if pairs and number % 2 == 0:
+            request = _block(bodies, statement, replace(leg, through=True), kinematic, "")
+        else:
+            request = _block(bodies, statement, leg, kinematic, until)
         if met and number:
             bodies.out.add(f"if not {met}:")
             bodies.out.indent += 1

@@ -4,6 +4,7 @@ import struct
 
 import pytest
 
+from hil_tests.lab.virtual.baps2_bench import ProgramCell, one
 from hil_tests.unit.languages.baps2.running import all_of, body, faults_of, run
 
 
@@ -48,3 +49,29 @@ def test_a_semaphore_of_a_program_that_is_over_goes_on_to_the_one_that_waits(gon
         "EXTERNAL : OTHER, THIRD\nPUBLIC SEMAPHORE : GUARD",
     )
     assert order(run(text, OTHER=other, THIRD=third)) == "OTP"
+
+
+ARC = "V = 200\nMOVE LINEAR TO (100, 100, 40, 0)\n"
+
+
+@pytest.mark.parametrize("points", ["(150, 150, 40, 0), (200, 100, 40, 0)", "TO (150, 150, 40, 0), (200, 100, 40, 0)"])
+def test_two_points_of_a_list_are_the_way_and_the_end_of_a_circle(points: str) -> None:
+    cell = ProgramCell(one(f"{ARC}MOVE CIRCULAR {points}"))
+    assert cell.run("P")[:2] == ("ended", 0) and cell.at() == (200.0, 100.0, 40.0, 0.0)
+    assert max(place[1] for place in cell.places) == pytest.approx(150.0, abs=0.2), "half a circle of 50 mm"
+
+
+def test_an_input_ends_a_circle() -> None:
+    cell = ProgramCell(
+        one(
+            f"{ARC}MOVE CIRCULAR UNTIL SEEN = 1 VIA (150, 150, 40, 0) TO (200, 100, 40, 0)\nFOUND = 1",
+            "INPUT : 1 = SEEN OUTPUT : 3 = FOUND",
+        )
+    )
+    cell.give(1, False)
+    run_number = cell.start("P")
+    cell.until(lambda: cell.at()[1] > 130)
+    cell.give(1)
+    assert cell.ends(run_number)[:2] == ("ended", 0)
+    x, y, *_ = cell.at()
+    assert (x - 150) ** 2 + (y - 100) ** 2 == pytest.approx(2500.0, rel=1e-3) and 105 < x < 195, "stopped on the circle"
