@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from gateway.pure.languages.val3.model import FIELDS, WORDS, Application, Declaration, Parameter, ProgramText, Type, UserType
+from gateway.pure.languages.val3.model import FAMILIES, FIELDS, WORDS, Application, Declaration, Parameter, ProgramText, Type, UserType
 from gateway.pure.languages.val3.syntax import CompileFault, Node
 
 WORD_KINDS = {word.lower(): (kind, word) for kind, words in WORDS.items() for word in words}
@@ -101,6 +101,8 @@ class Scope:
         """Fields of a structured type."""
         if kind == "joint":
             return {f"j{n}": "num" for n in range(1, self.axes + 1)}
+        if kind == "config" and self.axes == FAMILIES["rs"]:
+            return {"shoulder": "shoulder"}  # a SCARA has no other (L5253)
         return dict(FIELDS.get(kind, {})) if isinstance(kind, str) else {}
 
 

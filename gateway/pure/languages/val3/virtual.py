@@ -10,6 +10,7 @@ from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.tasks import SYSTEM_CYCLE
 from gateway.pure.languages.val3.values import (
     AioV,
+    ConfigV,
     Container,
     DioV,
     Grid,
@@ -114,6 +115,8 @@ def shown(machine: Machine, value: object) -> object:
             return machine.screen.lines
         case UserV():
             return {name: shown_container(machine, getattr(value, f"u_{name}")) for name in value.type.fields}
+        case ConfigV() if machine.family == "rs":
+            return {"shoulder": value.shoulder}
         case Structure():
             return {name: shown(machine, getattr(value, name)) for name in value.names() if name != "father"}
     return value

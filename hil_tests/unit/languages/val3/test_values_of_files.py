@@ -5,8 +5,11 @@ from typing import Any
 
 import pytest
 
+from gateway.files.robots import load_robot
 from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.languages.val3.loader import Loader
+from gateway.pure.languages.val3.machine import Machine
+from gateway.pure.languages.val3.moves import Moves
 from hil_tests.unit.languages.val3.apps import App, check, datum, disk, globals_of, run, value
 
 
@@ -126,3 +129,21 @@ def test_start_that_needs_more_memory_than_a_task_has() -> None:
 def test_default_is_taken_where_no_case_fits_wherever_it_stands() -> None:
     code = "for n=0 to 3\nswitch n\ndefault\na[n]=9\nbreak\ncase 1\na[n]=1\nbreak\ncase 2,3\na[n]=2\nbreak\nendSwitch\nendFor"
     assert globals_of(code, datum("n", "num") + datum("a", "num", "4"))["a"] == [9, 1, 2, 2]
+
+
+def test_the_configuration_of_a_scara_is_its_shoulder() -> None:
+    data = datum("c", "configRs") + datum("p", "pointRs") + datum("j", "jointRs", values=value(j1=20, j2=-30))
+
+    def faults(code: str, axes: int) -> list[str]:
+        loaded = Loader(disk(App(data=data, programs={"start": code})), axes, family="").load("demo", "demo")
+        assert loaded is not None
+        return [each.text for each in loaded.faults]
+
+    assert faults("c={lefty}\np={{1,2,3,0,0,0},{sfree}}\nc.shoulder=righty", 4) == []
+    assert faults("c={lefty,efree,wfree}", 4) == ["'{lefty,efree,wfree}' : invalid number of fields, config has 1"]
+    assert faults("c.elbow=efree", 4) == ["'elbow' : invalid name"]
+    assert faults("c={lefty}", 6) == ["'{lefty}' : invalid number of fields, config has 3"]
+    app = App(data=data, programs={"start": "c=config(j)\np.config={righty}"})
+    scara = Machine(disk(app), Moves(load_robot("sr60-like")))
+    found = run(app, on=scara)["globals"]
+    assert isinstance(found, dict) and (found["c"], found["p"]["config"]) == ({"shoulder": "lefty"}, {"shoulder": "righty"})
