@@ -87,7 +87,8 @@ def _copied(folder: Path, file: str, to: str) -> str:
         raise FolderFault(f"{to}: a program of this name is there, or the name has a '/' or none")
     text = next(each.text for each in sources(str(folder)) if each.path == file)
     head, line, rest = text.partition("\n")
-    (folder / new).write_text(head.replace(plain, name, 1) + line + rest, encoding="utf-8", newline="")
+    before, found, behind = head.rpartition(plain)  # the last one: P is also a letter of MPR
+    (folder / new).write_text((before + name + behind if found else head) + line + rest, encoding="utf-8", newline="")
     if (folder / f"{file}{KEPT}").exists():
         shutil.copyfile(folder / f"{file}{KEPT}", folder / f"{new}{KEPT}")
     return new
