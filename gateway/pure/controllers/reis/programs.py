@@ -81,6 +81,7 @@ class ReisPrograms:
     results: dict[int, Outcome] = field(default_factory=dict)
     run: int = 0  # under way
     tool: Structure | None = None  # in force, for the position in M1124
+    looked: tuple[str, Fact | None, str] = ("", None, "")  # a variable: name, value or why there is none
     _runs: int = 0
     _name: str = ""  # of the program that was started last
     _mode: str | None = None
@@ -160,6 +161,8 @@ class ReisPrograms:
             case "tool":
                 values = [float(word) for word in str(said["values"]).split()]
                 self.tool = Structure("T", dict(zip(TOOL, values, strict=True)))
+            case "value":
+                self.looked = str(said["name"]), said.get("value"), str(said.get("text", ""))
             case "hand":
                 self.told.append(str(said["text"]))
             case "path":
@@ -199,6 +202,25 @@ class ReisPrograms:
             self.orders.append({"do": what, "id": self.language_id, "ticket": self._ticket, **facts})
 
     # ---- START and STOP --------------------------------------------------------------------------------------------------
+    @property
+    def selected(self) -> str:
+        """The program that START starts; "": none."""
+        return self._name
+
+    def select(self, name: str, step: int) -> str:
+        """Program and step that START begins at; "" or why not."""
+        if self.run:
+            return f"{self._name} runs: stop it first"
+        if all(row["name"] != name for row in self.programs):
+            return f"no such program: {name}"
+        self._name = name
+        self.orders.append({"do": "select", "program": name, "step": step})
+        return ""
+
+    def moves_for(self, source: int) -> None:
+        """The next START at the pendant moves as this command source; 0: as the one of the cell."""
+        self._mover = source or self.door
+
     def start(self, name: str, source: int, now: Ns) -> str:
         """START, of the program selected (name "") or of another one; "" or why it is refused."""
         wrong = self._refusal(name)

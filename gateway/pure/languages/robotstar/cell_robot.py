@@ -55,10 +55,19 @@ class CellRobot(Robot):
     # ---- orders ----------------------------------------------------------------------------------------------------------
     def select(self, program: Program) -> None:
         """Chooses a program; what was interrupted is not resumed (L1262)."""
+        self._drop()
+        Robot.select(self, program)
+
+    def to_step(self, step: int) -> None:
+        """The same for a step of the program selected."""
+        self._drop()
+        self.machine.to_step(step)
+        self._forget()
+
+    def _drop(self) -> None:
         self.ahead.forget()
         self._blocked = self._halting = False
         self._put, self.how, self.fault = None, "", None
-        Robot.select(self, program)
 
     def set_mode(self, mode: Mode) -> None:
         """Another mode, while the program is stopped (L1264)."""

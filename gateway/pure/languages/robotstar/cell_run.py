@@ -9,6 +9,7 @@ from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
 from gateway.pure.languages.base.path import Path, Stretch
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
 from gateway.pure.languages.robotstar import kept
+from gateway.pure.languages.robotstar.access import scalar, variable
 from gateway.pure.languages.robotstar.ahead import Ahead, Block
 from gateway.pure.languages.robotstar.arm import Arm, tool_values
 from gateway.pure.languages.robotstar.cell_robot import CellRobot, NoDrive
@@ -17,14 +18,15 @@ from gateway.pure.languages.robotstar.checker import check
 from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.hand import Hand, Push
 from gateway.pure.languages.robotstar.lines import head
-from gateway.pure.languages.robotstar.machine import BitWait, KeyTest, Machine, Wait
+from gateway.pure.languages.robotstar.machine import BitWait, KeyTest, Machine, NotYet, Wait
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.pure.languages.robotstar.mouse import Mouse
+from gateway.pure.languages.robotstar.operands import OperandFault, Ref, operand
 from gateway.pure.languages.robotstar.program import Program
 from gateway.pure.languages.robotstar.robot import MODES, Message, State
 from gateway.pure.languages.robotstar.steps import build
 from gateway.pure.languages.robotstar.system import DEFAULTS, KEPT, System
-from gateway.pure.languages.robotstar.values import Array, Cell, Names, Structure
+from gateway.pure.languages.robotstar.values import Array, Cell, Names, Structure, flat
 
 WAITS = {Wait: "a time", BitWait: "a bit"}
 RUNS = (State.RUNNING, State.WAITING)
@@ -200,6 +202,10 @@ class CellRun:
                 self.mouse.raw = tuple(float(word) for word in str(order["raw"]).split())
             case "change" if not self.runs:
                 self._change()
+            case "select" if not self.runs:
+                self._select_step(str(order["program"]), int(order["step"]))
+            case "look":
+                self._show(str(order["name"]))
             case "forget" if not self.runs:
                 self._leave()
                 self.ahead.forget()
@@ -212,6 +218,36 @@ class CellRun:
         ways = tuple(float(word) for word in str(order["ways"]).split())
         turned, moves, turns = float(order["turned"]), bool(order["moves"]), bool(order["turns"])
         self.hand.hear(Push(str(order["kind"]), str(order["frame"]), ways, turned, moves, turns))
+
+    def _select_step(self, name: str, step: int) -> None:
+        """Program and step as the operator chooses them: START begins there."""
+        wrong = self._choose(name)
+        if wrong:
+            self._say(Message(wrong, None, name, step, "operating"))
+            return
+        self._leave()
+        self.robot.to_step(step)
+
+    def _show(self, name: str) -> None:
+        """The value of a variable, global or of the program in work (L1354-1358)."""
+        try:
+            value = self._value(name)
+        except NotYet:
+            self.port.tell("value", name=name, text="the cell is read where the position under way is reached")
+        except (StepFault, OperandFault) as fault:
+            self.port.tell("value", name=name, text=getattr(fault, "text", str(fault)))
+        else:
+            self.port.tell("value", name=name, value=value)
+
+    def _value(self, name: str) -> Fact:
+        """Of a structure all elements in one text.  Without a program there are no local names."""
+        if self.machine.frame is None:
+            self.machine.names = {**self.machine.system, **self.memory.globals}
+        meant = operand(name)
+        found = variable(self.machine, meant) if isinstance(meant, Ref) and not meant.element else None
+        if isinstance(found, Structure):
+            return "  ".join(f"{key.lstrip('.')} {value:g}" for key, value in flat("", found) if isinstance(value, int | float))
+        return scalar(self.machine, meant)()
 
     def _change(self) -> None:
         """To the program named in _SNMIPRG (L2921)."""

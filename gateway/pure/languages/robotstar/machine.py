@@ -149,6 +149,12 @@ class Machine:
         self.path, self.tool = PathState(self.path.defaults), None
         self._push(program, "main")
 
+    def to_step(self, step: int) -> None:
+        """The operator's choice of a step; tool and modal values in force stay, so that a position can be approached directly (L1208)."""
+        del self.stack[1:]
+        self.request, frame = None, self.stack[0]
+        self.names, frame.at = frame.names, min(max(step, 1), len(frame.program.steps)) - 1
+
     def switch(self, name: str) -> None:
         """PROGRAM: goes to step 1 of another main program."""
         assert self.frame is not None

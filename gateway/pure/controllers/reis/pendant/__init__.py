@@ -1,0 +1,1 @@
+"""The pendant (PHG) of a ROBOTstar V."""
