@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from gateway.pure.modbus.other_views import Image
     from gateway.pure.modbus.registers import Registers
     from gateway.pure.reports.tables import Cell as Field
+    from gateway.services.controller_host import Panel
     from gateway.services.program_host import ProgramsOfControl
     from gateway.services.sources.base import BaseSource
     from protocols.rk512.active import Denied, Failed
@@ -254,6 +255,8 @@ class ControllerKind:
     plc: bool = False  # [controller.plc]: an integrated PLC
     memory: str = ""  # language of the programs in its memory
     resumes: bool = False  # a stopped program keeps its path for the next START
+    panel: "Callable[[Cell, Control, CommandDispatcher], Panel] | None" = None  # its hand-held unit
+    codes: bool = False  # code_words and pin of [controller] open it
 
 
 def _make_rho3(plan: "ControllerPlan") -> "tuple[Control, list[str]]":
@@ -274,9 +277,35 @@ def _make_val3(plan: "ControllerPlan") -> "tuple[Control, list[str]]":
     return make_val3(plan)
 
 
+def _rho3_panel(cell: "Cell", control: "Control", dispatcher: "CommandDispatcher") -> "Panel":
+    from gateway.pure.controllers.rho3.signals.control import RhoControl
+    from gateway.services.rho3_panel import Rho3Panel
+
+    assert isinstance(control, RhoControl)  # as `_make_rho3` makes it
+    return Rho3Panel(control, dispatcher)
+
+
+def _reis_panel(cell: "Cell", control: "Control", dispatcher: "CommandDispatcher") -> "Panel":
+    from gateway.services.reis_panel import reis_panel
+
+    return reis_panel(cell, control, dispatcher)
+
+
 CONTROLLERS = _table(
-    ControllerKind("rho3", "rho 3", _make_rho3, flags="flags", counters=True, parameters=True, memory="baps2"),
-    ControllerKind("reis", "Reis", _make_reis, flags="markers", markers=True, little=True, plc=True, memory="robotstar", resumes=True),
+    ControllerKind("rho3", "rho 3", _make_rho3, flags="flags", counters=True, parameters=True, memory="baps2", panel=_rho3_panel),
+    ControllerKind(
+        "reis",
+        "Reis",
+        _make_reis,
+        flags="markers",
+        markers=True,
+        little=True,
+        plc=True,
+        memory="robotstar",
+        resumes=True,
+        panel=_reis_panel,
+        codes=True,
+    ),
     ControllerKind("val3", "VAL 3", _make_val3, points=True),
 )
 

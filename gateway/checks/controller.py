@@ -84,6 +84,7 @@ def controller(check: Context) -> None:
         check.fault("controller.files", table.files, "no such folder (looked for beside the cell file)")
     if table.process and not CONTROLLERS[table.kind].parameters:
         check.fault("controller.process", table.process[0].name, 'processes belong to kind = "rho3"')
+    _codes(check, table)
     if table.point and not CONTROLLERS[table.kind].points:
         check.fault("controller.point", table.point[0].name, 'points belong to kind = "val3"')
     if table.door and table.door not in (check.known["line"] - program_lines(check.cell)) | check.known["modbus"]:
@@ -103,6 +104,17 @@ def controller(check: Context) -> None:
         trial(check.cell)
     except ValueError as error:
         check.fault("controller" if check.cell.rho3 is None else "rho3", table.kind, str(error))
+
+
+def _codes(check: Context, table: Controller) -> None:
+    """Each code word leads to one access level."""
+    given = [*table.code_words, *([table.pin] if table.pin else [])]
+    if given and not CONTROLLERS[table.kind].codes:
+        check.fault("controller.code_words" if table.code_words else "controller.pin", given[0], 'code words belong to kind = "reis"')
+    if "" in table.code_words:
+        check.fault("controller.code_words", "", "a code word has at least one letter or digit; leave it out to have none")
+    if len({word.upper() for word in given}) < len(given):
+        check.fault("controller.code_words", given[-1], "two access levels have the same code; capitals and small letters are the same")
 
 
 def _stations(check: Context, table: Controller) -> None:

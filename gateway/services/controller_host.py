@@ -30,6 +30,19 @@ def _source(code: int) -> str:
 
 
 class Panel(Protocol):
+    """The hand-held unit of a control (`panel` of its row); loaded only where there is one."""
+
+    def look(self, now: Ns) -> None:
+        """Before a step of the control."""
+
+    def judge_reset(self, now: Ns) -> str:
+        """After it; why a reset at the panel is refused."""
+
+    def answer(self, request: dict[str, object], source: int, now: Ns) -> dict[str, object]:
+        """Keys, modes, the screen; the unit (gateway.pure.controllers.unit) with size and keys."""
+
+
+class Parameters(Protocol):
     """What a rho 3 has beside any control (gateway.services.rho3_panel); loaded only where there is one."""
 
     @property
@@ -39,15 +52,6 @@ class Panel(Protocol):
     @property
     def coupled(self) -> Coupled | None:
         """Its bit coupling."""
-
-    def look(self, now: Ns) -> None:
-        """Before a step of the control."""
-
-    def judge_reset(self, now: Ns) -> str:
-        """After it; why a reset at the panel is refused."""
-
-    def answer(self, request: dict[str, object], source: int, now: Ns) -> dict[str, object]:
-        """Keys, modes, the screen."""
 
     def read(self, name: str) -> Value:
         """A variable of the PHG."""
@@ -115,6 +119,7 @@ class ControllerHost(Part):
         self._seen = b""
         self.wired = False  # a route has changed an input of the control since its last cycle
         self.panel: Panel | None = None
+        self.parameters: Parameters | None = None
         self.plc: PlcProcess | None = None
         self.programs: CellPrograms | None = None
         context.values.register(ControlValues(self))
@@ -124,12 +129,14 @@ class ControllerHost(Part):
 
         sources = {door.name: door.number for door in run.plan.doors}
         image.control, faults = make_control(run.cell, image.owners, sources, context.office, errors, now)
-        if CONTROLLERS[run.cell.controller.kind].parameters:
-            from gateway.pure.controllers.rho3.signals.control import RhoControl
+        kind = CONTROLLERS[run.cell.controller.kind]
+        if kind.panel is not None and image.control is not None:
+            self.panel = kind.panel(run.cell, image.control, context.office)
+        if kind.parameters:
             from gateway.services.rho3_panel import Rho3Panel
 
-            assert isinstance(image.control, RhoControl)
-            self.panel = Rho3Panel(image.control, context.office)
+            assert isinstance(self.panel, Rho3Panel)
+            self.parameters = self.panel
             image.coupled = self.panel.coupled
         language = language_in(run.cell)
         if "interpreter" in fds and language is not None and image.control is not None:
@@ -179,7 +186,7 @@ class ControllerHost(Part):
 
     def for_cycle(self, inputs: InputImage) -> InputImage:
         """RC inputs as the cycle is to have them: all 0 where the PIC has stopped (AX-478)."""
-        return inputs if self.panel is None or not self.panel.halted else STOPPED
+        return inputs if self.parameters is None or not self.parameters.halted else STOPPED
 
     def inputs_came(self, now: Ns) -> None:
         """A command source has written, or a wire has changed: an edge must not be lost because the next one comes before our next
@@ -250,8 +257,8 @@ class ControlValues:
         control.put(name, as_number(value))
         self._host.wired = True
 
-    def phg(self) -> Panel:
+    def phg(self) -> Parameters:
         """Variables of the PHG 2000; KeyError: this cell has none."""
-        if self._host.panel is None:
+        if self._host.parameters is None:
             raise KeyError('phg: variables of the PHG need a cell with [controller] of kind "rho3"')
-        return self._host.panel
+        return self._host.parameters

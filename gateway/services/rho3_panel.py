@@ -3,6 +3,7 @@
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.controllers.rho3.pendant.modes import RESET
+from gateway.pure.controllers.rho3.pendant.unit import UNIT
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.coupling import Coupled
 from gateway.pure.image.reasons import CommandState, text
@@ -64,7 +65,7 @@ class Rho3Panel:
             if refused:
                 return {"error": f"mode {request['mode']}: {refused}"}
         display = functions.display
-        shown = {"screen": list(display.screen()), "mode": functions.phg.mode, "lost_keys": display.lost_keys}
+        shown = {"screen": list(display.screen()), "mode": functions.phg.mode, "lost_keys": display.lost_keys, "unit": UNIT.facts()}
         return shown | {"graphic": self.rho.screen.shown()}
 
     # ---- variables of the PHG 2000 -----------------------------------------------------------------------------------

@@ -35,9 +35,9 @@ from gateway.pure.image.addresses import Part as WordPart
 from gateway.pure.image.names import Kind as NameKind
 from gateway.pure.image.names import lookup
 from gateway.pure.recording.messages import Source
-from gateway.registry import NO_PROGRAMS
+from gateway.registry import CONTROLLERS, NO_PROGRAMS
 from gateway.services.contacts import DigitalContacts
-from gateway.services.controller_host import ControllerHost, Panel
+from gateway.services.controller_host import ControllerHost, Parameters
 from gateway.services.page_interface import PageInterfaces
 from gateway.services.part import Part
 from gateway.services.part_context import PartContext
@@ -130,7 +130,7 @@ class Variables(Part):
         """One request; what is wrong with it comes back in words.  `connection`: what a tool's control belongs to."""
         try:
             request = json.loads(line)
-            if request.get("op") not in ASKING and request.get("do") not in LOOKING:
+            if request.get("op") not in ASKING and request.get("do") not in LOOKING and not _looks(request):
                 self._run.recorder.put(self._run.clock(), Source.TOOL, TOOL_DOOR, line.strip())
             if request.get("op") in ("contacts", "force"):
                 return self._contacts.answer(request)
@@ -153,12 +153,19 @@ class Variables(Part):
             return {"error": str(fault.args[0]) if fault.args else repr(fault)}
 
     def _panel(self, request: dict[str, object], connection: object) -> dict[str, object]:
-        if {"key", "mode"} & request.keys() and self._tools.held_by_another(connection):
+        """Everybody may look, stop and let a key go."""
+        page = request.get("door") == PAGE_DOOR
+        acts = not _looks(request) and "release" not in request and request.get("key") != "STOP"
+        if acts and not page and self._tools.held_by_another(connection):
             return {"error": "not owner: another commissioning tool has control"}
         panel = self._host.panel
         if panel is None:
-            return {"error": 'no panel: this cell has no [controller] of kind "rho3"'}
-        return panel.answer(request, TOOL_DOOR, self._run.clock())
+            kinds = " or ".join(f'"{kind.name}"' for kind in CONTROLLERS.values() if kind.panel is not None)
+            return {"error": f"no panel: this cell has no [controller] of kind {kinds}"}
+        answer = panel.answer(request, PAGE_DOOR if page else TOOL_DOOR, self._run.clock())
+        if not _looks(request):
+            self._image.pass_on()
+        return answer
 
     def _controlled(self, op: str, request: dict[str, object], connection: object) -> dict[str, object]:
         match op:
@@ -258,11 +265,11 @@ class Variables(Part):
             hint = f", did you mean {close[0]}?" if close else ""
             return {"error": f"{name}: no such name{hint}; axisgate var lists them"}
 
-    def _phg(self) -> Panel:
+    def _phg(self) -> Parameters:
         """Variables of the PHG 2000; KeyError: this cell has none."""
-        if self._host.panel is None:
+        if self._host.parameters is None:
             raise KeyError('phg: variables of the PHG need a cell with [controller] of kind "rho3"')
-        return self._host.panel
+        return self._host.parameters
 
     def _coordination(self, text: str, place: Operand) -> dict[str, object]:
         """A flag of a cell without a control of its own: the partner's."""
@@ -338,6 +345,11 @@ async def _request(reader: asyncio.StreamReader) -> bytes:
             await reader.readexactly(fault.consumed)
         except asyncio.IncompleteReadError as fault:
             return fault.partial if not long else b""
+
+
+def _looks(request: dict[str, object]) -> bool:
+    """A panel that is only looked at."""
+    return request.get("op") == "panel" and not {"key", "mode", "hold", "release"} & request.keys()
 
 
 def _typed(text: str) -> bool | int | float | str:

@@ -12,6 +12,7 @@ PointName = Annotated[str, Pattern(r"^[A-Za-z]\w*$", "letters, digits and _")]
 BoardName = Literal[
     "servo-3/5/8-wide", "servo-abs-5/8", "servo-inc6/poti", "servo-3/5-narrow", "servo-3is/4is/6is", "servo-abs-3i", "modular-i"
 ]  # fmt: skip
+CodeWord = Annotated[str, Pattern("^[A-Za-z0-9]{0,16}$", "up to 16 letters and digits")]
 OutputByte = Annotated[int, Ge(0), Le(39)]
 
 
@@ -105,6 +106,8 @@ class Controller:
     first_byte: Annotated[int, Ge(0), Le(88), Unit("PIC byte")] = 88  # reis: where its 40 bytes lie
     plc_only: tuple[OutputByte, ...] = ()  # reis: output bytes of the PLC alone
     robot_only: tuple[OutputByte, ...] = ()
+    code_words: Annotated[tuple[CodeWord, ...], MaxLen(2)] = ()  # reis: of setter and programmer at the pendant (AX-1660)
+    pin: CodeWord = ""  # reis: of the manufacturer
     plc: ControllerPlc | None = None  # reis
     process: tuple[ControllerProcess, ...] = ()
     point: tuple[ControllerPoint, ...] = ()  # val3

@@ -1,0 +1,105 @@
+"""The memory of a Reis as its pendant reads and changes it: files, in a thread of their own, so that the cycle of the services goes on."""
+
+import queue
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from gateway.files.robotstar import FolderFault, text_of
+from gateway.files.robotstar_directory import Entry, copy, delete, entries, protect, rename
+from gateway.pure.languages.robotstar.protection import Protected
+from gateway.pure.languages.robotstar.reader import unnumbered
+
+MOST = 16  # orders that wait
+Folders = dict[str, list[tuple[str, str]]]
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What has become of an order; words: what went wrong, or what was done."""
+
+    do: str
+    words: str = ""
+    folders: Folders = field(default_factory=dict)
+    path: str = ""
+    rows: tuple[str, ...] = ()
+
+
+class ReisMemory:
+    """`ask` at any time; `take` gives answers, one at a time."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._asked: queue.Queue[Callable[[], Answer]] = queue.Queue(MOST)
+        self._answers: queue.SimpleQueue[Answer] = queue.SimpleQueue()
+        threading.Thread(target=self._work, name="reis-memory", daemon=True).start()
+
+    def ask(self, do: str, name: str = "", more: str = "") -> bool:
+        """list, open (`name`), delete, copy, rename (`more`: the new name), protect (`more`: letters); False: too many wait."""
+        try:
+            self._asked.put_nowait(lambda: answered(self._folder, do, name, more))
+        except queue.Full:
+            return False
+        return True
+
+    def take(self) -> Answer | None:
+        """The next answer; None: there is none yet."""
+        try:
+            return self._answers.get_nowait()
+        except queue.Empty:
+            return None
+
+    def _work(self) -> None:
+        while True:
+            self._answers.put(self._asked.get()())
+
+
+def answered(folder: Path, do: str, name: str, more: str) -> Answer:
+    """One order, carried out."""
+    try:
+        match do:
+            case "open":
+                path, rows = program(folder, name)
+                return Answer(do, path=path, rows=rows)
+            case "delete":
+                delete(folder, name)
+            case "copy":
+                copy(folder, name, more)
+            case "rename":
+                rename(folder, name, more)
+            case "protect":
+                protect(folder, name, more)
+        return Answer(do, "" if do == "list" else "done", directories(folder))
+    except (FolderFault, Protected, OSError) as fault:
+        return Answer(do, str(fault))
+
+
+def directories(folder: Path) -> Folders:
+    """Name and line of each entry of each directory: type, bytes, date, protection, Var (L1039-1080).  FolderFault."""
+    found: Folders = {"": []}
+    for entry in entries(folder):
+        directory, _, name = entry.name.rpartition("/")
+        kind = "" if entry.kind == "<DIR>" else f".{entry.kind}"
+        if not kind:
+            found.setdefault(entry.name, [])
+        found.setdefault(directory, []).append((f"{name}{kind}", _line(name, entry)))
+    return found
+
+
+def _line(name: str, entry: Entry) -> str:
+    size = f"{entry.length:>7} " if entry.length else ""
+    return f"{name:<12} {entry.kind:<5} {size}{entry.changed} {entry.protection}{' Var' if entry.variables else ''}"
+
+
+def program(folder: Path, name: str) -> tuple[str, tuple[str, ...]]:
+    """File below the memory and steps, as the display has them: a step a line, the backslash of an invalid one kept.  FolderFault."""
+    wanted = name.replace("\\", "/").strip("/").upper()
+    files = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix.upper()[1:] in ("MPR", "SPR", "MAC", "PAL", "PLC"))
+    below = {path: path.relative_to(folder).as_posix().upper() for path in files}
+    fits = [path for path, file in below.items() if wanted in (file, file.rpartition(".")[0])]
+    fits = fits or [path for path, file in below.items() if wanted in (Path(file).name, Path(file).stem)]
+    if not fits:
+        raise FolderFault(f"there is no program {name}")
+    rows = (unnumbered(line) for line in text_of(fits[0]).splitlines() if line.strip())
+    return fits[0].relative_to(folder).as_posix(), tuple(row for row in rows if row)

@@ -1,0 +1,171 @@
+"""The pendant of a Reis in the services, built alone on a cell in virtual time: what its keys do there.  Source: robotstar 8.2; AX-1660."""
+
+import pathlib
+import time
+
+import pytest
+
+from gateway.pure.controllers.reis.access import Codes
+from gateway.pure.controllers.reis.pendant.unit import COLUMNS, LINES
+from gateway.services.reis_memory import answered, directories
+from gateway.services.reis_panel import HELD_NS, ReisPanel
+from hil_tests.lab.virtual.reis_bench import AUTO, DOOR, ReisCell, at, main
+
+OTHER = 2  # a command source without control
+PATIENCE_S = 10.0
+BODY = (
+    "VAR I_N, 0\nTOOL T\n" + "\n".join(f"COPY {number}, I_N" for number in (11, 22, 33)) + f"\nMOVE_MODE #LINEAR\n{at(884, 100, 500)}\nSTOP"
+)
+
+
+class Operator:
+    """A cell, its memory on disk and the pendant."""
+
+    def __init__(self, folder: pathlib.Path) -> None:
+        files = {"P.MPR": f'MPR "P"\n{BODY}\nEND\n'} | main("STOP", "SUB/Q")
+        for name, text in files.items():
+            (folder / name).parent.mkdir(exist_ok=True)
+            (folder / name).write_text(text)
+        self.cell = ReisCell(files)
+        self.panel = ReisPanel(self.cell.control, self.cell.bench.office, Codes(), "en", (1.0,) * 6, folder)
+        self.cell.bench.permit(AUTO, value=False)
+
+    def asks(self, source: int = DOOR, **request: object) -> list[str]:
+        answer = self.panel.answer(dict(request), source, self.cell.bench.now)
+        self.cycles(2)
+        screen = answer["screen"]
+        assert isinstance(screen, list)
+        return screen
+
+    def keys(self, words: str) -> str:
+        for key in words.split():
+            self.asks(key=key)
+        return self.shows()
+
+    def shows(self, words: str = "") -> str:
+        """The display, once it has these words."""
+        end = time.monotonic() + PATIENCE_S
+        while words not in (text := "\n".join(self.asks())):
+            assert time.monotonic() < end, f"{words!r} never: {text}"
+        return text
+
+    def cycles(self, count: int) -> None:
+        for _ in range(count):
+            self.panel.look(self.cell.bench.now)
+            self.cell.bench.cycle()
+
+    def value(self) -> object:
+        return self.cell.value("I_N")
+
+
+def test_a_program_is_opened_and_its_steps_are_started_from_the_cursor(tmp_path: pathlib.Path) -> None:
+    """L1082-1086, L1206-1209, L1354-1358: directory, EDIT, Test 1 in single steps, a variable."""
+    operator = Operator(tmp_path)
+    assert "S:/" in operator.shows("P            MPR")
+    operator.keys("DOWN ENTER")
+    operator.shows('>  1 MPR "P"')
+    operator.keys("RUN F1 STEP 5 ENTER START")
+    operator.shows("TEST 1")
+    operator.cell.until(lambda: operator.value() == "22")
+    assert operator.cell.step() == 6, "one step, from the cursor on"
+    assert ">  6 COPY 33, I_N" in operator.shows("P 6 stopped")
+    operator.cycles(60)
+    operator.keys("START")
+    operator.cell.until(lambda: operator.value() == "33")
+    operator.keys("INFO F4 I _ N ENTER")
+    operator.shows("dec 33")
+    operator.keys("F4 I _ X ENTER")
+    operator.shows("Definition not found!")
+
+
+def test_a_movement_key_moves_for_as_long_as_it_is_held_by_who_has_control(tmp_path: pathlib.Path) -> None:
+    """L175, L1308-1326."""
+    operator = Operator(tmp_path)
+    hand = operator.cell.control.robot.keys.hand
+    operator.keys("COORD F2")
+    assert hand.coord == 1
+    operator.keys("F1")
+    before = operator.cell.joints[-1]
+    assert "need control" in "\n".join(operator.asks(OTHER, hold="2+")) and hand.ways[1] == 0
+    assert "hold the movement key" in "\n".join(operator.asks(key="2+")).replace("\n", " ") and hand.ways[1] == 0
+    for _ in range(12):
+        operator.asks(hold="2+")
+        operator.cycles(8)
+    assert operator.cell.joints[-1][1] > before[1] + 0.1 and operator.cell.joints[-1][0] == pytest.approx(before[0])
+    operator.asks(release="2+")
+    assert hand.ways[1] == 0
+    panel, now = operator.panel, operator.cell.bench.now
+    panel.answer({"hold": "3-"}, DOOR, now)
+    panel.look(now + HELD_NS - 1)
+    assert hand.ways[2] == -1
+    panel.look(now + HELD_NS)
+    assert hand.ways[2] == 0, "who falls silent has let go"
+    panel.answer({"hold": "3-"}, DOOR, now)
+    panel.answer({"hold": "3-"}, OTHER, now)
+    assert hand.ways[2] == 0, "control is gone, and the movement with it"
+
+
+def test_start_is_held_in_single_step_and_its_release_stops_the_robot(tmp_path: pathlib.Path) -> None:
+    """L1203-1205: a position is approached directly, for as long as START is pressed; the tool stays in force."""
+    operator = Operator(tmp_path)
+    operator.shows("P            MPR")
+    operator.keys("DOWN ENTER")
+    operator.shows('MPR "P"')
+    operator.keys("RUN F3 STEP 3 ENTER START")
+    operator.shows("P 4 stopped")
+    operator.cycles(60)
+    operator.keys("STEP 8 ENTER")
+    operator.asks(hold="START")
+    operator.cycles(20)
+    for _ in range(5):
+        operator.asks(hold="START")
+    assert operator.cell.hosted.run, (operator.cell.told, operator.shows())
+    operator.asks(release="START")
+    operator.cycles(5)
+    assert operator.cell.hosted.run == 0
+
+
+def test_override_modes_and_messages_go_the_way_of_everybody(tmp_path: pathlib.Path) -> None:
+    operator = Operator(tmp_path)
+    operator.asks(OTHER, key="OV-")
+    operator.cycles(5)
+    assert operator.cell.bench.core.state.override == 1.0, "the regulator needs control"
+    operator.keys("OV- OV-")
+    operator.cycles(5)
+    assert operator.cell.bench.core.state.override == pytest.approx(0.9)
+    operator.keys("COORD F2 PC-I")
+    hand = operator.cell.control.robot.keys.hand
+    assert hand.position == pytest.approx(90.0) and operator.shows().startswith(" 90.00 mm")
+    operator.keys("OV+ OV+ PC-O")
+    assert hand.wheel == pytest.approx(0.2) and hand.position == 0
+    operator.cell.control.message(4017, "Operating error 4017", operator.cell.bench.now)
+    assert "Operating error 4017" in operator.shows()
+    operator.keys("INFO F5")
+    assert "4017" not in operator.shows(), "Err Enab"
+    operator.cell.control.robot.show_again(operator.cell.bench.now)
+    assert "4017" in operator.shows() and "4017" not in operator.keys("DIR QUIT")
+    assert "no integrated PLC" in operator.keys("RUN MENU+ F2")
+    assert "no such program" in operator.keys("F1").replace("\n", " ") or "HAND" in operator.keys("COORD MENU+ F4")
+
+
+def test_an_unknown_key_is_an_error_and_the_answer_names_size_and_keys(tmp_path: pathlib.Path) -> None:
+    operator = Operator(tmp_path)
+    assert "no key" in str(operator.panel.answer({"key": "MODE"}, DOOR, 0)["error"])
+    unit = operator.panel.answer({}, DOOR, 0)["unit"]
+    assert isinstance(unit, dict) and (unit["columns"], unit["lines"]) == (COLUMNS, LINES) and "1+" in unit["held"]
+
+
+def test_files_of_the_memory_are_deleted_copied_renamed_and_protected(tmp_path: pathlib.Path) -> None:
+    """L1039-1080, L1118-1183, L1404-1423."""
+    (tmp_path / "P.MPR").write_text('MPR "P"\n\\WAIT 1.0\nEND\n')
+    (tmp_path / "SUB").mkdir()
+    assert [line[:18].strip() for _, line in directories(tmp_path)[""]] == ["P            MPR", "SUB          <DIR>"]
+    assert answered(tmp_path, "copy", "P.MPR", "R").words == "done" and (tmp_path / "R.MPR").exists()
+    assert answered(tmp_path, "rename", "R", "S").words == "done" and not (tmp_path / "R.MPR").exists()
+    assert answered(tmp_path, "protect", "S", "L").words == "done"
+    assert "protected against deletion" in answered(tmp_path, "delete", "S", "").words and (tmp_path / "S.MPR").exists()
+    assert "-/A/E/S/U" in dict(directories(tmp_path)[""])["S.MPR"]
+    assert answered(tmp_path, "delete", "P", "").words == "done" and not (tmp_path / "P.MPR").exists()
+    found = answered(tmp_path, "open", "s", "")
+    assert (found.path, found.rows) == ("S.MPR", ('MPR "S"', "\\WAIT 1.0", "END"))
+    assert answered(tmp_path, "open", "NONE", "").words == "there is no program NONE"
