@@ -14,8 +14,9 @@ EXAMPLES = """examples:
   axisgate monitor                                  the cell that is up; ? shows the keys
   axisgate monitor demo --tab errors --once         pending errors with cause and remedy, as plain text
   axisgate monitor demo --tab signals --search "DB10 target" --json | jq .signals
-  axisgate monitor old --pendant                    the pendant of the rho 3: display and keys ([controller] kind "rho3")
+  axisgate monitor old --pendant                    the pendant of a rho 3 or a ROBOTstar V: display and keys
   axisgate monitor old --press "MODE 7.3.2 ENTER"   keys, then what the display shows
+  axisgate monitor reis --press "RUN F2 START"      of a ROBOTstar V: Test 2, then START
 Where the output is no terminal it is one look as plain text without colours, as with --once.
 exit code: 0 done, 1 refused by the panel, 2 command line, 3 no such run"""
 
@@ -55,7 +56,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--search", default="", metavar="WORDS", help="signals: every word must occur in a name, address, text or use")
     parser.add_argument("--filter", choices=FILTERS, default="all", help="signals: only these (default %(default)s)")
-    parser.add_argument("--pendant", action="store_true", help="the pendant of a rho 3 in place of the tabs")
+    parser.add_argument("--pendant", action="store_true", help="the pendant of the old control in place of the tabs")
     parser.add_argument("--press", default="", metavar="KEYS", help='at the pendant, then its display: "MODE 7.1 ENTER", "INFO", "DOWN"')
     parser.add_argument("--once", action="store_true", help="one look as plain text, then end")
     parser.add_argument("--json", action="store_true", help="one look as a JSON object")
@@ -66,15 +67,13 @@ def make_parser() -> argparse.ArgumentParser:
 def _pendant(run: str, arguments: argparse.Namespace) -> int:
     """On the screen, or keys and one display."""
     from gateway.observer.tool_link import Gone
-    from gateway.tools.monitor.keypad import keys_of
     from gateway.tools.monitor.pendant import PanelError, Pendant, framed, once
 
     try:
-        keys = keys_of(arguments.press)
-        if not (keys or arguments.once or arguments.json) and sys.stdout.isatty():
+        if not (arguments.press or arguments.once or arguments.json) and sys.stdout.isatty():
             asyncio.run(Pendant(run).run_async())
             return DONE
-        shown = asyncio.run(once(run, keys))
+        shown = asyncio.run(once(run, arguments.press))
     except ValueError as error:
         print(f"axisgate monitor: --press: {error}", file=sys.stderr)
         return USAGE
@@ -86,7 +85,11 @@ def _pendant(run: str, arguments: argparse.Namespace) -> int:
         return ENVIRONMENT
     except KeyboardInterrupt:
         return DONE
-    print(json.dumps(shown, ensure_ascii=False) if arguments.json else f"{framed(shown['screen'])}\nmode {shown['mode']}")
+    print(
+        json.dumps(shown, ensure_ascii=False)
+        if arguments.json
+        else f"{framed(shown['screen'], shown['unit']['columns'])}\nmode {shown['mode']}"
+    )
     return DONE
 
 

@@ -1,40 +1,61 @@
-"""Keys of the pendant: their names at the services' panel, and what types them on a keyboard.  Source: rho3 7.4 (L10486-10576)."""
+"""The hand-held unit of an old control as the services describe it: size, keys by name, and what types them on a keyboard."""
 
-KEYPAD = (
-    ("MODE", "INFO", "UP", "DELETE"),
-    ("7", "8", "9", "LEFT"),
-    ("4", "5", "6", "RIGHT"),
-    ("1", "2", "3", "DOWN"),
-    ("0", ".", "-", "ENTER"),
-)
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
 ARROWS = {"UP": "↑", "DOWN": "↓", "LEFT": "←", "RIGHT": "→"}
-TYPED = {
-    "m": "MODE", "i": "INFO", "enter": "ENTER", "backspace": "DELETE", "delete": "DELETE", "full_stop": ".", "comma": ".", "minus": "-",
-    "up": "UP", "down": "DOWN", "left": "LEFT", "right": "RIGHT",
-}  # fmt: skip
-PLACES = frozenset(f"{level}K{number}" for level in ("SHIFT+", "ALT+") for number in range(1, 37)) | frozenset(
-    f"K{number}" for number in range(1, 37)
-)  # keys by their place: KEY.BNR says what they are
-NAMES = frozenset(name for row in KEYPAD for name in row) | frozenset("ABCDEFGHIJKLMNOPQRSTUVWXYZ") | PLACES
+NARROW, WIDE = 5, 10  # columns of a key on the screen
 
 
-def key_of(typed: str, character: str | None) -> str | None:
-    """The pendant's key for one of the keyboard; letters are those of READ PHG, M and I with shift.  None: no key of the pendant."""
-    if typed in TYPED:
-        return TYPED[typed]
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """As gateway.pure.controllers.unit has it."""
+
+    title: str = ""
+    columns: int = 20
+    lines: int = 4
+    keypad: tuple[tuple[str, ...], ...] = ()
+    typed: Mapping[str, str] = field(default_factory=dict)
+    names: frozenset[str] = frozenset()
+    held: frozenset[str] = frozenset()
+    faces: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, facts: Mapping[str, Any]) -> "Unit":
+        """From the `unit` of an answer."""
+        keypad = tuple(tuple(row) for row in facts["keypad"])
+        names = frozenset(name for row in keypad for name in row if name) | frozenset(facts["more"])
+        rest = facts["typed"], names, frozenset(facts["held"]), facts["faces"]
+        return cls(facts["title"], facts["columns"], facts["lines"], keypad, *rest)
+
+    @property
+    def across(self) -> int:
+        """Keys in a row."""
+        return max((len(row) for row in self.keypad), default=1)
+
+    @property
+    def key_columns(self) -> int:
+        """Columns of a key on the screen."""
+        return WIDE if self.across <= NARROW else NARROW + 3
+
+
+def key_of(typed: str, character: str | None, unit: Unit) -> str | None:
+    """The unit's key for one of the keyboard; None: no key of the unit."""
+    if typed in unit.typed:
+        return unit.typed[typed]
     name = (character or "").upper()
-    return name if name in NAMES else None
+    return name if name in unit.names else None
 
 
-def keys_of(words: str) -> list[str]:
+def keys_of(words: str, unit: Unit) -> list[str]:
     """`MODE 7.3.2 ENTER`: names and characters as they are pressed.  ValueError names what is no key."""
     keys: list[str] = []
     for word in words.upper().split():
-        parts = [word] if word in NAMES else list(word)
-        wrong = [part for part in parts if part not in NAMES]
+        parts = [word] if word in unit.names else list(word)
+        wrong = [part for part in parts if part not in unit.names]
         if wrong:
-            raise ValueError(
-                f"{wrong[0]!r} in {word!r} is no key; keys are {', '.join(name for row in KEYPAD for name in row)} and letters"
-            )
+            shown = ", ".join(name for row in unit.keypad for name in row if name)
+            raise ValueError(f"{wrong[0]!r} in {word!r} is no key; keys are {shown} and letters")
         keys += parts
     return keys

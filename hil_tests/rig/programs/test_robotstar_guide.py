@@ -80,6 +80,13 @@ class Person:
         assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
         return done.stdout
 
+    def looks(self, command: str) -> str:
+        """A command of the monitor, which names the run alone."""
+        words = [sys.executable, "-m", "gateway", *shlex.split(command)[1:], self.run.name]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+        assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
+        return done.stdout
+
     def reads(self, command: "subprocess.Popen[str]") -> Row:
         """The outcome that a command with --json prints at its end."""
         printed, words = command.communicate(timeout=PATIENCE_S)
@@ -163,6 +170,17 @@ def test_a_robot_program_names_the_start_program_of_the_plc(run: CellRun) -> Non
     with contextlib.closing(ToolClient(run.name)) as tool:
         person.waits(lambda: tool.ask("get", address="MB 300")["value"] == 5, "OTHER runs")
     person.types("axisgate plc start reis-palletiser MAIN")
+
+
+def test_the_pendant_in_the_terminal_opens_a_program_and_starts_it(run: CellRun) -> None:
+    """`axisgate monitor`: the directory, a program of it, Test 2, START; the way on which RSV-UI-01 is reached (AX-1660)."""
+    pressed = ["axisgate monitor --once --press 'DIR ALT UP'", "axisgate monitor --json --press 'DIR F5 BITS ENTER'"]
+    assert "PALTEST" in Person(run).looks(pressed[0])
+    shown = json.loads(Person(run).looks(pressed[1]))
+    assert len(shown["screen"]) == shown["unit"]["lines"] == 20 and any('MPR "BITS"' in line for line in shown["screen"]), shown["screen"]
+    assert "TEST 4" in Person(run).looks("axisgate monitor --press 'RUN F4'")
+    Person(run).looks("axisgate monitor --press 'RUN STEP 12 ENTER START'")
+    Person(run).waits(lambda: "drives are off" in "".join(entry["text"] for entry in run.journal()[-20:]), "START arrives at the control")
 
 
 def test_modes_keys_and_a_dead_interpreter(run: CellRun) -> None:

@@ -5,10 +5,13 @@ import json
 import pytest
 
 from gateway.observer.names import Entry
-from gateway.tools.monitor.keypad import key_of, keys_of
+from gateway.pure.controllers.reis.pendant import unit as phg
+from gateway.pure.controllers.rho3.pendant import unit as rho3
+from gateway.tools.monitor.keypad import Unit, key_of, keys_of
 from gateway.tools.monitor.shown import shown, signals_table
 from gateway.tools.monitor.tables import Table, as_json, number, plain
 
+RHO3, PHG = Unit.of(rho3.UNIT.facts()), Unit.of(phg.UNIT.facts())
 TABLE = Table("Axes", ("axis", "actual"), (("A1", "10.000"), ("A22", "-3.5")))
 
 
@@ -63,10 +66,10 @@ def test_signals_pass_the_filter_and_old_ones_say_so() -> None:
 
 
 def test_keys_by_name_and_by_character() -> None:
-    assert keys_of("mode 7.3.2 enter") == ["MODE", "7", ".", "3", ".", "2", "ENTER"]
-    assert keys_of("INFO DOWN a") == ["INFO", "DOWN", "A"]
+    assert keys_of("mode 7.3.2 enter", RHO3) == ["MODE", "7", ".", "3", ".", "2", "ENTER"]
+    assert keys_of("INFO DOWN a", RHO3) == ["INFO", "DOWN", "A"]
     with pytest.raises(ValueError, match="'\\+' in '7\\+' is no key"):
-        keys_of("7+")
+        keys_of("7+", RHO3)
     typed = [
         ("m", "m"),
         ("M", "M"),
@@ -78,5 +81,13 @@ def test_keys_by_name_and_by_character() -> None:
         ("up", None),
         ("x", "x"),
     ]
-    assert [key_of(*pair) for pair in typed] == ["MODE", "M", "INFO", "7", ".", "ENTER", "DELETE", "UP", "X"]
-    assert [key_of("f5", None), key_of("tab", "\t"), key_of("plus", "+")] == [None, None, None]
+    assert [key_of(*pair, RHO3) for pair in typed] == ["MODE", "M", "INFO", "7", ".", "ENTER", "DELETE", "UP", "X"]
+    assert [key_of(*pair, RHO3) for pair in (("f5", None), ("tab", "\t"), ("plus", "+"))] == [None, None, None]
+
+
+def test_keys_of_a_larger_pendant_come_with_it() -> None:
+    assert keys_of("run f2 step 12 enter 1+", PHG) == ["RUN", "F2", "STEP", "1", "2", "ENTER", "1+"]
+    assert [key_of("escape", None, PHG), key_of("pagedown", None, PHG), key_of("m", "m", PHG)] == ["QUIT", "MENU+", "M"]
+    assert (PHG.columns, PHG.lines, PHG.across, "1+" in PHG.held) == (40, 20, 8, True)
+    with pytest.raises(ValueError, match="is no key"):
+        keys_of("MODE!", PHG)
