@@ -44,6 +44,7 @@ PAGES = (
     "programs",
     "val3",
     "plc",
+    "pendant",
     "events",
     "cell",
     "emulator",

@@ -49,6 +49,7 @@ ORDERS: dict[str, Words] = {
     "POST /api/users/drop": ("removed user {name}", "Benutzer {name} entfernt"),
     "POST /api/tokens": ("made the token {label} for {role}", "Token {label} für {role} angelegt"),
     "POST /api/tokens/drop": ("removed the token {name}", "Token {name} entfernt"),
+    "pendant key": ("pressed {name} at the pendant", "{name} am Handgerät gedrückt"),
     "wrong password": ("wrong password", "falsches Passwort"),
     "web user add": ("added user {name}", "Benutzer {name} angelegt"),
     "web user password": ("changed the password of {name}", "Passwort von {name} geändert"),

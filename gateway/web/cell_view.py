@@ -11,7 +11,7 @@ from gateway.files.texts import read_texts, spoken
 from gateway.pure.cell.cell import Axis, Bus, Cell, Line
 from gateway.pure.reports.sentences import Sentence, in_language
 from gateway.pure.reports.spoken import Spoken
-from gateway.registry import language_in
+from gateway.registry import CONTROLLERS, language_in
 from gateway.web.german import german, says, umlauts
 from gateway.web.plant_view import Plant
 from gateway.web.skeleton import Skeleton
@@ -54,6 +54,7 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
         "programs": language.words if language is not None else "",
         "val3": cell.val3 is not None,
         "plc": cell.controller is not None and cell.controller.plc is not None,
+        "pendant": cell.controller is not None and CONTROLLERS[cell.controller.kind].panel is not None,
         "robot": {"kind": skeleton.kind, "reach": skeleton.reach, "why": skeleton.why, "model": cell.robot[0].model if cell.robot else ""},
     }
 

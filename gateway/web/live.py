@@ -95,10 +95,15 @@ class Live:
             "programs": Topic(self.programs.look, 2),
             "val3": Topic(self.val3.look, 2),
             "plc": Topic(self.plc.look, 3),
+            "pendant": Topic(self._pendant, 2),
             "events": Topic(self._events, 3),
             "emulator": Topic(self._emulator, 5),
             "cell": Topic(self._overview, 10),
         }
+
+    async def _pendant(self) -> Row:
+        """The display and the keys of the hand-held unit.  Gone, Refused."""
+        return await self.desk.ask("panel")
 
     async def run(self) -> None:
         """Until cancelled."""

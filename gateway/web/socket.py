@@ -120,6 +120,8 @@ class Sockets:
                 viewer.watch = tuple(str(each)[:100] for each in watch[:MOST_WATCHED]) if isinstance(watch, list) else ()
             case "jog" | "reference" as what:
                 return await self._held(what, message, viewer, person)
+            case "panel":
+                return await self._panel(message, person)
             case "release":
                 viewer.holding = viewer.pressed = False
                 if person.key == self.hands.holder:
@@ -145,6 +147,29 @@ class Sockets:
             return {"error": denied.words}
         except (NotYours, Gone, Refused) as why:
             return {"error": str(why)}
+
+    async def _panel(self, message: dict[str, Any], person: Person) -> dict[str, Any] | None:
+        """A key of the hand-held unit of the old control is pressed, held or let go.  Refusals are told."""
+        try:
+            act, key, first = str(message["act"]), str(message["key"])[:16], bool(message.get("first", True))
+            if act not in ("key", "hold", "release"):
+                raise ValueError(act)
+            if self.access.web.read_only:
+                return {"error": "the page is read-only"}
+            self.access.role(person, Role.OPERATOR)
+            self.hands.free(person.key)
+            if act == "hold" and _late(message):
+                return {"held": {"state": "REFUSED", "detail": LATE[0], "say": LATE}}
+            answer = await self.hands.desk.ask("panel", first=first, **{act: key})
+            if act != "release" and first and key in answer["unit"]["held"]:
+                self.access.store.note(person.name, person.source, "pendant key", {"name": key})
+        except (KeyError, ValueError, TypeError):
+            return {"error": "panel: act = key, hold or release; key"}
+        except Denied as denied:
+            return {"error": denied.words}
+        except (NotYours, Gone, Refused) as why:
+            return {"error": str(why)}
+        return None
 
     async def _jog(self, message: dict[str, Any], person: Person, first: bool) -> dict[str, Any]:
         axis, direction, percent = int(message["axis"]), int(message["direction"]), float(message["percent"])

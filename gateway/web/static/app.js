@@ -5,7 +5,7 @@ import { chip, h, mark, put, toast } from "./dom.js";
 import { language, say, setLanguage, t } from "./texts.js";
 
 const PAGES = [
-  ["overview", "Overview"], ["axes", "Axes"], ["motion", "Motion"], ["programs", "Programs"], ["val3", "VAL 3"], ["plc", "PLC"], ["signals", "Signals"], ["scope", "Scope"], ["lines", "Lines"], ["bus", "Bus"],
+  ["overview", "Overview"], ["axes", "Axes"], ["motion", "Motion"], ["programs", "Programs"], ["val3", "VAL 3"], ["plc", "PLC"], ["pendant", "Pendant"], ["signals", "Signals"], ["scope", "Scope"], ["lines", "Lines"], ["bus", "Bus"],
   ["events", "Events"], ["cell", "Cell"], ["emulator", "Emulator"], ["access", "Access"],
 ];
 const MOTION = ["at rest", "moving", "stopping", "stopped on the path", "referencing"];
@@ -35,7 +35,7 @@ function said(told) {
 }
 
 function nav() {
-  const links = PAGES.filter(([page]) => (page !== "emulator" || ctx.cell?.simulated) && (page !== "programs" || ctx.cell?.programs) && (page !== "val3" || ctx.cell?.val3) && (page !== "plc" || ctx.cell?.plc)).map(([page, title]) =>
+  const links = PAGES.filter(([page]) => (page !== "emulator" || ctx.cell?.simulated) && (page !== "programs" || ctx.cell?.programs) && (page !== "val3" || ctx.cell?.val3) && (page !== "plc" || ctx.cell?.plc) && (page !== "pendant" || ctx.cell?.pendant)).map(([page, title]) =>
     h("a", { href: `/${page}`, id: `nav-${page}`, "aria-current": page === name ? "page" : undefined, onclick: (event) => go(event, page) },
       h("span", {}, t(title)), page === "events" ? h("span", { class: "count", id: "errors", hidden: true }) : page === "signals" ? h("span", { class: "count f", id: "forces", hidden: true }) : null));
   const dark = document.documentElement.dataset.theme === "dark";

@@ -71,6 +71,32 @@ def test_the_plc_is_stopped_and_started(boss: Page) -> None:
     until(lambda: shown(boss, 2)[:2] == ["0", "0"], "and its test display is on again")
 
 
+def test_the_pendant_has_its_display_and_its_keys(web: WebRun, boss: Page) -> None:
+    """20 lines, typed and clicked keys, the PLC started by RUN, a movement key that needs control; a viewer presses none (AX-1660)."""
+    web.go(boss, "pendant")
+    until(lambda: boss.inner_text("#phg-screen").count("\n") == 19 and "DIR /" in boss.inner_text("#phg-screen"), "the display")
+    boss.click("#phg-keys [data-key=INFO]")
+    boss.focus("#phg-screen")
+    boss.keyboard.press("PageDown")
+    boss.keyboard.press("F3")
+    until(lambda: "_SPS[1]" in boss.inner_text("#phg-screen"), "the markers")
+    boss.screenshot(path=pictures() / "pendant.png", full_page=True)
+    for key in ("RUN", "MENU+", "F2"):
+        boss.click(f"#phg-keys [data-key='{key}']")
+    until(lambda: "die SPS wird gestartet" in boss.inner_text("#phg-screen"), "Start PLC, in the language of the cell")
+    boss.hover("#phg-keys [data-key='1+']")
+    boss.mouse.down()
+    until(lambda: "kein Speicher" in " ".join(boss.inner_text("#phg-screen").split()), "this cell has no robot programs")
+    boss.mouse.up()
+    said = [each["say"] for each in web.ask("GET", "/api/audit", **web.headers())[1]["entries"]]
+    assert ["pressed 1+ at the pendant", "1+ am Handgerät gedrückt"] in said
+    context = web.context()
+    viewer = web.page(context, "pendant")
+    until(lambda: viewer.locator("#phg-keys [data-key=RUN]").is_disabled(), "a viewer looks only")
+    context.close()
+    assert web.complaints == []
+
+
 def test_a_viewer_changes_nothing(web: WebRun) -> None:
     for path, body in (("start", {"name": ""}), ("stop", None), ("write", {"operand": "M100", "value": "1"})):
         assert web.ask("POST", f"/api/plc/{path}", body, x_axisgate="1")[0] in (401, 403)
