@@ -33,6 +33,7 @@ class NodeSetup:
     text: Key = (0x1008, 0)  # an object longer than four bytes
     remotes: bool = True  # the port sends remote frames
     emcy: int = 0  # identifier of emergencies; 0: the default
+    took: Ns = 0  # an SDO upload of this device
 
 
 class Aborted(Fail):

@@ -3,9 +3,11 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
-from gateway.conformance.suites.can.node import NodeTester
-from gateway.pure.conformance.verdict import Ended, Fail
+from gateway.conformance.suites.can.node import Aborted, NodeTester
+from gateway.conformance.suites.can.node import named as object_name
+from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable
 from protocols.base.machine import Ns, ms
+from protocols.canopen.dictionary import Key
 
 ABORT_OPTION, ERROR_CODE, CONTROL, STATUS = (0x6007, 0), (0x603F, 0), (0x6040, 0), (0x6041, 0)
 QUICK_OPTION, SHUTDOWN_OPTION, DISABLE_OPTION, HALT_OPTION, FAULT_OPTION = ((index, 0) for index in range(0x605A, 0x605F))
@@ -50,13 +52,13 @@ def control(t: NodeTester, word: int) -> None:
     t.download(CONTROL, word, 2)
 
 
-def until(t: NodeTester, good: Callable[[], bool], what: str, limit: Ns = LONG) -> Ns:
-    """Time passes until it is so; how long it took."""
+def until(t: NodeTester, good: Callable[[], bool], what: str, limit: Ns = LONG, beside: Callable[[], str] = str) -> Ns:
+    """Time passes until it is so; how long it took.  `beside`: what a Fail shows besides the statusword."""
     begin = t.now()
     while not good():
         if t.now() - begin > limit:
-            got = named(status(t))
-            raise Fail(f"{what}: not within {limit / 1e6:.0f} ms, statusword {got}", what, got)
+            got = ", ".join(filter(None, (beside(), named(status(t)))))
+            raise Fail(f"{what}: not within {limit / 1e6:.0f} ms, {got}", what, got)
         t.pause(STEP)
     return t.now() - begin
 
@@ -140,6 +142,22 @@ def speed(t: NodeTester) -> int:
 
 def standing(t: NodeTester) -> bool:
     return abs(speed(t)) < max(plan(t)[0] // 50, 10)
+
+
+def patience(t: NodeTester) -> Ns:
+    """For ten ways at the speed of the plan."""
+    chosen, way = plan(t)
+    return LONG + round(10e9 * way / max(chosen, 1))
+
+
+def choose(t: NodeTester, key: Key, option: int) -> None:
+    """This option for the case; option codes may be fixed, and a drive need not offer each."""
+    if t.number(key, signed=True) == option:
+        return
+    try:
+        t.download(key, option, 2)
+    except Aborted as refused:
+        raise NotApplicable(f"{object_name(key)} does not take {option}: {refused.got}") from refused
 
 
 def plan(t: NodeTester) -> tuple[int, int]:

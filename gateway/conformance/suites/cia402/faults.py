@@ -18,6 +18,7 @@ from gateway.conformance.suites.cia402.drive import (
     FAULT_OPTION,
     HALT_OPTION,
     ON,
+    QUICK,
     QUICK_DECELERATION,
     QUICK_OPTION,
     READY,
@@ -26,6 +27,7 @@ from gateway.conformance.suites.cia402.drive import (
     WINDOW,
     WINDOW_TIME,
     brought_to,
+    choose,
     control,
     moving,
     named,
@@ -38,7 +40,7 @@ from gateway.conformance.suites.cia402.drive import (
     stop_time,
 )
 from gateway.pure.conformance.purpose import Particulars, Purposes
-from gateway.pure.conformance.verdict import Ended, Fail
+from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive
 from protocols.base.machine import Ns, ms
 from protocols.canopen import cob_id as cobid
 from protocols.canopen.emcy import decode
@@ -53,13 +55,18 @@ MASTER, TIME_MS = 126, 100
 CONSUMER = (0x1016, 1)
 
 
+def watched_ms(t: NodeTester) -> int:
+    """Consumer heartbeat time; the drive is looked at by SDO between two heartbeats, however slow it answers."""
+    return max(TIME_MS, 6 * math.ceil(t.setup.took / 1e6))
+
+
 @contextmanager
 def supervised(t: NodeTester, option: int) -> Iterator[None]:
     """6007h = option, node 126 is watched and has been heard."""
     with t.kept(ABORT_OPTION, CONSUMER):
         with t.given():
-            t.download(ABORT_OPTION, option, 2)
-            t.download(CONSUMER, MASTER << 16 | TIME_MS, 4)
+            choose(t, ABORT_OPTION, option)
+            t.download(CONSUMER, MASTER << 16 | watched_ms(t), 4)
             beat(t)
         try:
             yield
@@ -97,7 +104,7 @@ def master_lost(t: NodeTester) -> None:
         if frame is None or len(frame.data) != 8 or not decode(frame.data).code:
             raise Fail("no emergency when the master is lost", "EMCY with an error code", shown(frame))
         reaches(t, FAULT, "the master is lost")
-        t.timed("master lost to fault", t.now() - last, ms(0.8 * TIME_MS), ms(3000))
+        t.timed("master lost to fault", t.now() - last, ms(0.8 * watched_ms(t)), ms(3000))
         if not (code := t.number(ERROR_CODE)):
             raise Fail("603Fh is 0 in fault", "an error code", f"{code:04X}h")
 
@@ -153,6 +160,17 @@ def level(t: NodeTester) -> None:
         reaches(t, DISABLED, "fault reset")
 
 
+QUICK_STOP = 3  # 6007h
+
+
+def _stays_stopped(t: NodeTester) -> bool:
+    """605Ah = 5 to 8: quick stop ends in quick stop active."""
+    if not t.setup.pics.get("quick_option"):
+        return False
+    with t.given():
+        return 5 <= t.number(QUICK_OPTION, signed=True) <= 8
+
+
 def _option(number: int, option: int, end: int, words: str, german: str) -> None:
     @FLT.case(
         f"BV_{number:02}",
@@ -164,9 +182,10 @@ def _option(number: int, option: int, end: int, words: str, german: str) -> None
     def body(t: NodeTester) -> None:
         with brought_to(t, ENABLED), supervised(t, option):
             if end == ENABLED:
-                stays(t, ENABLED, f"6007h = {option}", ms(4 * TIME_MS))
+                stays(t, ENABLED, f"6007h = {option}", ms(4 * watched_ms(t)))
             else:
-                reaches(t, end, f"6007h = {option}, the master is lost")
+                stops_there = end == DISABLED and option == QUICK_STOP and _stays_stopped(t)
+                reaches(t, QUICK if stops_there else end, f"6007h = {option}, the master is lost")
 
 
 _option(3, 0, ENABLED, "changes nothing", "ändert nichts")
@@ -185,7 +204,7 @@ def supervised_well(t: NodeTester) -> None:
     with brought_to(t, ENABLED), supervised(t, 1):
         for _ in range(10):
             beat(t)
-            stays(t, ENABLED, "the master is there", ms(TIME_MS // 2))
+            stays(t, ENABLED, "the master is there", ms(watched_ms(t) // 2))
 
 
 @FLT.case(
@@ -201,8 +220,13 @@ def following(t: NodeTester) -> None:
         with t.given():
             t.download(WINDOW, max(way // 20, 1), 4)
             t.download(WINDOW_TIME, 10, 2)
-        start = position(t)
-        t.download(TARGET, start + 4 * way, 4)
+        goal = position(t) + 4 * way
+        t.download(TARGET, goal, 4)
+        t.on_grid(2)
+        if state_of(status(t)) == ENABLED and abs(position(t) - goal) <= max(way // 20, 1):
+            raise Inconclusive(
+                "this jump is no following error: the drive makes it in two cycles; state [link] way", "a lag beyond 6065h", "it is there"
+            )
         for _ in range(100):
             t.on_grid()
             if state_of(status(t)) == FAULT:
@@ -265,7 +289,7 @@ def _stops(
     def body(t: NodeTester) -> None:
         with t.kept(key, rate), moving(t) as speed:
             with t.given():
-                t.download(key, option, 2)
+                choose(t, key, option)
                 t.download(rate, max(2 * speed, 1), 4)  # half a second
             control(t, word)
             _ramp(t, speed, rate, f"{words[0]}, {index:04X}h = {option}")
@@ -289,7 +313,7 @@ _stops(6, HALT_OPTION, "halt_option", 2, 0x10F, QUICK_DECELERATION, ENABLED, ("h
 def coast(t: NodeTester) -> None:
     with t.kept(QUICK_OPTION, DECELERATION, QUICK_DECELERATION), moving(t) as speed:
         with t.given():
-            t.download(QUICK_OPTION, 0, 2)
+            choose(t, QUICK_OPTION, 0)
             for rate in (DECELERATION, QUICK_DECELERATION):  # a ramp would last half a second
                 t.download(rate, max(2 * speed, 1), 4)
         control(t, 0x02)
@@ -308,7 +332,7 @@ def coast(t: NodeTester) -> None:
 def fault_in_motion(t: NodeTester) -> None:
     with t.kept(FAULT_OPTION, QUICK_DECELERATION), moving(t) as speed:
         with t.given():
-            t.download(FAULT_OPTION, 2, 2)
+            choose(t, FAULT_OPTION, 2)
             t.download(QUICK_DECELERATION, max(2 * speed, 1), 4)
         with supervised(t, 1):
             lost = _lost(t)
@@ -337,7 +361,7 @@ def _lost(t: NodeTester) -> Ns | None:
 def disable_at_once(t: NodeTester) -> None:
     with t.kept(DISABLE_OPTION, DECELERATION), moving(t) as speed:
         with t.given():
-            t.download(DISABLE_OPTION, 0, 2)
+            choose(t, DISABLE_OPTION, 0)
             t.download(DECELERATION, max(2 * speed, 1), 4)
         control(t, 0x07)
         t.timed("disable operation, 605Ch = 0", reaches(t, ON, "disable operation, 605Ch = 0"), None, ms(200))

@@ -29,9 +29,11 @@ from gateway.conformance.suites.cia402.drive import (
     TARGET,
     TARGET_SPEED,
     brought_to,
+    choose,
     control,
     moving,
     named,
+    patience,
     plan,
     position,
     reaches,
@@ -74,10 +76,7 @@ ALL_AT_ONCE = 255
 )
 def slow_stop_stays(t: NodeTester) -> None:
     with t.kept(QUICK_OPTION), brought_to(t, ENABLED):
-        try:
-            t.download(QUICK_OPTION, 5, 2)
-        except Aborted as refused:
-            raise NotApplicable("605Ah does not take 5") from refused
+        choose(t, QUICK_OPTION, 5)
         control(t, 0x02)
         reaches(t, QUICK, "quick stop, 605Ah = 5")
         stays(t, QUICK, "quick stop, 605Ah = 5", ms(500))
@@ -157,7 +156,7 @@ def reset_at_work(t: NodeTester) -> None:
 def stopped(t: NodeTester) -> None:
     with t.kept(ABORT_OPTION), brought_to(t, ENABLED):
         with t.given():
-            t.download(ABORT_OPTION, 1, 2)
+            choose(t, ABORT_OPTION, 1)
         t.command(Command.START)
         t.pause(ms(10))
         t.command(Command.STOP)
@@ -258,7 +257,7 @@ def top_speed(t: NodeTester) -> None:
             t.download(PROFILE_SPEED, chosen, 4)
         order(t, start + 4 * way)
         top, begin = 0, t.now()
-        while not (status(t) & REACHED and standing(t)) and t.now() - begin < ms(10_000):
+        while not (status(t) & REACHED and standing(t)) and t.now() - begin < 2 * patience(t):
             top = max(top, abs(speed(t)))
             t.pause(ms(1))
         if top > chosen * 6 // 10:

@@ -29,7 +29,7 @@ from gateway.conformance.suites.cia402.drive import (
 )
 from gateway.conformance.suites.cia402.faults import POWER, cyclic
 from gateway.pure.conformance.purpose import Particulars, Purposes
-from gateway.pure.conformance.verdict import Fail, NotApplicable
+from gateway.pure.conformance.verdict import Fail, Inconclusive, NotApplicable
 from protocols.base.machine import Ns, ms
 from protocols.canopen import sdo
 from protocols.canopen.sdo import Abort, Request
@@ -95,7 +95,7 @@ def turning(t: NodeTester) -> Iterator[int]:
 def runs(t: NodeTester, wanted: int) -> Ns:
     """Judged: this speed, soon."""
     allowed = max(plan(t)[0] // 15, 20)
-    return until(t, lambda: abs(speed(t) - wanted) < allowed, f"speed {wanted} in 606Ch")
+    return until(t, lambda: abs(speed(t) - wanted) < allowed, f"speed {wanted} in 606Ch", beside=lambda: f"606Ch = {speed(t)}")
 
 
 @VEL.case("BV_01", "60FFh is reached in both directions, with bit 10", "60FFh wird in beiden Richtungen erreicht, mit Bit 10")
@@ -162,7 +162,10 @@ HOM = Purposes[NodeTester]("CIA402_HOM", "drive", "CiA 402-2, homing", condition
 def homing(t: NodeTester, method: int) -> Iterator[None]:
     with t.kept(METHOD, OFFSET):
         with t.given():
-            t.download(METHOD, method, 1)
+            try:
+                t.download(METHOD, method, 1)
+            except Aborted as refused:
+                raise NotApplicable(f"method {method} is not offered: {refused.got}") from refused
         with brought_to(t, ENABLED, HM):
             yield
 
@@ -220,6 +223,8 @@ def interrupted(t: NodeTester) -> None:
     with homing(t, 34):
         control(t, 0x1F)
         t.pause(ms(20))
+        if status(t) & BIT12 and standing(t):
+            raise Inconclusive("homing was over before it could be interrupted", "a motion", named(status(t)))
         control(t, 0x0F)
         until(t, lambda: standing(t), "standstill after the interruption", ms(3000))
         if status(t) & (BIT12 | BIT13):

@@ -12,6 +12,7 @@ from gateway.conformance.suites.cia402.drive import (
     READY,
     STATUS,
     brought_to,
+    choose,
     control,
     named,
     reaches,
@@ -20,8 +21,9 @@ from gateway.conformance.suites.cia402.drive import (
     stays,
 )
 from gateway.pure.conformance.purpose import Particulars, Purposes
-from gateway.pure.conformance.verdict import Fail, Warn
+from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
 from protocols.base.machine import ms
+from protocols.canopen.sdo import Abort
 
 BASIC = "CIA402_PWR_BV_01"
 PWR = Purposes[NodeTester]("CIA402_PWR", "drive", "CiA 402-2, power states", preamble=(BASIC,))
@@ -109,7 +111,7 @@ IDLE = (
     Idle(1, DISABLED, 0x07, "switch on in switch on disabled", "Switch On in Einschaltsperre", ()),
     Idle(2, DISABLED, 0x0F, "enable operation in switch on disabled", "Enable Operation in Einschaltsperre", ()),
     Idle(3, READY, 0x86, "a fault reset in ready to switch on", "ein Fehler-Reset in Ready to Switch On", (2,)),
-    Idle(4, ON, 0x80, "a fault reset in switched on", "ein Fehler-Reset in Switched On", (2, 3)),
+    Idle(4, ON, 0x87, "a fault reset in switched on", "ein Fehler-Reset in Switched On", (2, 3)),
 )
 
 
@@ -143,7 +145,7 @@ FULL = (2, 3, 4)
 def quick_stop(t: NodeTester) -> None:
     with t.kept(QUICK_OPTION), brought_to(t, ENABLED):
         with t.given():
-            t.download(QUICK_OPTION, 2, 2)
+            choose(t, QUICK_OPTION, 2)
         control(t, 0x02)
         reaches(t, DISABLED, "quick stop, 605Ah = 2")
 
@@ -188,8 +190,10 @@ def quick_stop_left(t: NodeTester) -> None:
 def _takes(t: NodeTester, value: int) -> bool:
     try:
         t.download(QUICK_OPTION, value, 2)
-    except Aborted:
-        return False
+    except Aborted as refused:
+        if refused.code == Abort.READ_ONLY and (fixed := t.number(QUICK_OPTION, signed=True)) != value:
+            raise NotApplicable(f"605Ah is fixed to {fixed}") from refused
+        return refused.code == Abort.READ_ONLY
     return True
 
 

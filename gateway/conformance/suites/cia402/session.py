@@ -7,6 +7,7 @@ from gateway.conformance.suites.can.session import NodeSession
 from gateway.conformance.suites.cia402.drive import CSP, HM, MODES_OFFERED, PP, PROFILE_SPEED, PV
 from gateway.conformance.suites.opening import Opened
 from gateway.pure.conformance.verdict import Ended
+from protocols.base.machine import Ns
 
 OBJECTS = {
     "quick_option": (0x605A, 0),
@@ -25,6 +26,13 @@ OBJECTS = {
 }
 MODES = {"pp": PP, "pv": PV, "hm": HM, "csp": CSP}
 SPEED, WAY = 80_000, 8_000  # where neither bench nor device states one
+LOOKS = 20  # at the drive by SDO, on one way
+FASTEST = 1 << 31
+
+
+def slow_enough(way: object, took: Ns) -> int:
+    """Units a second: a motion is judged by what SDOs read meanwhile, however slow they are."""
+    return max(round(way * 1e9 / (LOOKS * took)), 1) if isinstance(way, (int, float)) and took else FASTEST
 
 
 def open_drive(opened: Opened) -> NodeSession:
@@ -42,10 +50,13 @@ def open_drive(opened: Opened) -> NodeSession:
                 pics[item] = t.exists(key)
         pics["may_power"] = pics["may_move"]
         pics.setdefault("homing_moves", bool(pics["hm"]))
-        own = SPEED
+        own, begin = SPEED, t.now()
         with suppress(Ended):
             own = t.number(PROFILE_SPEED) // 2 or SPEED
-        pics["motion_speed"] = link.get("speed", own)
-        pics["motion_way"] = link.get("way", max(own // 10, 100))
+        t.setup.took = t.now() - begin
+        way = link.get("way", max(own // 10, 100))
+        pics["motion_way"] = way
+        pics["motion_speed"] = link.get("speed", min(own, slow_enough(way, t.setup.took)))
+        pics["way_stated"] = "way" in link
 
     return NodeSession(opened, look, (*OBJECTS, *MODES, "may_power", "homing_moves"))
