@@ -26,6 +26,7 @@ from gateway.conformance.peers.canopen301_frames import (
 from gateway.conformance.peers.canopen301_parts import (
     KeepsUnsaved,
     Late,
+    LosesStored,
     NoBootAtPower,
     always_operational,
     always_valid,
@@ -50,6 +51,7 @@ from gateway.conformance.peers.canopen301_parts import (
     number_ignored,
     reports_once,
     restores_at_once,
+    restores_nothing,
     rpdo_at_once,
     served_when_stopped,
     sets_too,
@@ -108,6 +110,13 @@ from protocols.canopen import lss, sdo
 from protocols.canopen.sdo import Abort
 
 LINK: dict[str, object] = {"node": NODE}
+
+
+def _sub_for_index(data: bytes) -> bytes:
+    missing = int(Abort.NO_OBJECT).to_bytes(4, "little")
+    return data[:4] + int(Abort.NO_SUB).to_bytes(4, "little") if data[0] == 0x80 and data[4:] == missing else data
+
+
 Row = tuple[str, str, tuple[str, ...], Callable[[], object]]
 
 
@@ -117,6 +126,7 @@ def _row(name: str, what: str, expects: str, tune: Tune | None = None, says: Say
 
 MUTANT_ROWS: tuple[Row, ...] = (
     ("keeps-unsaved", "keeps what was not stored over a power failure", ("CO301_SUP_RC_02",), KeepsUnsaved),
+    ("loses-stored", "loses what was stored over a power failure", ("CO301_SUP_RC_03",), LosesStored),
     ("no-boot-at-power", "no boot-up message after a power failure", ("CO301_SUP_RC_01",), NoBootAtPower),
     _row("silent", "answers no SDO", "SDO_BV_01", says=answers(lambda data: None)),
     _row(
@@ -305,6 +315,8 @@ MUTANT_ROWS: tuple[Row, ...] = (
     _row("any-sync", "SYNC of any length", "PDO_BI_10", hears=on(cobid.SYNC, lambda drive, frame: [frame._replace(data=b"")])),
     _row("no-store", "save is acknowledged, nothing is kept", "STO_BV_01", no_store),
     _row("restores-at-once", "load acts at once", "STO_BV_02", restores_at_once),
+    _row("restores-nothing", "load is acknowledged, nothing is restored", "STO_BV_02", restores_nothing),
+    _row("sub-for-index", "a missing index is refused as a missing sub-index", "DIC_BI_01 DIC_BI_06", says=answers(_sub_for_index)),
     _row("any-save", "1010h takes any signature", "STO_BI_01", any_signature(0x1010)),
     _row("any-load", "1011h takes any signature", "STO_BI_02", any_signature(0x1011)),
     _row(

@@ -62,6 +62,11 @@ def no_store(drive: Drive) -> None:
             drive.node.objects.checks[entry.key] = lambda value: OK if value == 0x65766173 else Abort.NO_STORE
 
 
+def restores_nothing(drive: Drive) -> None:
+    """Load is acknowledged, what was stored stays."""
+    drive.node.objects.checks[0x1011, 1] = lambda value: OK if value == 0x64616F6C else Abort.NO_STORE
+
+
 def restores_at_once(drive: Drive) -> None:
     objects = drive.node.objects
 
@@ -271,6 +276,15 @@ class KeepsUnsaved(Drive):
         super().power(on, now)
         if on:
             objects.values[0x1017, 0] = before
+
+
+class LosesStored(Drive):
+    """What was stored is lost with the supply."""
+
+    def power(self, on: bool, now: Ns) -> None:
+        if not on:
+            self.node.objects.stored.clear()
+        super().power(on, now)
 
 
 class NoBootAtPower(Drive):

@@ -234,7 +234,7 @@ ROWS: tuple[Row, ...] = (
     _row("switch-on-anywhere", "switch on acts in switch on disabled", "PWR_BI_01", _jumps(S.DISABLED, 7, S.ON)),
     _row("enable-anywhere", "enable operation acts in switch on disabled", "PWR_BI_02", _jumps(S.DISABLED, 15, S.READY)),
     _row("reset-disables", "a fault reset leads out of ready", "PWR_BI_03", _jumps(S.READY, 0x86, S.DISABLED)),
-    _row("reset-disables-on", "a fault reset leads out of switched on", "PWR_BI_04", _jumps(S.ON, 0x80, S.READY)),
+    _row("reset-disables-on", "a fault reset leads out of switched on", "PWR_BI_04", _jumps(S.ON, 0x87, S.READY)),
     _row("quick-stop-leaves", "605Ah = 6 acts like 2", "PWR_BV_14 PWR_BV_15", _as(od.QUICK_STOP_OPTION, 6, 2)),
     _row("no-way-back", "no transition 16", "PWR_BV_14", _deaf_in(S.QUICK_STOP, 15)),
     _row("no-way-out", "no transition 12", "PWR_BV_15", _deaf_in(S.QUICK_STOP, 0)),

@@ -6,7 +6,7 @@ SCORES: dict[str, tuple[int, int]] = {
     "modbus-tcp": (82, 82),
     "modbus-rtu": (76, 76),
     "cia402": (86, 86),
-    "canopen-301": (123, 123),
+    "canopen-301": (126, 126),
     "servodyn": (59, 59),
     "interop": (51, 51),
 }

@@ -110,7 +110,7 @@ def highest(t: NodeTester) -> None:
 def no_index(t: NodeTester) -> None:
     known = t.setup.dictionary.heads if t.setup.dictionary is not None else {}
     index = next((index for index in NO_INDEX if index not in known), NO_INDEX[0])
-    t.refused(sdo.initiate(Request.INITIATE_UPLOAD, (index, 0)), (Abort.NO_OBJECT,), f"{index:04X}h", (Abort.NO_SUB, Abort.GENERAL))
+    t.refused(sdo.initiate(Request.INITIATE_UPLOAD, (index, 0)), (Abort.NO_OBJECT,), f"{index:04X}h", (Abort.GENERAL,))
 
 
 @DIC.case("BI_02", "a sub-index that is not there: 06090011h", "ein fehlender Sub-Index: 06090011h", clause="CiA 301, table 22")
@@ -178,7 +178,7 @@ def beyond(t: NodeTester) -> None:
 )
 def write_to_nothing(t: NodeTester) -> None:
     request = sdo.expedited(Request.INITIATE_DOWNLOAD, (NO_INDEX[0], 0), b"\x01")
-    t.refused(request, (Abort.NO_OBJECT,), f"a write to {NO_INDEX[0]:04X}h", (Abort.NO_SUB, Abort.ACCESS, Abort.GENERAL))
+    t.refused(request, (Abort.NO_OBJECT,), f"a write to {NO_INDEX[0]:04X}h", (Abort.ACCESS, Abort.GENERAL))
 
 
 @DIC.case("CA_01", "1008h, 1009h and 100Ah, where they are, are texts", "1008h, 1009h und 100Ah sind, wo es sie gibt, Texte")

@@ -242,13 +242,19 @@ class Target:
         self.key: Key = (self._chosen.index, self._chosen.sub)
         self.mask = (1 << self._chosen.bits) - 1
 
-    def data(self, value: int) -> bytes:
-        """The chosen object gets the value, all others 0."""
+    def data(self, value: int, others: int = 0) -> bytes:
+        """The chosen object gets the value, all others 0 or another one; the controlword stays 0."""
         total = place = 0
         for part in self._parts:
-            total |= ((value & self.mask) if part is self._chosen else 0) << place
+            given = value if part is self._chosen else others
+            total |= (given & ((1 << part.bits) - 1) if (part.index, part.sub) != CONTROL else 0) << place
             place += part.bits
         return total.to_bytes((place + 7) // 8, "little")
+
+    def others(self, t: NodeTester) -> dict[Key, bytes]:
+        """What the other objects of the RPDO hold."""
+        keys = [(part.index, part.sub) for part in self._parts if part is not self._chosen]
+        return {key: t.upload(key) for key in keys if key != CONTROL}
 
     def holds(self, t: NodeTester, value: int, what: str) -> None:
         got = t.number(self.key) & self.mask
@@ -324,9 +330,14 @@ def last_one(t: NodeTester) -> None:
 )
 def too_short(t: NodeTester) -> None:
     with reception(t, 255) as target:
-        t.say(target.identifier, target.data(0x33)[:-1])
+        with t.given():
+            before = target.others(t)
+        t.say(target.identifier, target.data(0x33, 0x35)[:-1])
         frame = t.hear((t.emcy,), ms(50))
         target.holds(t, 0, "an RPDO that lacks a byte")
+        for key, held in target.others(t).items():
+            if held != before[key]:
+                raise Fail(f"{key[0]:04X}h:{key[1]:02X} was written by an RPDO that lacks a byte", hexed(before[key]), hexed(held))
         if frame is None:
             raise Warn("an RPDO that is too short is not reported", "EMCY 8210h", "nothing")
         if len(frame.data) != 8 or decode(frame.data).code != 0x8210:

@@ -3,6 +3,7 @@
 from gateway.conformance.framework.base import hexed
 from gateway.conformance.suites.can.node import HEARTBEAT, NodeTester
 from gateway.conformance.suites.can.tester import shown
+from gateway.conformance.suites.canopen301.keep import SAVE, STORES, defaults
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, Warn
 from protocols.base.machine import ms
@@ -57,3 +58,24 @@ def forgets(t: NodeTester) -> None:
     if int.from_bytes(got, "little") == ODD:
         t.download(HEARTBEAT, int.from_bytes(before, "little"), len(before))
         raise Fail(f"1017h is still {ODD} after power-off, without 1010h", hexed(before), hexed(got))
+
+
+@SUP.case(
+    "RC_03",
+    "a value that was stored (1010h) survives the supply",
+    "ein gespeicherter Wert (1010h) übersteht den Ausfall der Versorgung",
+    clause="CiA 301, 7.5.2.13",
+    condition=("heartbeat", *STORES),
+    preamble=("CO301_SDO_BV_01", "CO301_STO_BV_01"),
+)
+def remembers(t: NodeTester) -> None:
+    with defaults(t):
+        with t.given():
+            t.download(HEARTBEAT, ODD, 2)
+            t.download((0x1010, 1), SAVE, 4)
+        t.power.cycle()
+        if t.boot_up(max(t.setup.boot, t.power.back)) is None:
+            t.remark("no boot-up message was heard after power-on")
+        t.ready()
+        if (got := t.number(HEARTBEAT)) != ODD:
+            raise Fail(f"1017h is {got} after 1010h and power-off", f"{ODD}, as stored", str(got))

@@ -186,6 +186,12 @@ class BoosterTester(CanTester):
             raise Fail(ended.reason, ended.expected, ended.got) from ended
 
 
+def answer_words(answer: Answer) -> str:
+    """The answer to a parameter for a reader."""
+    status = f"status {int(answer.status)} ({answer.status.name})"
+    return f"parameter {answer.number}: {status}, value {answer.value}, sequence {answer.sequence}"
+
+
 def words(found: ActualValue | None) -> str:
     """An actual value for a reader."""
     if found is None:

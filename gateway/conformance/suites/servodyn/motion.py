@@ -1,6 +1,6 @@
 """SERVODYN: set positions are followed, latched and held; parameters over the bus (AX-083, AX-266)."""
 
-from gateway.conformance.suites.servodyn.booster import BoosterTester, words
+from gateway.conformance.suites.servodyn.booster import BoosterTester, answer_words, words
 from gateway.conformance.suites.servodyn.cycle import BASIC, REST
 from gateway.conformance.suites.servodyn.power import CONTROL, ON
 from gateway.pure.conformance.purpose import Purposes
@@ -151,14 +151,16 @@ def taken(t: BoosterTester) -> None:
     for value in (USUAL / 2, USUAL):
         answer = t.ask(POSITION_GAIN, value)
         if answer.status is not Status.TAKEN or answer.value != value:
-            raise Fail(f"parameter {POSITION_GAIN} = {value}: {answer.status.name}, {answer.value}", f"TAKEN, {value}", repr(tuple(answer)))
+            raise Fail(
+                f"parameter {POSITION_GAIN} = {value}: {answer.status.name}, {answer.value}", f"TAKEN, {value}", answer_words(answer)
+            )
 
 
 @PAR.case("BI_01", "an unknown parameter has status 1", "ein unbekannter Parameter hat Status 1")
 def unknown(t: BoosterTester) -> None:
     answer = t.ask(UNKNOWN_NUMBER, 0)
     if answer.status is not Status.UNKNOWN:
-        raise Fail(f"parameter {UNKNOWN_NUMBER}: {answer.status.name}", "UNKNOWN (1)", repr(tuple(answer)))
+        raise Fail(f"parameter {UNKNOWN_NUMBER}: {answer.status.name}", "UNKNOWN (1)", answer_words(answer))
 
 
 @PAR.case(
@@ -172,7 +174,7 @@ def out_of_range(t: BoosterTester) -> None:
         t.ask(POSITION_GAIN, USUAL)
     answer = t.ask(POSITION_GAIN, 1e30)
     if answer.status is not Status.RANGE or answer.value != USUAL:
-        raise Fail(f"parameter {POSITION_GAIN} = 1e30: {answer.status.name}, {answer.value}", f"RANGE (2), {USUAL}", repr(tuple(answer)))
+        raise Fail(f"parameter {POSITION_GAIN} = 1e30: {answer.status.name}, {answer.value}", f"RANGE (2), {USUAL}", answer_words(answer))
 
 
 @PAR.case(
@@ -190,4 +192,4 @@ def with_power(t: BoosterTester) -> None:
         answer = t.ask(POSITION_GAIN, USUAL / 2)
         t.say_set()
         if answer.status is not Status.DRIVES_ON or answer.value != USUAL:
-            raise Fail(f"with power on: {answer.status.name}, {answer.value}", f"DRIVES_ON (3), {USUAL}", repr(tuple(answer)))
+            raise Fail(f"with power on: {answer.status.name}, {answer.value}", f"DRIVES_ON (3), {USUAL}", answer_words(answer))
