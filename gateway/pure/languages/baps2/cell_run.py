@@ -27,6 +27,7 @@ from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, St
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.baps2.working_range import check_range, range_keys
+from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
 from gateway.pure.languages.base.path import Paths, Stretch
 from gateway.pure.languages.base.process import Process, ProcessState
@@ -230,12 +231,20 @@ class CellRun(Control):
             self.devices[PANEL].pieces.append(bytearray(str(order["text"]).encode("latin-1", "replace")))
             self.pendant.reading = SAID_ANEW
             return
+        if order["do"] == "points":
+            file = str(order["file"])
+            self.pendant.files.points(file, self.memory.points(file.removesuffix(".PKT"), Faults()), select=False)
+            return
         answer = self.test.hear(order, now)
         if answer is not None:
             if "ticket" in order:
                 self.test.answers.append((now, int(order["ticket"]), answer))
         elif not self.pendant.eeprom.hear(order) and self.pic is not None:
             self.pic.hear(order)
+
+    def point_selected(self, program: str, point: str, points: Mapping[str, tuple[float, ...]]) -> None:
+        """Special function 16: the pendant offers this file, and this point first."""
+        self.pendant.files.points(f"{program}.PKT", points, point, select=True)
 
     @property
     def test(self) -> CellDebugger:

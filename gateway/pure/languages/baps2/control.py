@@ -3,6 +3,7 @@ the business of the one who derives from it: a dry run (AX-696) or a cell.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 
 from gateway.pure.languages.baps2 import demands, forms
 from gateway.pure.languages.baps2.errors import fault
@@ -264,6 +265,10 @@ class Control(ABC):
                 self._points[program] = self.memory.points(program, Faults())
             found = self._points[program].get(name)
         return found
+
+    def point_selected(self, program: str, point: str, points: Mapping[str, tuple[float, ...]]) -> None:
+        """A dry run has no pendant."""
+        return
 
     def keep(self, program: str, name: str, value: tuple[float, ...]) -> None:
         """A teach point was assigned to: it stays when the program ends, and is kept in the point file."""

@@ -1,5 +1,6 @@
 """The machine as its parts see it: programs, processes, kinematics, devices, files."""
 
+from collections.abc import Mapping
 from typing import Protocol
 
 from gateway.pure.languages.baps2.demands import Condition, MoveTo
@@ -83,6 +84,9 @@ class Machine(Protocol):
 
     def joints(self, kinematic: str, world: tuple[float, ...]) -> tuple[float, ...]:
         """Joints of world coordinates."""
+
+    def point_selected(self, program: str, point: str, points: Mapping[str, tuple[float, ...]]) -> None:
+        """Special function 16 has chosen a point file, and a point of it ("": the first one), for the pendant."""
 
     def keep(self, program: str, name: str, value: tuple[float, ...]) -> None:
         """A teach point was assigned to: it stays when the program ends."""

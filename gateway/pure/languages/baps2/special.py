@@ -312,6 +312,8 @@ class Specials:
         else:
             points = self._machine.memory.points(base, Faults())
             code = 5 if not points else 0 if wanted in ("", *points) else _no_point(wanted, points)
+            if code == 0:
+                self._machine.point_selected(base, wanted, points)
         _set(values[2], code)
 
     def _move_file(self, task: Task, values: tuple[object, ...]) -> object:

@@ -99,3 +99,59 @@ def test_levels_and_keys_without_effect() -> None:
     shift = INDEX[31]
     assert table.load(table_with(**{f"at{shift}": 0x0A}))
     assert table.named("K32") == "ENTER" and table.named("SHIFT+K1") is None and table.named("ALT+K1") == "_"
+
+
+SPCF16 = """SPC_FCT : 16 = PNT_SELECT (TEXT : PNT_FNAM TEXT : PNT_PNAM INT : RET_CODE)
+TEXT : PNTFNAM, PNTPNAM
+INT : RET
+OUTPUT : 401 = CODE"""
+POINTS = "HOME = (0, 0, 100, 0)\nSTARTPOS = (10, 20.5, 30, 45)\nROW[1] = (1, 1, 1, 1)\n"
+
+
+def selecting(file: str, point: str) -> ProgramCell:
+    body = f"PNTFNAM = '{file}'\nPNTPNAM = '{point}'\nRET = 99\nPNT_SELECT (PNTFNAM, PNTPNAM, RET)\nCODE = RET"
+    cell = ProgramCell(one(body, SPCF16) | {"TEST.PKT": POINTS, "EMPTY.PKT": ""})
+    cell.bench.run(0.5)
+    assert cell.run("P")[:2] == ("ended", 0)
+    cell.bench.run(0.3)
+    return cell
+
+
+def pressed(cell: ProgramCell, *keys: str) -> list[str]:
+    """What stands on the pendant after these keys."""
+    panel = Rho3Panel(cell.control, cell.bench.office)
+    for key in keys:
+        panel.answer({"key": key}, 1, cell.bench.now)
+        cell.bench.run(0.1)
+    cell.bench.run(0.3)
+    return [line.rstrip() for line in cell.control.functions.display.screen()]
+
+
+DEFINE = ("MODE", "0", ".", "4", ".", "1", "ENTER")
+
+
+@pytest.mark.requirement("RHO-PHG-16", by="gateway.pure.languages.baps2.special:Specials._select")
+@pytest.mark.parametrize(
+    ("file", "point", "code"),
+    [("TEST.PKT", "STARTPOS", 0), ("TEST.PKT", " ", 0), ("NONE.PKT", "STARTPOS", 3), ("TEST.DAT", "STARTPOS", 2), ("1.PKT", "X", 1)]
+    + [("EMPTY.PKT", " ", 5), ("TEST.PKT", "NOWHERE", 12), ("TEST.PKT", "ROW[2]", 13), ("TEST.PKT", "ROW[1]", 0), ("TEST.PKT", "1X", 11)],
+)
+def test_special_function_16_says_what_is_wrong_with_a_selection(file: str, point: str, code: int) -> None:
+    cell = selecting(file, point)
+    assert cell.control.value("rho3.integer.output.401") == code
+    assert (cell.control.memory.selected is not None) == (code == 0)
+
+
+@pytest.mark.requirement("RHO-PHG-16", by="gateway.pure.controllers.rho3.pendant.user_memory:UserMemory.enter")
+def test_mode_4_1_opens_the_selected_file_at_its_point_and_the_selection_is_used_up() -> None:
+    cell = selecting("TEST.PKT", "STARTPOS")
+    assert pressed(cell, *DEFINE)[:3] == ["4.1 TEST.PKT", "STARTPOS", "ROW[1]"]
+    assert pressed(cell, "ENTER")[2] == "10 20.5 30 45", "its components"
+    assert pressed(cell, "LEFT", *DEFINE)[:3] == ["4.1 Define", "EMPTY.PKT", "TEST.PKT"], "it was for one selection"
+    assert pressed(cell, "DOWN", "ENTER")[:3] == ["4.1 TEST.PKT", "HOME", "STARTPOS"], "opened by the operator"
+
+
+def test_an_empty_name_selects_the_first_point_and_a_mode_without_points_leaves_the_selection_alone() -> None:
+    cell = selecting("TEST.PKT", " ")
+    assert pressed(cell, "MODE", "0", ".", "7", ".", "1", "ENTER")[0].startswith("7.1")
+    assert pressed(cell, *DEFINE)[:2] == ["4.1 TEST.PKT", "HOME"]

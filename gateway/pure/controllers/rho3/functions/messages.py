@@ -36,6 +36,7 @@ _TEXTS: dict[str, tuple[str, str]] = {
     "phg_no_board": ("no board with them", "keine Karte damit"),
     "phg_no_process": ("no process", "kein Prozess"),
     "phg_no_program": ("no program", "kein Programm"),
+    "phg_no_points": ("no point file", "keine Punktdatei"),
     "phg_not_here": ("no function here", "hier ohne Funktion"),
     "phg_done": ("done", "ausgefuehrt"),
     "phg_execute": ("execute with: ENTER", "ausfuehren mit ENTER"),

@@ -9,6 +9,7 @@ from gateway.pure.controllers.rho3.functions.messages import say
 from gateway.pure.controllers.rho3.functions.processes import ProcessFault, ProcessTable
 from gateway.pure.controllers.rho3.pendant.infos import Condition
 from gateway.pure.controllers.rho3.pendant.modes import MODES, RESET, Mode, spoken
+from gateway.pure.controllers.rho3.pendant.user_memory import PointFile
 from gateway.pure.image.records.interpreter import Fact
 from motion.program.factors import Factors
 
@@ -55,6 +56,18 @@ class Source(Protocol):
 
     def memory_outcome(self, what: str) -> str | None:
         """What became of it; None: under way, or not ordered."""
+
+    def entered(self, mode: Mode) -> int:
+        """A mode is selected; the row it begins with."""
+
+    def point_files(self) -> Sequence[str]:
+        """Names of the PKT files of the user memory."""
+
+    def point_file(self) -> PointFile | None:
+        """The one that modes 4.1 and 4.2 show."""
+
+    def open_points(self, file: str) -> str:
+        """It is to be shown; why it is not."""
 
     def movement(self) -> bool:
         """Whether tests move."""
@@ -106,7 +119,7 @@ def page_of(mode: Mode, source: Source, language: str) -> Page:
         case (7, 3, 3):
             words = (say("phg_manual", language), say("phg_automatic", language))
             return Page(title, tuple(f"Kin. {n}: {words[auto]}" for n, auto in enumerate(source.automatic(), 1)))
-        case (5, 9) | (5, 10) | (9, 6) | (9, 7) | (10, 1) | (10, 2):
+        case (4, 1) | (4, 2) | (5, 9) | (5, 10) | (9, 6) | (9, 7) | (10, 1) | (10, 2):
             return ORDERING[mode](title, mode, source, language)
     below = tuple(f"{each[-1]} {name}" for each, name in MODES.items() if each[:-1] == mode)
     return Page(title, below or (say("phg_not_here", language),))
@@ -174,6 +187,18 @@ def _tested(title: str, mode: Mode, source: Source, language: str) -> Page:
     return Page(title, rows or (say("phg_no_process", language),), step)
 
 
+def _points(title: str, mode: Mode, source: Source, language: str) -> Page:
+    """4.1, 4.2: ENTER opens a file, and shows the components of a point."""
+    shown, files = source.point_file(), source.point_files()
+    if shown is not None:
+        points = shown.points
+        head = f"{spoken(mode)} {shown.name}"
+        return Page(head, tuple(name for name, _ in points), lambda row: points[row % len(points)][1] if points else "")
+    return Page(
+        title, tuple(files) or (say("phg_no_points", language),), lambda row: source.open_points(files[row % len(files)]) if files else ""
+    )
+
+
 def _factor(title: str, which: str, source: Source, language: str) -> Page:
     """V, A, D: 1.0 is 100 % (L2671-2681)."""
 
@@ -191,5 +216,5 @@ def _factor(title: str, which: str, source: Source, language: str) -> Page:
 
 
 ORDERING: dict[Mode, Callable[[str, Mode, Source, str], Page]] = {
-    (5, 9): _tested, (5, 10): _tested, (9, 6): _eeprom, (9, 7): _eeprom, (10, 1): _start, (10, 2): _stop,
+    (4, 1): _points, (4, 2): _points, (5, 9): _tested, (5, 10): _tested, (9, 6): _eeprom, (9, 7): _eeprom, (10, 1): _start, (10, 2): _stop,
 }  # fmt: skip

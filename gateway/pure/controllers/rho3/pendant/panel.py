@@ -31,6 +31,7 @@ class Panel:
         self._entry: str | None = None
         self._value = False  # the entry is a number for the page, not a mode
         self._top = 0
+        self._title = ""  # of the page as drawn last in this mode
         self._info: list[str] = []
         self._info_top = 0
         self._mode = ""
@@ -87,7 +88,8 @@ class Panel:
 
     def _enter(self) -> None:
         self._mode = self._selection.mode
-        self._entry, self._value, self._top, self._message = None, False, 0, ""
+        self._entry, self._value, self._message = None, False, ""
+        self._top, self._title = self._source.entered(self.level), ""
         self._drawn = -REFRESH  # at once
         self._close_info()
 
@@ -165,6 +167,9 @@ class Panel:
             return
         page = page_of(self.level, self._source, self._language)
         rows = page.rows
+        if self._title not in ("", page.title):
+            self._top = 0  # another list in the same mode
+        self._title = page.title
         top = self._top % len(rows) if rows else 0
         shown = ([*rows[top:], *rows[:top]] + ["", ""])[:2]
         if self._message:

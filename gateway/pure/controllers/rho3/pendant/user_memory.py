@@ -14,6 +14,15 @@ SIZES = {"rho3.0": 128 * 1024, "rho3.1": 96 * 1024, "rho3.2": 96 * 1024}  # of t
 MOST_LINES, LISTS = 999, 256
 
 
+@dataclass(frozen=True, slots=True)
+class PointFile:
+    """Points of a PKT file as modes 4.1 and 4.2 offer them: name and components of each; top: the one that is offered first."""
+
+    name: str
+    points: tuple[tuple[str, str], ...] = ()
+    top: int = 0
+
+
 @dataclass(slots=True)
 class UserMemory:
     """Its mirror in the services."""
@@ -22,7 +31,10 @@ class UserMemory:
     lists: dict[int, list[str]] = field(default_factory=dict)  # number of VTLnnn.DAT -> its lines
     keys: KeyTable = field(default_factory=KeyTable)
     ordered: tuple[str, int] = ("", 0)  # of mode 9.6 or 9.7: save or load, ticket
+    selected: PointFile | None = None  # by special function 16, for the next selection of a mode (L10776-10833)
+    opened: PointFile | None = None  # in the mode that is selected
     _coming: list[FileEntry] = field(default_factory=list)
+    _points: list[tuple[str, str]] = field(default_factory=list)
 
     def hear(self, said: Mapping[str, Fact]) -> None:
         """One piece."""
@@ -40,5 +52,27 @@ class UserMemory:
                 lines += rows[: int(said["of"]) - len(lines)]
             case "no list":
                 self.lists.pop(int(said["number"]), None)
+            case "points":
+                self._hear_points(said, rows)
             case "keys":
                 self.keys.load(bytes.fromhex(str(said["text"])))
+
+    def _hear_points(self, said: Mapping[str, Fact], rows: list[str]) -> None:
+        """A point file: of special function 16, or as the operator has chosen it."""
+        if said["first"] == 0:
+            self._points.clear()
+        self._points += [(name, values) for name, _, values in (row.partition(" ") for row in rows)]
+        if len(self._points) < int(said["of"]):
+            return
+        names = [name for name, _ in self._points]
+        top = names.index(str(said["point"])) if said["point"] in names else 0
+        found = PointFile(str(said["file"]), tuple(self._points), top)
+        if said["select"]:
+            self.selected = found
+        else:
+            self.opened = found
+
+    def enter(self, *, points: bool) -> int:
+        """A mode is selected; points: it offers point files.  The row it begins with; a selection is used up by it."""
+        self.opened, self.selected = (self.selected, None) if points else (None, self.selected)
+        return self.opened.top if self.opened is not None else 0

@@ -4,6 +4,8 @@ from collections.abc import Collection, Sequence
 
 from gateway.pure.controllers.rho3.functions.processes import ProcessTable
 from gateway.pure.controllers.rho3.pendant.infos import Condition, conditions_of
+from gateway.pure.controllers.rho3.pendant.modes import Mode
+from gateway.pure.controllers.rho3.pendant.user_memory import PointFile
 from gateway.pure.controllers.rho3.signals.codes import code_text
 from gateway.pure.controllers.rho3.signals.control_state import ControlState
 from gateway.pure.controllers.rho3.signals.errors import RHO3
@@ -12,6 +14,7 @@ from gateway.pure.image.records.interpreter import Fact
 from motion.program.factors import Factors
 
 TEST_MN = "TEST_MN_RCI"
+POINT_MODES: tuple[Mode, ...] = ((4, 1), (4, 2))
 
 
 class PanelView:
@@ -76,6 +79,21 @@ class PanelView:
         control = self._control
         ordered, ticket = control.memory.ordered
         return control.hosted.answers.get(ticket) if control.hosted is not None and ordered == what else None
+
+    def entered(self, mode: Mode) -> int:
+        return self._control.memory.enter(points=mode in POINT_MODES)
+
+    def point_files(self) -> Sequence[str]:
+        return [each.name for each in self._control.memory.files if each.name.endswith(".PKT")]
+
+    def point_file(self) -> PointFile | None:
+        return self._control.memory.opened
+
+    def open_points(self, file: str) -> str:
+        if self._control.hosted is None:
+            return "Option not found"
+        self._control.hosted.order("points", file=file)
+        return ""
 
     def movement(self) -> bool:
         """Whether tests move."""

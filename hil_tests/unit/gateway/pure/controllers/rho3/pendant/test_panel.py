@@ -11,7 +11,9 @@ from gateway.pure.controllers.rho3.functions.phg_selection import PhgSelection
 from gateway.pure.controllers.rho3.functions.processes import ALREADY_EXISTS, Process, ProcessFault, ProcessTable, Program, Turn
 from gateway.pure.controllers.rho3.functions.status_display import StatusDisplay
 from gateway.pure.controllers.rho3.pendant.infos import Condition
+from gateway.pure.controllers.rho3.pendant.modes import Mode
 from gateway.pure.controllers.rho3.pendant.panel import Panel
+from gateway.pure.controllers.rho3.pendant.user_memory import PointFile
 from motion.program.factors import FULL, Factors
 from protocols.base.machine import ms
 
@@ -56,6 +58,18 @@ class Control:
 
     def memory_outcome(self, what: str) -> str | None:
         return None
+
+    def entered(self, mode: Mode) -> int:
+        return 0
+
+    def point_files(self) -> Sequence[str]:
+        return []
+
+    def point_file(self) -> PointFile | None:
+        return None
+
+    def open_points(self, file: str) -> str:
+        return ""
 
     def movement(self) -> bool:
         return True
