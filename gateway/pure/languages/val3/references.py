@@ -94,6 +94,41 @@ def check_references(app: Application, faults: Faults) -> None:
             if why := _wrong(app, inner, text):
                 faults.warning("val3-reference", Position(declared.file, line), f"'{declared.name}' : fatherId {text!r}: {why}")
 
+    fathers = _fathers(app)
+    for place, (_, line) in fathers.items():
+        if _in_ring(fathers, place):
+            name, key = place
+            text = f"'{name}' : {name}[{key}] hangs on itself; using it is error 165"
+            faults.warning("val3-reference", Position(app.data[name].file, line), text)
+
+
+Named = tuple[str, str]  # name and index
+
+
+def _fathers(app: Application) -> dict[Named, tuple[Named, int]]:
+    """Frames and tools of the application that hang on others of it; line of each."""
+    found: dict[Named, tuple[Named, int]] = {}
+    for declared in app.data.values():
+        if declared.type not in ("frame", "tool") or declared.name in ("world", "flange"):
+            continue
+        for value in declared.values:
+            reference = reference_of(value.attributes.get("fatherId", ""))
+            if reference is not None and not reference.library:
+                found[declared.name, value.key] = (reference.name, reference.index or "0"), value.line
+    return found
+
+
+def _in_ring(fathers: Mapping[Named, tuple[Named, int]], place: Named) -> bool:
+    """Whether the way up leads back to it."""
+    here = place
+    for _ in fathers:
+        if here not in fathers:
+            return False
+        here, _line = fathers[here]
+        if here == place:
+            return True
+    return False
+
 
 def _given(declared: Declaration) -> Iterator[tuple[Declaration, str, int]]:
     for inner in declarations(declared):

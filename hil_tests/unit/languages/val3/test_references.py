@@ -102,3 +102,17 @@ def test_what_is_saved_hangs_on_the_same_data() -> None:
     assert own is not None
     point, frame = element(own.data["pGrid"], "0"), element(own.data["fGrid"], "1,0")
     assert isinstance(point, PointV) and point.father is frame is not None
+
+
+def test_frames_that_hang_on_each_other_are_named_at_load() -> None:
+    ring = "\n".join(value(str(at), fatherId=father) for at, father in enumerate(("f[1]", "g[0]", "f[0]")))
+    data = (
+        datum("f", "frame", "3", ring) + datum("g", "frame", values=value(fatherId="f")) + datum("t", "tool", values=value(fatherId="t[0]"))
+    )
+    data += datum("flange", "tool", values=value(fatherId="flange[0]")) + datum("n", "num")
+    app = App(data=data, programs={"start": "n=1\nn=position(f[0],world).x"})
+    faults = check(app)
+    rings = [f"'{name}' : {name}[{key}] hangs on itself; using it is error 165" for name, key in (("f", 0), ("f", 1), ("g", 0), ("t", 0))]
+    assert [fault.text for fault in faults] == rings and faults.errors == 0, "f[2] hangs on a ring, and is not in it"
+    result: Any = run(app)
+    assert (result["globals"]["n"], result["tasks"]["demo~"]["status"]) == (1, 165)
