@@ -14,6 +14,7 @@ from gateway.pure.languages.val3.expressions import Translator
 from gateway.pure.languages.val3.model import Application, Parameter, ProgramText
 from gateway.pure.languages.val3.scope import Scope, Value, slots_of
 from gateway.pure.languages.val3.syntax import Assign, CompileFault, Expressions, Invoke, Node, Number
+from gateway.pure.languages.val3.typing_rules import EQUAL
 
 CALL, WAIT, END = -2, -3, -1
 TARGET = re.compile(r"@(\d+)@")
@@ -316,6 +317,8 @@ class ProgramTranslator:
         node = parser.expression()
         value = translator.value(node)
         value = translator.need(value, "bool" if value.type == "dio" else value.type)
+        if value.type not in EQUAL:  # cases are compared with == (L826)
+            raise translator.fault(node, "invalid type")
         slot = self._temp()
         block = self._open("switch", parser.tokens[0].start + 1)
         block.step = f"{slot} {value.type}"
@@ -336,7 +339,8 @@ class ProgramTranslator:
         self._place(block.again)
         tests, waits = [], False
         while True:
-            value = translator.of(parser.expression(), kind)
+            node = parser.expression()
+            value = translator.of(node, kind) if kind else translator.value(node)  # no kind: the line of the switch has a fault
             waits = waits or value.waits
             tests.append(f"equal(v[{slot}], {value.code})")
             if not parser.meets(","):

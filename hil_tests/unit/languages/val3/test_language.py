@@ -314,6 +314,15 @@ def test_compile_errors_in_the_words_of_the_controller(code: str, text: str) -> 
     assert [each for _, each in faults] == [text]
 
 
+def test_a_switch_needs_a_type_that_can_be_compared() -> None:
+    code = "switch {}\ncase {}\nbreak\ncase 1,2\nbreak\nendSwitch"
+    data = NUMS + datum("ai", "aio", values=value(link="x")) + datum("si", "sio", values=value(link="y")) + datum("f", "frame")
+    for name in ("ai", "si"):
+        assert faults_of(code.format(name, name), data) == [(2, f"'{name}' : invalid type")]
+    assert faults_of(code.format("nope", "n"), data) == [(2, "'nope' : data expected")], "one fault is one fault"
+    assert faults_of("switch f\ncase f\nbreak\nendSwitch", data) == []
+
+
 def test_an_open_block_is_named_with_its_line() -> None:
     assert faults_of("if true\nfor n=1 to 2\n", NUMS) == [(2, "endIf expected"), (3, "endFor does not match for")]
 
