@@ -65,6 +65,22 @@ def happen(machine: Machine, own: Instance, event: Event) -> None:
         put(machine, own, event)
 
 
+def check_names(own: Instance, events: Iterable[Event]) -> None:
+    """EventFault for a name that nothing has, also of an event behind the end of the run."""
+    for event in events:
+        kind, _, name = event.what.partition(".")
+        if not (kind in PLANT and name) and event.what not in OPERATOR:
+            _known(own, event)
+
+
+def _known(own: Instance, event: Event) -> None:
+    if event.what.partition(".")[0].partition("[")[0] not in own.data:
+        raise EventFault(
+            f"{event.what}: there is no global of that name; dio., aio., io., sio., page., board., mode, power, speed, estop, hold, "
+            "joints, connect, refresh, ratio, brakes, hibernate, wakeup, profile, answer and app are known, too"
+        )
+
+
 def linked(machine: Machine, own: Instance, name: str) -> str:
     """What a variable of the application is linked to; the name itself where it is that of an input, output or channel."""
     plain, dot, last = name.rpartition(".")
@@ -253,11 +269,7 @@ def page(machine: Machine, name: str, event: Event) -> None:
 
 def put(machine: Machine, own: Instance, event: Event) -> None:
     """A global: name, name[3], name[key], name.field."""
-    if event.what.partition(".")[0].partition("[")[0] not in own.data:
-        raise EventFault(
-            f"{event.what}: there is no global of that name; dio., aio., io., sio., page., board., mode, power, speed, estop, hold, "
-            "joints, connect, refresh, ratio, brakes, hibernate, wakeup, profile, answer and app are known, too"
-        )
+    _known(own, event)
     try:
         container, place = _place(own, event.what)
         old = places(container)[place]

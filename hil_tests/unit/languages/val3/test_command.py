@@ -46,6 +46,7 @@ def test_run_prints_the_same_bytes_for_the_same_input(tmp_path: pathlib.Path, ca
         (["--at", "1", "dio.go"], "seconds from 0 and WHAT=VALUE"),
         (["--at", "x", "n=1"], "a number of seconds"),
         (["--at", "0", "nothing=1"], "there is no global of that name"),
+        (["--at", "50", "nothing=1"], "there is no global of that name"),
         (["--at", "0", "mode=fast"], "manual, test, local, remote"),
         (["--until", "0"], "seconds above 0"),
         (["--line-us", "0"], "0.001 to 1000000"),
