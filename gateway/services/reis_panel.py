@@ -43,9 +43,13 @@ class ReisPanel:
 
     # ---- one cycle ---------------------------------------------------------------------------------------------------------
     def look(self, now: Ns) -> None:
-        """Before a step of the control: keys that are not held any more, answers of the memory."""
+        """Before a step of the control: keys that are not held any more, a START that was refused, answers of the memory."""
         for key in [key for key, end in self._held.items() if now >= end]:
             self._release(key)
+        programs = self._control.robot.programs
+        if programs is not None and programs.refused:
+            self.phg.says(programs.refused)
+            programs.refused = ""
         while self.memory is not None and (answer := self.memory.take()) is not None:
             if answer.folders:
                 self.phg.listed(answer.folders)

@@ -81,6 +81,7 @@ class ReisPrograms:
     results: dict[int, Outcome] = field(default_factory=dict)
     run: int = 0  # under way
     tool: Structure | None = None  # in force, for the position in M1124
+    refused: str = ""  # why the last START of a key was; the pendant takes it
     looked: tuple[str, Fact | None, str] = ("", None, "")  # a variable: name, value or why there is none
     _runs: int = 0
     _name: str = ""  # of the program that was started last
@@ -280,7 +281,8 @@ class ReisPrograms:
 
     def _wrong_start(self, words: str) -> None:
         if words:
-            self.told.append(f"START is refused: {words}")
+            self.refused = f"START is refused: {words}"
+            self.told.append(self.refused)
 
     def acknowledge(self) -> None:
         """The message is acknowledged."""

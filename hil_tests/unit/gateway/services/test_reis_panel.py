@@ -125,6 +125,16 @@ def test_start_is_held_in_single_step_and_its_release_stops_the_robot(tmp_path: 
     assert operator.cell.hosted.run == 0
 
 
+def test_a_start_that_is_refused_says_why_on_the_display(tmp_path: pathlib.Path) -> None:
+    operator = Operator(tmp_path)
+    operator.shows("P            MPR")
+    operator.keys("DOWN ENTER")
+    operator.shows('MPR "P"')
+    operator.keys("START")
+    assert "START is refused: operating mode HAND" in " ".join(operator.shows().split())
+    assert "START" not in operator.keys("DOWN"), "until the next key"
+
+
 def test_override_modes_and_messages_go_the_way_of_everybody(tmp_path: pathlib.Path) -> None:
     operator = Operator(tmp_path)
     operator.asks(OTHER, key="OV-")
