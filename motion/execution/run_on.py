@@ -14,6 +14,7 @@ class RunOn:
     q: list[float]
     target: list[float]
     step_length: float  # m or rad a cycle; 0: the axes stood
+    override: float = 1.0  # 0 .. 1, at which the speed of the edge was driven
 
     @property
     def arrived(self) -> bool:

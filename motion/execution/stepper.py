@@ -48,6 +48,13 @@ class Goal(Enum):
     SLOW = auto()  # down to a lower speed, from where END is planned
 
 
+class _Tables(NamedTuple):
+    """Of a piece: per segment (axis, coefficients, highest power first); per grid interval the highest sdot legal from there to the end."""
+
+    rows: list[list[tuple[int, tuple[float, ...]]]]
+    floor: tuple[float, ...]
+
+
 class Sample(NamedTuple):
     """Set values for one SYNC."""
 
@@ -76,8 +83,7 @@ class Stepper:
         self._still = (0.0,) * axes
         self._queue: deque[Piece] = deque()
         self._piece: Piece | None = None
-        self._rows: list[list[tuple[int, tuple[float, ...]]]] = []  # per segment: (axis, coefficients, highest power first)
-        self._floor: tuple[float, ...] = ()  # per grid interval: highest sdot that is legal from there to the end
+        self._own = _Tables([], ())  # of the running piece
         self._profile = Profile()
         self._motion = (0.0, 0.0, 0.0)  # s, sdot, sddot
         self._time = 0.0  # s since the present plan began
@@ -91,8 +97,7 @@ class Stepper:
         self._done = 0
         self._follower: Follower | None = None  # of the last chain of timed pieces; kept at its end, for retrace
         self._direction = 1  # of the chain; -1: retrace
-        self._past: RunOn | None = None  # the way past the edge of a probe, and the override it began with
-        self._past_override = 1.0
+        self._past: RunOn | None = None  # the way past the edge of a probe
         if len(self._q) != axes:
             raise MotionError(f"{len(self._q)} positions for {axes} axes")
 
@@ -234,7 +239,7 @@ class Stepper:
         with no ramp at either end (rho 3 L6766-6768).  stop(), and an override of 0, rest at once; a speed of 0 goes nowhere."""
         self._drop()
         if speed > 0.0 and list(target) != list(self._q):
-            self._past, self._past_override = RunOn(list(self._q), list(target), speed * self._period), self._override
+            self._past = RunOn(list(self._q), list(target), speed * self._period, self._override)
             self._state, self._direction = State.RUNNING, 1
 
     def uncommit(self) -> None:
@@ -287,7 +292,7 @@ class Stepper:
             self._drop()
         before, qd = self._q, self._still
         if self._state is RUNNING and self._override > 0.0:
-            share = self._override / self._past_override if self._past_override > 0.0 else 1.0
+            share = self._override / past.override if past.override > 0.0 else 1.0
             self._q = list(past.step(min(share, 1.0)))
             qd = tuple((b - a) / self._period for a, b in zip(before, self._q, strict=True))
             if past.arrived:
@@ -314,19 +319,20 @@ class Stepper:
             self._state = State.IDLE
             return
         piece = self._piece = self._queue.popleft()
-        self._rows = [[(axis, row[::-1]) for axis, row in zip(piece.axes, segment.coefficients, strict=True)] for segment in piece.segments]
+        rows = [[(axis, row[::-1]) for axis, row in zip(piece.axes, segment.coefficients, strict=True)] for segment in piece.segments]
         lowest = list(accumulate(reversed(piece.table), min))[::-1]
-        self._floor = tuple(sqrt(value) for value in lowest[:-1])
+        self._own = _Tables(rows, tuple(sqrt(value) for value in lowest[:-1]))
         self._motion, self._goal, self._stale = (0.0, 0.0, 0.0), Goal.NONE, True
         if piece.length > 0:
             self._profile.configure(piece.length, piece.accel, piece.jerk)
 
     def _legal_speed(self) -> float:
         """sdot limit from here to the end at the present override (a falling minimum: always legal, AX-104)."""
-        if len(self._floor) == 1 or not self._piece or self._piece.length == 0:
-            return self._floor[0] * self._override
-        index = int(self._motion[0] / self._piece.length * len(self._floor))
-        return self._floor[min(index, len(self._floor) - 1)] * self._override
+        floor = self._own.floor
+        if len(floor) == 1 or not self._piece or self._piece.length == 0:
+            return floor[0] * self._override
+        index = int(self._motion[0] / self._piece.length * len(floor))
+        return floor[min(index, len(floor) - 1)] * self._override
 
     def _plan(self, piece: Piece) -> None:
         """A new plan from the present state.  Where none exists (too close to the end to slow down, or rounding) the old
@@ -396,10 +402,11 @@ class Stepper:
         arrived = self._goal is Goal.NONE and piece.length - s <= ARRIVED * piece.length
         if arrived:
             s = piece.length
-        index = piece.segment_at(s) if len(self._rows) > 1 else 0
+        rows = self._own.rows
+        index = piece.segment_at(s) if len(rows) > 1 else 0
         u = s - piece.segments[index - 1].end_s if index else s
         q, qd = self._q, list(self._still)
-        for axis, row in self._rows[index]:
+        for axis, row in rows[index]:
             value = slope = 0.0
             for coefficient in row:
                 slope = slope * u + value
