@@ -11,6 +11,7 @@ Word = Callable[..., str]
 COLOURS = {"PASS": "#1a7f37", "FAIL": "#b3261e", "WARN": "#8a5a00", "INCONC": "#5b3b9b", "N/A": "#666", "ERROR": "#b3261e"}
 FINDINGS = ("FAIL", "ERROR", "INCONC", "WARN")
 CASES_OF_PAGE, COVER_FINDINGS, TRACE = 9, 12, 420
+LINES = ("3964r", "rk512", "modbus-rtu", "interop")  # suites whose port has a character format
 LABORATORY = ("laboratory", "customer", "place", "date", "method", "deviations", "uncertainty", "decision_rule", "person")
 DISCLAIMER, RULE = list(GERMAN)[-2:]
 STYLE = """
@@ -79,11 +80,13 @@ def _cover(found: Mapping[str, object], word: Word, de: bool) -> str:
     suite, counts, device = _table(found, "suite"), _table(found, "counts"), _table(found, "bench", "device")
     shown = {word(name) if name == "waived" else name: count for name, count in counts.items() if count}
     chips = "".join(f"<span style='color:{COLOURS.get(name, '#333')}'>{count} {name}</span>" for name, count in shown.items())
-    rows: list[tuple[str, object]] = [(word(str(key).replace("_", " ")), value) for key, value in device.items()] or [("", "-")]
+    rows: list[tuple[str, object]] = [(word(str(key).replace("_", " ")), value) for key, value in device.items()] or [
+        ("-", word("not stated: [device] of the bench"))
+    ]
     port = _table(found, "bench", "port")
     facts = [
         (word("Suite"), f"{suite['name']} {suite['version']}"),
-        (word("Port"), f"{port.get('url')}, {port.get('format')}"),
+        (word("Port"), f"{port.get('url')}, {port.get('format')}" if suite["name"] in LINES else port.get("url")),
         (word("Seed"), "-" if found["seed"] is None else found["seed"]),
         (word("Versions"), ", ".join(f"{key} {value}" for key, value in _table(found, "versions").items())),
         (word("Check sum"), f"SHA-256 {found['sha256']}"),
@@ -129,8 +132,8 @@ def _waived(case: Mapping[str, object], word: Word) -> str:
 
 def _laboratory(found: Mapping[str, object], word: Word) -> list[str]:
     stated = _table(found, "bench", "report")
-    rows = [(word(name), stated.get(name, "")) for name in LABORATORY]
-    rows = [(label, value if label != word("decision_rule") or value else RULE_OF[word("page") == "Seite"]) for label, value in rows]
+    rows = [(word(name.replace("_", " ")), stated.get(name, "")) for name in LABORATORY]
+    rows = [(label, value if label != word("decision rule") or value else RULE_OF[word("page") == "Seite"]) for label, value in rows]
     rows.append((word("Signature"), ""))
     checked = [(_e(key), value) for key, value in _table(found, "self_check").items()]
     assumed = cast(list[str], _table(found, "pics").get("assumed", []))

@@ -5,6 +5,7 @@ GERMAN = {
     "page": "Seite",
     "of": "von",
     "Report number": "Berichtsnummer",
+    "not stated: [device] of the bench": "nicht angegeben: [device] der Prüfumgebung",
     "Item tested": "Prüfgegenstand",
     "maker": "Hersteller",
     "type": "Typ",

@@ -57,7 +57,7 @@ def until(t: NodeTester, good: Callable[[], bool], what: str, limit: Ns = LONG, 
     begin = t.now()
     while not good():
         if t.now() - begin > limit:
-            got = ", ".join(filter(None, (beside(), named(status(t)))))
+            got = ", ".join(filter(None, (beside(), f"statusword {named(status(t))}")))
             raise Fail(f"{what}: not within {limit / 1e6:.0f} ms, {got}", what, got)
         t.pause(STEP)
     return t.now() - begin

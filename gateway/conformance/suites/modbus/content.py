@@ -10,6 +10,7 @@ from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable, Warn
 
 NAMES = {"coil": 1, "discrete": 2, "holding": 3, "input": 4}
+NAME_OF = {function: name for name, function in NAMES.items()}
 
 
 def _run(numbers: tuple[int, ...], most: int) -> tuple[int, int]:
@@ -24,7 +25,12 @@ def _run(numbers: tuple[int, ...], most: int) -> tuple[int, int]:
 def kept(t: ModbusTester, function: int, at: int, count: int) -> Iterator[None]:
     """What was there is written back."""
     with t.given():
-        before = t.read(function, at, count)
+        try:
+            before = t.read(function, at, count)
+        except Fail as failed:
+            there = f"{NAME_OF[function]} {at}" + (f" to {at + count - 1}" if count > 1 else "")
+            hint = f"{failed.reason}; [touch] names {there}: state only addresses that the device has"
+            raise Fail(hint, failed.expected, failed.got) from failed
     try:
         yield
     finally:
