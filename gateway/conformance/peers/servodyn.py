@@ -267,6 +267,10 @@ class TellsLate(Booster):
         super().__init__(out=_only_actual(_not_by_itself), into=_marks_sync)
 
 
+def _fifteen_bits(booster: Booster, value: ActualValue) -> ActualValue:
+    return value._replace(position_inc=((value.position_inc + 0x8000) & 0xFFFF) - 0x8000)
+
+
 class SpeaksWithoutSupply(Booster):
     """Its logic has another supply: it sends on."""
 
@@ -338,6 +342,7 @@ ROWS: tuple[Row, ...] = (
     _told("zero-at-control", "its position is 0 when control begins", "MOV_BV_06", _zero_at_control),
     _told("ready-goes-at-control", "ready goes when control begins", "MOV_BV_06", lambda b, v: v._replace(ready=v.ready and not v.enabled)),
     _told("sixteen-bits", "its position has 16 bits", "MOV_BV_07", lambda b, v: v._replace(position_inc=v.position_inc & 0xFFFF)),
+    _told("sixteen-bits-signed", "its position has a sign and 15 bits", "MOV_BV_07", _fifteen_bits),
     _answers("par-silent", "does not answer known parameters", "PAR_BV_01", lambda b, a: a if a.number == 56 else None),
     _answers("par-sequence", "the sequence is always 0", "PAR_BV_01", _no_sequence),
     _answers("par-value", "answers with 0", "PAR_BV_01", lambda b, a: a._replace(value=0.0)),

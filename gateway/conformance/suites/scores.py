@@ -7,6 +7,6 @@ SCORES: dict[str, tuple[int, int]] = {
     "modbus-rtu": (76, 76),
     "cia402": (86, 86),
     "canopen-301": (126, 126),
-    "servodyn": (59, 59),
+    "servodyn": (60, 60),
     "interop": (51, 51),
 }

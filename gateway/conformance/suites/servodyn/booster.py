@@ -28,6 +28,7 @@ class BoosterSetup:
     wait: Ns = ms(200)  # a parameter's answer
     boot: Ns = ms(10_000)
     way: int = 2000  # increments of a motion
+    way_stated: bool = False
     pics: Mapping[str, object] = field(default_factory=dict)
 
 

@@ -33,7 +33,7 @@ class BoosterSession:
         if isinstance(value := bench.link.get("answer_ms"), (int, float)):
             self.setup.wait = ms(value)
         if isinstance(way := bench.link.get("way"), int):
-            self.setup.way = way
+            self.setup.way, self.setup.way_stated = way, True
         stated = bench.link.get("module", self.pics.get("module"))
         self._module = stated if isinstance(stated, int) else None
         self.setup.module = self._module or 1
