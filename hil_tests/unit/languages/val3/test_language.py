@@ -1,5 +1,7 @@
 """The language: statements, operators, containers, parameters.  Source: VAL 3 reference 2-3."""
 
+from typing import Any
+
 import pytest
 
 from hil_tests.unit.languages.val3.apps import App, check, datum, error_of, faults_of, globals_of, run, value
@@ -247,7 +249,7 @@ def test_an_index_or_key_that_is_not_there_is_an_error(code: str, error: int) ->
 @pytest.mark.requirement("VAL-VAR-04", "VAL-VAR-05", by="gateway.pure.languages.val3.variable_expressions:VariableTranslator._on_size")
 def test_a_place_that_is_not_there_stops_the_line_that_passes_it() -> None:
     data = datum("a", "num", "3") + datum("o", "dio", "2") + datum("n", "num")
-    callee: dict[str, str] = {"one(num& x)": "n=1", "part(num& x[])": "n=1", "on(num& x[], num y)": "call part(x[y])"}
+    callee: dict[str, Any] = {"one(num& x)": "n=1", "part(num& x[])": "n=1", "on(num& x[], num y)": "call part(x[y])"}
     for call in ("call one(a[3])", "call part(a[3])", "call on(a[1],2)", "n=dioGet(o[2])", 'taskCreate "t",10,one(a[4])'):
         found = run(App(data=data, programs={"start": call, **callee}))
         assert isinstance(found["globals"], dict) and found["globals"]["n"] == 0, call
