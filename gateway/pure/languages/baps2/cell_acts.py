@@ -5,6 +5,7 @@
 from typing import Protocol
 
 from gateway.pure.languages.baps2 import demands
+from gateway.pure.languages.baps2.cell_asynchronous import CellAsynchronous
 from gateway.pure.languages.baps2.cell_belts import PARALLEL, CellBelts
 from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.baps2.machine import Machine
@@ -40,8 +41,8 @@ class Cell(Machine, Protocol):
 class CellActs:
     """What a program asks for beside its blocks."""
 
-    def __init__(self, cell: Cell, belts: CellBelts) -> None:
-        self._cell, self.belts = cell, belts
+    def __init__(self, cell: Cell, belts: CellBelts, asynchronous: CellAsynchronous) -> None:
+        self._cell, self.belts, self.asynchronous = cell, belts, asynchronous
         self._riders: dict[str, Task] = {}  # kinematic in a synchronous part -> its process
 
     def ended(self, task: Task) -> None:

@@ -93,8 +93,7 @@ class CellRun(Control):
         super().__init__(library, memory, Feed(p5=p5, belts={}))
         self.port, self.robots, self.setup = port, tuple(robots), setup or CellSetup()
         self.paths = Paths(port, len(robots), one=one)
-        self.acts = CellActs(self, CellBelts(self.setup.belts, port))
-        self.asynchronous = CellAsynchronous(self)
+        self.acts = CellActs(self, CellBelts(self.setup.belts, port), CellAsynchronous(self))
         self.devices[PANEL] = Device(UnitFeed())
         self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its robot
         self._runs: dict[int, Task] = {}
@@ -273,7 +272,7 @@ class CellRun(Control):
         self._read.clear()
         self._lines_turn()
         self.paths.look()
-        self.asynchronous.turn()
+        self.acts.asynchronous.turn()
         for lane, robot in ((self.lanes[name], self.robot_of(name)) for name in self.lanes):
             lane.position = robot.own(self.port.view.set)
         self._advance()
@@ -562,7 +561,7 @@ class CellRun(Control):
             case demands.Reference(kinematic=kinematic):
                 return self.acts.reference(task, kinematic)
             case demands.Special(number=number, values=values) if number in (SPEED, DISTANCE):
-                self.asynchronous.call(task, number, values)
+                self.acts.asynchronous.call(task, number, values)
                 return None
             case demands.Special(number=number, values=values) if number in TOLD:
                 return self.acts.special(task, number, values)

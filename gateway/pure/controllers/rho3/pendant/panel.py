@@ -32,8 +32,7 @@ class Panel:
         self._value = False  # the entry is a number for the page, not a mode
         self._top = 0
         self._title = ""  # of the page as drawn last in this mode
-        self._info: list[str] = []
-        self._info_top = 0
+        self._info: list[str] = []  # from the line shown first on
         self._mode = ""
         self._message = ""
         self._lines: list[str | None] = [None] * LINES  # as written last: only news covers what a higher layer let go
@@ -138,14 +137,13 @@ class Panel:
     # ---- INFO ------------------------------------------------------------------------------------------------------------
     def _open_info(self) -> None:
         self._info = infos(self.level, self._source.conditions(), self._source.manual())
-        self._info_top = 0
         self._display.hold(Layer.INFO)
 
     def _in_info(self, key: str) -> None:
         if key == "DOWN":
-            self._info_top = (self._info_top + 1) % len(self._info)
+            self._info = [*self._info[1:], self._info[0]]
         elif key == "UP":
-            self._info_top = (self._info_top - 1) % len(self._info)
+            self._info = [self._info[-1], *self._info[:-1]]
         else:
             self._close_info()
 
@@ -157,7 +155,7 @@ class Panel:
     # ---- lines -----------------------------------------------------------------------------------------------------------
     def _draw(self) -> None:
         if self._info:
-            shown = [*self._info[self._info_top :], *self._info[: self._info_top]]
+            shown = list(self._info)
             self._display.write(Layer.INFO, 1, "INFO")
             for line in LISTS:
                 self._display.write(Layer.INFO, line + 1, shown[line - 1] if line <= len(shown) else "")

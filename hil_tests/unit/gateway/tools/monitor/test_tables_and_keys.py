@@ -70,7 +70,7 @@ def test_keys_by_name_and_by_character() -> None:
     assert keys_of("INFO DOWN a", RHO3) == ["INFO", "DOWN", "A"]
     with pytest.raises(ValueError, match="'\\+' in '7\\+' is no key"):
         keys_of("7+", RHO3)
-    typed = [
+    typed: list[tuple[str, str | None]] = [
         ("m", "m"),
         ("M", "M"),
         ("i", "i"),
@@ -81,8 +81,8 @@ def test_keys_by_name_and_by_character() -> None:
         ("up", None),
         ("x", "x"),
     ]
-    assert [key_of(*pair, RHO3) for pair in typed] == ["MODE", "M", "INFO", "7", ".", "ENTER", "DELETE", "UP", "X"]
-    assert [key_of(*pair, RHO3) for pair in (("f5", None), ("tab", "\t"), ("plus", "+"))] == [None, None, None]
+    assert [key_of(name, said, RHO3) for name, said in typed] == ["MODE", "M", "INFO", "7", ".", "ENTER", "DELETE", "UP", "X"]
+    assert [key_of(name, said, RHO3) for name, said in (("f5", None), ("tab", "\t"), ("plus", "+"))] == [None, None, None]
 
 
 def test_keys_of_a_larger_pendant_come_with_it() -> None:
