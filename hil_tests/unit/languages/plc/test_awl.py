@@ -232,6 +232,12 @@ def test_a_call_that_is_not_taken_leaves_the_result_1_as_in_step_5() -> None:
     assert [rig.scan(*high).outputs[0] for high in ([], ["E0.0"], ["E0.0", "E0.1"])] == [1, 0, 1]
 
 
+def test_the_result_1_of_a_jump_not_taken_goes_into_the_label_behind_it() -> None:
+    """Both ways into the label bring a 1: A 0.1 is set and BEB leaves, whatever E 0.0 is."""
+    rig = rig_of("OB 1\n:U E 0.0\n:SPB =M001\nM001:= A 0.1\n:U E 0.0\n:SPB =M002\nM002:BEB\n:UN M 5.0\n:= A 0.0\n:BE")
+    assert [rig.scan(*high).outputs[0] for high in ([], ["E0.0"])] == [2, 2]
+
+
 def test_missing_blocks_and_other_organisation_blocks_are_noted() -> None:
     result = imported("OB 1\n:SPA PB 7\n:BE\nOB 21\n:SPA PB 7\n:BE\nDB 10\n0: KH = 0000;")
     assert set(result.programs) == {"OB1", "OB21"}

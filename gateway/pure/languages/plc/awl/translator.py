@@ -126,6 +126,8 @@ class Translator:
         word, operand = statement.word, statement.operand
         if statement.label:
             self._close_or()
+            if self._family(word) in (self._use, self._branch, self._leave):  # who falls into the label brings the 1 along
+                self._result_is_one()
             self.lines.append(f"M {statement.label}")
             self._loaded, self._one, self._call = None, False, None
         if word == "?":
