@@ -36,8 +36,12 @@ def lines_of(text: str) -> list[Line]:
 def body_of(lines: list[Line], name: str, faults: Faults) -> tuple[list[Line], Line | None]:
     """The steps between head and end, and the end."""
     if lines and (head := HEAD.match(lines[0].text)):
+        own = name.rpartition("/")[2]
         if head[1].upper() != "PLC":
             faults.error("no-plc-command", Position(name, lines[0].line), "No PLC-command", "a PLC program begins with PLC and its name")
+        elif (named := _named(head[2])).rpartition("/")[2].upper() != own.upper():
+            text = f"the head names {named or 'nothing'}, the file {own}"
+            faults.error("head", Position(name, lines[0].line), text, f"step 1 is PLC {own}")
         lines = lines[1:]
     for at, line in enumerate(lines):
         if line.text.split(";")[0].strip().upper() in ("END", "ENDE"):
@@ -47,6 +51,11 @@ def body_of(lines: list[Line], name: str, faults: Faults) -> tuple[list[Line], L
     last = lines[-1].line if lines else 1
     faults.error("no-end", Position(name, last), "END is missing", "END is the last step of a program")
     return lines, None
+
+
+def _named(text: str) -> str:
+    """The name in a head: without quotation marks (L2332) and comment."""
+    return text.split(";", maxsplit=1)[0].strip().strip("'\"").strip().replace("\\", "/")
 
 
 def read_routine(name: str, text: str, faults: Faults) -> tuple[Routine, dict[int, int]]:

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.base.source import Position
-from gateway.pure.languages.plc.messages import DRIVES_OFF, NOTE, TEXT_PROGRAM, read_texts
+from gateway.pure.languages.plc.check import check_programs
+from gateway.pure.languages.plc.messages import DRIVES_OFF, NOTE, TEXT_PROGRAM
 from gateway.pure.languages.plc.messages import Message as PlcMessage
 from gateway.pure.languages.plc.plc import Plc, PlcState
-from gateway.pure.languages.plc.translation import Translation
 from gateway.pure.languages.robotstar.robot import CYCLE, Message
 from gateway.pure.languages.robotstar.virtual import BASES, VirtualCell
 
@@ -109,11 +109,7 @@ def _is_text(key: str) -> bool:
 
 def check_plc(sources: Mapping[str, str], files: Mapping[str, str], faults: Faults) -> None:
     """Faults of all PLC programs; `files`: the file of each."""
-    programs = {key: text for key, text in sources.items() if not _is_text(key)}
-    found = Translation(programs).check_all()
-    for key in (key for key in sources if key not in programs):
-        read_texts(sources[key], found, key)
     names = {key.upper(): file for key, file in files.items()}
-    for fault in found:
+    for fault in check_programs(sources):
         place = Position(names.get(fault.position.file.upper(), fault.position.file), fault.position.line, fault.position.column)
         faults.error("plc." + fault.id, place, fault.text, fault.hint)

@@ -4,6 +4,7 @@ import zlib
 
 import pytest
 
+from gateway.pure.languages.plc.check import check_programs
 from gateway.pure.languages.plc.plc import Plc, PlcState, Settings
 from gateway.pure.languages.plc.translation import Translation, start_name
 from hil_tests.unit.languages.plc.rig import TICK, Rig
@@ -67,6 +68,26 @@ def test_all_faults_are_named_at_once_with_file_and_line() -> None:
         ("P", 4, "no-end"),
         ("P", 4, "operand"),
     ]
+
+
+@pytest.mark.parametrize("head", ["PLC MAIN", "PLC 'main'", 'plc "Main" ; the first', "1 PLC MAIN"])
+def test_a_head_names_its_file(head: str) -> None:
+    assert not check_programs({"MAIN": f"{head}\nEND"})
+    assert not check_programs({"PROJEKT1/MAIN": f"{head}\nEND"})
+
+
+@pytest.mark.parametrize(("head", "named"), [("PLC OTHER", "OTHER"), ("PLC 'OTHER'", "OTHER"), ("PLC", "nothing")])
+def test_a_program_under_a_foreign_head_is_a_fault_and_does_not_start(head: str, named: str) -> None:
+    text = f"the head names {named}, the file MAIN"
+    rows = [(fault.id, fault.position.line, fault.text) for fault in check_programs({"MAIN": f"\n{head}\nU E0.0\n= A0.0\nEND"})]
+    assert rows == [("head", 2, f"step 1: {text}")]
+    assert Rig(sources={"MAIN": f"{head}\nEND"}).refused == [text]
+
+
+def test_a_fault_names_its_step() -> None:
+    texts = 'PLC PLCMSG_CNF\n\nI 5, 9, "door"\nEND'
+    found = check_programs({"A/B": "PLC B\n\n\\ U E40.0\nU E40.0\n\nSP X\nEND", "PLCMSG_CNF": texts})
+    assert [fault.text.partition(":")[0] for fault in found] == ["step 3", "step 4", "step 2"]
 
 
 @pytest.mark.requirement("RSV-PLC-02", by="gateway.pure.languages.plc.translation:start_name")
