@@ -39,6 +39,7 @@ class _Check:
     faults: Faults
     system: Names
     known: dict[str, list[Variable]] = field(default_factory=dict)
+    made: set[str] = field(default_factory=set)  # programs that a TRAFO_6D of this memory makes, callable behind it (L3267-3273)
 
     def structural(self, program: Program, step: Step, id: str, text: str) -> None:
         """A fault that keeps the program from starting."""
@@ -57,8 +58,24 @@ def check(memory: Memory, faults: Faults, system: Names) -> None:
         for name, variable in table.items():
             checking.known.setdefault(name, []).append(variable)
     for program in memory.all():
+        checking.made.update(_destinations(program))
+    for program in memory.all():
         if program.kind != "PLC":
             _program(checking, program)
+
+
+def _destinations(program: Program) -> Iterator[str]:
+    """Names of the programs that TRAFO_6D makes, in capitals without a path; those in string variables are known at the step alone."""
+    for step in program.steps:
+        if step.valid and not step.macro and step.word == "TRAFO_6D" and (name := _name_of(step.slots["destination"])):
+            yield name.replace("\\", "/").rpartition("/")[2].strip().upper()
+
+
+def _name_of(operand: Operand) -> str:
+    """The name of a program as the step has it; "" where a string variable gives it."""
+    if isinstance(operand, Ref) and operand.name[0] in "S_":
+        return ""
+    return str(operand.value if isinstance(operand, Text | Number) else getattr(operand, "name", ""))
 
 
 def _program(checking: _Check, program: Program) -> None:
@@ -140,23 +157,21 @@ def _ranges(step: Step) -> Iterator[str]:
 
 
 def _target(checking: _Check, program: Program, step: Step) -> str:
-    name = step.slots["program"]
-    if isinstance(name, Ref) and name.name[0] in "S_":
-        return ""
-    text = name.value if isinstance(name, Text | Number) else getattr(name, "name", "")
+    text = _name_of(step.slots["program"])
     kinds = ("SPR",) if step.word == "CALL" else ("MPR",)
-    if checking.memory.find(str(text), program.directory, kinds) is not None:
+    if not text or checking.memory.find(text, program.directory, kinds) is not None:
         return ""
-    if checking.memory.find(str(text), program.directory) is not None:
+    if text.replace("\\", "/").rpartition("/")[2].strip().upper() in checking.made:
+        return ""
+    if checking.memory.find(text, program.directory) is not None:
         return f"program {text} is no {'sub-program' if step.word == 'CALL' else 'main program'}"
     return f"program {text} not found"
 
 
 def _pattern(checking: _Check, program: Program, step: Step) -> str:
-    name = step.slots["program"]
-    if isinstance(name, Ref) and name.name[0] in "S_":
+    text = _name_of(step.slots["program"])
+    if not text:
         return ""
-    text = str(name.value if isinstance(name, Text | Number) else getattr(name, "name", ""))
     found = checking.memory.find(text, program.directory, ("PAL", "MPR"))
     if found is None:
         return f"pallet program {text} not found"

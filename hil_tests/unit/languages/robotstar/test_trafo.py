@@ -2,7 +2,7 @@
 
 import pytest
 
-from hil_tests.unit.languages.robotstar.memory import Ran, run
+from hil_tests.unit.languages.robotstar.memory import Ran, checked, run
 
 Point = tuple[float, float, float]
 
@@ -191,3 +191,10 @@ def test_a_program_in_work_is_not_overwritten() -> None:
     files = {"P.MPR": "COPY 1,ISTEUER\nTRAFO_6D REFQ,REFZ,SRC,P,ISTEUER", "SRC.SPR": position((0, 0, 0)), "V.MPR": "VAR ISTEUER"}
     ran = run(files | {"REFQ.MPR": reference(*TRIANGLE), "REFZ.MPR": reference(*TRIANGLE)})
     assert ran.texts() == ["program in the stack"] and ran.step == 3
+
+
+@pytest.mark.parametrize(("call", "said"), [("CALL DST", []), ('CALL "S:/DST"', []), ("CALL DTS", ["step 3: program DTS not found"])])
+def test_a_destination_that_is_still_to_be_made_may_be_called(call: str, said: list[str]) -> None:
+    texts = {"P.MPR": f"TRAFO_6D REFQ,REFZ,SRC,DST,ISTEUER\n{call}", "SRC.SPR": "WAIT 1", "V.MPR": "VAR ISTEUER"}
+    _, faults = checked(texts | {"REFQ.MPR": reference(*TRIANGLE), "REFZ.MPR": reference(*TRIANGLE)})
+    assert [fault.text for fault in faults] == said
