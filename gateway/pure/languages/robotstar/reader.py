@@ -17,7 +17,7 @@ from gateway.pure.languages.robotstar.words import Words
 _NUMBERED = re.compile(r"\s*S?\s*\d+\s*[.:)]?\s+(?=\S)", re.IGNORECASE)
 _WORD = re.compile(r"(?P<word>[^\W\d][\w$-]*|\d[\w$-]*)\s*(?P<unit>\[[^\]\d]*\])?\s*(?P<rest>.*)", re.DOTALL)
 _DESCRIPTOR = re.compile(r"([^\W\d][\w-]*)\s*(?:\[[^\]]*\])?\s*:(?!/)\s*")
-_ASSIGNED = re.compile(r"(_[A-Z]\w*)\s*=\s*(\S+)", re.IGNORECASE)
+_ASSIGNED = re.compile(r"(_[A-Z]\w*(?:\s*\[\w+\])?)\s*=\s*(\S+)", re.IGNORECASE)
 _AXIS = re.compile(r"A\d+")
 _REMARK = re.compile(r"/\*.*?\*/")
 _TOKEN = re.compile(
@@ -289,7 +289,7 @@ def _frame(reading: _Reading) -> None:
         return
     head, last = program.steps[0], program.steps[-1]
     if head.word not in HEADS or head.macro or not head.valid:
-        reading.fault("rsv.head", head.line, f"step 1 is the head of the program: {program.kind} and the name")
+        reading.fault("rsv.head", head.line, f"the first step is the head of the program: {program.kind} and the name", step=1)
     else:
         _head(reading, head)
     if last.word != "END" or last.macro or not last.valid:
@@ -314,9 +314,9 @@ def _head(reading: _Reading, head: Step) -> None:
         and not (head.word == "PAL" and program.kind == "MPR")
         and not (head.word == "MPR" and program.kind == "PAL")
     ):
-        reading.fault("rsv.head", head.line, f"the head names {head.word}, the file {program.kind}")
+        reading.fault("rsv.head", head.line, f"the head names {head.word}, the file {program.kind}", step=1)
     if isinstance(name, Text) and name.value.split("(")[0].strip().upper() != program.name.upper():
-        reading.fault("rsv.head", head.line, f"the head names {name.value or 'nothing'}, the file {program.name}")
+        reading.fault("rsv.head", head.line, f"the head names {name.value or 'nothing'}, the file {program.name}", step=1)
 
 
 def _labels(reading: _Reading) -> None:

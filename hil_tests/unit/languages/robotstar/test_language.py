@@ -2,10 +2,12 @@
 
 import pytest
 
+from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.robotstar.faults import StepFault
+from gateway.pure.languages.robotstar.memory import Memory, Source
 from gateway.pure.languages.robotstar.operands import Number
 from gateway.pure.languages.robotstar.values import Cell
-from hil_tests.unit.languages.robotstar.memory import checked, run, steps
+from hil_tests.unit.languages.robotstar.memory import WORDS, checked, run, steps
 
 I1 = "VAR name:I1\nVAR name:I2"
 
@@ -290,3 +292,14 @@ def test_the_length_of_a_huge_vector() -> None:
 )
 def test_a_speed_that_is_none_is_named_with_its_range(value: str, said: str) -> None:
     assert steps(f"PATH_SPEED {value}").faults == [f"step 2: PATH_SPEED: {said}"]
+
+
+@pytest.mark.parametrize(("head", "said"), [("MPR Q", "the head names Q, the file P"), ("SPR P", "the head names SPR, the file MPR")])
+def test_a_foreign_head_is_a_fault_of_step_1(head: str, said: str) -> None:
+    faults = Faults()
+    Memory.read([Source("P.MPR", f"{head}\nEND")], WORDS, faults)
+    assert [fault.text for fault in faults] == [f"step 1: {said}"]
+
+
+def test_an_element_of_a_system_variable_is_assigned_as_one_that_has_no_index() -> None:
+    assert steps("_SPS[6] = 77\nCOPY _SPS[6],I1", I1).value("I1") == 77
