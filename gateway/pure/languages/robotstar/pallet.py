@@ -77,6 +77,8 @@ def pattern_of(program: Program, kind_of: Callable[[str], str]) -> Pattern:
     kinds = "".join(kind_of(name) for name in names)
     if kinds not in ("IIIIVVVIII", "IIIIVVVIIIPPPP"):
         raise _syntax(program, f"four integers, three vectors, three part counts and no or four position variables are needed, not {kinds}")
+    if foreign := [name for step in rest[1:] if (name := _position_variable(step)) and name not in names[10:]]:
+        raise _syntax(program, f"position variable {foreign[0]} is not one of four that are defined in the pattern itself")
     if any(step.word not in ("VAR", "LOC_VAR") for step in front[:7]):
         raise _syntax(program, "counters and vectors are variables")
     optional = "".join(kind_of(_name(step)) for step in behind)
@@ -88,6 +90,12 @@ def pattern_of(program: Program, kind_of: Callable[[str], str]) -> Pattern:
 
 def _syntax(program: Program, text: str) -> StepFault:
     return StepFault(f"pallet program {program.name}: syntax error: {text}")
+
+
+def _position_variable(step: Step) -> str:
+    """The variable that gives a position of the pattern; "" for programmed values."""
+    source = step.slots.get("position" if step.word == "VAR_POS" else "variable")
+    return source.name if isinstance(source, Ref) and "X" not in step.slots else ""
 
 
 def _name(step: Step) -> str:

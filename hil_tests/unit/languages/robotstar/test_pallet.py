@@ -100,3 +100,11 @@ def test_position_variables() -> None:
     body = f"TOOL T\n{ZERO}\nACT_POS P_ZP\nACT_POS P_EP1\nACT_POS P_EP2\nACT_POS P_EP3\nCOPY 80,P_EP1.X\nPALLET PAT #INIT\n{ON}\n{ON}"
     ran = run(files(f"{body}\nCOPY 40,P_EP1.X\nPALLET PAT #INIT\n{ON}\n{ON}", corners=corners, front=front))
     assert [target[0] for target in ran.targets()] == [0, 0, 40, 0, 20]
+
+
+def test_position_variables_are_defined_in_the_pattern_itself() -> None:
+    corners = "VAR_POS P_ELSEWHERE\n" + "\n".join(["POSITION #N, X:0, Y:0, Z:0, A:0, B:0, C:0"] * 3)
+    memory = files("PALLET PAT #INIT", corners=corners) | {"W.MPR": "VAR P_ELSEWHERE"}
+    said = "position variable P_ELSEWHERE is not one of four that are defined in the pattern itself"
+    assert run(memory).texts() == [f"pallet program PAT: syntax error: {said}"]
+    assert [said in fault.text for fault in checked(memory)[1]] == [True]
