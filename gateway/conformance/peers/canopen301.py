@@ -136,12 +136,6 @@ MUTANT_ROWS: tuple[Row, ...] = (
         says=answers(lambda data: data[:1] + bytes((data[1] + 1 & 255,)) + data[2:]),
     ),
     _row(
-        "no-size",
-        "expedited uploads name no size",
-        "SDO_BV_01",
-        says=when(2, lambda data: bytes((data[0] & ~0x0D,)) + data[1:] if data[0] & 2 else data),
-    ),
-    _row(
         "always-four",
         "expedited uploads of four bytes, whatever the object",
         "SDO_BV_02",
@@ -415,6 +409,10 @@ def _no_such_service(*specifiers: int) -> Says:
     return on(cobid.sdo_request(NODE), unknown)
 
 
+def without_size(data: bytes) -> bytes:
+    return bytes((data[0] & ~0x0D,)) + data[1:] if data[0] & 2 else data
+
+
 def _general(data: bytes) -> bytes:
     return data[:4] + bytes((0, 0, 0, 8)) if data[0] == 0x80 else data
 
@@ -431,6 +429,7 @@ VARIANTS = (
     _good("no-lss", "no layer setting services", lambda: Drive(hears=deaf(cobid.LSS_MASTER))),
     _good("no-blocks", "refuses block transfers", lambda: Drive(hears=_no_such_service(5, 6))),
     _good("general-aborts", "refuses everything with 08000000h", lambda: Drive(says=answers(_general))),
+    _good("no-sizes", "expedited uploads name no size", lambda: Drive(says=when(2, without_size))),
     _good("untouchable", "nothing may be written by PDO", Drive, touch=False),
     _good("fixed-mapping", "its mapping is constant", lambda: Drive(refuses(*MAPPINGS))),
     _good("fixed-pdos", "PDO parameters and mapping are constant", lambda: Drive(refuses(*MAPPINGS, *PARAMETERS))),

@@ -26,11 +26,20 @@ class PlainDrive:
     `unit`: units of 6064h a second in one unit of speed.
 
     `forgets`: faulty, a halt forgets the set-point.
+
+    `form`: of what an upload is answered with: "expedited", "no size" (expedited, 42h), "segments".
     """
 
     def __init__(
-        self, answer_ms: int = 0, options_fixed: bool = False, quick_option: int = 2, unit: float = 1.0, forgets: bool = False
+        self,
+        answer_ms: int = 0,
+        options_fixed: bool = False,
+        quick_option: int = 2,
+        unit: float = 1.0,
+        forgets: bool = False,
+        form: str = "expedited",
     ) -> None:
+        self._form, self._rest = form, b""
         self._answer, self._fixed, self._quick, self._unit, self._forgets = answer_ms * MS, options_fixed, quick_option, unit, forgets
         self._output: list[Pair] = []
         self._queue: list[tuple[int, Pair]] = []
@@ -56,7 +65,9 @@ class PlainDrive:
         for identifier, data in ((frame[0], frame[1]) for frame in frames):
             if identifier == 0 and len(data) == 2 and data[1] in (0, NODE) and data[0] in (129, 130):
                 self._begin(now)
-            if identifier == 0x600 + NODE and len(data) == 8 and data[0] != 0x80:
+            if identifier == 0x600 + NODE and data[:1] == b"\x80":
+                self._rest = b""
+            elif identifier == 0x600 + NODE and len(data) == 8:
                 self._queue.append((now + self._answer, (0x580 + NODE, self._served(data))))
         self._next = self._next or now + MS
         return self.wake(now)
@@ -87,16 +98,28 @@ class PlainDrive:
     # ---- objects
     def _served(self, data: bytes) -> bytes:
         index, sub = struct.unpack_from("<HB", data, 1)
+        if data[0] & 0xEF == 0x60:
+            rest, self._rest = self._rest, b""
+            if not rest or data[0] != 0x60:
+                return self._refused(b"\x80" + bytes(3), 0x05040001)
+            return bytes((7 - len(rest) << 1 | 1,)) + rest.ljust(7, b"\0")
+        self._rest = b""
         if index not in TYPES:
             return self._refused(data, 0x06020000)
         if sub:
             return self._refused(data, 0x06090011)
         size = struct.calcsize(TYPES[index])
         if data[0] == 0x40:
-            return bytes((SIZES[size],)) + data[1:4] + self._held(index).ljust(4, b"\0")
+            return self._uploaded(data, self._held(index))
         if data[0] >> 5 != 1 or not data[0] & 2:
             return self._refused(data, 0x05040001)
         return self._written(data, index, size)
+
+    def _uploaded(self, data: bytes, held: bytes) -> bytes:
+        if self._form == "segments":
+            self._rest = held
+            return b"\x41" + data[1:4] + len(held).to_bytes(4, "little")
+        return bytes((0x42 if self._form == "no size" else SIZES[len(held)],)) + data[1:4] + held.ljust(4, b"\0")
 
     def _written(self, data: bytes, index: int, size: int) -> bytes:
         if index in CONSTANT or (self._fixed and index in OPTIONS):

@@ -6,13 +6,14 @@ from dataclasses import dataclass, field
 
 from gateway.conformance.framework.base import hexed
 from gateway.conformance.framework.frame_wire import FrameWire
+from gateway.conformance.suites.can.sizes import object_size
 from gateway.conformance.suites.can.tester import CanTester, shown
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, Warn
 from protocols.base.machine import Frame, Ns, ms
 from protocols.canopen import cob_id as cobid
 from protocols.canopen import nmt, sdo
 from protocols.canopen.dictionary import Key, ObjectDictionary
-from protocols.canopen.sdo import Answer, Request
+from protocols.canopen.sdo import Abort, Answer, Request
 
 DEVICE_TYPE, HEARTBEAT, IDENTITY = (0x1000, 0), (0x1017, 0), 0x1018
 SEGMENTS = 2000
@@ -59,6 +60,7 @@ class NodeTester(CanTester):
     def __init__(self, connect: Callable[[], FrameWire], setup: NodeSetup, witness: Callable[[], Ns] = lambda: 0) -> None:
         super().__init__(connect, witness)
         self.setup = setup
+        self.unsized = False  # the last upload did not give its size: it was cut to that of the standard
         self._grid: Ns = 0  # of the last SYNC
         self.period: Ns = setup.cycle  # from SYNC to SYNC of `on_grid`
 
@@ -104,11 +106,15 @@ class NodeTester(CanTester):
     # ---- transfers
     def upload(self, key: Key) -> bytes:
         """Expedited or segmented, as the server likes."""
+        self.unsized = False
         what = f"upload of {named(key)}"
         got = self.asked(sdo.initiate(Request.INITIATE_UPLOAD, key), what, key)
         if got[0] >> 5 != Answer.INITIATE_UPLOAD:
             raise Fail(f"{what}: command byte {got[0]:02X}h", "43h, 47h, 4Bh, 4Fh, 41h or 40h", hexed(got))
-        return sdo.expedited_data(got) if got[0] & sdo.EXPEDITED else self.segments(what)
+        if not got[0] & sdo.EXPEDITED:
+            return self.segments(what)
+        self.unsized = not got[0] & sdo.SIZED
+        return sdo.expedited_data(got)[: object_size(key) if self.unsized else None]
 
     def segments(self, what: str, each: Callable[[], None] = lambda: None) -> bytes:
         """The rest of a segmented upload."""
@@ -125,6 +131,11 @@ class NodeTester(CanTester):
             each()
             toggle = not toggle
         raise Fail(f"{what}: never ends", "a last segment", f"{len(data)} bytes so far")
+
+    def end_transfer(self, got: bytes) -> None:
+        """Aborts the transfer of a server that answers 1000h in segments; the rest is not read."""
+        if len(got) == 8 and got[0] >> 5 == Answer.INITIATE_UPLOAD and not got[0] & sdo.EXPEDITED:
+            self.say(cobid.sdo_request(self.setup.node), sdo.abort(sdo.key_of(got), Abort.GENERAL))
 
     def number(self, key: Key, signed: bool = False) -> int:
         return int.from_bytes(self.upload(key), "little", signed=signed)
@@ -185,6 +196,7 @@ class NodeTester(CanTester):
             self.pause(ms(20))
             if self.now() > until:
                 raise Inconclusive("preamble: no SDO answer after the boot-up message", "an answer", "nothing")
+        self.end_transfer(got)
         if missed:
             self.pause(2 * self.setup.wait)  # an answer that was only late is none to the next request
 
@@ -251,5 +263,6 @@ class NodeTester(CanTester):
     def alive(self) -> None:
         """The suites' postamble: an SDO is answered."""
         got = self.ask(sdo.initiate(Request.INITIATE_UPLOAD, DEVICE_TYPE))
+        self.end_transfer(got)
         if not got:
             raise Fail("an SDO upload is no longer answered", "an SDO answer", "nothing")

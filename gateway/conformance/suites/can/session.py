@@ -163,9 +163,10 @@ class NodeSession:
     def _answers(self) -> bool:
         """One that was just switched on may need a moment."""
         until = self.tester.now() + min(self.setup.boot, BOOTS)
-        while not self.tester.ask(sdo.initiate(Request.INITIATE_UPLOAD, DEVICE_TYPE)):
+        while not (got := self.tester.ask(sdo.initiate(Request.INITIATE_UPLOAD, DEVICE_TYPE))):
             if self.tester.now() > until:
                 return False
+        self.tester.end_transfer(got)
         return True
 
     def _find(self) -> None:
@@ -228,6 +229,7 @@ class NodeSession:
         start = self.tester.now()
         got = self.tester.ask(sdo.initiate(Request.INITIATE_UPLOAD, DEVICE_TYPE))
         took = self.tester.now() - start
+        self.tester.end_transfer(got)
         jitter = self._opened.witness.late() if self._opened.witness is not None else 0
         checked: dict[str, object] = {
             "clock": self.tester.clock,

@@ -12,9 +12,9 @@ from gateway.pure.conformance.verdict import Verdict
 from hil_tests.lab.partners.plain_drive import NODE, PlainDrive
 
 
-def played(only: tuple[str, ...] = (), **settings: Any) -> dict[str, Result]:
+def played(only: tuple[str, ...] = (), suite: str = "cia402", **settings: Any) -> dict[str, Result]:
     device = Variant("plain-drive", "", lambda: PlainDrive(**settings), {"node": NODE}, {})
-    return {result.purpose.id: result for result in play(SUITES["cia402"], device, only)}
+    return {result.purpose.id: result for result in play(SUITES[suite], device, only)}
 
 
 @pytest.mark.parametrize(
@@ -49,3 +49,15 @@ def test_a_way_that_is_over_at_once_is_made_longer() -> None:
 def test_a_halt_that_forgets_the_set_point_is_the_only_fail() -> None:
     results = list(played(forgets=True).values())
     assert fails(results) == ("CIA402_POS_BV_06",)
+
+
+@pytest.mark.parametrize(("form", "first"), [("expedited", Verdict.PASS), ("no size", Verdict.WARN), ("segments", Verdict.WARN)])
+def test_a_server_may_answer_in_any_form_of_the_standard(form: str, first: Verdict) -> None:
+    """Without its size, or in segments: a remark for the maker, and no case is lost by it."""
+    plain, found = (list(played(suite="canopen-301", form=each).values()) for each in ("expedited", form))
+    verdicts = {result.purpose.id: result.verdict for result in found}
+    assert verdicts["CO301_SDO_BV_01"] is first and fails(found) == fails(plain)
+    others = [result for result in found if result.purpose.id not in ("CO301_SDO_BV_01", "CO301_SDO_BV_02")]
+    assert {one.purpose.id: one.verdict for one in others} == {
+        one.purpose.id: one.verdict for one in plain if one.purpose.id not in ("CO301_SDO_BV_01", "CO301_SDO_BV_02")
+    }
