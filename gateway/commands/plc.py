@@ -17,12 +17,14 @@ from gateway.pure.languages.plc.check import check_programs
 from gateway.pure.languages.plc.orders import OrderFault, orders_of
 from gateway.pure.languages.plc.plc import Settings
 from gateway.pure.languages.plc.reader import lines_of
+from gateway.pure.languages.plc.translation import start_in_folder
 from gateway.pure.languages.plc.virtual import Event, VirtualRun
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.cell_argument import load
 from gateway.tools.client import Row, ToolClient, ToolError, running
 from gateway.tools.command_support import ENVIRONMENT
 
+SUFFIX = ".PLC"
 ACTS_S = 0.3  # an order is carried out between two scans; a long program takes some time to be translated
 SHOWN_STEPS = 500  # of it in one answer
 SHOWN_S = 3.0  # until the test display of a program that runs is on
@@ -190,7 +192,8 @@ def run(options: argparse.Namespace) -> int:
     orders = [order for text in options.at for order in orders_of(text)]
     settings = Settings(load=options.load, watchdog=options.watchdog)
     programs = read_programs(options.folder)
-    virtual = VirtualRun(programs, options.start, orders, round(options.period * 1e6), settings)
+    start = _start_of(options.start)
+    virtual = VirtualRun(programs, start, orders, round(options.period * 1e6), settings)
     end = virtual.run(options.scans)
     if options.json:
         print(json.dumps({"events": virtual.events, "end": end}, indent=1))
@@ -198,9 +201,18 @@ def run(options: argparse.Namespace) -> int:
         for event in virtual.events:
             print(line_of(event))
         if end["state"] == "error" and not any(event["what"] == "state" for event in virtual.events):
-            print(refused_start(options.start, options.folder, programs))
+            print(refused_start(start, options.folder, programs))
         print(f"end: {end['state']}, {end['program']} step {end['step']}, {end['scans']} scans in {end['time_s']} s")
     return Exit.FINDING if end["state"] == "error" else Exit.OK
+
+
+def _start_of(name: str) -> str:
+    """The start program as the folder has it, from its name, file or path; as given where it lies elsewhere and START refuses it."""
+    plain = name[: -len(SUFFIX)] if name.upper().endswith(SUFFIX) else name
+    try:
+        return start_in_folder(plain) if "/" in plain or "\\" in plain else plain
+    except ValueError:
+        return plain
 
 
 def refused_start(start: str, folder: pathlib.Path, programs: Collection[str]) -> str:

@@ -111,6 +111,11 @@ def test_a_refused_start_says_what_to_do(start: str, said: str, folder: pathlib.
     assert "START is refused" in told and said in told
 
 
+@pytest.mark.parametrize("start", ["main", "MAIN.PLC", "S:/PLC/MAIN", "s:\\plc\\main.plc", "/PLC/MAIN"])
+def test_a_start_program_is_named_as_the_control_or_the_folder_has_it(start: str, folder: pathlib.Path) -> None:
+    assert main(["run", str(folder), "--start", start, "--virtual", "--scans", "2"]) == 0
+
+
 def test_start_stop_and_power(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "NEXT.PLC").write_text("PLC NEXT\nU M1020.4\nS M40.0\nR M1020.4\nL M41\nZV ACCU,1\nT M41\nEND\n")
     orders = ["--at", "2 STOP", "--at", "4 START NEXT", "--at", "6 M40=0", "--at", "8 POWER"]
