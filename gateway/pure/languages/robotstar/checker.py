@@ -81,6 +81,9 @@ def _name_of(operand: Operand) -> str:
 def _program(checking: _Check, program: Program) -> None:
     if program.kind == "PAL" and not program.refused and (wrong := _format(checking, program)):
         checking.late(program, program.steps[0], "rsv.pallet", wrong)
+    if program.kind == "MAC" and program.steps and program.name.upper() in checking.memory.words.words:
+        text = f"{program.name} is a command of the control: a macro of this name is never called"
+        checking.late(program, program.steps[0], "rsv.macro_name", text)
     tool, began = False, 0
     for step in program.steps:
         if not step.valid or step.word == "C":
@@ -157,6 +160,8 @@ def _ranges(step: Step) -> Iterator[str]:
 
 
 def _target(checking: _Check, program: Program, step: Step) -> str:
+    if step.word == "PROGRAM" and program.kind not in ("MPR", "PAL"):
+        return "PROGRAM is allowed in a main program only"
     text = _name_of(step.slots["program"])
     kinds = ("SPR",) if step.word == "CALL" else ("MPR",)
     if not text or checking.memory.find(text, program.directory, kinds) is not None:

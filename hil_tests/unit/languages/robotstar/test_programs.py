@@ -81,6 +81,16 @@ def test_program_needs_a_main_program(name: str, said: str) -> None:
     assert (ran.texts(), ran.state, ran.step, ran.value("I1")) == ([said], "error", 3, 1)
 
 
+def test_program_in_a_sub_program_is_found_before_the_start() -> None:
+    _, faults = checked({"P.MPR": "CALL S1", "S1.SPR": "PROGRAM P", **V})
+    assert [(fault.position.file, fault.text) for fault in faults] == [("S1.SPR", "step 2: PROGRAM is allowed in a main program only")]
+
+
+def test_a_macro_is_not_named_like_a_command() -> None:
+    _, faults = checked({"WARTE.MAC": "WAIT 1", "WARTEN.MAC": "WAIT 1"})
+    assert [fault.text for fault in faults] == ["step 1: WARTE is a command of the control: a macro of this name is never called"]
+
+
 @pytest.mark.requirement("RSV-PRG-09", by="gateway.pure.languages.robotstar.access:text")
 def test_indirect_calls() -> None:
     files = {"3344.SPR": "COPY 3,I1", "S_PROG.SPR": "COPY 4,I1", **V}
