@@ -100,6 +100,8 @@ class CellRun:
     def _tables(self) -> dict[str, Names]:
         tables: dict[str, Names] = {}
         for program in self.memory.all():
+            if program.file.rpartition("/")[2].rpartition(".")[0].upper() != program.name.upper():
+                continue  # made by TRAFO_6D: the file and its values are those of the source
             own = {name: self.memory.globals[name] for name, owner in self.memory.owners.items() if owner is program}
             tables[program.file] = {**own, **self.memory.locals.get(program.key, {})}
         return tables

@@ -381,6 +381,14 @@ def test_values_live_with_their_program_and_constants_do_not() -> None:
     assert again.language.restore("V.MPR", 'I2 = 4\nI9 = 4\nI1 = "x"\nnonsense') == ["I2 = 4", 'I1 = "x"', "nonsense"]
 
 
+def test_values_of_a_program_stay_where_trafo_6d_has_made_another_of_it() -> None:
+    corners = "\n".join(f"POSITION #N, X:{x}, Y:{y}, Z:0, A:0, B:0, C:0" for x, y in ((0, 0), (100, 0), (0, 100)))
+    texts = main("COPY 1, IK\nCOPY 7, I7\nTRAFO_6D R, R2, SRC, ZDST, IK\nSTOP") | main(corners, "R") | main(corners, "R2")
+    cell = ReisCell(texts | {"SRC.MPR": "MPR SRC\nVAR I7\nWAIT 1\nEND\n"} | main("VAR IK", "V"))
+    assert cell.run()[0] == "ended" and cell.value("IK") == "1"
+    assert cell.language.memory.find("ZDST") is not None and cell.language.values()["SRC.MPR"] == "I7 = 7\n"
+
+
 def test_the_shipped_palletiser_lays_its_parts_down() -> None:
     cell = ReisCell({path.name: path.read_text() for path in MEMORY.iterdir() if path.is_file()})
     assert not cell.language.faults.rows() and not cell.faults.rows()
