@@ -132,7 +132,8 @@ class RealWire:
 
 
 class VirtualWire:
-    """A protocol machine at the other end, characters at their time, no clock."""
+    """A protocol machine at the other end, characters at their time, no clock.  Where they take none (TCP), what is written at once
+    arrives at once."""
 
     simulated = True
 
@@ -143,7 +144,7 @@ class VirtualWire:
         self.late_ns: Ns = 0
         self._on_event = on_event or (lambda event, now: None)
         self._now: Ns = 0
-        self._to_station: deque[tuple[Ns, int | Damage]] = deque()
+        self._to_station: deque[tuple[Ns, bytes | Damage]] = deque()
         self._free_at: Ns = 0
         self._inbox: deque[Heard] = deque()
         self._station_free: Ns = 0
@@ -154,8 +155,11 @@ class VirtualWire:
         return self._now
 
     def write(self, data: bytes) -> None:
+        if data and not self.char_ns:
+            self._put(bytes(data))
+            return
         for byte in data:
-            self._put(byte)
+            self._put(bytes((byte,)))
 
     def spoil(self) -> bool:
         self._put(Damage.PARITY)
@@ -191,7 +195,7 @@ class VirtualWire:
         """Nothing is held."""
 
     # ---- inside
-    def _put(self, what: int | Damage) -> None:
+    def _put(self, what: bytes | Damage) -> None:
         self._free_at = max(self._free_at, self._now) + self.char_ns
         self._to_station.append((self._free_at, what))
 
@@ -208,7 +212,7 @@ class VirtualWire:
             self._tell(self.station.sent(now))
         while self._to_station and self._to_station[0][0] <= now:
             what = self._to_station.popleft()[1]
-            self._tell(self.station.damaged(what, now) if isinstance(what, Damage) else self.station.receive(bytes((what,)), now))
+            self._tell(self.station.damaged(what, now) if isinstance(what, Damage) else self.station.receive(what, now))
         due = self.station.deadline()
         if due is not None and due <= now:
             self._tell(self.station.wake(now))
