@@ -229,7 +229,7 @@ class DryRun(Control):
 
     def measuring_system(self, unit: Unit, number: int) -> float:
         """In the order of the kinematics: their axes, then the belts that the program declares for them (L5276-5290).  One that the
-        program does not know may be there, and stands still."""
+        program does not know may exist: it does not count."""
         order = sorted(unit.program.head.kinematics.items(), key=lambda each: each[1]) or [("", 1)]
         axes, belts = list[float](), list[float]()
         for name, _ in order:

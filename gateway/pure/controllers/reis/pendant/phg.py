@@ -190,7 +190,7 @@ class Phg:
             self._moved()
 
     def _moved(self) -> None:
-        """The cursor of the program may stand somewhere else than the control (L1209)."""
+        """The cursor may be at another step than the control (L1209)."""
         if self.mode != "dir" and self.program is not None:
             own = _key(self.program.path) == self.view.selected and self._is_shown(self.view.program.upper())
             self._chosen = not own or self.program.cursor != self.view.step
