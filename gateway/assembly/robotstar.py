@@ -3,12 +3,13 @@
 import json
 import time
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 
 from gateway.assembly.program_memory import memory_folder
 from gateway.assembly.programs import machines_of_cell
 from gateway.assembly.run import RunPlan
-from gateway.files.robotstar import KEPT, FolderFault, sources, text_of, words
+from gateway.files.robotstar import KEPT, LOCKS, FolderFault, locks_of, sources, text_of, words, write_locks
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.control import Control
@@ -52,6 +53,8 @@ class RobotstarPrograms:
         self._of_the_cell = "" if table is None else f"_SSTARTPLC = {json.dumps(table.start)}\n"
         self.language.restore(SYSTEM, self._of_the_cell)
         self._kept: dict[str, str] = {}
+        self._made: dict[str, str | None] = {}  # programs that programs have made, as they are on the disk
+        self._listed = -1, [dict[str, object]()]  # version of the memory, its programs
         self._due = self._effects = 0.0
         self._told = self._restored()
 
@@ -96,7 +99,7 @@ class RobotstarPrograms:
         stamps = self._stamped()
         if stamps == self._stamps or self.language.runs:
             return None
-        self._stamps = stamps
+        self._stamps, self._made = stamps, {}
         self._faults = Faults()
         try:
             found = sources(str(self.folder))
@@ -106,16 +109,20 @@ class RobotstarPrograms:
         return self.read(alive)
 
     def seen(self, now: int) -> dict[str, object]:
-        """Nothing beside programs and processes."""
-        return {}
+        """The programs: TRAFO_6D makes some while others run."""
+        version = self.language.memory.version
+        if version != self._listed[0]:
+            self._listed = version, [asdict(row) for row in self.language.catalogue()]
+        return {"programs": self._listed[1]}
 
     def write_back(self) -> list[str]:
-        """Values that have changed; each file has old or new values whatever happens."""
+        """Programs and values that have changed; each file is the old or the new one whatever happens."""
         now = time.monotonic()
         if self._effects == self.language.effects or (now < self._due and self.language.runs):
             return []
         began, self._effects = now, self.language.effects
-        values, faults = self._values(), []
+        faults = self._programs_back()
+        values = self._values()
         for name, text in values.items():
             if self._kept.get(name, "") == text:
                 continue
@@ -126,3 +133,35 @@ class RobotstarPrograms:
         self._kept = values
         self._due = time.monotonic() + max(KEEP_S, SHARE * (time.monotonic() - began))
         return faults
+
+    def _programs_back(self) -> list[str]:
+        """What programs have made; a file that is deleted goes last, with its values.  Locks of what was there are released."""
+        made, faults = self.language.made(), []
+        changed = sorted(
+            (name for name, text in made.items() if name not in self._made or self._made[name] != text), key=lambda name: made[name] is None
+        )
+        for name in changed:
+            path, text = self.folder / name, made[name]
+            try:
+                if text is None:
+                    path.unlink(missing_ok=True)
+                    self._file(name).unlink(missing_ok=True)
+                    self._stamps.pop(str(path), None)
+                else:
+                    write_whole(path, text.encode())
+                    stat = path.stat()
+                    self._stamps[str(path)] = (stat.st_mtime_ns, stat.st_size)
+                self._release(name)
+            except (OSError, FolderFault) as error:
+                faults.append(f"{path}: {getattr(error, 'strerror', '') or error}; a program made by TRAFO_6D does not outlive power-off")
+        self._made = made
+        return faults
+
+    def _release(self, name: str) -> None:
+        """Letters that locked a program before it was deleted."""
+        locks = locks_of(self.folder) if name in self.language.memory.gone else {}
+        if locks.pop(name, ""):
+            write_locks(self.folder, locks)
+            path = self.folder / LOCKS
+            stat = path.stat()
+            self._stamps[str(path)] = (stat.st_mtime_ns, stat.st_size)

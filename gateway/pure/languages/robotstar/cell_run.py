@@ -100,10 +100,8 @@ class CellRun:
     def _tables(self) -> dict[str, Names]:
         tables: dict[str, Names] = {}
         for program in self.memory.all():
-            if program.file.rpartition("/")[2].rpartition(".")[0].upper() != program.name.upper():
-                continue  # made by TRAFO_6D: the file and its values are those of the source
             own = {name: self.memory.globals[name] for name, owner in self.memory.owners.items() if owner is program}
-            tables[program.file] = {**own, **self.memory.locals.get(program.key, {})}
+            tables[program.own_file] = {**own, **self.memory.locals.get(program.key, {})}
         return tables
 
     def values(self) -> dict[str, str]:
@@ -114,6 +112,11 @@ class CellRun:
     def restore(self, file: str, text: str) -> list[str]:
         """Values as they were kept; lines that fit no variable come back."""
         return kept.restore(text, self.machine.system if file == SYSTEM else self._tables().get(file, {}))
+
+    def made(self) -> dict[str, str | None]:
+        """What programs have made or changed: file -> its text, None: it is deleted."""
+        gone: dict[str, str | None] = dict.fromkeys(self.memory.gone)
+        return gone | {program.made: program.listing() for program in self.memory.all() if program.made}
 
     @property
     def effects(self) -> int:

@@ -17,11 +17,19 @@ from gateway.pure.languages.robotstar.reader import read_program
 from gateway.pure.languages.robotstar.values import ELEMENTS, Cell, Structure, Variable, made
 from gateway.pure.languages.robotstar.words import Words
 
+NO_LETTERS = '\0\n\r/:\\"'  # in a name of a program or directory
 LONGEST = 128  # characters of a program's name; 20 of a directory's (D-45)
 DIRECTORY_LONGEST, DEEPEST = 20, 6
 MOST_ELEMENTS = 100_000
 MESSAGES = "PLCMSG_CNF"  # texts of the PLC, read with it
 DEFAULT_TOOL = "T"  # printed everywhere without a definition
+
+
+def wrong_name(name: str, directory: str) -> bool:
+    """No file of the memory can have this name, or no directory that path."""
+    parts = directory.split("/") if directory else []
+    letters = any(not part.strip() or part.startswith(".") or set(part) & set(NO_LETTERS) for part in (name, *parts))
+    return letters or len(name) > LONGEST or len(parts) > DEEPEST or any(len(part) > DIRECTORY_LONGEST for part in parts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +52,7 @@ class Memory:
     locals: dict[str, dict[str, Variable]] = field(default_factory=dict)
     plc: dict[str, str] = field(default_factory=dict)  # path -> text of the integrated PLC's programs
     plc_files: dict[str, str] = field(default_factory=dict)
+    gone: set[str] = field(default_factory=set)  # files of programs that a program has deleted
     version: int = 0  # grows whenever programs change
 
     @classmethod
@@ -96,6 +105,7 @@ class Memory:
         if DELETE in program.locked:
             raise StepFault(f"program {program.name} is protected against deletion")
         self.version += 1
+        self.gone.add(program.own_file)
         self.programs[program.name.upper()].remove(program)
         self.locals.pop(program.key, None)
         for name in [name for name, owner in self.owners.items() if owner is program]:
@@ -120,6 +130,10 @@ class Memory:
             found, key=lambda each: (each.directory.upper() != near.upper(), each.directory != "", kinds.index(each.kind), each.key)
         )
         return order[0] if order else None
+
+    def directory(self, path: str) -> str:
+        """A directory in the letters it has already."""
+        return next((each.directory for each in self.all() if each.directory.upper() == path.upper()), path)
 
     # ---- definitions ---------------------------------------------------------------------------------------------------
     def _define(self, program: Program, step: Step, faults: Faults | None) -> None:

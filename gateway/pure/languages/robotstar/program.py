@@ -49,11 +49,21 @@ class Program:
     labels: dict[str, int] = field(default_factory=dict)  # name -> step number
     locked: str = ""  # letters of its protection
     refused: list[tuple[int, str]] = field(default_factory=list)  # (line, fault) of what keeps it from running
+    made: str = ""  # its own file, where a program has made or changed it; `file` and lines are those of the source
 
     @property
     def key(self) -> str:
         """Path below the root and name, upper case."""
         return f"{self.directory}/{self.name}".upper() if self.directory else self.name.upper()
+
+    @property
+    def own_file(self) -> str:
+        """Where its text and its values are."""
+        return self.made or self.file
+
+    def listing(self) -> str:
+        """Its file: a numbered step a line."""
+        return "".join(f"{step.number} {'' if step.valid else chr(92)}{step.text}\n" for step in self.steps)
 
 
 def definition_late(began: int) -> str:

@@ -7,9 +7,11 @@ from itertools import pairwise
 from gateway.pure.languages.robotstar import trafo_geometry as geometry
 from gateway.pure.languages.robotstar.access import structure, text, valid, variable, writer
 from gateway.pure.languages.robotstar.faults import WRONG_TYPES, StepFault
+from gateway.pure.languages.robotstar.kept import restore, written
 from gateway.pure.languages.robotstar.machine import Machine, Op
+from gateway.pure.languages.robotstar.memory import wrong_name
 from gateway.pure.languages.robotstar.motion_steps import target_from, target_of
-from gateway.pure.languages.robotstar.operands import Number, Operand, Ref, signed
+from gateway.pure.languages.robotstar.operands import Equate, Number, Operand, Ref, Text, signed
 from gateway.pure.languages.robotstar.path import CARTESIAN, Target
 from gateway.pure.languages.robotstar.program import Program, Step
 from gateway.pure.languages.robotstar.trafo_geometry import Map, Unfit, Xyz
@@ -300,7 +302,7 @@ class Transformation:
         if frame:
             new["FRAME"] = self.frame_destination if self.frame_source else frame
         for name, axis in self.axes.items():
-            new[name] = values[name] * axis.factor + axis.offset
+            new[name] = round(values[name] * axis.factor + axis.offset, 9) + 0.0
         return _with_values(step, new)
 
 
@@ -310,34 +312,58 @@ def _with_values(step: Step, values: dict[str, float]) -> Step:
         name: operand for name, operand in step.slots.items() if not (name[:1] == "A" and name[1:].isdecimal() and name not in values)
     }
     slots |= {name: Number(value) for name, value in values.items()}
-    kind = getattr(slots.get("kind"), "name", "N")
-    shown = ", ".join(f"{'Frame' if name == 'FRAME' else name}:{value:g}" for name, value in values.items())
-    return replace(step, slots=slots, text=f"POSITION #{kind}, {shown}")
+    return replace(step, slots=slots, text=f"POSITION {', '.join(_shown(name, operand) for name, operand in _in_order(slots))}")
+
+
+def _in_order(slots: dict[str, Operand]) -> list[tuple[str, Operand]]:
+    """As the control prints them: kind, name, place, the rest."""
+    order = ("kind", "name", *CARTESIAN, "FRAME")
+    return sorted(slots.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order))
+
+
+def _shown(name: str, operand: Operand) -> str:
+    """Reads back as the same operand."""
+    if isinstance(operand, Equate):
+        return f"#{operand.name}"
+    if isinstance(operand, Number):
+        return f"{'Frame' if name == 'FRAME' else name}:{operand.value:.15g}"
+    return f'Name: "{operand.value}"' if isinstance(operand, Text) else "Name: < >"
+
+
+def _place(source: Program, destination: str) -> tuple[str, str]:
+    """Name and directory of the destination: without a path that of the source."""
+    path, _, name = destination.strip().replace("\\", "/").rpartition("/")
+    name = name.strip().upper().removesuffix(f".{source.kind}")
+    drive, _, within = path.rpartition(":")
+    if wrong_name(name, within.strip("/")) or drive.upper() not in ("", "S"):
+        raise TrafoFault(302)
+    return name, within.strip("/") if path or destination.strip()[:1] in "/\\" else source.directory
 
 
 def _write(machine: Machine, source: Program, destination: str, control: int, transformation: Transformation) -> None:
     """Makes the destination; global definitions are invalid in it unless it is the source itself (L3273)."""
     memory = machine.memory
-    path = destination.strip().replace("\\", "/").rpartition("/")
-    existing = memory.find(destination, source.directory, ("MPR", "SPR", "MAC", "PAL"))
+    name, directory = _place(source, destination)
+    existing = next((each for each in memory.programs.get(name, []) if each.directory.upper() == directory.upper()), None)
     itself = existing is source
     if existing is not None and not control & OVERWRITE:
         raise TrafoFault(301)
     if any(step.valid and step.word == "VAR_POS" and not step.macro for step in source.steps):
         number = next(step.number for step in source.steps if step.valid and step.word == "VAR_POS" and not step.macro)
         raise TrafoFault(206, number)
-    steps = [_copied(step, transformation, path[2], itself) for step in source.steps]
+    steps = [_copied(step, transformation, name, itself) for step in source.steps]
     if itself:
         source.steps[:] = steps
+        source.made = source.made or source.file
         memory.version += 1
     else:
         if existing is not None:
             memory.remove(existing)
-        directory = path[0].partition(":")[2].strip("/") if ":" in path[0] else path[0].strip("/")
-        made = Program(path[2].upper(), source.kind, steps, directory or source.directory, source.file, dict(source.labels))
+        directory = memory.directory(directory)
+        made = Program(name, source.kind, steps, directory, source.file, dict(source.labels))
+        made.made = f"{directory}/{name}.{source.kind}".lstrip("/")
         memory.add(made)
-        for name, value in memory.locals[source.key].items():
-            memory.locals[made.key][name] = memory.locals[made.key].get(name, value)
+        restore(written(memory.locals[source.key]), memory.locals[made.key])  # values go with a copy (L3115-3119)
     machine.refresh()
 
 
@@ -345,7 +371,7 @@ def _copied(step: Step, transformation: Transformation, name: str, itself: bool)
     if step.valid and step.word == "POSITION" and not step.macro:
         return transformation.step(step)
     if step.number == 1 and not itself:
-        return replace(step, text=f'{step.text.split()[0]} "{name.upper()}"')
+        return replace(step, text=f'{step.text.split()[0]} "{name}"', slots={"name": Text(name)})
     if step.word in ("VAR", "CONST") and not itself and not step.macro:
         return replace(step, valid=False)
     return step
