@@ -1,6 +1,6 @@
 """The tokens of a program with its included files in their place, read with one token of look-ahead and recovery after faults."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from typing import NoReturn
 
 from gateway.pure.languages.baps2.lexer import Kind, Token, tokens_of
@@ -23,24 +23,28 @@ class Stream:
 
     def __init__(self, source: SourceFile, words: Words, store: ProgramStore, faults: Faults) -> None:
         self.faults, self._words, self._store = faults, words, store
-        self._tokens: list[Token] = list(self._expanded(source))
+        self._tokens: list[Token] = []
+        self._expand(source)
         self._next = 0
         self._last = len(self._tokens) - 1
         self._depth = 0
         self._too_deep = False
         self.token = self._tokens[0]  # the token that is next
 
-    def _expanded(self, source: SourceFile) -> Iterator[Token]:
+    def _expand(self, source: SourceFile) -> None:
+        """Adds the tokens of a file; an included file in the place of its instruction, without its END token."""
+        add = self._tokens.append
         for token in tokens_of(source, self._words, self.faults):
             if token.kind is Kind.INSTRUCTION:
                 word, _, name = token.text.partition(" ")
                 if word.upper() == "INCLUDE":
-                    yield from self._included(source, name.strip(" =:"), token.position)
+                    self._include(source, name.strip(" =:"), token.position)
                     continue
-            if token.kind is not Kind.END or source.included_from is None:
-                yield token
+            add(token)
+        if source.included_from is not None:
+            self._tokens.pop()
 
-    def _included(self, source: SourceFile, name: str, at: Position) -> Iterator[Token]:
+    def _include(self, source: SourceFile, name: str, at: Position) -> None:
         file = name.upper() if "." in name else f"{name.upper()}.QLL"
         text = self._store.text(file)
         if not name or text is None:
@@ -50,7 +54,7 @@ class Stream:
         elif source.depth() >= MOST_INCLUDED:
             self.faults.error("include-too-deep", at, f"more than {MOST_INCLUDED} nested include files")
         else:
-            yield from self._expanded(SourceFile(file, text, at))
+            self._expand(SourceFile(file, text, at))
 
     def ahead(self, count: int = 1) -> Token:
         """A token further on."""

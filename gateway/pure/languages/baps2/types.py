@@ -58,7 +58,7 @@ def default_of(kind: Type) -> str:
 
 def fits(target: Type, value: Type, constant: object = None) -> bool:
     """Whether a value can be assigned.  `constant`: what the value is, where it is known."""
-    if NONE in (target, value):
+    if not (target.base and value.base):  # NONE, the type without a base
         return True
     if target.is_array or value.is_array:
         if target.is_array and target.base == "CHAR" and value.base in LETTERS:
@@ -81,7 +81,7 @@ def fits(target: Type, value: Type, constant: object = None) -> bool:
 
 def same(parameter: Type, argument: Type) -> bool:
     """Whether a variable can be passed by reference."""
-    if NONE in (parameter, argument):
+    if not (parameter.base and argument.base):
         return True
     if parameter.is_array or argument.is_array:
         return parameter.base == argument.base and (parameter.low, parameter.high) == (argument.low, argument.high)
