@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import cast
 
-from gateway.conformance.framework.run import Result
+from gateway.conformance.framework.result import Result
 from gateway.conformance.peers.score import fails, peers, play, score
 from gateway.conformance.suites.registry import SUITES
 from gateway.pure.conformance.verdict import Verdict

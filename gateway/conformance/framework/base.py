@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from gateway.conformance.framework.power import Supply
 from gateway.pure.conformance.interval import Measure, Place
-from gateway.pure.conformance.verdict import Disturbed, Fail, Inconclusive
+from gateway.pure.conformance.verdict import Fail, Inconclusive, Uncertain
 from protocols.base.machine import Ns, ms
 
 TOLERANCE = ms(20)  # and one character time (serial-protocols 6)
@@ -87,7 +87,7 @@ class Tester:
             return
         if measure.place() is Place.OUTSIDE:
             raise Fail(f"{what}: {shown}, limits: {measure.limits()}", measure.limits(), shown)
-        raise Disturbed(f"{what}: {shown} lies across its limits: {measure.limits()}", measure.limits(), shown)
+        raise Uncertain(f"{what}: {shown} lies across its limits: {measure.limits()}", measure.limits(), shown)
 
 
 def hexed(data: bytes, most: int = 48) -> str:

@@ -11,7 +11,7 @@ from typing import cast
 
 from drivers.ports.open import tcp_address
 from gateway.conformance.framework.bench_file import Bench
-from gateway.pure.conformance.verdict import Inconclusive
+from gateway.pure.conformance.verdict import BenchFault
 from protocols.base.machine import Ns, ms
 
 Turn = Callable[[bool], None]  # INCONC where it cannot
@@ -60,9 +60,9 @@ def _run(bench: Bench, argv: list[str], limit: object) -> None:
     try:
         done = subprocess.run(argv, cwd=bench.folder, timeout=seconds, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, check=False)
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise Inconclusive(f"[power] {argv[0]}: {error}", "exit code 0", str(error)) from error
+        raise BenchFault(f"[power] {argv[0]}: {error}", "exit code 0", str(error)) from error
     if done.returncode:
-        raise Inconclusive(f"[power] {argv[0]} ended with {done.returncode}", "exit code 0", str(done.returncode))
+        raise BenchFault(f"[power] {argv[0]} ended with {done.returncode}", "exit code 0", str(done.returncode))
 
 
 def _relay(table: Mapping[str, object], on: bool) -> None:
@@ -82,9 +82,9 @@ def write_once(url: str, table: Mapping[str, object], what: str) -> None:
             connection.sendall(struct.pack(">HHHB", 1, 0, len(pdu) + 1, unit) + pdu)
             got = connection.recv(260)
     except (OSError, ValueError) as error:
-        raise Inconclusive(f"{what}: {error}", "the write is answered", str(error)) from error
+        raise BenchFault(f"{what}: {error}", "the write is answered", str(error)) from error
     if got[7:] != pdu:
-        raise Inconclusive(f"{what} was refused", pdu.hex(" ").upper(), got.hex(" ").upper() or "nothing")
+        raise BenchFault(f"{what} was refused", pdu.hex(" ").upper(), got.hex(" ").upper() or "nothing")
 
 
 def _operator(prompt: str, on: bool, limit: object, say: Say) -> None:
@@ -97,4 +97,4 @@ def _operator(prompt: str, on: bool, limit: object, say: Say) -> None:
     reader.join(seconds)
     if not typed or not typed[0]:
         got = "nothing was pressed in time" if not typed else "no operator: standard input is closed"
-        raise Inconclusive(f"[power] prompt: {got}", f"the supply is {_word(on)}", got)
+        raise BenchFault(f"[power] prompt: {got}", f"the supply is {_word(on)}", got)

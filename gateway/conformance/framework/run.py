@@ -2,15 +2,16 @@
 
 import random
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Protocol
 
 from drivers.ports.base import PortError
 from gateway.conformance.framework.base import Notes, Tester
 from gateway.conformance.framework.bench_file import Waiver
+from gateway.conformance.framework.causes import name_causes
+from gateway.conformance.framework.result import Result
 from gateway.pure.conformance.interval import Measure
 from gateway.pure.conformance.purpose import Purpose
-from gateway.pure.conformance.verdict import Disturbed, Ended, Inconclusive, Verdict, worst
+from gateway.pure.conformance.verdict import BenchFault, Disturbed, Ended, Inconclusive, Uncertain, Verdict, worst
 from protocols.base.machine import Ns, ms
 
 TRIES = 3  # of a case that was disturbed, or whose time lies across a limit
@@ -32,23 +33,6 @@ class Session(Protocol):
     def close(self) -> None: ...
 
 
-@dataclass(slots=True)
-class Result:
-    """One case of the report."""
-
-    purpose: Purpose[Tester]
-    verdict: Verdict
-    reason: str = ""
-    expected: str = ""
-    got: str = ""
-    caused_by: str = ""
-    notes: Notes = field(default_factory=Notes)
-    late: Ns = 0
-    took: Ns = 0
-    waived: Waiver | None = None
-    behind: str = ""  # a FAIL that was seen while this host was late
-
-
 class Runner:
     """One run.  `progress` gets every result at once."""
 
@@ -64,8 +48,8 @@ class Runner:
         self._order = ordered(purposes, seed)
         self._purposes = list(purposes)
         self.results: dict[str, Result] = {}
-        self._first_fail = ""
         self._gone = ""
+        self._gone_in = ""  # the case
         self._worked = False  # the postamble has passed, and not failed since
         self._unusable = ""  # the case that left the device so
         self._clean = False
@@ -84,6 +68,7 @@ class Runner:
         for purpose in self._order:
             if purpose.id not in self.results:
                 self._keep(Result(purpose, Verdict.INCONC, "not run: the run was interrupted", "the end of the run", "Ctrl-C"))
+        name_causes(self.results, self._order)
         return [self.results[purpose.id] for purpose in self._purposes]
 
     def _discovered(self) -> Mapping[str, object]:
@@ -96,8 +81,6 @@ class Runner:
     def _keep(self, result: Result) -> None:
         result.waived = self._waivers.get(result.purpose.id)
         self.results[result.purpose.id] = result
-        if result.verdict is Verdict.FAIL and not self._first_fail:
-            self._first_fail = result.purpose.id
         self._progress(result)
 
     def _case(self, purpose: Purpose[Tester]) -> Result:
@@ -109,9 +92,8 @@ class Runner:
         for before in purpose.preamble:
             failed = self.results.get(before)
             if failed is not None and failed.verdict in (Verdict.FAIL, Verdict.INCONC, Verdict.ERROR):
-                cause = failed.caused_by or before
                 reason = f"not run: the preamble needs {before}, which is {failed.verdict.value} ({failed.reason})"
-                return Result(purpose, Verdict.INCONC, reason, failed.expected, failed.got, cause)
+                return Result(purpose, Verdict.INCONC, reason, failed.expected, failed.got, before)
         return self._left_behind(purpose) or self._repeated(purpose)
 
     def _left_behind(self, purpose: Purpose[Tester]) -> Result | None:
@@ -158,9 +140,10 @@ class Runner:
     def _without_device(self, purpose: Purpose[Tester]) -> Result:
         """The first one is the finding, all others follow from it."""
         expected = "an open port"
-        if not self._first_fail:
+        if not self._gone_in:
+            self._gone_in = purpose.id
             return Result(purpose, Verdict.FAIL, f"the device is gone: {self._gone}", expected, self._gone)
-        return Result(purpose, Verdict.INCONC, f"not run: the device is gone ({self._gone})", expected, self._gone, self._first_fail)
+        return Result(purpose, Verdict.INCONC, f"not run: the device is gone ({self._gone})", expected, self._gone, self._gone_in)
 
     def _repeated(self, purpose: Purpose[Tester]) -> Result:
         shown: list[str] = []
@@ -201,7 +184,7 @@ class Runner:
             start = self.session.now()
             again = self._played(purpose, result)
         except PortError as error:
-            self._gone = _words(error)
+            self._gone, self._gone_in = _words(error), purpose.id
             self._set(result, Verdict.FAIL, f"the device died in this case: {self._gone}", "a device that answers", _last(tester.notes))
         except Ended as ended:  # the line did not become idle
             again = isinstance(ended, Disturbed)
@@ -247,12 +230,10 @@ class Runner:
             result.caused_by = ""
 
     def _end(self, result: Result, ended: Ended) -> None:
-        caused_by = ended.caused_by
-        if isinstance(ended, Inconclusive) and not caused_by:
-            caused_by = self._first_fail or next(iter(result.purpose.preamble), "")
         verdict = worst((result.verdict, ended.verdict)) if ended.verdict is not Verdict.NA else Verdict.NA
         self._set(result, verdict, ended.reason, ended.expected, ended.got)
-        result.caused_by = caused_by if ended.verdict is Verdict.INCONC else ""
+        result.caused_by = ended.caused_by if ended.verdict is Verdict.INCONC else ""
+        result.open_cause = isinstance(ended, Inconclusive) and not isinstance(ended, (BenchFault, Uncertain)) and not ended.caused_by
 
     @staticmethod
     def _set(result: Result, verdict: Verdict, reason: str, expected: str, got: str) -> None:

@@ -10,7 +10,8 @@ from drivers.ports.base import PortError
 from gateway.conformance.framework.base import Tester
 from gateway.conformance.framework.bench_file import Bench
 from gateway.conformance.framework.machine import AnyGuarded, Guarded, GuardedFrames
-from gateway.conformance.framework.run import Result, Runner
+from gateway.conformance.framework.result import Result
+from gateway.conformance.framework.run import Runner
 from gateway.conformance.peers.stations import Mutant, Variant
 from gateway.conformance.suites.opening import Opened
 from gateway.conformance.suites.registry import Suite

@@ -10,7 +10,7 @@ from importlib.metadata import version
 from typing import cast
 
 from gateway.conformance.framework.bench_file import Bench
-from gateway.conformance.framework.run import Result
+from gateway.conformance.framework.result import Result
 from gateway.conformance.suites.registry import Suite
 from gateway.pure.conformance.interval import Measure
 from gateway.pure.conformance.purpose import GROUPS

@@ -5,7 +5,7 @@ import json
 import pathlib
 from collections.abc import Collection, Mapping, Sequence
 
-from gateway.conformance.framework.run import Result
+from gateway.conformance.framework.result import Result
 from gateway.conformance.reporting.document import KIND, Json, cases_of, checksum, trace
 from gateway.conformance.reporting.junit import to_junit
 from gateway.conformance.reporting.page import to_html

@@ -12,7 +12,7 @@ from gateway.conformance.framework.witness import Witness
 from gateway.conformance.suites.line import LineSetup, LineTester
 from gateway.conformance.suites.rk512.telegrams import ask, fetch, finish, is_command, right_reaction
 from gateway.links.serial.tool_wire import VirtualWire, Wire
-from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive
+from gateway.pure.conformance.verdict import BenchFault, Ended, Fail
 from gateway.registry import LINE_LAYERS
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.characters import Char
@@ -220,13 +220,13 @@ class LineSession:
     def _by_command(self, tester: LineTester) -> None:
         argv = self._bench.stimulus.get("command")
         if not isinstance(argv, list):
-            raise Inconclusive("[stimulus] command is missing", "an argument list", "nothing")
+            raise BenchFault("[stimulus] command is missing", "an argument list", "nothing")
         try:
             done = subprocess.run([str(one) for one in argv], cwd=self._bench.folder, timeout=20, capture_output=True, check=False)
         except (OSError, subprocess.TimeoutExpired) as error:
-            raise Inconclusive(f"the stimulus {argv[0]}: {error}", "exit code 0", str(error)) from error
+            raise BenchFault(f"the stimulus {argv[0]}: {error}", "exit code 0", str(error)) from error
         if done.returncode:
-            raise Inconclusive(f"the stimulus {argv[0]} ended with {done.returncode}", "exit code 0", str(done.returncode))
+            raise BenchFault(f"the stimulus {argv[0]} ended with {done.returncode}", "exit code 0", str(done.returncode))
 
     def _by_modbus(self, tester: LineTester) -> None:
         from gateway.conformance.suites.modbus.stimulus import press

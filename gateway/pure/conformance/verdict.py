@@ -58,4 +58,12 @@ class NotApplicable(Ended):
 
 
 class Disturbed(Inconclusive):
-    """The device sent something unasked at a moment that matters, or a time lies across its limit: the case is repeated."""
+    """The device sent something unasked at a moment that matters: the case is repeated."""
+
+
+class Uncertain(Disturbed):
+    """A time lies across its limit: this host may be the cause as well as the device."""
+
+
+class BenchFault(Inconclusive):
+    """A command, a relay or the operator of the bench failed: no case of the device is behind it."""

@@ -17,7 +17,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from drivers.ports.base import PortError
 from gateway.conformance.framework.base import Tester
 from gateway.conformance.framework.bench_file import BadFile, Bench, Waiver, load_bench, load_pics, load_waivers, pics_faults
-from gateway.conformance.framework.run import Result, Runner, Session, ordered
+from gateway.conformance.framework.result import Result
+from gateway.conformance.framework.run import Runner, Session, ordered
 from gateway.conformance.framework.witness import Witness
 from gateway.conformance.reporting.document import Circumstances, cases_of, code_of, counts, document
 from gateway.conformance.reporting.folder import load, suite_of, write_folder

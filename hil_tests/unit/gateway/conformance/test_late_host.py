@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import pytest
 
 from gateway.conformance.framework import base
-from gateway.conformance.framework.run import Result, Runner
+from gateway.conformance.framework.result import Result
+from gateway.conformance.framework.run import Runner
 from gateway.pure.conformance.purpose import Purpose
 from gateway.pure.conformance.verdict import Fail, Verdict
 from protocols.base.machine import Ns, ms

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from gateway.conformance.framework.run import Result
+from gateway.conformance.framework.result import Result
 from gateway.conformance.peers.score import fails, play
 from gateway.conformance.peers.stations import Variant
 from gateway.conformance.suites.registry import SUITES
