@@ -90,6 +90,7 @@ from gateway.conformance.peers.canopen301_states import (
     no_wrap,
     refuses,
     register_sticks,
+    remaps_counted,
     remaps_valid,
     reports_again,
     second_toggle,
@@ -386,6 +387,7 @@ MUTANT_ROWS: tuple[Row, ...] = (
     _row("starts-at-once", "1800h:06 does not count", "PDO_BV_16", starts_at_once),
     _row("any-entry-length", "maps an object with a wrong length", "PDO_BI_11", any_entry_length),
     _row("remaps-valid", "a valid PDO can be mapped anew", "PDO_BI_12", remaps_valid),
+    _row("remaps-counted", "an entry is written while 1A00h:00 counts it", "PDO_BI_02", remaps_counted),
 )
 
 

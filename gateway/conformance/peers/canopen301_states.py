@@ -267,6 +267,14 @@ def remaps_valid(drive: Drive) -> None:
         item.__class__ = FreeTpdo
 
 
+def remaps_counted(drive: Drive) -> None:
+    """1800h:01 alone is checked before an entry is written, not the number of entries."""
+    for item in drive.node._tpdos:
+        for sub in range(1, 9):
+            if (item.map, sub) in drive.node.objects.values:
+                drive.node.objects.checks[item.map, sub] = lambda value, item=item: Abort.ACCESS if item._exists else OK
+
+
 # ---- correct devices unlike it
 def refuses(*ranges: range, taken: Sequence[int] = ()) -> Tune:
     """Entries of these indexes are constant; with `taken`: they take these values."""

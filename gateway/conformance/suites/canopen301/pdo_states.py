@@ -6,7 +6,7 @@ from gateway.conformance.framework.base import hexed
 from gateway.conformance.suites.can.node import NodeTester
 from gateway.conformance.suites.can.tester import afterwards
 from gateway.conformance.suites.canopen301.pdo import RX, SENDS, TAKEN, TAKES, TX, mapping, offered_types, reception, synced, transmission
-from gateway.conformance.suites.canopen301.pdo_wrong import MAP, MAPS, OTHERS, opened, write
+from gateway.conformance.suites.canopen301.pdo_wrong import MAP, MAPS, OTHERS, mapped_back, opened, write
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable
 from protocols.base.machine import ms
@@ -208,11 +208,4 @@ def while_valid(t: NodeTester) -> None:
             if all(t.ask(step)[:1] == b"\x60" for step in steps):
                 raise Fail("TPDO 1 was mapped anew while 1800h:01 marks it as valid", "a refusal", "each step is acknowledged")
         finally:
-            _mapped_back(t, cob, [part.word for part in parts])
-
-
-def _mapped_back(t: NodeTester, cob: int, words: list[int]) -> None:
-    entries = [((MAP, sub), word, 4) for sub, word in enumerate(words, 1)]
-    for key, value, size in (((TX, 1), cob | cobid.INVALID, 4), ((MAP, 0), 0, 1), *entries, ((MAP, 0), len(words), 1), ((TX, 1), cob, 4)):
-        with suppress(Ended):
-            t.download(key, value, size)
+            mapped_back(t, cob, parts)

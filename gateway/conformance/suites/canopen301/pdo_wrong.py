@@ -1,6 +1,6 @@
 """CANopen, PDO parameters: mapping by its rules, and what must be refused (CiA 301, 7.5.2.35 to 7.5.2.38)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 
 from gateway.conformance.suites.can.node import NodeTester
@@ -24,6 +24,19 @@ def write(key: tuple[int, int], value: int, size: int) -> bytes:
     return sdo.expedited(Request.INITIATE_DOWNLOAD, key, value.to_bytes(size, "little"))
 
 
+def mapped_back(t: NodeTester, cob: int, parts: Sequence[pdo.Mapped]) -> None:
+    """TPDO 1 as it was."""
+    for key, value, size in (
+        ((TX, 1), cob | cobid.INVALID, 4),
+        ((MAP, 0), 0, 1),
+        *(((MAP, sub), part.word, 4) for sub, part in enumerate(parts, 1)),
+        ((MAP, 0), len(parts), 1),
+        ((TX, 1), cob, 4),
+    ):
+        with suppress(Ended):
+            t.download(key, value, size)
+
+
 @contextmanager
 def opened(t: NodeTester) -> Iterator[list[pdo.Mapped]]:
     """TPDO 1 not valid, its mapping of no entries; what it was is set back."""
@@ -34,15 +47,7 @@ def opened(t: NodeTester) -> Iterator[list[pdo.Mapped]]:
     try:
         yield parts
     finally:
-        for key, value, size in (
-            ((TX, 1), cob | cobid.INVALID, 4),
-            ((MAP, 0), 0, 1),
-            *(((MAP, sub), part.word, 4) for sub, part in enumerate(parts, 1)),
-            ((MAP, 0), len(parts), 1),
-            ((TX, 1), cob, 4),
-        ):
-            with suppress(Ended):
-                t.download(key, value, size)
+        mapped_back(t, cob, parts)
 
 
 @RULES.case(
@@ -85,13 +90,13 @@ def while_counted(t: NodeTester) -> None:
     if len(parts) < 2:
         raise NotApplicable("TPDO 1 carries less than two objects")
     with t.kept((TX, 1)):
-        with t.given():
-            t.download((TX, 1), cob & ~cobid.INVALID, 4)
-        try:
-            t.refused(write((MAP, 1), parts[1].word, 4), STATE_CODES, "an entry of a mapping with entries", OTHERS)
-        finally:
-            with opened(t):
-                pass
+        for identifier, what in ((cob & ~cobid.INVALID, "valid"), (cob | cobid.INVALID, "not valid")):
+            with t.given():
+                t.download((TX, 1), identifier, 4)
+            try:
+                t.refused(write((MAP, 1), parts[1].word, 4), STATE_CODES, f"an entry of a mapping with entries, TPDO 1 {what},", OTHERS)
+            finally:
+                mapped_back(t, identifier, parts)
 
 
 @RULES.case(
