@@ -21,15 +21,8 @@ from gateway.pure.image.records import correction as correctionrecords
 from gateway.pure.image.records import interpreter as interpreterrecords
 from gateway.pure.image.records import planner as plannerrecords
 from gateway.pure.image.records import plc as plcrecords
-from gateway.pure.image.records.cell import (
-    ACYCLIC_RECORDS,
-    ASIDE_BYTES,
-    ASIDE_LAYOUT,
-    HEARD_RECORDS,
-    TRACE_BYTES,
-    TRACE_LAYOUT,
-    TRACE_RECORDS,
-)
+from gateway.pure.image.records.aside import ACYCLIC_RECORDS, ASIDE_BYTES, ASIDE_LAYOUT, HEARD_RECORDS
+from gateway.pure.image.records.trace import TRACE_BYTES, TRACE_LAYOUT, TRACE_RECORDS
 from gateway.pure.recording import messages
 from gateway.pure.scope.records import SCOPE_LAYOUT, SCOPE_RECORDS, scope_bytes
 from gateway.registry import LINE_LAYERS, language_in

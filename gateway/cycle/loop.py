@@ -34,22 +34,10 @@ from gateway.cycle.recording_tap import CycleTap
 from gateway.pure.buses.cia401 import CouplerFamily, contacts_lost
 from gateway.pure.controllers.rho3.can.family import RhoFamily
 from gateway.pure.cycle.core import CycleLogic
-from gateway.pure.image.records.cell import (
-    ASIDE_LAYOUT,
-    CELL_STATE_LAYOUT,
-    ORDER_LAYOUT,
-    TRACE_LAYOUT,
-    Aside,
-    AsideRecord,
-    InputImage,
-    OrderRecord,
-    pack_aside,
-    pack_trace,
-    unpack_aside,
-    unpack_inputs,
-    unpack_order,
-)
+from gateway.pure.image.records.aside import ASIDE_LAYOUT, Aside, AsideRecord, pack_aside, unpack_aside
+from gateway.pure.image.records.cell import CELL_STATE_LAYOUT, ORDER_LAYOUT, InputImage, OrderRecord, unpack_inputs, unpack_order
 from gateway.pure.image.records.planner import unpack_piece
+from gateway.pure.image.records.trace import TRACE_LAYOUT, pack_trace
 from gateway.pure.recording.messages import What
 from gateway.pure.reports.waited import WaitedTime
 from gateway.pure.scope.records import SCOPE_LAYOUT, pack_scope

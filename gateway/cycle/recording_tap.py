@@ -5,7 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from gateway.cycle.bus_link import BusLink
 from gateway.pure.buses.cia401 import CouplerFamily
 from gateway.pure.cycle.core import CycleLogic
-from gateway.pure.image.records.cell import Aside, Motion, unpack_order
+from gateway.pure.image.records.aside import Aside
+from gateway.pure.image.records.cell import Motion, unpack_order
 from gateway.pure.recording.messages import (
     ASKED_LAYOUT,
     BEGIN,

@@ -1,8 +1,7 @@
 """The supervisor: makes the regions, starts the processes, watches their life, restarts them (design: section 4).
 
 Restart: at once, then after 1, 2, 5 s; six deaths in a minute: the journal reports it, the cycle stays down, every other process is tried
-again every 10 s (AX-621).  It answers on runtime_dir()/SLUG.sock (Unix stream, one JSON line a request): status, regions (fds by
-SCM_RIGHTS), hold, release, stop.
+again every 10 s (AX-621).  Tools ask it for status, regions (fds by SCM_RIGHTS), hold, release, stop.
 """
 
 import contextlib
@@ -17,8 +16,9 @@ import socket
 import subprocess
 from dataclasses import dataclass, field
 
-from drivers.ports.base import PortError, runtime_dir
+from drivers.ports.base import runtime_dir
 from gateway.assembly.run import Child, RunPlan, command_line, make_regions
+from gateway.processes.tool_requests import ToolRequests
 from gateway.pure.image.life_watch import LifeWatch, Load
 from gateway.runtime.clock import now_ns
 from gateway.runtime.journal import Journal
@@ -35,9 +35,6 @@ SLOW_NS = 10_000_000_000  # between two starts of a process that died so often
 STAYS_DOWN = "cycle"  # moves axes: after so many deaths a person looks first
 END_S = 0.1  # patience with the death of a process that was ended; one that hangs in the kernel is buried later
 BUSY_TOLD_NS = 10_000_000_000  # a process the machine gives no processor to is reported at most so often
-REQUEST_NS = 2_000_000_000  # patience with a tool that has connected and says nothing
-REQUEST_BYTES = 4096
-TOOLS = 32  # connected at once; more wait
 POLL_S = 0.01
 SPARE_NS = 1_500_000_000  # a start is over by then: loading a spare takes nothing from it
 GOES_ON = "; the run goes on; it ends with: axisgate stop {slug}"
@@ -91,8 +88,7 @@ class Supervisor:
         self._stop = False
         self._noted: list[signal.Signals] = []  # of SAID_ONCE, in the order they came
         self._said: set[signal.Signals] = set()
-        self._tools: dict[socket.socket, tuple[int, bytearray]] = {}  # since when it is there, what it said so far
-        self._socket = self._listen()
+        self._requests = ToolRequests(plan.slug, self._selector, self._answer)
 
     # ---- life --------------------------------------------------------------------------------------------------------
     def run(self) -> int:
@@ -127,8 +123,7 @@ class Supervisor:
                 self.journal.write("process", SAID_ONCE[number].format(slug=self.plan.slug))
         for running in self._running:
             self._look_after(running)
-        if self._tools:
-            self._send_away()
+        self._requests.send_away()
 
     def _start_all(self) -> int:
         """In order; each announcing process is waited for, because the next one needs it."""
@@ -299,13 +294,9 @@ class Supervisor:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
-        for tool in list(self._tools):
-            self._forget(tool)
-            tool.close()
-        self._socket.close()
-        for left in (self.path, runtime_dir() / f"{self.plan.slug}-services.sock"):
-            with contextlib.suppress(OSError):
-                left.unlink(missing_ok=True)  # services that were killed could not take theirs away
+        self._requests.close()
+        with contextlib.suppress(OSError):  # services that were killed could not take theirs away
+            (runtime_dir() / f"{self.plan.slug}-services.sock").unlink(missing_ok=True)
         self._selector.close()
         for fd in (*self.fds.values(), self._plan_fd):
             os.close(fd)
@@ -313,66 +304,6 @@ class Supervisor:
         self.journal.close()
 
     # ---- requests ----------------------------------------------------------------------------------------------------
-    @property
-    def path(self) -> pathlib.Path:
-        return runtime_dir() / f"{self.plan.slug}.sock"
-
-    def _listen(self) -> socket.socket:
-        path = self.path
-        listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        if path.exists():
-            with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
-                if probe.connect_ex(str(path)) == 0:
-                    raise PortError(f"{path}: a run of cell {self.plan.slug!r} is already up; stop it first (Ctrl-C there)")
-            path.unlink()
-        listener.bind(str(path))
-        listener.listen(TOOLS)
-        listener.setblocking(False)
-        self._selector.register(listener, selectors.EVENT_READ, lambda _: self._accept(listener))
-        return listener
-
-    def _accept(self, listener: socket.socket) -> None:
-        """A tool came; it is heard when it says something, and nobody waits for it meanwhile."""
-        with contextlib.suppress(OSError):
-            connection, _ = listener.accept()
-            if len(self._tools) >= TOOLS:
-                connection.close()
-                return
-            connection.setblocking(False)
-            self._tools[connection] = (now_ns(), bytearray())
-            self._selector.register(connection, selectors.EVENT_READ, lambda _: self._listen_to(connection))
-
-    def _listen_to(self, tool: socket.socket) -> None:
-        """One request: a JSON object, its end marked by a newline or by being whole."""
-        heard = self._tools[tool][1]
-        try:
-            data = tool.recv(REQUEST_BYTES)
-        except BlockingIOError:
-            return
-        except OSError:
-            data = b""
-        heard += data
-        request = _request(bytes(heard))
-        if request is None and data and b"\n" not in heard and len(heard) < REQUEST_BYTES:
-            return
-        self._forget(tool)
-        with tool, contextlib.suppress(OSError):
-            if request is not None:
-                self._answer(tool, request)
-            elif heard:
-                tool.sendall(b'{"error": "a JSON object with the key op is expected"}\n')
-
-    def _forget(self, tool: socket.socket) -> None:
-        del self._tools[tool]
-        self._selector.unregister(tool)
-
-    def _send_away(self) -> None:
-        """Tools that connected and say nothing."""
-        now = now_ns()
-        for tool in [tool for tool, (since, _) in self._tools.items() if now - since > REQUEST_NS]:
-            self._forget(tool)
-            tool.close()
-
     def _answer(self, connection: socket.socket, request: dict[str, object]) -> None:
         match request.get("op"):
             case "status":
@@ -439,15 +370,6 @@ def _ready_to_run(parent: int) -> None:
     """In the child, before its program: a hung one dies with its parent, too, and no terminal ends or suspends it."""
     die_with_parent(parent, signal.SIGKILL)
     survive_terminal()
-
-
-def _request(heard: bytes) -> dict[str, object] | None:
-    """What the tool asked for; None: no whole JSON object yet."""
-    try:
-        request = json.loads(heard)
-    except ValueError:  # also what is not UTF-8
-        return None
-    return request if isinstance(request, dict) else None
 
 
 def _pid(running: Running) -> int | None:

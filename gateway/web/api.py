@@ -1,15 +1,14 @@
 """Handlers of the interface; the table of `endpoints` has the rights."""
 
-import asyncio
 import math
 import time
-from collections.abc import Awaitable, Callable
 from typing import Any
 
-from starlette.responses import JSONResponse, Response
+from starlette.responses import Response
 
 from gateway.observer.names import MOST, Entry, Names
-from gateway.web.access import COOKIE, Access, Denied
+from gateway.web.access import Access
+from gateway.web.accounts import Accounts, account_endpoints
 from gateway.web.audit_words import told
 from gateway.web.bodies import (
     Cable,
@@ -20,18 +19,14 @@ from gateway.web.bodies import (
     ForceWord,
     Keep,
     Kept,
-    Login,
     Marker,
-    Named,
     Permit,
     PlcStart,
     ProgramName,
     Put,
     Record,
-    Token,
     Unforce,
     UnforceWord,
-    User,
     Val3Act,
 )
 from gateway.web.catalogue import found, said
@@ -40,7 +35,7 @@ from gateway.web.live import Live
 from gateway.web.operator_control import OperatorControl
 from gateway.web.program_test import ProgramTests, program_test_endpoints
 from gateway.web.scope import Wanted
-from gateway.web.store import SESSION_S, Role, Store, StoreError
+from gateway.web.store import Role, Store, StoreError
 from gateway.web.trends import LEAST_S, MOST_S
 from gateway.web.word_forces import forced_words
 
@@ -60,9 +55,7 @@ class Api:
         self.live, self.names, self.access, self.cell = live, names, access, cell
         self.store: Store = access.store
         self.hands: OperatorControl = live.hands
-        self.secure = bool(access.web.tls_certificate)
-        self.judge: Callable[[], Awaitable[None]] = _nothing  # ends what changed users had open
-        self._login = asyncio.Semaphore(1)  # argon2 takes a core for a moment: one at a time
+        self.accounts = Accounts(access, live.hands)
 
     # ---- looking --------------------------------------------------------------------------------------------------------
     async def me(self, call: Call) -> Row:
@@ -279,78 +272,7 @@ class Api:
         given = body.model_dump(exclude={"emulator", "do"}, exclude_none=True)
         return await self.live.plant.fault(body.emulator, body.do, **given)
 
-    # ---- who may --------------------------------------------------------------------------------------------------------------
-    async def setup(self, call: Call) -> Response:
-        """The first password; from this computer only, and only while there is none."""
-        body: Login = call.body
-        if not call.person.local:
-            raise Denied(403, "the first password is set on the gateway itself")
-        async with self._login:
-            if not self.store.fresh:
-                raise Denied(409, "there is an administrator already")
-            await asyncio.to_thread(self.store.put_user, body.name, Role.ADMIN, body.password)
-        return self._logged_in(body.name)
-
-    async def login(self, call: Call) -> Response:
-        body: Login = call.body
-        keys = (f"address {call.person.source}", f"name {body.name}")
-        wait = self.access.patience.wait_s(*keys)
-        if wait:
-            raise Denied(429, f"too many wrong passwords; try again in {wait:.0f} s")
-        self.access.patience.wrong(*keys)
-        async with self._login:
-            right = await asyncio.to_thread(self.store.right, body.name, body.password)
-        if right:
-            self.access.patience.right(*keys)
-        else:
-            self.store.note(body.name, call.person.source, "wrong password")
-            raise Denied(401, "name or password is wrong")
-        return self._logged_in(body.name)
-
-    def _logged_in(self, name: str) -> Response:
-        session = self.store.open_session(name)
-        response = JSONResponse({"name": name, "role": session.role.name.lower(), "csrf": session.csrf})
-        response.set_cookie(COOKIE, session.id, max_age=SESSION_S, httponly=True, samesite="strict", secure=self.secure, path="/")
-        return response
-
-    async def logout(self, call: Call) -> Response:
-        if call.person.key and call.person.key == self.hands.holder:
-            await self.hands.lose()
-        self.store.close_session(call.request.cookies.get(COOKIE, ""))
-        await self.judge()
-        response = JSONResponse({"ok": True})
-        response.delete_cookie(COOKIE, path="/")
-        return response
-
-    async def users(self, call: Call) -> Row:
-        tokens = [{"label": label, "role": role.name.lower(), "made": made} for label, role, made in self.store.tokens()]
-        return {"users": [{"name": name, "role": role.name.lower()} for name, role in self.store.users()], "tokens": tokens}
-
-    async def put_user(self, call: Call) -> Row:
-        body: User = call.body
-        async with self._login:
-            await asyncio.to_thread(self.store.put_user, body.name, Role[body.role.upper()], body.password)
-        await self.judge()
-        return {"ok": True}
-
-    async def drop_user(self, call: Call) -> Row:
-        body: Named = call.body
-        if not self.store.drop_user(body.name):
-            raise StoreError(f"no user {body.name}")
-        await self.judge()
-        return {"ok": True}
-
-    async def put_token(self, call: Call) -> Row:
-        body: Token = call.body
-        return {"token": self.store.put_token(body.label, Role[body.role.upper()])}
-
-    async def drop_token(self, call: Call) -> Row:
-        body: Named = call.body
-        if not self.store.drop_token(body.name):
-            raise StoreError(f"no token {body.name}")
-        await self.judge()
-        return {"ok": True}
-
+    # ---- the audit log ----------------------------------------------------------------------------------------------------
     async def audit(self, call: Call) -> Row:
         axes = [axis["name"] for axis in self.cell["axes"]]
         rows = [{**row, "say": told(str(row["what"]), str(row["detail"]), axes)} for row in self.store.audit()]
@@ -373,10 +295,6 @@ def seconds_of(text: str) -> float:
     if not LEAST_S <= seconds <= MOST_S:
         raise ValueError(f"seconds: {LEAST_S:.0f}..{MOST_S:.0f}")
     return seconds
-
-
-async def _nothing() -> None:
-    """No connection is open."""
 
 
 def plc_endpoints(api: Api) -> list[Endpoint]:
@@ -442,13 +360,6 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("POST", "/api/set", s, "write a value as the PLC would (simulation)", api.put, Put, True),
         row("POST", "/api/cable", s, "pull a simulated cable", api.cable, Cable, True, plant=True),
         row("POST", "/api/fault", s, "fault an emulated drive", api.fault, Fault, True, plant=True),
-        row("POST", "/api/setup", n, "the first password", api.setup, Login, True),
-        row("POST", "/api/login", n, "begin a session", api.login, Login, True),
-        row("POST", "/api/logout", n, "end it", api.logout, None, True),
-        row("GET", "/api/users", a, "users and tokens", api.users),
-        row("POST", "/api/users", a, "a new user, or a new password", api.put_user, User, True),
-        row("POST", "/api/users/drop", a, "a user leaves", api.drop_user, Named, True),
-        row("POST", "/api/tokens", a, "a secret for a script, shown once", api.put_token, Token, True),
-        row("POST", "/api/tokens/drop", a, "a token ends", api.drop_token, Named, True),
+        *account_endpoints(api.accounts),
         row("GET", "/api/audit", a, "who changed what, and whether the chain is whole", api.audit),
     ]

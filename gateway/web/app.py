@@ -91,7 +91,7 @@ def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store, scope: Sco
     access = Access(store, web, simulated=plan.simulated)
     api = Api(live, names, access, described(plan, plant, live.skeleton))
     sockets = Sockets(live, hands, access)
-    api.judge = sockets.judge
+    api.accounts.judge = sockets.judge
     table = endpoints(api)
     description = openapi(table, "1")
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 
 from pymodbus.exceptions import ConnectionException, ModbusIOException
 
-from gateway.pure.image.records.cell import unpack_trace
+from gateway.pure.image.records.trace import unpack_trace
 from gateway.runtime.regions import RingReader, recv_fds
 from gateway.runtime.supervisor_client import ask, wait_up
 from gateway.tools.progress import Progress

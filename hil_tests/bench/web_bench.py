@@ -20,7 +20,7 @@ from collections.abc import Iterator
 
 from websockets.asyncio.client import connect
 
-from gateway.pure.image.records.cell import unpack_trace
+from gateway.pure.image.records.trace import unpack_trace
 from gateway.runtime.regions import RingReader, recv_fds
 from gateway.runtime.supervisor_client import ask
 from gateway.scope.recording import load

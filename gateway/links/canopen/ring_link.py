@@ -5,7 +5,7 @@ import time
 from collections import deque
 
 from gateway.pure.buses.storms import Storms
-from gateway.pure.image.records.cell import ASIDE_LAYOUT, Aside, AsideRecord, pack_aside, unpack_aside
+from gateway.pure.image.records.aside import ASIDE_LAYOUT, Aside, AsideRecord, pack_aside, unpack_aside
 from gateway.runtime.regions import RingReader, RingWriter
 from protocols.base.machine import Frame
 from protocols.canopen import cob_id as cobid

@@ -14,7 +14,7 @@ from drivers.ports.can.memory import memory_pair
 from gateway.cycle.bus_link import BusLink
 from gateway.files.eds import canopen_dictionary, clean_sheet
 from gateway.links.canopen.ring_link import Rings
-from gateway.pure.image.records.cell import ACYCLIC_RECORDS, ASIDE_BYTES, ASIDE_LAYOUT, Aside, AsideRecord, pack_aside, unpack_aside
+from gateway.pure.image.records.aside import ACYCLIC_RECORDS, ASIDE_BYTES, ASIDE_LAYOUT, Aside, AsideRecord, pack_aside, unpack_aside
 from gateway.runtime.regions import RingReader, RingWriter, create_ring
 from protocols.base.machine import Frame
 from protocols.canopen import eds

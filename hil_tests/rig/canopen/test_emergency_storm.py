@@ -16,7 +16,7 @@ from gateway.assembly.canopen_nodes import node_plans
 from gateway.cell_file.load import load_cell
 from gateway.links.canopen.master import CanopenMaster
 from gateway.links.canopen.ring_link import Rings
-from gateway.pure.image.records.cell import ACYCLIC_RECORDS, ASIDE_BYTES, ASIDE_LAYOUT, HEARD_RECORDS, Aside, AsideRecord, pack_aside
+from gateway.pure.image.records.aside import ACYCLIC_RECORDS, ASIDE_BYTES, ASIDE_LAYOUT, HEARD_RECORDS, Aside, AsideRecord, pack_aside
 from gateway.runtime.regions import RingWriter, create_ring
 from hil_tests.lab.running.cell_running import P5_MS, running_cell
 from protocols.base.machine import Frame

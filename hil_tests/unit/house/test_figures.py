@@ -1,6 +1,6 @@
-"""Figures of the house that may only fall: attributes of a class in pure rooms, parameters and lines of a function.
+"""Figures of the house that may only fall: attributes of a class in pure rooms, parameters and lines of a function, lines of a file.
 
-A class or function over the limit has a row with its figure of today; it may fall below it and not rise, and a new one is refused.
+A class, function or file over the limit has a row with its figure of today; it may fall below it and not rise, and a new one is refused.
 """
 
 import ast
@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 ROOT = next(parent for parent in pathlib.Path(__file__).resolve().parents if (parent / "pyproject.toml").exists())
 PACKAGES = ("gateway", "drivers", "motion", "protocols")
 PURE = ("protocols/", "motion/", "drivers/drives/", "drivers/emulator/", "gateway/pure/")
-MOST_ATTRIBUTES, MOST_PARAMETERS, MOST_LINES = 15, 8, 60
+MOST_ATTRIBUTES, MOST_PARAMETERS, MOST_LINES, MOST_FILE_LINES = 15, 8, 60, 450
 CLASSES: Mapping[str, int] = {
     "drivers/drives/cia402.py:Cia402Drive": 24,
     "drivers/drives/servodyn.py:Drive": 23,
@@ -29,7 +29,7 @@ CLASSES: Mapping[str, int] = {
     "gateway/pure/cycle/belts.py:CoreBelts": 29,
     "gateway/pure/cycle/core.py:CycleLogic": 22,
     "gateway/pure/cycle/mover.py:Mover": 17,
-    "gateway/pure/languages/baps2/control.py:Control": 19,
+    "gateway/pure/languages/baps2/control.py:Control": 18,
     "motion/execution/follower.py:Follower": 21,
     "motion/execution/stepper.py:Stepper": 21,
     "motion/timing/foresight.py:Foresight": 20,
@@ -50,6 +50,15 @@ LINES: Mapping[str, int] = {
     "drivers/emulator/servo/model.py:run": 97,
     "gateway/cycle/loop.py:__init__": 65,
     "motion/kinematics/arm6.py:_solve": 78,
+}
+FILES: Mapping[str, int] = {
+    "gateway/pure/cycle/core.py": 475,
+    "gateway/pure/cycle/mover.py": 529,
+    "gateway/pure/languages/robotstar/virtual.py": 460,
+    "gateway/pure/planning/planner.py": 602,
+    "gateway/registry.py": 526,  # one table of rows: what exists, in one place
+    "motion/planner/planner.py": 522,
+    "motion/planner/route.py": 493,
 }
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -117,6 +126,20 @@ def test_no_function_has_too_many_parameters_and_none_gets_more() -> None:
 
 def test_no_function_is_too_long_and_none_gets_longer() -> None:
     assert risen(found()[2], LINES) == {}
+
+
+def long_files() -> dict[str, int]:
+    """Files with more lines than a reader takes in at once."""
+    lines = {
+        path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8").count("\n")
+        for package in (*PACKAGES, "hil_tests")
+        for path in (ROOT / package).rglob("*.py")
+    }
+    return {path: count for path, count in lines.items() if count > MOST_FILE_LINES}
+
+
+def test_no_file_is_too_long_and_none_gets_longer() -> None:
+    assert risen(long_files(), FILES) == {}
 
 
 def test_a_row_that_is_no_longer_needed_is_taken_out() -> None:

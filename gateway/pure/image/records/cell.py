@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from enum import IntEnum, IntFlag
 from operator import attrgetter
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 from gateway.pure.image.records.layout import F64, I64, U8, U16, U32, U64, Code, Layout
 from motion.execution.pieces import MAX_AXES
@@ -408,67 +408,3 @@ def set_bits(image: bytearray, first: int, count: int, values: int) -> None:
 def get_bit(image: bytes | bytearray, number: int) -> bool:
     """The reverse of set_bit."""
     return bool(image[number >> 3] >> (number & 7) & 1)
-
-
-class Aside(IntEnum):
-    """Records between the cycle and the master of a bus: frames that are no cyclic data, and what the cycle must know of a node."""
-
-    FRAME = 0
-    RELEASE = 1  # to the cycle: this node is configured; data = the mode it is in (6061h)
-    HOLD = 2  # to the cycle: this node is not, or no longer
-
-
-class AsideRecord(NamedTuple):
-    """One of them; `bus` counts the cell's drive buses from 0, `identifier` is the node for RELEASE and HOLD."""
-
-    kind: Aside
-    bus: int
-    identifier: int
-    data: bytes = b""
-    stamp_ns: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class _AsideBytes:
-    """An AsideRecord as the ring holds it."""
-
-    kind: Annotated[Aside, Code("B", Aside)]
-    bus: U8
-    identifier: U16
-    size: Annotated[int, Code("B3x")]
-    data: Annotated[bytes, Code("8s")]
-    stamp_ns: I64
-
-
-_ASIDE = Layout(_AsideBytes, "aside/1")
-ASIDE_BYTES, ACYCLIC_RECORDS, HEARD_RECORDS, ASIDE_LAYOUT = _ASIDE.size, 1024, 8192, _ASIDE.text
-
-
-def pack_aside(record: AsideRecord) -> bytes:
-    """AsideRecord as ASIDE_BYTES bytes; data has at most 8. By hand: it is done for every frame."""
-    kind, bus, identifier, data, stamp = record
-    return _ASIDE.struct.pack(kind, bus, identifier, len(data), data, stamp)
-
-
-def unpack_aside(data: bytes) -> AsideRecord:
-    """The reverse of pack_aside."""
-    kind, bus, identifier, size, octets, stamp = _ASIDE.struct.unpack(data)
-    return AsideRecord(Aside(kind), bus, identifier, octets[:size], stamp)
-
-
-@dataclass(frozen=True, slots=True)
-class Trace:
-    """One cycle as its own clock saw it; ns."""
-
-    cycle: U64
-    due: I64
-    sent: I64  # SYNC handed to the bus
-    answered: I64  # last actual value in, or patience over
-    ready: I64  # set values for the next SYNC prepared
-    missing: I64  # telegrams
-
-
-_TRACE = Layout(Trace, "cycle-trace/1")
-TRACE_BYTES, TRACE_RECORDS, TRACE_LAYOUT = _TRACE.size, 8192, _TRACE.text
-pack_trace = _TRACE.struct.pack  # of the fields themselves: it is called in every cycle
-unpack_trace = _TRACE.unpack

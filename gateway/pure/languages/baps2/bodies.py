@@ -33,8 +33,9 @@ from gateway.pure.languages.baps2.tree import (
     WaitUntil,
     Write,
 )
+from gateway.pure.languages.baps2.typed import Typed
 from gateway.pure.languages.baps2.types import BINARY, CHAR, INTEGER, NONE, POINTS, TEXT, Type, fits
-from gateway.pure.languages.baps2.typing import Typed, Typing
+from gateway.pure.languages.baps2.typing import Typing
 from gateway.pure.languages.base.source import Position
 
 REAL_CHECKED = "(t if -3.4028235e+38 <= (t := {}) <= 3.4028235e+38 else real_overflow())"

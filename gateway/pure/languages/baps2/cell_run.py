@@ -4,41 +4,33 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI, FIRST_REAL, MULTI, REALS, Fact
-from gateway.pure.languages.baps2 import demands, lines
+from gateway.pure.image.records.interpreter import FIRST_MULTI, FIRST_REAL, MULTI, REALS, Fact
+from gateway.pure.languages.baps2 import demands
 from gateway.pure.languages.baps2.cell_access import CellAccess
-from gateway.pure.languages.baps2.cell_acts import TOLD, CellActs
-from gateway.pure.languages.baps2.cell_asynchronous import DISTANCE, SPEED, CellAsynchronous
-from gateway.pure.languages.baps2.cell_belts import CAM, CellBelts, CellSetup
+from gateway.pure.languages.baps2.cell_acts import TOLD
+from gateway.pure.languages.baps2.cell_asynchronous import DISTANCE, SPEED
+from gateway.pure.languages.baps2.cell_belts import CellSetup
 from gateway.pure.languages.baps2.cell_debugger import CellDebugger
 from gateway.pure.languages.baps2.cell_devices import CellDevices, SerialUnits, fault_of
 from gateway.pure.languages.baps2.cell_eeprom import EepromOrders
 from gateway.pure.languages.baps2.cell_files import CellFiles
-from gateway.pure.languages.baps2.control import Control, size_of
-from gateway.pure.languages.baps2.errors import TEXTS, fault
-from gateway.pure.languages.baps2.feed import SECOND, Feed, UnitFeed
-from gateway.pure.languages.baps2.frames import to_workpiece
+from gateway.pure.languages.baps2.cell_motion import CellMotion
+from gateway.pure.languages.baps2.cell_view import FIRST_INTEGER, INTEGERS, USER
+from gateway.pure.languages.baps2.errors import fault
+from gateway.pure.languages.baps2.feed import UnitFeed
 from gateway.pure.languages.baps2.library import Library
-from gateway.pure.languages.baps2.lines import Wanted
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.outside import PANEL
 from gateway.pure.languages.baps2.robots import CellRobot
-from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Statement, Task
+from gateway.pure.languages.baps2.tasks import Lane, Output, Task
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
-from gateway.pure.languages.baps2.working_range import check_range, range_keys
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
-from gateway.pure.languages.base.path import Paths, Stretch
 from gateway.pure.languages.base.process import Process, ProcessState
 from gateway.pure.languages.base.requests import PENDING, Ns, Request, RuntimeFault
 from gateway.pure.languages.pic.cell_pic import CellPic
-from motion.program.passing import Presets
 
-FIRST_INPUT, USER = 464, 120  # RC input of user input 1
-FIRST_INTEGER, INTEGERS = 401, 8
-RUN_ON = range(710, 800, 10)  # probes of the modified MOVE UNTIL, of boards 1 to 9
-EARLY = 1_000  # the same inputs, read while the block is prepared
 SAID_ANEW = "-"  # no type: what is read next is said, also when it is nothing
 PIECE = 1_000  # characters of an output to the screen of a PHG 2000
 OUTPUTS = (
@@ -47,7 +39,6 @@ OUTPUTS = (
     *range(FIRST_REAL, FIRST_REAL + REALS),
     *range(FIRST_INTEGER, FIRST_INTEGER + INTEGERS),
 )
-DRY_NS = 100_000_000  # with nothing to do for so long the order is given back
 OWN_RUNS = 1 << 20  # runs that programs start themselves
 NUMBERED = re.compile(r"\(rho 3 (\d+)\)$")
 FOREIGN = re.compile(r" \(VAL 3 \d+\)")
@@ -76,7 +67,7 @@ class Pendant:
     reading: str = ""  # type of what a READ of the panel waits for, as it was said
 
 
-class CellRun(Control):
+class CellRun(CellMotion):
     """All programs of a memory in one cell.  one: robots move one at a time."""
 
     def __init__(
@@ -90,19 +81,14 @@ class CellRun(Control):
         setup: CellSetup | None = None,
         one: bool = True,
     ) -> None:
-        super().__init__(library, memory, Feed(p5=p5, belts={}))
-        self.port, self.robots, self.setup = port, tuple(robots), setup or CellSetup()
-        self.paths = Paths(port, len(robots), one=one)
-        self.acts = CellActs(self, CellBelts(self.setup.belts, port), CellAsynchronous(self))
+        super().__init__(library, memory, port, robots, p5, setup or CellSetup(), one=one)
         self.devices[PANEL] = Device(UnitFeed())
-        self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its robot
         self._runs: dict[int, Task] = {}
         self._begun = _Begun()
         self._read: dict[int, set[tuple[int, int]]] = {}  # process -> places that have read in this turn
         self.pic: CellPic | None = None  # scanned beside the programs
         self.pendant = Pendant(CellDebugger(CellAccess(self), library.watched()), CellFiles(port))
         self.scheduler.debugger = self.test.debugger
-        self._systems: dict[int, tuple[float, ...]] = {}  # ticket of a stretch -> workpiece system as told
 
     def connect(self, serial: SerialUnits) -> None:
         """The units V24_1 to V24_4 are on lines of the cell; before anything runs."""
@@ -191,15 +177,6 @@ class CellRun(Control):
             self.stop_run(run, now)
         self.paths.drop()
 
-    def path_given(self, ticket: int, job: int) -> None:
-        """The robot moves for a program from now on."""
-        stretch = self.paths.given(ticket, job)
-        if stretch is not None:
-            if stretch.whole:
-                self.port.whole(job)
-            for text in lines.head(self.robots[stretch.robot - 1]):
-                self.port.line(job, text)
-
     def path_over(self, ticket: int, error: RuntimeFault | None, now: Ns) -> None:
         """It does not any more; an error ends the program."""
         self.now = now
@@ -218,8 +195,7 @@ class CellRun(Control):
         if self.pic is not None:
             self.pic.file_changed(name)
         if kind == "PKT":
-            self._points.pop(program, None)
-            self._kept.pop(program, None)
+            self.teach_points.forget(program)
         else:
             self.library.forget(program)
 
@@ -305,238 +281,6 @@ class CellRun(Control):
     def _woken(self) -> bool:
         return any(task.process.state is ProcessState.WAITING for task in self.tasks.values())
 
-    def _settle(self) -> None:
-        """What has been handed on is run where nothing follows soon; an order nobody needs goes back."""
-        for stretch in self.paths.stretches:
-            if isinstance(stretch.owner, Task) and stretch.job:
-                self._settle_one(stretch, stretch.owner)
-
-    def _settle_one(self, stretch: Stretch, task: Task) -> None:
-        path = self.paths.of(stretch.robot)
-        waits = task.process.waits_for
-        idle = task.process.state in (ProcessState.WAITING, ProcessState.HELD)
-        if idle and not (isinstance(waits, demands.MoveTo) and task.block is None):
-            path.finish(stretch)
-        if any(block.stretch is stretch for block in task.blocks()) or self._rides(stretch.robot):
-            stretch.dry = None
-        elif stretch.dry is None:
-            stretch.dry = self.now
-        elif self.now - stretch.dry >= DRY_NS or path.contended:
-            path.release(task)
-
-    def _rides(self, robot: int) -> bool:
-        """The program has it in a synchronous part."""
-        return any(lane.belt and self.robot_of(name).number == robot for name, lane in self.lanes.items())
-
-    def robot(self, number: int) -> CellRobot:
-        """By its number; a runtime error where the cell has none."""
-        if not 1 <= number <= len(self.robots):
-            raise fault(220, f"{number}; this cell has {len(self.robots)} with a model")
-        return self.robots[number - 1]
-
-    def robot_of(self, kinematic: str) -> CellRobot:
-        """As programs name it."""
-        return self.robots[self._numbers.get(kinematic, 1) - 1]
-
-    def lane_of(self, task: Task, number: object) -> tuple[str, Lane]:
-        """A kinematic of the program by its number."""
-        return self.specials.lane_of(task, number)
-
-    def lane(self, kinematic: str, size: int = 0) -> Lane:
-        """A kinematic, at the position of its axes."""
-        lane = self.lanes.get(kinematic)
-        if lane is None:
-            lane = self.lanes[kinematic] = Lane(self.robot_of(kinematic).own(self.port.view.set))
-        return lane
-
-    # ---- movement
-
-    def _ready(self, task: Task, lane: Lane, block: Block, request: demands.MoveTo) -> None:
-        until = "" if request.until is None else self._until(request.until, request)
-        factors = {**lane.factors, **dict(request.factors)}
-        robot = self.robot_of(request.kinematic)
-        how = request.way, request.via, request.joint, request.relative
-        on_belt = self.acts.target(robot, lane, request, tuple(float(value) for value in request.target if value is not None))
-        if on_belt and self.acts.belts.kind(self.acts.belts.number(lane.belt)) == CAM:
-            on_belt += " " + self.acts.cam(lane, self.port.view.channels.factors, factors)
-        block.before, lane.before = lane.before, ()
-        held = "" if request.way == "circular" else self._held(task, request.kinematic)
-        until = " ".join(each for each in (until, held, range_keys(lane.limits)) if each)
-        block.wanted = Wanted(robot, *how, block.target, factors, self._presets(robot.number), lane.frame, until, on_belt)
-        if not request.relative and not request.joint and request.way != "circular":
-            robot.target(block.target, lane.position)  # its faults belong to the statement
-
-    def _held(self, task: Task, kinematic: str) -> str:
-        """WAIT UNTIL of a high-speed input directly before a block: the cycle starts it (L1574-1655)."""
-        for item in reversed(task.queue):
-            if isinstance(item, Block) and item.kinematic != kinematic:
-                continue
-            own = isinstance(item, FastWait) and item.kinematic in (None, kinematic) and item.due is None
-            if not own or not isinstance(item, FastWait) or item.until.channel not in self.setup.wires:
-                return ""
-            task.queue.remove(item)
-            return f"wait={'' if item.until.level else '!'}ch{item.until.channel} delay={item.delay / SECOND:.10g}"
-        return ""
-
-    def _presets(self, robot: int) -> Presets:
-        """P212 to P214 of a kinematic."""
-        return self.setup.presets[robot - 1] if robot <= len(self.setup.presets) else Presets()
-
-    def _until(self, until: demands.Until, request: demands.MoveTo) -> str:
-        """The input that ends a movement, as the planner knows it."""
-        number, sign = until.channel % EARLY, "" if until.level else "!"
-        most = lines.within(until.limit)
-        self.signal(number, self.now)  # one that is not there is a runtime error of this statement
-        if 1 <= number <= USER:
-            return f"until={sign}{FIRST_INPUT + number - 1}{most}"
-        if number in RUN_ON and request.way != "ptp" and not self.robot_of(request.kinematic).straight:
-            raise fault(222, f"input {until.channel} ends a {request.way} movement of an arm; use PTP")
-        if FIRST_FAST <= number < FIRST_FAST + FAST or number in RUN_ON:
-            return f"until={sign}ch{number}{most}"
-        raise fault(222, f"MOVE UNTIL with input {until.channel}")
-
-    def _check_range(self, lane: Lane, request: demands.MoveTo, target: tuple[float, ...]) -> None:
-        """Of absolute points, before anything moves; the planner looks at the way, and at relative blocks."""
-        if not request.relative:
-            place = target if not request.joint else to_workpiece(lane.frame, self.robot_of(request.kinematic).world(target))
-            check_range(lane.limits, place)
-
-    def _target(self, task: Task, lane: Lane, request: demands.MoveTo) -> tuple[float, ...]:
-        values = tuple(float(value) for value in request.target if value is not None)
-        size = self.robot_of(request.kinematic).size
-        if not values or len(values) != len(request.target):
-            raise fault(200)
-        if len(values) < size or len(values) > size + len(self.acts.belts.followed(self.robot_of(request.kinematic).number)):
-            raise fault(221, f"{len(values)}, the kinematic has {size}")
-        return values[:size]
-
-    def _moves_on(self, task: Task, block: Block) -> bool:
-        if self._still(task) and block.stretch is None:
-            return True
-        if block.stretch is None:
-            self._hand_on(task)
-            return False
-        self._hand_on(task)
-        if block.stretch.passed < block.index:
-            return False
-        if block.until is not None:
-            if not block.stretch.over:
-                return False
-            block.met = self.port.view.path_of(block.stretch.robot).met
-            self.lane(block.kinematic).measured = None  # what the cycle has measured is newer
-        return True
-
-    def _hand_on(self, task: Task) -> None:
-        """What is prepared goes to the planner, as far as it follows without a question."""
-        under_way, last, through = 0, None, None
-        for item in list(task.queue):
-            if isinstance(item, FastWait):
-                return
-            if isinstance(item, Output):
-                continue
-            if isinstance(item, Statement):
-                if item.stretch is None and not self._told(task, item, first=last is None):
-                    return
-                continue
-            if item.stretch is not None:
-                under_way += item.stretch.passed < item.index
-                last = item
-                continue
-            assert item.wanted is not None
-            if item.until is not None and last is not None:
-                return  # it begins from rest
-            if last is not None and (last.wanted is None or last.wanted.robot is not item.wanted.robot):
-                return  # the one before ends first
-            path = self.paths.of(item.wanted.robot.number)
-            if last is not None and last.stops and path.contended:
-                return
-            if item.wanted.way == "circular" and item.wanted.via and through is None:
-                through = item
-                continue
-            if under_way > self.lane(item.kinematic).most:
-                return
-            stretch = path.wanted(task, task.unit.name, item.wanted.robot.number, whole=item.until is not None)
-            if stretch is None:
-                return
-            self._say(stretch, item, through)
-            if item.until is not None:
-                path.release(task)
-                return
-            last, through = item, None
-            under_way += 1
-
-    def _told(self, task: Task, item: Statement, *, first: bool) -> bool:
-        """The statement is handed on; one that is alone when nothing stands before it, and its stretch ends with it."""
-        if item.alone and not first:
-            return False
-        path = self.paths.of(item.robot)
-        if item.reference:
-            item.stretch = path.reference(task, task.unit.name, item.robot)
-            return item.stretch is not None
-        stretch = path.wanted(task, task.unit.name, item.robot)
-        if stretch is None:
-            return False
-        for text in item.texts:
-            path.hand_on(stretch, text, item.line, block=False)
-        if item.dummy:
-            zeros = " ".join(["0"] * self.robot(item.robot).size)
-            item.index = path.hand_on(stretch, f"ptp rel joints {zeros}", item.line)
-        elif item.block:
-            stretch.count += 1
-            stretch.places.append(item.line)
-        item.stretch = stretch
-        if item.alone:
-            path.release(task)
-        return True
-
-    def tell(self, task: Task, statement: Statement) -> object:
-        """Puts it behind what is prepared; PENDING until one that is waited for is done."""
-        waits = statement.alone or statement.dummy
-        if statement.alone and task.queue:
-            return PENDING
-        task.queue.append(statement)
-        task.said = statement if waits else None
-        self._passed(task)
-        return PENDING if waits and statement in task.queue else None
-
-    def _done(self, task: Task, item: Statement) -> bool:
-        self._hand_on(task)
-        if item.stretch is None:
-            return False
-        return item.stretch.over if item.alone else item.stretch.passed >= item.index
-
-    def _say(self, stretch: Stretch, item: Block, through: Block | None) -> None:
-        assert item.wanted is not None
-        for text in item.before:
-            self.paths.of(stretch.robot).hand_on(stretch, text, item.line, block=False)
-        frame = item.wanted.frame
-        if self._systems.get(stretch.ticket) != frame:
-            self._systems[stretch.ticket] = frame
-            for text in lines.system(frame):
-                self.paths.of(stretch.robot).hand_on(stretch, text, item.line, block=False)
-        near, shares = self.lane(item.kinematic).position, self.port.view.channels.factors
-        text = lines.line(item.wanted, near, shares, None if through is None else through.wanted)
-        item.index = self.paths.of(stretch.robot).hand_on(stretch, text, item.line)
-        item.stretch = stretch
-        if through is not None:
-            through.index, through.stretch = item.index, stretch
-
-    def _act(self, task: Task) -> bool:
-        try:
-            item = task.queue[0]
-            if isinstance(item, Statement) and not self._done(task, item):
-                return False
-            return super()._act(task)
-        except RuntimeFault as error:
-            first = task.queue[0] if task.queue else None
-            if isinstance(first, Block):
-                task.process.line = first.line
-            self.scheduler.fail(task.process, error, self.now)
-            return False
-
-    def _halted(self, task: Task, lane: Lane) -> None:
-        self.paths.forget(task)
-
     def _rest(self, task: Task) -> None:
         super()._rest(task)
         self.acts.ended(task)
@@ -570,7 +314,6 @@ class CellRun(Control):
         return super()._answer(task, request)
 
     def _still(self, task: Task) -> bool:
-        """Tested WITHOUT movement."""
         return task.main.tested and not self.test.movement
 
     def _before(self, task: Task) -> bool:
@@ -578,10 +321,6 @@ class CellRun(Control):
         return bool(task.queue) and task.said is None
 
     # ---- what is looked up
-
-    def prepared(self, task: Task) -> bool:
-        """Where everything that was prepared is run."""
-        return not any(isinstance(item, Block | FastWait) for item in task.queue)
 
     def _counted(self, task: Task) -> bool:
         """The same statement reads once in an interpolation cycle: the inputs do not change meanwhile."""
@@ -600,88 +339,6 @@ class CellRun(Control):
             self.scheduler.processes.append(task.process)
             return PENDING
         return None
-
-    def signal(self, channel: int, now: int) -> int | float:
-        """Value of an input as the control has it; a runtime error where there is none."""
-        number, seen = channel % EARLY, self.port.view.channels
-        if number in RUN_ON:
-            number -= 100  # the probe of the same board
-        if 1 <= number <= USER:
-            bit = FIRST_INPUT + number - 1
-            return seen.inputs[bit >> 3] >> (bit & 7) & 1
-        if FIRST_INTEGER <= number < FIRST_INTEGER + INTEGERS:
-            return seen.integers[number - FIRST_INTEGER]
-        if 0 <= number - FIRST_REAL < REALS and seen.reals_given >> number - FIRST_REAL & 1:
-            return seen.reals[number - FIRST_REAL]
-        place = number - FIRST_FAST
-        if 0 <= place < FAST and seen.fast_given >> place & 1:
-            return seen.fast >> place & 1
-        if (wire := self.setup.wires.get(number, -1)) >= 0:
-            return seen.inputs[wire >> 3] >> (wire & 7) & 1
-        if FIRST_MULTI <= number < FIRST_MULTI + MULTI and seen.multi is not None:
-            return seen.multi >> (number - FIRST_MULTI) & 1
-        raise RuntimeFault(206, f"{TEXTS[206]}: {channel}")
-
-    def image(self, letter: str, bit: int) -> int:
-        """A signal of the interface, as the PIC names it: O its outputs (RC inputs), I its inputs (RC outputs)."""
-        if letter == "M":
-            raise fault(206)
-        seen = self.port.view.channels
-        octets = seen.inputs if letter == "O" else seen.outputs
-        return octets[bit >> 3] >> (bit & 7) & 1 if bit >> 3 < len(octets) else 0
-
-    def belt(self, channel: int) -> float:
-        """Counter of a belt."""
-        return self.acts.belts.counter(self.acts.belts.number(channel))
-
-    def set_belt(self, channel: int, value: float) -> None:
-        """The cycle sets counters."""
-
-    def where(self, kinematic: str) -> tuple[float, ...]:
-        """Set joints of a kinematic now."""
-        return self.robot_of(kinematic).own(self.port.view.set)
-
-    def with_belts(self, unit: Unit, kinematic: str) -> tuple[float, ...]:
-        """Set joints, and behind them the counters of belts that the program names as components."""
-        robot = self.robot_of(kinematic)
-        return (*self.where(kinematic), *self.acts.belts.values(robot.number, max(0, size_of(unit, kinematic) - robot.size)))
-
-    def measuring_system(self, unit: Unit, number: int) -> float:
-        """The axes of the cell in its order, then its belts."""
-        found = (*self.port.view.set, *self.port.view.belts)
-        if not 1 <= number <= len(found):
-            raise fault(91, str(number))
-        return found[number - 1]
-
-    def actual(self, kinematic: str) -> tuple[float, ...]:
-        """As its drives report."""
-        return self.robot_of(kinematic).own(self.port.view.actual)
-
-    def position(self, task: Task, kinematic: str, name: str) -> tuple[float, ...]:
-        """POS, @POS, @MPOS now."""
-        robot = self.robot_of(kinematic)
-        if name == "@MPOS":
-            flying = self.lane(kinematic).measured
-            if flying is not None:
-                return flying
-            found = self.port.view.measured[robot.first : robot.first + robot.size]
-            if any(each is None for each in found):
-                raise fault(200)
-            return tuple(each for each in found if each is not None)
-        joints = self.where(kinematic)
-        belts = self.acts.belts.values(robot.number, max(0, size_of(task.unit, kinematic) - robot.size))
-        place = to_workpiece(self.lane(kinematic).frame, robot.world(joints)) if name == "POS" else joints
-        return (*place, *belts)
-
-    def world(self, kinematic: str, joints: tuple[float, ...]) -> tuple[float, ...]:
-        """World coordinates of joints; values of belts behind them stay."""
-        robot = self.robot_of(kinematic)
-        return (*robot.world(joints[: robot.size]), *joints[robot.size :])
-
-    def joints(self, kinematic: str, world: tuple[float, ...]) -> tuple[float, ...]:
-        """Joints of world coordinates, near where the axes are; values of belts behind them stay."""
-        robot = self.robot_of(kinematic)
-        return (*robot.joints(world[: robot.size], self.where(kinematic)), *world[robot.size :])
 
     # ---- what is told
 

@@ -1,8 +1,5 @@
-"""What runs programs: processes, prepared blocks, outputs, devices and files.  Pure.  What moves the axes and where the inputs come from is
-the business of the one who derives from it: a dry run (AX-696) or a cell.
-"""
+"""Runs programs: processes, prepared blocks, outputs, devices and files; the plant is that of a dry run or a cell.  Pure."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
 
 from gateway.pure.languages.baps2 import demands, forms
@@ -14,13 +11,15 @@ from gateway.pure.languages.baps2.handle import Handle
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.outside import Outside
+from gateway.pure.languages.baps2.plant import Plant
+from gateway.pure.languages.baps2.semaphores import Semaphores
 from gateway.pure.languages.baps2.special import Specials
 from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Task
+from gateway.pure.languages.baps2.teach_points import TeachPoints
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.baps2.values import Shared
 from gateway.pure.languages.baps2.working_range import check_range
-from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.process import Process, ProcessState
 from gateway.pure.languages.base.requests import PENDING, Request, RuntimeFault
 from gateway.pure.languages.base.scheduler import Scheduler
@@ -31,7 +30,7 @@ PROBES = range(600, 800)
 UNNAMED = "1"  # the kinematic of a program that names none
 
 
-class Control(ABC):
+class Control(Plant):
     """Host of the processes, whatever moves."""
 
     def __init__(self, library: Library, memory: Memory, feed: Feed) -> None:
@@ -47,73 +46,10 @@ class Control(ABC):
         self.units = Outside(self)
         self.specials = Specials(self)
         self._shared: dict[str, Shared] = {}
-        self._semaphores: dict[tuple[str, str], Task] = {}
+        self._semaphores = Semaphores()
         self._asked: Request | None = None  # what is answered just now
-        self._points: dict[str, dict[str, tuple[float, ...]]] = {}
-        self._kept: dict[str, dict[str, tuple[float, ...]]] = {}  # program -> points assigned since the start
+        self.teach_points = TeachPoints(memory, feed)
         self._moves = self._round = 0
-
-    # ---- what a dry run and a cell do differently
-
-    @abstractmethod
-    def event(self, task: Task, event: str, line: int, **facts: object) -> None:
-        """An event for a trace or a journal."""
-
-    @abstractmethod
-    def _moves_on(self, task: Task, block: Block) -> bool:
-        """Begins or goes on with a block; True: it is over."""
-
-    @abstractmethod
-    def _halted(self, task: Task, lane: Lane) -> None:
-        """The process that had this kinematic is over; the lane is told where the axes rest."""
-
-    @abstractmethod
-    def prepared(self, task: Task) -> bool:
-        """Whether motion is so far that inputs and positions are read."""
-
-    @abstractmethod
-    def signal(self, channel: int, now: int) -> int | float:
-        """Value of an input."""
-
-    @abstractmethod
-    def image(self, letter: str, bit: int) -> int:
-        """A signal of the interface: I or O of the PIC."""
-
-    @abstractmethod
-    def belt(self, channel: int) -> float:
-        """Counter of a belt in mm."""
-
-    @abstractmethod
-    def set_belt(self, channel: int, value: float) -> None:
-        """Sets the counter of a belt."""
-
-    @abstractmethod
-    def position(self, task: Task, kinematic: str, name: str) -> tuple[float, ...]:
-        """POS, @POS, @MPOS now."""
-
-    @abstractmethod
-    def where(self, kinematic: str) -> tuple[float, ...]:
-        """Joints of a kinematic now."""
-
-    def with_belts(self, unit: Unit, kinematic: str) -> tuple[float, ...]:
-        """Joints, and behind them the counters of belts."""
-        return self.where(kinematic)
-
-    @abstractmethod
-    def measuring_system(self, unit: Unit, number: int) -> float:
-        """What a measuring system reads; a runtime error where there is no such."""
-
-    def actual(self, kinematic: str) -> tuple[float, ...]:
-        """Without a lag, unless drives report it."""
-        return self.where(kinematic)
-
-    @abstractmethod
-    def world(self, kinematic: str, joints: tuple[float, ...]) -> tuple[float, ...]:
-        """World coordinates of joints, in original coordinates."""
-
-    @abstractmethod
-    def joints(self, kinematic: str, world: tuple[float, ...]) -> tuple[float, ...]:
-        """Joints of world coordinates."""
 
     # ---- processes
 
@@ -171,8 +107,7 @@ class Control(ABC):
         """The process is over."""
         task = self.tasks.pop(process.number)
         self._rest(task)
-        for semaphore in list(task.semaphores):
-            self._give_away(task, semaphore)
+        self._semaphores.leave_all(task, self.tasks.values())
         self.filing.close_all(process.number)
         if process.state is ProcessState.FAILED and process.fault is not None:
             self.event(task, "error", process.line, code=process.fault.code, text=process.fault.text)
@@ -259,12 +194,7 @@ class Control(ABC):
 
     def taught(self, program: str, name: str) -> tuple[float, ...] | None:
         """A point of the feed or the point file; None: not defined."""
-        found = self._kept.get(program, {}).get(name) or self.feed.points.get(program, {}).get(name)
-        if found is None:
-            if program not in self._points:
-                self._points[program] = self.memory.points(program, Faults())
-            found = self._points[program].get(name)
-        return found
+        return self.teach_points.get(program, name)
 
     def point_selected(self, program: str, point: str, points: Mapping[str, tuple[float, ...]]) -> None:
         """A dry run has no pendant."""
@@ -272,9 +202,7 @@ class Control(ABC):
 
     def keep(self, program: str, name: str, value: tuple[float, ...]) -> None:
         """A teach point was assigned to: it stays when the program ends, and is kept in the point file."""
-        if self._kept.setdefault(program, {}).get(name) != value and None not in value:
-            self._kept[program][name] = value
-            self.memory.keep_point(program, name, value)
+        self.teach_points.keep(program, name, value)
 
     def shared(self, program: str) -> Shared:
         """The PUBLIC variables of a program, made when first asked for; they stay when it ends."""
@@ -367,10 +295,9 @@ class Control(ABC):
             case demands.GiveUp():
                 return self._give_up(task)
             case demands.Enter(semaphore=semaphore):
-                return self._enter(task, semaphore)
+                return self._semaphores.enter(task, semaphore)
             case demands.Leave(semaphore=semaphore):
-                if self._semaphores.get(semaphore) is task:
-                    self._give_away(task, semaphore)
+                self._semaphores.leave(task, semaphore, self.tasks.values())
                 return None
             case demands.StartProgram(program=program):
                 self.start(program, task)
@@ -475,24 +402,6 @@ class Control(ABC):
             self.scheduler.processes.append(task.process)
             return PENDING
         return None if task.moment != self.now or task.readings < READINGS else PENDING
-
-    def _enter(self, task: Task, semaphore: tuple[str, str]) -> object:
-        holder = self._semaphores.get(semaphore)
-        if holder is None:
-            self._semaphores[semaphore] = task
-            task.semaphores.append(semaphore)
-        return None if holder in (None, task) else PENDING
-
-    def _give_away(self, task: Task, semaphore: tuple[str, str]) -> None:
-        """To the first one that waits for it, by priority; else it is free.  So a loop that enters again at once lets others in."""
-        task.semaphores.remove(semaphore)
-        waiting = [each for each in self.tasks.values() if each is not task and each.process.waits_for == demands.Enter(semaphore)]
-        heir = min(waiting, key=lambda each: (each.process.priority, each.since), default=None)
-        if heir is None:
-            del self._semaphores[semaphore]
-            return
-        self._semaphores[semaphore] = heir
-        heir.semaphores.append(semaphore)
 
     def stop_named(self, task: Task, program: str) -> object:
         """STOP: not a program that this process is part of (1079)."""

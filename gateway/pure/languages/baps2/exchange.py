@@ -6,8 +6,8 @@ from gateway.pure.languages.baps2.output import Writer
 from gateway.pure.languages.baps2.scope import Symbol
 from gateway.pure.languages.baps2.statements import DEVICES
 from gateway.pure.languages.baps2.tree import Expression, FileOrder, Name, Read, Write
+from gateway.pure.languages.baps2.typed import Typed
 from gateway.pure.languages.baps2.types import NONE, POINTS, SCALARS, TEXT, Type, fits
-from gateway.pure.languages.baps2.typing import Typed
 
 BINARY_FORMS = ("INTEGER", "BINARY", "REAL", "POINT", "JC_POINT")  # of BNR files (L6942-6944)
 MOST_LETTERS = 80  # of an array that is written (L779-783)

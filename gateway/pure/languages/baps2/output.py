@@ -6,8 +6,9 @@ from typing import Protocol
 from gateway.pure.languages.baps2.flow import Path
 from gateway.pure.languages.baps2.scope import Names
 from gateway.pure.languages.baps2.tree import Expression
+from gateway.pure.languages.baps2.typed import Typed
 from gateway.pure.languages.baps2.types import Type
-from gateway.pure.languages.baps2.typing import Typed, Typing
+from gateway.pure.languages.baps2.typing import Typing
 
 LONG_ROW, MOST_BRACKETS = 1_000, 190  # Python takes 200 brackets
 

@@ -1,39 +1,16 @@
 """Types expressions and translates them to Python in one pass.  A faulty part is reported and has the type NONE, which fits everything."""
 
-import operator
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from gateway.pure.languages.baps2 import standard, values
+from gateway.pure.languages.baps2.operators import CHECKED, Operators
 from gateway.pure.languages.baps2.scope import Names, Symbol
 from gateway.pure.languages.baps2.statements import DEVICES
 from gateway.pure.languages.baps2.tree import Binary, Call, Expression, Index, Member, Name, Number, PointValue, Text, Unary
-from gateway.pure.languages.baps2.types import BINARY, CHAR, FRAME, INTEGER, LETTERS, NONE, NUMBERS, POINTS, REAL, TEXT, Type, fits
+from gateway.pure.languages.baps2.typed import NOTHING, Typed, numbers_text
+from gateway.pure.languages.baps2.types import BINARY, CHAR, FRAME, INTEGER, NONE, NUMBERS, POINTS, REAL, TEXT, Type
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.base.source import Position
-
-COMPARISONS = {"=": "==", "<>": "!=", "<": "<", ">": ">", "<=": "<=", ">=": ">="}
-CHECKED = "(t if -2147483648 <= (t := {}) <= 2147483647 else overflow())"
-_COMPARE: dict[str, Callable[[object, object], bool]] = {"=": operator.eq, "<>": operator.ne}
-ASYNCHRONOUS = 1_000
-
-
-@dataclass(frozen=True, slots=True)
-class Typed:
-    """An expression with its Python text.  `constant`: its value where it is known."""
-
-    type: Type
-    code: str
-    constant: object = None
-    truth: bool = False  # the text gives True or False, not 1 or 0
-
-    @property
-    def value(self) -> str:
-        """The text as a value that is stored."""
-        return f"(1 if {self.code} else 0)" if self.truth else self.code
-
-
-NOTHING = Typed(NONE, "None")
 
 
 class Typing:
@@ -41,6 +18,7 @@ class Typing:
 
     def __init__(self, names: Names, ask: Callable[[str], str]) -> None:
         self.names, self._ask = names, ask
+        self._operators = Operators(self.fault)
         self.direct = False  # inside of a condition that is waited for: nothing is asked of the host, values are looked up
         self.kinematic = names.kinematic  # the default here
         self.referenced: set[str] = set()  # variables that are passed by reference somewhere
@@ -318,94 +296,13 @@ class Typing:
             return Typed(BINARY, f"(not {value.code})", truth=True)
         if tree.sign == "-" and isinstance(tree.value, Number) and tree.value.value == 2**31:
             return Typed(INTEGER, "(-2147483648)", -(2**31))
-        value = self.of(tree.value)
-        if value.type is NONE:
-            return NOTHING
-        if value.type.base in POINTS and tree.sign != "%" and not value.type.is_array:
-            return value if tree.sign == "+" else Typed(value.type, f"scaled({value.code}, -1)")
-        if value.type not in (INTEGER, REAL):
-            return self.fault("type", tree.at, f"{value.type} has no sign")
-        constant = value.constant if isinstance(value.constant, int | float) else None
-        if tree.sign == "%":
-            return Typed(REAL, f"({value.code} / 100)", None if constant is None else constant / 100)
-        if tree.sign == "+":
-            return value
-        if constant is not None:
-            return Typed(value.type, f"({-constant!r})", -constant)
-        return Typed(value.type, CHECKED.format(f"-{value.code}") if value.type == INTEGER else f"(-{value.code})")
+        return self._operators.sign(tree, self.of(tree.value))
 
     def _binary(self, tree: Binary) -> Typed:
         if tree.sign in ("AND", "OR"):
             left, right = (self.truth(each, f"an operand of {tree.sign}") for each in (tree.left, tree.right))
             return Typed(BINARY, f"({left.code} {tree.sign.lower()} {right.code})", truth=True)
-        left, right = self.of(tree.left), self.of(tree.right)
-        if NONE in (left.type, right.type):
-            return NOTHING
-        if tree.sign in COMPARISONS:
-            return self._comparison(tree, left, right)
-        if left.type in (INTEGER, REAL) and right.type in (INTEGER, REAL):
-            return self._arithmetic(tree, left, right)
-        if left.type.base in POINTS or right.type.base in POINTS:
-            return self._points(tree, left, right)
-        return self.fault("type", tree.at, f"{left.type} {tree.sign} {right.type} is not possible")
-
-    def _points(self, tree: Binary, left: Typed, right: Typed) -> Typed:
-        if not (left.type.is_array or right.type.is_array):
-            if tree.sign in ("+", "-") and fits(left.type, right.type):
-                kind = left.type if left.type.kinematic else right.type
-                return Typed(kind, f"joined({tree.sign!r}, {left.code}, {right.code})")
-            if tree.sign == "*" and right.type.base in NUMBERS:
-                return Typed(left.type, f"scaled({left.code}, {right.code})")
-            if tree.sign == "*" and left.type.base in NUMBERS:
-                return Typed(right.type, f"scaled({right.code}, {left.code})")
-            if tree.sign == "/" and right.type.base in NUMBERS:
-                return Typed(left.type, f"scaled({left.code}, divide(1, {right.code}))")
-        return self.fault("type", tree.at, f"{left.type} {tree.sign} {right.type} is not possible")
-
-    def _comparison(self, tree: Binary, left: Typed, right: Typed) -> Typed:
-        code = f"({left.code} {COMPARISONS[tree.sign]} {right.code})"
-        arrays = left.type.is_array or right.type.is_array
-        if not arrays and left.type.base in NUMBERS and right.type.base in NUMBERS:
-            return Typed(BINARY, code, truth=True)
-        if not arrays and left.type.base in LETTERS and right.type.base in LETTERS:
-            return Typed(BINARY, code, truth=True)
-        equal = tree.sign in ("=", "<>")
-        for one, other in ((left, right), (right, left)):
-            if equal and not arrays and one.type == BINARY and fits(BINARY, other.type, other.constant):
-                return Typed(BINARY, code, truth=True)
-        if equal and not arrays and left.type.base in POINTS and fits(left.type, right.type):
-            return Typed(BINARY, f"(point({left.code}) {COMPARISONS[tree.sign]} point({right.code}))", truth=True)
-        return self.fault("type", tree.at, f"{left.type} {tree.sign} {right.type} is not possible")
-
-    def _arithmetic(self, tree: Binary, left: Typed, right: Typed) -> Typed:
-        sign, whole = tree.sign, left.type == right.type == INTEGER
-        if sign == "MOD" and not whole:
-            return self.fault("type", tree.at, "MOD takes INTEGER values")
-        if isinstance(left.constant, int | float) and isinstance(right.constant, int | float):
-            return self._folded(tree, left.constant, right.constant, whole)
-        if sign == "MOD":
-            if isinstance(right.constant, int) and right.constant:
-                return Typed(INTEGER, f"({left.code} % {abs(right.constant)})")
-            return Typed(INTEGER, f"modulo({left.code}, {right.code})")
-        if sign == "/":
-            return Typed(INTEGER, f"quotient({left.code}, {right.code})") if whole else Typed(REAL, f"divide({left.code}, {right.code})")
-        code = f"{left.code} {sign} {right.code}"
-        return Typed(INTEGER, CHECKED.format(code)) if whole else Typed(REAL, f"({code})")
-
-    def _folded(self, tree: Binary, left: float, right: float, whole: bool) -> Typed:
-        try:
-            if tree.sign == "MOD":
-                value: float = values.modulo(int(left), int(right))
-            elif tree.sign == "/":
-                value = values.quotient(int(left), int(right)) if whole else values.divide(left, right)
-            else:
-                value = {"+": operator.add, "-": operator.sub, "*": operator.mul}[tree.sign](left, right)
-            if whole and not values.LOWEST <= value <= values.HIGHEST:
-                values.overflow()
-            value = int(value) if whole else values.real(value)
-        except RuntimeFault as error:
-            return self.fault("constant", tree.at, error.text)
-        return Typed(INTEGER if whole else REAL, f"({value!r})", value)
+        return self._operators.between(tree, self.of(tree.left), self.of(tree.right))
 
     # ---- what is set
 
@@ -489,13 +386,6 @@ class Typing:
             return found.type, f"element({self.of(tree.base).code}, {self.of(tree.index).code})"
         self.fault("reference", tree.at, "a variable or an element is expected, which the subroutine can set", "use VALUE for expressions")
         return NONE, ""
-
-
-def numbers_text(parts: list[Typed]) -> str:
-    """Python text of a point."""
-    if all(isinstance(part.constant, int | float) for part in parts):
-        return "(" + " ".join(f"{float(part.constant)!r}," for part in parts if isinstance(part.constant, int | float)) + ")"
-    return "numbers_of((" + " ".join(f"{part.code}," for part in parts) + "))"
 
 
 def signal_place(text: str) -> tuple[str, int, int] | None:

@@ -21,7 +21,7 @@ def test_a_file_is_copied_to_its_own_kinds_alone(kind: str) -> None:
     assert found == ["0" if target in PAIRS[kind] else "-2" for target in KINDS]
 
 
-@pytest.mark.requirement("RHO-BAP-19", by="gateway.pure.controllers.rho3.signals.control:RhoControl.panel_text")
+@pytest.mark.requirement("RHO-BAP-19", by="gateway.pure.controllers.rho3.signals.written_text:WrittenText.write")
 def test_cls_clears_the_four_lines_of_the_phg() -> None:
     cell = ProgramCell(
         one("""WRITE PHG, CLS

@@ -189,7 +189,7 @@ def test_break_gives_the_turn_to_the_others() -> None:
     assert "".join(written(events)) == "PABPAB"
 
 
-@pytest.mark.requirement("RHO-BAP-08", by="gateway.pure.languages.baps2.control:Control._enter")
+@pytest.mark.requirement("RHO-BAP-08", by="gateway.pure.languages.baps2.semaphores:Semaphores.enter")
 def test_sections_of_one_semaphore_never_overlap() -> None:
     section = "EXCLUSIVE S WRITE '{0}' WAIT 1 WRITE '{0}' EXCLUSIVE_END"
     events = run(body(f"PARALLEL {section.format('A')} ALSO {section.format('B')} PARALLEL_END", "SEMAPHORE : S"))

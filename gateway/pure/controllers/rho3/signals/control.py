@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.controllers.pic_image import PicImage
-from gateway.pure.controllers.rho3.functions.display import COLUMNS, LINES, Layer
 from gateway.pure.controllers.rho3.functions.plc import Functions
 from gateway.pure.controllers.rho3.functions.processes import Kind, Process, ProcessTable, Program, State
 from gateway.pure.controllers.rho3.pendant.panel import Panel
@@ -32,6 +31,7 @@ from gateway.pure.controllers.rho3.signals.setup import Setup
 from gateway.pure.controllers.rho3.signals.steps import Step, body_maker, fault_of
 from gateway.pure.controllers.rho3.signals.supervision import PicGuard, PlcWatch
 from gateway.pure.controllers.rho3.signals.whole import Seen, SignalInterface
+from gateway.pure.controllers.rho3.signals.written_text import WrittenText
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records import interpreter
 from gateway.pure.image.records.cell import RC_BYTES, CellState, InputImage, Permit, get_bit, set_bit
@@ -61,7 +61,6 @@ class RhoControl:
         self.board_in, self.board_out = bytearray(BOARD_IN), bytearray(BOARD_OUT)
         self.panel_used = False  # somebody works at the panel
         self.hosted: HostedPrograms | None = None  # programs of the interpreter
-        self._written = ""  # WRITE PHG
         self._commands = AxisCommands(office, setup.sets_override)
         self._office = office
         self._drive_on = DriveOn(len(setup.axes), lambda byte: setup.owners.get(byte, 0))
@@ -78,6 +77,7 @@ class RhoControl:
         self.view.screen.p35 = setup.p35
         self.panel_view = PanelView(self.view)
         self.panel = Panel(self.functions.display, self.functions.phg, self.functions.statuses, self.panel_view, setup.functions.language)
+        self.written = WrittenText(self.functions.display)
         self.phg = PhgValues(self.view)
         self._names = self._all_names()
 
@@ -156,7 +156,7 @@ class RhoControl:
             self.interface.faults.came(INTERPRETER_GONE, now=now)
         told += [refusal.text(setup.functions.language) for refusal in self.functions.step(inputs, image.outputs, now)]
         self.panel.step(now)
-        self._echo()
+        self.written.echo()
         if "" in map(self.panel_view.memory_outcome, ("save", "load")):
             self._start_up()
         self._end_moves()
@@ -274,23 +274,8 @@ class RhoControl:
         return self.channels.analog
 
     def panel_text(self, written: str) -> None:
-        """WRITE PHG: line after line, CLS clears; what does not fit is lost at the top."""
-        _, cleared, text = written.replace("\r", "").rpartition("\f")
-        self._written = (text if cleared else self._written + text)[-LINES * COLUMNS * 2 :]
-        self._show_written()
-
-    def _echo(self) -> None:
-        """What is typed for READ PHG stands behind what was written."""
-        reader = self.panel.reader
-        if reader.changed:
-            reader.changed, echo, reader.echo = False, reader.echo, ""
-            self.panel_text(echo)
-
-    def _show_written(self) -> None:
-        shown = self._written + self.panel.reader.typed
-        rows = [row[at : at + COLUMNS] for row in shown.split("\n") for at in range(0, max(len(row), 1), COLUMNS)][-LINES:]
-        for number in range(LINES):
-            self.functions.display.write(Layer.WRITE, number + 1, rows[number] if number < len(rows) else "")
+        """WRITE PHG."""
+        self.written.write(written)
 
     def seen(self) -> interpreter.Channels:
         """The interface as programs of the interpreter see it."""
