@@ -1,6 +1,6 @@
 """Requests of tools to a run, on runtime_dir()/SLUG.sock: Unix stream, one JSON line a request; each is answered once and closed.
 
-A tool that connects and says nothing is closed after REQUEST_NS; the supervisor never waits for one.
+A tool that connects and sends no request is closed after REQUEST_NS; the supervisor never waits for one.
 """
 
 import contextlib
@@ -13,7 +13,7 @@ from collections.abc import Callable
 from drivers.ports.base import PortError, runtime_dir
 from gateway.runtime.clock import now_ns
 
-REQUEST_NS = 2_000_000_000  # patience with a tool that has connected and says nothing
+REQUEST_NS = 2_000_000_000  # patience with a tool that has connected and sends no request
 REQUEST_BYTES = 4096
 TOOLS = 32  # connected at once; more wait
 Answer = Callable[[socket.socket, dict[str, object]], None]
@@ -83,7 +83,7 @@ class ToolRequests:
                 tool.sendall(b'{"error": "a JSON object with the key op is expected"}\n')
 
     def send_away(self) -> None:
-        """Closes tools that connected and say nothing."""
+        """Closes tools that connected and sent no request."""
         if not self._tools:
             return
         now = now_ns()
