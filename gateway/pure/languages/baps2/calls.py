@@ -15,10 +15,13 @@ def call(bodies: Writer, statement: CallStatement) -> None:
     symbol = bodies.names.find(statement.name)
     faults = bodies.names.faults
     if symbol is None:
-        if statement.name in standard.PROCEDURES:
+        if statement.name in standard.PROCEDURES and statement.behind is None:
             _procedure(bodies, statement)
         else:
             faults.error("name-unknown", statement.at, f"{statement.name} is no subroutine", "declare it, or write a colon behind a label")
+        return
+    if statement.behind is not None:
+        faults.error("syntax", statement.behind[0], f"a statement is expected, not {statement.behind[1]}")
         return
     if symbol.kind not in ("subroutine", "special", "program"):
         faults.error("no-subroutine", statement.at, f"{statement.name} is {with_article(symbol.kind)}, no subroutine")

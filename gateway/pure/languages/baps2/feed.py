@@ -8,6 +8,8 @@ from gateway.pure.languages.baps2.statements import DEVICES
 SECOND = 1_000_000_000
 KEYS = ("block_s", "p5_ms", "until_s", "belts", "compiled", "start", "points", "input", "devices", "files")
 
+INPUT_KEYS = ("channel", "value", "at")
+
 
 class FeedFault(Exception):
     """The feed is faulty: one sentence."""
@@ -39,15 +41,13 @@ class Feed:
 
 def feed_of(raw: Mapping[str, object]) -> Feed:
     """From the tables of a TOML file.  FeedFault: what is wrong, where, and what is expected."""
-    for key in raw:
-        if key not in KEYS:
-            raise FeedFault(f"{key} is no key of a feed; the keys are {', '.join(KEYS)}")
+    _known(raw, KEYS, "a feed")
     feed = Feed()
     feed.block = _seconds(raw, "block_s", 1.0)
     feed.p5 = round(_number(raw.get("p5_ms", 10), "p5_ms", 1, 1_000) * 1e6)
     feed.until = _seconds(raw, "until_s", 20.0)
     feed.belts = _belts(raw.get("belts", 8))
-    feed.compiled = tuple(str(name).upper() for name in _list(raw.get("compiled", []), "compiled"))
+    feed.compiled = tuple(_program(name) for name in _list(raw.get("compiled", []), "compiled"))
     feed.start = {name.upper(): _point(value, f"start.{name}") for name, value in _table(raw.get("start", {}), "start").items()}
     feed.points = {
         program.upper(): {
@@ -64,6 +64,19 @@ def feed_of(raw: Mapping[str, object]) -> Feed:
     }
     feed.files = {name.upper(): _hex(value, f"files.{name}") for name, value in _table(raw.get("files", {}), "files").items()}
     return feed
+
+
+def _known(table: Mapping[str, object], keys: tuple[str, ...], what: str) -> None:
+    """A key that is misspelt would be without effect."""
+    for key in table:
+        if key not in keys:
+            raise FeedFault(f"{key} is no key of {what}; the keys are {', '.join(keys)}")
+
+
+def _program(name: object) -> str:
+    if not isinstance(name, str):
+        raise FeedFault(f"compiled: {name!r} is no name of a program")
+    return name.upper().removesuffix(".QLL")
 
 
 def _seconds(raw: Mapping[str, object], key: str, default: float) -> int:
@@ -111,6 +124,7 @@ def _belts(value: object) -> dict[int, float]:
 
 
 def _input(table: Mapping[str, object], inputs: dict[int, list[tuple[int, float]]]) -> None:
+    _known(table, INPUT_KEYS, "an input")
     if "channel" not in table:
         raise FeedFault("an input without channel")
     channel = int(_number(table["channel"], "input.channel", 1, 1_999)) % 1_000
@@ -122,9 +136,11 @@ def _input(table: Mapping[str, object], inputs: dict[int, list[tuple[int, float]
 def _unit(name: str, table: Mapping[str, object]) -> UnitFeed:
     if name.upper() not in DEVICES:
         raise FeedFault(f"devices.{name}: the devices are {', '.join(sorted(DEVICES))}")
+    _known(table, ("protocol", "in"), f"devices.{name}")
     incoming = []
     for each in _list(table.get("in", []), f"devices.{name}.in"):
         row = _table(each, f"devices.{name}.in")
+        _known(row, ("hex", "at"), f"devices.{name}.in")
         at = round(_number(row.get("at", 0), f"devices.{name}.in at", 0, 86_400) * SECOND)
         incoming.append((at, _hex(row.get("hex"), f"devices.{name}.in hex")))
     protocol = int(_number(table.get("protocol", 5), f"devices.{name}.protocol", 1, 8))

@@ -6,9 +6,16 @@ Frame = tuple[float, ...]
 NO_FRAME: Frame = (0.0,) * 6
 
 
+def _turned(angle: float) -> tuple[float, float]:
+    """Cosine and sine of an angle in degrees; of a right angle exactly, so that POS is written without a rest."""
+    quarters = angle / 90.0
+    if quarters.is_integer():
+        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarters) % 4]
+    return math.cos(math.radians(angle)), math.sin(math.radians(angle))
+
+
 def _matrix(frame: Frame) -> tuple[tuple[float, float, float], ...]:
-    a, b, c = (math.radians(angle) for angle in frame[3:6])
-    ca, sa, cb, sb, cc, sc = math.cos(a), math.sin(a), math.cos(b), math.sin(b), math.cos(c), math.sin(c)
+    (ca, sa), (cb, sb), (cc, sc) = (_turned(angle) for angle in frame[3:6])
     return (
         (cc * cb, cc * sb * sa - sc * ca, cc * sb * ca + sc * sa),
         (sc * cb, sc * sb * sa + cc * ca, sc * sb * ca - cc * sa),

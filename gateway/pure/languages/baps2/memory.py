@@ -13,7 +13,8 @@ POINT_DIGITS = 9  # behind the point: what an angle of 0 has beyond is the rest 
 
 
 def decoded(data: bytes) -> str:
-    """A source as text: UTF-8, else the characters of the old control's time (Latin-1)."""
+    """A source as text: UTF-8, else the characters of the old control's time (Latin-1).  1Ah ends it, as the DOS editors wrote it."""
+    data = data.partition(b"\x1a")[0]
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:

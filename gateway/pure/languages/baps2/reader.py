@@ -36,6 +36,7 @@ class _Reader:
                 return None
         external = self._stream.token.word == "SUBROUTINE"
         main = self._routine()
+        external = external or bool(main.parameters)  # only a caller has values for them
         self._head.over = True
         subroutines = []
         while self._more():

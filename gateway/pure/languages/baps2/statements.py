@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Mapping
 from gateway.pure.languages.baps2 import instructions
 from gateway.pure.languages.baps2.declarations import DeclarationReader
 from gateway.pure.languages.baps2.expressions import ExpressionReader
-from gateway.pure.languages.baps2.lexer import Kind
+from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.stream import Misread, Stream
 from gateway.pure.languages.baps2.tree import (
     Binary,
@@ -42,6 +42,7 @@ DEVICES = frozenset({"PHG", "TTY", *(f"V24_{n}" for n in range(1, 5)), *(f"SER_{
 CLOSERS = frozenset(
     "END PROGRAM_END SUB_END REPEAT_END PARALLEL_END ALSO EXCLUSIVE_END CASE_END EQUAL DEFAULT ELSE SUBROUTINE PROGRAM".split()
 )
+BEHIND_KINEMATIC = ("LINEAR", "PTP", "CIRCULAR", "WITH", "UNTIL", "TO", "VIA")
 ROUTINE_ENDS = frozenset("PROGRAM_END SUB_END SUBROUTINE PROGRAM".split())
 
 
@@ -126,8 +127,7 @@ class StatementReader:
         if assigned and (is_name or following.text == "="):
             return self._set()
         if not token.word:
-            self._stream.take()
-            return CallStatement(token.position, token.key, self._arguments())
+            return self._call(self._stream.take())
         self._stream.wrong(f"a statement is expected, not {token}")
 
     def _pass_over(self, place: int) -> None:
@@ -159,6 +159,15 @@ class StatementReader:
             return self._stream.take().key
         return ""
 
+    def _no_kinematic(self) -> bool:
+        """A name that is nothing else, in front of what goes on behind a kinematic: not a teach point, whose list goes on with a comma."""
+        token, following = self._stream.token, self._stream.ahead()
+        if token.kind is not Kind.NAME or token.word or following.word not in BEHIND_KINEMATIC or token.key in self._expressions.names:
+            return False
+        self._stream.faults.error("kinematic-unknown", token.position, f"kinematic {token.text} is not declared")
+        self._stream.take()
+        return True
+
     def _belt(self) -> str:
         token = self._stream.token
         return self._stream.take().key if token.kind is Kind.NAME and token.key in self._declarations.belts else ""
@@ -187,6 +196,16 @@ class StatementReader:
         self._stream.expect_sign("=", "behind what is assigned to")
         return Set(at, target, self._expressions.read())
 
+    def _call(self, name: Token) -> CallStatement:
+        """What cannot follow a call is told with it: a misspelt word is one mistake, not two."""
+        arguments, token = self._arguments(), self._stream.token
+        if token.kind in (Kind.END, Kind.INSTRUCTION) or token.word in self._readers or token.word in CLOSERS or token.text == ",":
+            return CallStatement(name.position, name.key, arguments)
+        if token.kind is Kind.NAME and (not token.word or self._expressions.names_it(token) or self._stream.ahead().text in ("=", ":")):
+            return CallStatement(name.position, name.key, arguments)
+        self._pass_over(-1)
+        return CallStatement(name.position, name.key, arguments, (token.position, str(token)))
+
     def _arguments(self) -> tuple[Expression, ...]:
         if not self._stream.sign("("):
             return ()
@@ -208,6 +227,8 @@ class StatementReader:
         while True:
             if not kinematic and (found := self._kinematic()):
                 kinematic = found
+            elif not kinematic and self._no_kinematic():
+                pass  # reported
             elif self._stream.is_word(("LINEAR", "PTP", "CIRCULAR")):
                 way = self._stream.take().word
             elif self._stream.word("WITH"):

@@ -320,6 +320,7 @@ class CallStatement:
     at: Position
     name: str
     arguments: tuple[Expression, ...]
+    behind: tuple[Position, str] | None = None  # what stands behind it and begins no statement: one of the two is a mistake
 
 
 Statement = (
@@ -384,4 +385,4 @@ class Program:
     head: Head
     main: Routine
     subroutines: tuple[Routine, ...]
-    external_subroutine: bool = False  # the file has a SUBROUTINE and no PROGRAM
+    external_subroutine: bool = False  # the file has a SUBROUTINE and no PROGRAM, or its PROGRAM has parameters

@@ -154,3 +154,26 @@ def test_long_chains_and_deep_loops_are_faults_and_no_crash() -> None:
     assert faults_of(body("IF I = 1 THEN BEGIN\nI = " + "+".join(["I"] * 150) + "\nEND", "INTEGER : I")) == [("too-complex", 5)]
     assert ("nesting-too-deep", 4) in faults_of(body("REPEAT 1 TIMES " * 40 + "REPEAT_END " * 40))
     assert [id for id, _ in faults_of(body("IF 1=1 THEN BEGIN\n" * 500 + "END " * 500))].count("nesting-too-deep") == 1
+
+
+@pytest.mark.parametrize(
+    "statements, expected",
+    [
+        ("MOVVE TO (1, 2)\nHALT", [("name-unknown", 4)]),
+        ("S TO (1, 2)\nHALT", [("syntax", 4)]),
+        ("FOO 5", [("name-unknown", 4)]),
+        ("INT_ASC TO P", [("name-unknown", 4)]),
+        ("MOVE N TO (1, 2)", [("kinematic-unknown", 4)]),
+        ("MOVE N LINEAR VIA P TO Q", [("kinematic-unknown", 4)]),
+        ("MOVE P, Q\nMOVE K TO P\nMOVE R TO Q\nS\nS S", []),
+    ],
+)
+def test_a_misspelt_word_or_kinematic_is_one_fault(statements: str, expected: list[tuple[str, int]]) -> None:
+    text = ";;KINEMATICS : (1=K)\n;;K.WC_NAMES = X,Y\n" + body(statements, "POINT : R") + "SUBROUTINE S\nBEGIN\nHALT\nSUB_END\n"
+    assert faults_of(text) == [(kind, line + 2) for kind, line in expected]
+
+
+def test_a_source_ends_at_the_end_mark_of_dos() -> None:
+    source = {"P": body("HALT") + "\x1a\x00\x00garbage", "Q": "PROGRAM Q\nBEGIN\n\x1aHALT\nPROGRAM_END"}
+    library = library_of(source)
+    assert [[each.id for each in library.unit(name)[1]] for name in source] == [[], ["not-closed"]]

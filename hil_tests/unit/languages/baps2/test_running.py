@@ -1,9 +1,11 @@
 """What programs do: arithmetic, flow, texts, processes and motion, in virtual time."""
 
+import tomllib
+
 import pytest
 
 from gateway.pure.languages.baps2.dry_run import DryRun
-from gateway.pure.languages.baps2.feed import feed_of
+from gateway.pure.languages.baps2.feed import FeedFault, feed_of
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from hil_tests.unit.languages.baps2.running import all_of, body, run, short, written
@@ -371,3 +373,30 @@ def test_pos_of_a_program_that_names_no_kinematic_is_where_the_feed_starts() -> 
 def test_the_files_at_the_end_are_also_those_with_other_extensions() -> None:
     events = all_of(body('ASSIGN F, "RESULT.TXT" WRITE_BEGIN F WRITE F, 1', "FILE : F"), '[files]\n"GIVEN.X" = "41"', OTHER="; a source")
     assert events[-1]["files"] == {"GIVEN.X": "41", "RESULT.TXT": "310d0a"}
+
+
+def test_a_program_with_parameters_is_an_external_subroutine() -> None:
+    square = "PROGRAM SQUARE (VALUE INTEGER : A INTEGER : B)\nBEGIN\nB = A * A\nPROGRAM_END\n"
+    assert written(run(body("I = 0 SQUARE(7, I) WRITE I", "EXTERNAL : SQUARE\nINTEGER : I"), SQUARE=square)) == ["49"]
+    events = run(body("START SQUARE", "EXTERNAL : SQUARE"), SQUARE=square)
+    assert [event["code"] for event in events if event["event"] == "error"] == [1073]
+
+
+def test_a_workpiece_system_that_is_turned_by_a_right_angle_leaves_no_rest() -> None:
+    declared = "K.WC_FRAME : F\nPOINT : Q"
+    text = body("F = WC_FRAME(100, 0, 0, 0, 0, 90) K.WC_SYSTEM = F MOVE (10, 0, 0) Q = POS WRITE Q", declared)
+    assert written(run(";;KINEMATICS : (1 = K)\n;;K.WC_NAMES = X, Y, Z\n" + text)) == ["10.0 0.0 0.0"]
+
+
+@pytest.mark.parametrize(
+    "feed, named",
+    [
+        ("[[input]]\nchannel = 1\natt = 2", "att"),
+        ("[devices.V24_1]\nprotokoll = 1", "protokoll"),
+        ("[devices.V24_1]\n[[devices.V24_1.in]]\nhexx = '00'", "hexx"),
+        ("compiled = [1]", "compiled"),
+    ],
+)
+def test_a_misspelt_key_of_a_feed_is_refused(feed: str, named: str) -> None:
+    with pytest.raises(FeedFault, match=named):
+        feed_of(tomllib.loads(feed))
