@@ -269,10 +269,14 @@ def remaps_valid(drive: Drive) -> None:
 
 def remaps_counted(drive: Drive) -> None:
     """1800h:01 alone is checked before an entry is written, not the number of entries."""
+
+    def only_invalid(item: Tpdo) -> Callable[[object], int]:
+        return lambda value: Abort.ACCESS if item._exists else OK
+
     for item in drive.node._tpdos:
         for sub in range(1, 9):
             if (item.map, sub) in drive.node.objects.values:
-                drive.node.objects.checks[item.map, sub] = lambda value, item=item: Abort.ACCESS if item._exists else OK
+                drive.node.objects.checks[item.map, sub] = only_invalid(item)
 
 
 # ---- correct devices unlike it
