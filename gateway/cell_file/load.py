@@ -118,12 +118,12 @@ class _Loader:
             if line.get("layer") in QUIET and "supervision" not in line:  # such a partner speaks when it has something to say
                 line["supervision"] = {"max_silence_ms": 0}
                 sources[f"line.{line.get('name')}.supervision.max_silence_ms"] = Source("default of telegrams: no supervision (AX-195)")
-        layers = {line.get("name"): line.get("layer", FIRST) for line in _tables(raw.get("line"))}
+        layers = {name: line.get("layer", FIRST) for line in _tables(raw.get("line")) if isinstance(name := line.get("name"), str)}
         usual = [name for name, layer in layers.items() if layer == FIRST]
         served = usual or [name for name, layer in layers.items() if layer in SERVING]
         why = "the only RK512 line" if usual else "the only line that serves data blocks"
         for block in _tables(raw.get("db")):
-            if "line" not in block and len(served) == 1 and isinstance(served[0], str):
+            if "line" not in block and len(served) == 1:
                 block["line"] = served[0]
                 sources[f"db.{block.get('number')}.line"] = Source(why)
 

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from gateway.assembly.telegrams import factor_of, incoming, is_incoming, outcomes, outgoing, signals, watched, written
 from gateway.checks.context import Context, near
+from gateway.checks.lines import profile_of
 from gateway.pure.cell.cell import Cell, Line, Notice, Telegram, TelegramMatch, TelegramPart
 from gateway.pure.image.names import lookup, spelled
 from gateway.registry import LINE_LAYERS
@@ -53,7 +54,7 @@ def entries(check: Context) -> None:
     lines = {line.name: line for line in check.cell.line}
     for telegram in check.cell.telegram:
         line = lines.get(telegram.line)
-        if line is None or not _sound(check, telegram):
+        if line is None or profile_of(line) is None or not _sound(check, telegram):
             continue
         for finding in _findings(telegram, line):
             check.fault(_key(telegram, finding.key, finding.index), "", finding.words)
@@ -114,6 +115,7 @@ def _incoming(telegrams: Iterable[Telegram], line: Line) -> Iterator[tuple[Teleg
     for telegram in telegrams:
         if (
             telegram.line == line.name
+            and profile_of(line) is not None
             and is_incoming(telegram)
             and all(bool(match.hex) is not bool(match.text) for match in telegram.match)
         ):

@@ -232,6 +232,7 @@ FIELD = [  # cell, edit, key, part of what is said
     ("demo", ('layer    = "rk512"', 'layer    = "plain"'), "line.plc1.layer", "reserved for a later version"),
     ("demo", ('type = "bit", to = "drives.on"', 'type = "REAAL", to = "drives.on"'), "db.10.entries[D 0.0].type", "did you mean REAL?"),
     ("demo", ("[[line]]", "[line]"), "line", "double brackets"),
+    ("demo", ('name     = "plc1"', "name     = []"), "line[0].name", "a text"),
     ("rho3-servodyn", ("P2   = 3", "P2   = 16"), "rho3.P2", "allowed 0..15"),
     ("rho3-servodyn", ("P2   = 3", "P777 = 3"), "rho3.P777", "unknown key"),
     ("rho3-servodyn", ("P103 = [ 120.0,", "P103 = ["), "rho3.P103", "6 axes need 6 values"),
@@ -316,6 +317,7 @@ CROSS = [
     ("rho3-servodyn", ("length = 8, id = 542 } ]", "length = 8, id = 541 } ]"), "rho3.P31", "twice"),
     ("rho3-servodyn", ("start = 96, length = 8, id = 542", "start = 92, length = 8, id = 542"), "rho3.P31", "byte 92 belongs to block 1"),
     ("rho3-servodyn", ("output_timeout = -1", 'output_timeout = -1\npriority = "high"'), "line.V24_1.priority", "output_timeout"),
+    ("rho3-servodyn", ('profile  = "rho3" ', 'profile  = "rho4" '), "line.V24_1.profile", "did you mean rho3?"),
 ]
 
 
