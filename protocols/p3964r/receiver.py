@@ -32,6 +32,7 @@ class State(Enum):
 IDLE, NO_BUFFER, DATA, ESCAPED, CHECK, DEAF = State  # asked at every character: State.DATA costs a search in its class
 INSIDE = (DATA, ESCAPED, CHECK)
 ENDS = (ETX, ETB)  # behind a DLE
+NAK_BYTE = bytes((NAK,))
 
 
 class Receiver:
@@ -88,7 +89,7 @@ class Receiver:
         """The first character after our DLE, where it is a wish again or shows that there was none.  True: it is taken."""
         if self._guard.not_opened(byte):
             self._close_again(byte)
-        elif byte in (STX, NAK) and self._guard.same_burst:
+        elif self._guard.wish_again(byte):
             self._wish_again(byte)
             return True
         return False
@@ -246,8 +247,10 @@ class Receiver:
         self._open(now)
 
     def _open(self, now: Ns) -> None:
+        if self._strays and self._box.output[-1:] == NAK_BYTE:
+            del self._box.output[-1:]  # not given out; before our answer it would cost the partner an attempt
+        self._guard.opening(now, behind_strays=self._strays > 0)
         self.settle()
-        self._guard.opening(now)
         self.repeats.opened()
         if self._buffer.free:
             self._admit(now)
@@ -269,7 +272,7 @@ class Receiver:
         self._why, self._data, self._count, self._check = None, bytearray(), 0, 0
 
     def _wish_again(self, byte: int) -> None:
-        """In one burst with the STX: STX is the same wish once more, NAK takes it back."""
+        """STX is the same wish once more, NAK takes it back."""
         if byte == NAK:
             del self._box.output[-1:]
             self._guard.untouched = False
@@ -279,6 +282,8 @@ class Receiver:
         """That STX was a character out of the rest of a block: nothing was opened, and nothing is until the line is quiet (AX-240)."""
         if self._guard.same_burst:
             del self._box.output[-1:]
+        else:
+            self._guard.misled = True
         self._strays += 1
         self._state, self._guard.untouched = DEAF, False
         self._pass_over(byte)
@@ -289,8 +294,8 @@ class Receiver:
         self._rest()
 
     def _stray(self, now: Ns) -> None:
-        if self._profile.stray is Stray.NAK_AT_ONCE:
-            self._box.say(NAK)
+        if self._profile.stray is Stray.NAK_AT_ONCE and self._box.output[-1:] != NAK_BYTE:
+            self._box.say(NAK)  # once for a burst: each NAK costs a partner that waits for DLE one of its attempts
         self._strays += 1
         self.due = now + self._profile.char_delay
         self.disquiet(now)
@@ -324,9 +329,7 @@ class Receiver:
             case State.IDLE if self._guard.waits:
                 self._grant(now)
             case State.IDLE:
-                self.settle()
-                if self._profile.stray is Stray.NAK_AFTER_QUIET:
-                    self._box.say(NAK)
+                self._quiet_again()
             case State.NO_BUFFER:
                 self._look_for_room(now)
             case State.DEAF:
@@ -335,10 +338,17 @@ class Receiver:
                 if self._guard.waits:
                     self._grant(now)
                 else:
-                    self.settle()
+                    self._quiet_again()
             case _:
                 self._guard.torn = True
                 self._refuse(self._why or Refusal.GAP)
+
+    def _quiet_again(self) -> None:
+        """The line has been quiet since the last stray character.  Who took a DLE of ours for a yes waits for an answer to its block."""
+        if self._guard.misled or (self._strays and self._profile.stray is Stray.NAK_AFTER_QUIET):
+            self._box.say(NAK)
+        self._guard.misled = False
+        self.settle()
 
     # ---- the one-block buffer
     def set_free(self, free: bool, now: Ns) -> None:

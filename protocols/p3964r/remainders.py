@@ -7,13 +7,13 @@ Two things give a remainder away: it does not wait for our DLE, and it comes wit
 |---|---|
 | is this STX a part of the block before? (`behind_an_end`) | it came in one breath with the end of that block |
 | was nothing opened? (`not_opened`) | the line was restless or a block torn, and this character did not wait for our DLE |
-| is this the same wish again? (`same_burst`) | it came in one burst with the STX, before our DLE was given out |
+| is this the same wish again? (`wish_again`) | it came in one burst with the STX; behind stray characters also before our DLE has left |
 | does the block begin only now? (`outrun`) | a burst came with the STX and held no whole block, and our DLE has left since |
 | does a partner wait? (`waits`) | the last character without a place was STX, not the check of a block, and silence followed |
 """
 
 from protocols.base.machine import Ns
-from protocols.p3964r.characters import DLE, ETB, ETX, STX
+from protocols.p3964r.characters import DLE, ETB, ETX, NAK, STX
 from protocols.p3964r.events import Outbox
 
 BLOCK_ENDS = (bytes((DLE, ETX)), bytes((DLE, ETB)))
@@ -28,9 +28,11 @@ class Remainders:
         self.torn = False  # a block was refused without having come to its end: its remainder may still come
         self._restless, self.heard_at = False, 0  # what was heard last had no place, or was refused; and when that was
         self.doubted = False  # the opening under way came on such a line
+        self._behind_strays = False  # that line had characters without a place, and no refused block
         self.leaving = False  # our DLE to it has not left
         self.early = False  # what was heard of the block came in one burst with the STX
         self.opened_in, self.ended_in = -1, -1  # turns of the box: our answer to STX, to the end of a block
+        self.misled = False  # our DLE left to what was taken for no wish behind it
         self.waits = False  # the last stray character was STX: a partner that waits for DLE, if nothing follows
         self._passed = b""  # the last two of them
 
@@ -55,15 +57,22 @@ class Remainders:
         same = self.same_burst
         return self.doubted and (same or (self.torn and self.leaving)) and not (byte == STX and same)
 
+    def wish_again(self, byte: int) -> bool:
+        """This STX is the wish once more, this NAK takes it back.  Behind stray characters our NAK may have crossed with the STX."""
+        if self.same_burst:
+            return byte in (STX, NAK)
+        return byte == STX and self._behind_strays and self.doubted and self.leaving
+
     @property
     def unsaid(self) -> bool:
         """Our DLE to the block under way was not given out, and nothing but that burst was heard of it."""
         return self.early and self._box.turn == self.opened_in
 
     # ---- what happens
-    def opening(self, now: Ns) -> None:
+    def opening(self, now: Ns, *, behind_strays: bool) -> None:
         """STX, to be answered."""
-        self.waits, self._passed = False, b""
+        self._behind_strays = behind_strays
+        self.waits, self.misled, self._passed = False, False, b""
         self.doubted = self.torn or (self._restless and now - self.heard_at < self._char_delay)
         self._restless = False
 
@@ -107,5 +116,5 @@ class Remainders:
 
     def lost(self) -> None:
         """The port is gone."""
-        self.torn = self._restless = self.waits = False
+        self.torn = self._restless = self.waits = self.misled = False
         self.opened_in = self.ended_in = -1

@@ -66,7 +66,7 @@ def test_the_rest_of_a_torn_block_that_comes_one_by_one_does_not_wait_for_our_dl
     line = torn().at(ms(300)).hears(TAIL[:1]).says(DLE, leaves=False).at(ms(301)).hears(TAIL[1:2])
     line.link.sent(ms(301))
     line.at(ms(302)).hears(TAIL[2:]).says(b"").reports()
-    line.at(ms(522)).says(b"").reports(StrayCharacters(len(TAIL)))
+    line.at(ms(522)).says(NAK).reports(StrayCharacters(len(TAIL)))  # the partner may have taken our DLE for an answer (AX-1730)
     line.hears(STX).says(DLE).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
 
 
@@ -78,8 +78,9 @@ def test_after_a_torn_block_a_partner_who_waits_for_our_dle_is_served_at_once() 
 
 def test_a_partner_whose_block_comes_before_a_slow_port_told_that_our_dle_left_loses_one_attempt() -> None:
     line = torn().at(ms(226)).hears(STX).says(DLE, leaves=False).at(ms(230)).hears(GOOD_AB).says(b"")
-    line.at(ms(780)).reports(StrayCharacters(1 + len(GOOD_AB))).hears(STX).says(DLE, leaves=False)
-    line.at(ms(785)).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
+    line.at(ms(450)).says(NAK).reports(StrayCharacters(1 + len(GOOD_AB)))  # repeats at once, not after its QVZ (AX-1730)
+    line.at(ms(451)).hears(STX).says(DLE, leaves=False)
+    line.at(ms(455)).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
 
 
 def test_what_follows_a_wrong_end_is_no_block() -> None:
@@ -215,3 +216,35 @@ def test_a_check_of_02h_at_the_end_of_a_rest_is_no_wish(end: bytes) -> None:
     """A DLE there would acknowledge the torn block."""
     line = torn().at(ms(1000)).hears(STX + b"AC").says(b"").at(ms(1010)).hears(end).at(ms(1012)).hears(STX).says(b"")
     line.at(ms(1232)).says(b"").reports(StrayCharacters(6))
+
+
+# ---- answers that cross with a wish (AX-1730)
+CP341, VIPA = PROFILES["siemens-cp341"], PROFILES["vipa-cp240"]
+
+
+@pytest.mark.parametrize("profile", [RHO3, CP341, VIPA], ids=lambda profile: profile.name)
+def test_a_partner_misled_by_our_dle_hears_nak_when_the_line_is_quiet(profile: Profile) -> None:
+    """Its STX crossed with our NAK to the torn block, so it repeats it: the second one comes while our DLE to the first leaves."""
+    line = torn(profile).at(ms(306)).hears(STX).says(DLE, leaves=False).at(ms(307)).hears(STX).says(b"")
+    line.told += line.link.sent(ms(307))
+    line.at(ms(310)).hears(GOOD_AB).says(b"").at(ms(310) + profile.char_delay).says(NAK)
+    line.at(ms(540)).hears(STX).says(DLE).at(ms(542)).hears(GOOD_AB).says(DLE)
+    assert line.told[-1] == BlockReceived(b"AB")
+
+
+def test_a_cp_says_nak_once_behind_the_rest_of_a_block_too() -> None:
+    line = torn(CP341).at(ms(1000)).hears(b"\x02AC").says(b"").at(ms(1220)).says(NAK).reports(StrayCharacters(3))
+    line.at(ms(3000)).says(b"")
+
+
+def test_stray_characters_in_one_burst_are_answered_with_one_nak() -> None:
+    """Each NAK costs a partner that waits for DLE one of its attempts; before our DLE it costs it one for nothing."""
+    Line(VIPA).hears(b"ABCDEFGH").says(NAK)
+    Line(VIPA).hears(b"ABC" + STX).says(DLE)
+
+
+def test_a_wish_repeated_for_a_nak_to_stray_characters_is_no_data() -> None:
+    line = Line(VIPA).hears(b"A").says(NAK).at(ms(1)).hears(STX).says(DLE, leaves=False).at(ms(2)).hears(STX + STX)
+    line.told += line.link.sent(ms(2))
+    line.at(ms(3)).hears(GOOD_AB).says(DLE)
+    assert line.told[-1] == BlockReceived(b"AB")

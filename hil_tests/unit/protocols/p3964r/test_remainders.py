@@ -1,4 +1,4 @@
-"""The guard against remainders of blocks: its five questions, case by case (AX-228, AX-240, AX-654)."""
+"""The guard against remainders of blocks: its five questions, case by case (AX-228, AX-240, AX-654, AX-1730)."""
 
 import pytest
 
@@ -15,9 +15,9 @@ def guard() -> tuple[Remainders, Outbox]:
     return Remainders(box, GAP), box
 
 
-def opened(made: Remainders, box: Outbox, now: Ns) -> None:
+def opened(made: Remainders, box: Outbox, now: Ns, *, behind_strays: bool = False) -> None:
     """STX came and was answered with DLE."""
-    made.opening(now)
+    made.opening(now, behind_strays=behind_strays)
     box.say(DLE)
     made.answered()
 
@@ -107,3 +107,15 @@ def test_a_damaged_character_and_a_lost_port_end_a_wish() -> None:
         made.pass_over(STX, refused=False)
         end(made)
         assert not made.waits
+
+
+@pytest.mark.parametrize(("strays", "quiet", "answer"), [(True, GAP - 1, True), (False, GAP - 1, False), (True, GAP, False)])
+def test_a_second_stx_while_our_dle_leaves_is_the_same_wish_only_behind_stray_characters(strays: bool, quiet: Ns, answer: bool) -> None:
+    made, box = guard()
+    made.disquiet(0)
+    opened(made, box, quiet, behind_strays=strays)
+    assert made.wish_again(STX) and made.wish_again(NAK), "in one burst with the STX"
+    box.take_output()
+    assert made.wish_again(STX) is answer and not made.wish_again(NAK)
+    made.left()
+    assert not made.wish_again(STX)
