@@ -10,6 +10,7 @@ from gateway.pure.conformance.verdict import Verdict
 
 PREPARING = "preamble: "
 LIMIT = re.compile(r" within [\d.]+ m?s")
+SAME_WORDS = 0.6  # in common: the same step at another place, such as the same function of another address
 WORD = re.compile(r"[0-9A-Za-z:]{2,}")
 
 
@@ -38,9 +39,8 @@ def _likeness(result: Result, other: Result) -> tuple[int, float]:
     if result.got == other.got and _plain(result.expected) == _plain(other.expected):
         return 2, _common(reason, other.reason)
     parts = {_part(result.purpose.id), *(_part(before) for before in result.purpose.preamble)}
-    if _part(other.purpose.id) in parts:
-        return 1, _common(reason, other.reason)
-    return 0, 0.0
+    common = _common(reason, other.reason)
+    return (1, common) if _part(other.purpose.id) in parts or common > SAME_WORDS else (0, 0.0)
 
 
 def _root(cause: str, results: Mapping[str, Result]) -> str:

@@ -64,6 +64,7 @@ from gateway.conformance.peers.p3964r_senders import (
 )
 from gateway.conformance.peers.p3964r_stations import (
     BreakHangs,
+    Crowded,
     DeafAfter,
     Drops,
     Echoes,
@@ -71,6 +72,7 @@ from gateway.conformance.peers.p3964r_stations import (
     FlipsPriority,
     LateDle,
     NakOpens,
+    NaksSecondDle,
     NakTwice,
     NeverDoublesDle,
     ResetsOnConflict,
@@ -82,6 +84,7 @@ from gateway.conformance.peers.p3964r_stations import (
     no_end,
     seven_bits,
     wrong_own_check,
+    wrong_reaction_check,
 )
 from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.stations import (
@@ -152,7 +155,14 @@ MUTANTS = (
     _mutant("zvz-400", "ZVZ 400 ms", [f"{R}TI_01"], _profile(char_delay=ms(400))),
     _mutant("no-nak-at-the-end", "gives up without NAK", [f"{S}BI_01"], _profile(nak_when_giving_up=False)),
     _mutant("pause-before-repeat", "waits 1 s before a repeat", [f"{S}BI_06"], _profile(retry_pause=ms(1000))),
-    _mutant("no-wait-for-buffer", "NAK at once without a buffer", [f"{R}BO_06"], _profile(no_buffer_wait=0)),
+    Mutant(
+        "no-wait-for-buffer",
+        "CP 341 that answers NAK at once without a buffer",
+        (f"{R}BO_06",),
+        lambda: Built(replace(SIEMENS_CP341, no_buffer_wait=0)),
+        link_of(SIEMENS_CP341, LOW),
+        {},
+    ),
     _mutant("long-wait-for-buffer", "NAK after 1 s without a buffer", [f"{R}BO_06"], _profile(no_buffer_wait=ms(1000))),
     _mutant("short-buffer", "blocks of 64 characters at most", [f"{R}BV_16"], _profile(max_received=64)),
     _mutant("limit-137", "one character less than its profile", [f"{R}BV_17"], _profile(max_received=137)),
@@ -246,6 +256,7 @@ MUTANTS = (
     _mutant("pair-keeps-timer", "ZVZ does not start anew behind a pair", [f"{R}TI_05"], _with(receiver=PairKeepsTimer)),
     _mutant("impatient", "an acknowledgement 300 ms after its block is too late", [f"{S}TI_05"], _with(sender=ImpatientForAcknowledge)),
     _mutant("twice-after-conflict", "a job that gave way is sent twice", [f"{C}BO_02"], _with(sender=TwiceAfterConflict)),
+    _mutant("reaction-check", "the check of its reactions is wrong", [f"{S}BV_06"], lambda: Built(says=wrong_reaction_check)),
     _mutant("echoes", "each character comes back", [f"{R}BV_01"], Echoes),
 )
 
@@ -272,5 +283,8 @@ VARIANTS = (
     _variant("raw", "raw blocks, no RK512", make=lambda: Built(layer="raw")),
     _variant("powered", "its supply can be switched", make=lambda: Powered(lambda: Built(RHO3, LOW))),
     _variant("read-only", "nothing may be written", touch=False),
+    _variant("no-wait", "rho 3 that answers NAK at once without a buffer", make=_profile(no_buffer_wait=0)),
+    _variant("crowded", "three jobs of its own in a row", make=Crowded),
+    _variant("naks-second-dle", "NAK to the second of two DLE", make=NaksSecondDle),
     _variant("long-blocks", "takes 1024 characters", make=lambda: Built(replace(RHO3, max_received=1024))),
 )

@@ -14,6 +14,7 @@ from gateway.conformance.peers.stations import (
 from gateway.conformance.serial.partners import (
     DropsItsJob,
     NeverDoubles,
+    counts_once,
 )
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, check_of
@@ -76,6 +77,18 @@ def complement(block: bytes) -> int:
 
 def wrong_own_check(output: bytes) -> bytes:
     return output[:-1] + bytes((output[-1] ^ 0x40,)) if is_block(output) else output
+
+
+def wrong_reaction_check(output: bytes) -> bytes:
+    return output[:-1] + bytes((output[-1] ^ 0x01,)) if is_block(output) and output[:3] == bytes(3) else output
+
+
+def wrong_long_check(output: bytes) -> bytes:
+    return output[:-1] + bytes((output[-1] ^ 0x01,)) if is_block(output) and len(output) > 100 else output
+
+
+def check_counts_once(output: bytes) -> bytes:
+    return output[:-1] + bytes((counts_once(output),)) if is_block(output) else output
 
 
 def check_without_end(output: bytes) -> bytes:
@@ -193,6 +206,36 @@ class Echoes(Built):
         return back + super().take_output()
 
     _back = b""
+
+
+class Crowded(Built):
+    """Correct; three jobs of its own wait one behind the other."""
+
+    def stimulate(self, now: Ns, block: bytes = OWN_BLOCK) -> None:
+        for number in range(3):
+            super().stimulate(now, block + bytes((number,)))
+
+
+class NaksSecondDle(Built):
+    """Correct; a second DLE to its STX is a stray character, answered with NAK behind its block."""
+
+    _opened: Ns = -ms(100)
+    _second = _due = False
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        if data == DLE and self.link._sender.state is Saying.CONNECT:
+            self._opened = now
+        elif data == DLE and now - self._opened < ms(3):
+            self._second = True
+            return []
+        events = super().receive(data, now)
+        self._due = self._second and any(isinstance(event, BlockSent) for event in events)
+        self._second = self._second and not self._due
+        return events
+
+    def take_output(self) -> bytes:
+        due, self._due = self._due, False
+        return super().take_output() + (NAK if due else b"")
 
 
 class Drops(DropsItsJob, Built):

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from gateway.conformance.peers.p3964r_stations import check_counts_once, wrong_long_check
 from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.rk512_active import (
     CommandTwice,
@@ -12,6 +13,7 @@ from gateway.conformance.peers.rk512_active import (
     HangsWhenShort,
     LongJobs,
     NoCommand,
+    Patient,
     RefusesReaction,
     SmallLetters,
     SmallType,
@@ -59,6 +61,7 @@ from gateway.conformance.peers.rk512_passive import (
 )
 from gateway.conformance.peers.stations import ActiveStation, AnswersLate, Built, Chatty, Maker, Mutant, Variant, link_of
 from gateway.conformance.serial.partners import Blocks
+from protocols.base.machine import ms
 from protocols.p3964r.profiles import RHO3, SIEMENS_CP341, VIPA_CP240, WAGO, Priority, Profile
 from protocols.rk512.dialects import DIALECTS, Dialect
 from protocols.rk512.flags import Flags
@@ -251,6 +254,8 @@ MUTANTS = (
     _mutant("no-command", "its SEND is command I", [f"{A}BV_03"], NoCommand),
     _mutant("wrong-amount", "announces another amount than it sends", [f"{A}BV_01"], WrongAmount),
     _mutant("refuses-reaction", "answers the reaction to its FETCH with NAK", ["RK512_ACT_BV_01"], RefusesReaction),
+    _mutant("check-counts-once", "the check of its blocks counts a doubled DLE once", [f"{P}BV_05"], lambda: Built(says=check_counts_once)),
+    _mutant("long-check", "the check of its long blocks is wrong", [f"{P}BV_02"], lambda: Built(says=wrong_long_check)),
     _mutant("small-letters", "takes commands in small letters", [f"{P}BI_20"], SmallLetters),
 )
 
@@ -294,7 +299,9 @@ VARIANTS = (
         flags=True,
     ),
     _variant("powered", "its supply can be switched", make=lambda: Powered(Built)),
+    _variant("late-reactions", "reactions after 500 ms", make=lambda: Slow(ms(500))),
     _variant("active", "both roles", make=ActiveStation),
+    _variant("active-patient", "both roles, waits 20 s for a reaction", make=lambda: ActiveStation(active=Patient)),
     _variant("active-long", "both roles, jobs of 300 bytes", make=LongJobs),
     _variant("active-no-nesting", "both roles, no nesting", make=lambda: ActiveStation(nesting=False)),
 )

@@ -38,6 +38,16 @@ class WaitsForEver(Active):
         return [*events]
 
 
+class Patient(Active):
+    """Waits for its reaction longer than usual, as CP 341 does."""
+
+    def acknowledged(self, now: Ns) -> list[ActiveEvent]:
+        events = super().acknowledged(now)
+        if self._until is not None:
+            self._until = now + ms(20_000)
+        return [*events]
+
+
 class HangsAtError(Active):
     def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
         if data[3:4] == b"\x14":

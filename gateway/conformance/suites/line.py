@@ -69,6 +69,7 @@ class LineTester(Tester):
         self.mark: Ns = 0  # end of the last character said or heard
         self.clock = "virtual" if wire.simulated else "monotonic clock of this host, at the port"
         self.slowest: Ns = 0  # its longest DLE after STX so far
+        self.judges_form = False  # of the blocks of reactions: not while it is found out what the station is
         self.on_block: Callable[[bytes], None] | None = None  # what is made of a block that came unasked
 
     @property

@@ -119,6 +119,7 @@ class LineSession:
         pics.setdefault("active", self._sends_commands())
         if pics["passive"]:
             self._look_at_blocks()
+        self.tester.judges_form = True
         return pics
 
     def _layer(self) -> bool | None:

@@ -54,9 +54,11 @@ def _generic(*parts: object) -> Sequence[Purpose[Tester]]:
 
 
 def _p3964r() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.p3964r import conflicts, failures, receive_times, repeats, sequence, supply
+    from gateway.conformance.suites.p3964r import conflicts, failures, receive_times, repeats, send, sequence, supply
 
-    return _generic(*(receive_times.RCV, failures.SND, repeats.SND, conflicts.CON, repeats.CON, sequence.SEQ, repeats.SEQ, supply.SUP))
+    return _generic(
+        *(receive_times.RCV, send.REACTS, failures.SND, repeats.SND, conflicts.CON, repeats.CON, sequence.SEQ, repeats.SEQ, supply.SUP)
+    )
 
 
 def _rk512() -> Sequence[Purpose[Tester]]:

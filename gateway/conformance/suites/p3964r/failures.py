@@ -2,7 +2,7 @@
 
 from contextlib import suppress
 
-from gateway.conformance.suites.line import DLE, NAK, STX, LineTester
+from gateway.conformance.suites.line import BETWEEN, DLE, NAK, STX, LineTester, named
 from gateway.conformance.suites.p3964r.refusals import stray_answer
 from gateway.conformance.suites.p3964r.send import FIRST, GAP, MOST, REPEATS, SILENCE, SND, attempts, gives_up, judge_count, same_block
 from gateway.conformance.suites.rk512.telegrams import is_command, serve_command
@@ -14,6 +14,7 @@ from protocols.p3964r.profiles import Interruption
 __all__ = ["SND"]  # the registry finds the whole group here
 
 RUN = 20
+JOBS = 4  # that may wait one behind the other
 
 
 @SND.case("BI_01", "a silent partner: all attempts, then NAK", "stummer Partner: alle Versuche, dann NAK", requirements=("RHO-SER-02",))
@@ -206,6 +207,8 @@ def dle_twice(t: LineTester) -> None:
         raise Warn("breaks off when DLE comes twice, as one source has it", "its block", t.last(8))
     t.say(DLE)
     got = t.answer(t.tolerance)
+    if got == Char.NAK:
+        raise Warn("answers one of the two DLE with NAK, as a stray character", "nothing", named(got))
     if got not in (None, Char.STX):
         t.fail("the acknowledged block", got, "nothing")
 
@@ -213,15 +216,23 @@ def dle_twice(t: LineTester) -> None:
 @SND.case("BO_02", "DLE after it gave up: no block follows", "DLE, nachdem er aufgegeben hat: kein Block folgt", preamble=(FIRST, SILENCE))
 def late_dle(t: LineTester) -> None:
     t.starts_sending()
-    got: int | Damage | None = Char.STX
     with t.given():
-        for _ in range(MOST):
-            if got != Char.STX:
+        for _ in range(JOBS):
+            _refused_to_the_end(t)
+            if t.answer(BETWEEN) != Char.STX:  # another job that waits is refused as well
                 break
-            t.say(NAK)
-            got = t.answer(t.profile.retry_pause + GAP)
     t.say(DLE)
     stray_answer(t, "a DLE after it gave up")
+
+
+def _refused_to_the_end(t: LineTester) -> None:
+    """NAK to each STX of the job whose first one was heard."""
+    got: int | Damage | None = Char.STX
+    for _ in range(MOST):
+        if got != Char.STX:
+            break
+        t.say(NAK)
+        got = t.answer(t.profile.retry_pause + GAP)
 
 
 @SND.case(

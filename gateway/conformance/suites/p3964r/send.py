@@ -2,8 +2,9 @@
 
 from collections.abc import Callable
 
-from gateway.conformance.suites.line import DLE, Block, LineTester, named
-from gateway.conformance.suites.p3964r.receive import CONNECT
+from gateway.conformance.suites.line import BETWEEN, DLE, Block, LineTester, named
+from gateway.conformance.suites.p3964r.receive import BLOCK, CONNECT
+from gateway.conformance.suites.rk512.telegrams import fetch
 from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable
 from protocols.base.machine import Damage, Ns, ms
@@ -11,6 +12,8 @@ from protocols.p3964r.characters import Char
 
 FIRST, SILENCE, REPEATS = "3964R_SND_BV_01", "3964R_SND_BI_01", "3964R_SND_BI_06"
 SND = Purposes[LineTester]("3964R_SND", "sender", "serial-protocols 1.3", condition=("sends",), preamble=(FIRST,))
+REACTS = Purposes[LineTester]("3964R_SND", "sender", "serial-protocols 1.2", condition=("passive",), preamble=(CONNECT, BLOCK))
+READS = 12  # words at different addresses, until doubled DLE and all bits of a check have been there
 JUST = ms(40)
 BY_ITSELF = ms(10_000)  # one that sends the same block cyclically does so again within this
 MOST = 300
@@ -71,6 +74,26 @@ def well_formed(t: LineTester) -> None:
         t.fail("the end of its block", extra, "nothing until the acknowledgement")
     if not block.data:
         raise Fail("the station's block is empty", "at least one character", block.raw.hex(" ").upper())
+
+
+@REACTS.case(
+    "BV_06",
+    "the reactions of an RK512 station are blocks by the rule",
+    "die Reaktionen einer RK512-Station sind Blöcke nach der Regel",
+    requirements=("RHO-SER-03", "RHO-SER-04"),
+)
+def reactions(t: LineTester) -> None:
+    """Of other data than its own blocks, and of the number 10h, which is doubled."""
+    telegrams = [fetch(t.setup.db, word, 1) for word in range(min(READS, t.setup.words))]
+    for telegram in (*telegrams, fetch(t.setup.db, 0, min(t.setup.words, t.setup.job)), b"U\0ED"):
+        with t.given():
+            t.good(telegram, "a command telegram")
+        if t.answer(t.setup.reaction_wait) != Char.STX:
+            continue  # the suite rk512 judges that
+        block = t.take()
+        if block.fault:
+            raise Fail(f"the block of its reaction: {block.fault}", "a block by the rule", block.raw.hex(" ").upper())
+        t.settle(BETWEEN)
 
 
 @SND.case(

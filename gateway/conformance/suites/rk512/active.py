@@ -16,6 +16,7 @@ from protocols.p3964r.characters import Char, wire_block
 FIRST = "RK512_ACT_BV_01"
 ACT = Purposes[LineTester]("RK512_ACT", "active", "serial-protocols 2.2", condition=("active",), preamble=(FIRST,))
 MOST_REPEATS = 12
+MOST_WAIT = ms(20_000)  # for a reaction that does not come (CP 341); until then no job of its own follows
 TYPES = b"DXEAMTZPBS"
 
 
@@ -117,6 +118,16 @@ def _once(t: LineTester) -> None:
         t.fail("the right reaction", got, "nothing")
 
 
+def _next(t: LineTester) -> bytes:
+    """Its next command; one that took the wrong reaction for none waits for the right one first."""
+    try:
+        return command(t)
+    except Inconclusive:
+        if t.answer(MOST_WAIT) != Char.STX:
+            raise
+        return t.take().data
+
+
 def _wrong(number: int, summary: str, german: str, wrong: Callable[[bytes], bytes]) -> None:
     @ACT.case(
         f"BI_{number:02}",
@@ -128,7 +139,7 @@ def _wrong(number: int, summary: str, german: str, wrong: Callable[[bytes], byte
         for turn in range(1 if t.setup.stimulus_name == "operator" else 2):
             if turn:
                 _works(t, summary)  # the other one of two jobs in turn
-            data = command(t)
+            data = _next(t)
             said = wrong(right_reaction(data))
             if said:
                 t.good(said, "a reaction telegram")
@@ -157,7 +168,7 @@ def _quiet(t: LineTester) -> None:
 def _works(t: LineTester, after: str) -> None:
     """One that stops working is FAIL."""
     try:
-        again = command(t)
+        again = _next(t)
     except Inconclusive as ended:
         raise Fail(f"after {after} it sends no job any more: {ended.reason}", "STX (02h) and a command", ended.got or "nothing") from ended
     t.good(right_reaction(again), "the right reaction to the next job")

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from gateway.conformance.framework.base import hexed
 from gateway.conformance.suites.line import LineTester
 from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
 from protocols.base.machine import ms
@@ -23,6 +24,7 @@ ERROR_WORDS = {
     0x34: "length wrong",
     0x36: "sequence: follow-on without a first telegram",
 }
+WELL_FORMED = "each DLE doubled, DLE ETX, the exclusive or of all characters"
 PIECE = 128  # data bytes of one telegram
 MOST_FOREIGN = 6  # blocks that are no reaction, before one is missed
 
@@ -115,6 +117,8 @@ def reaction(t: LineTester) -> Reaction:
             t.fail("an acknowledged command telegram", got, "STX (02h) of the reaction")
         t.timed("STX of the reaction", t.mark - start, None, None)
         block = t.take()
+        if block.fault and t.judges_form:
+            raise Fail(f"the block of its reaction is not well formed: {block.fault}", WELL_FORMED, hexed(block.raw))
         if looks_like_reaction(block.data):
             return Reaction(block.data)
         if is_command(block.data):
