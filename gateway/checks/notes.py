@@ -13,6 +13,7 @@ from gateway.pure.arbitration.command_block import AXES as TABLED
 from gateway.pure.arbitration.command_block import MASKED
 from gateway.pure.buses.load import judge
 from gateway.pure.cell.cell import Axis, Cell, Db, Entry, Line, Notice
+from gateway.pure.cell.simulated_ports import unused_ports
 from gateway.pure.controllers.rho3.signals.drives import AXES as SIGNALLED
 from gateway.pure.cycle.enabling_inputs import SIGNAL_AXES
 from gateway.pure.image.addresses import DataWord
@@ -245,6 +246,12 @@ def many_axes(cell: Cell) -> Iterator[Notice]:
         yield Notice("note", "controller", f"{text} (AX-572)")
 
 
+def simulated(cell: Cell) -> Iterator[Notice]:
+    """Ports that are in the file and stay closed."""
+    if words := unused_ports(cell):
+        yield Notice("warning", "cell", f'{words}; to use them: target = "machine"')
+
+
 def unplayed(cell: Cell) -> Iterator[Notice]:
     """What this version checks but cannot run."""
     reasons = not_playable(cell)
@@ -274,5 +281,6 @@ NOTES = (
     counting,
     serials,
     many_axes,
+    simulated,
     unplayed,
 )

@@ -15,6 +15,7 @@ from gateway.commands import shadow_run as shadow
 from gateway.links.canopen.listen_first import refuse_on
 from gateway.processes.supervisor import Supervisor
 from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.simulated_ports import unused_ports
 from gateway.pure.cell.web import Web
 from gateway.runtime.console import fill_standard, say_at_start
 from gateway.runtime.realtime import die_with_parent, realtime_allowed
@@ -105,6 +106,8 @@ def _start(arguments: argparse.Namespace, cell: Cell) -> int:
             say_at_start(words)
         if stretched and clock_ms is not None:
             say_at_start(STRETCHED.format(p5=plan.p5_ms))
+        if not arguments.sim and (words := unused_ports(cell, bus=arguments.bus is None)):
+            say_at_start(words)
         for name in plan.listening:
             say_at_start(f"bus {name} {LISTENS}; next: axisgate bus log {plan.buses[name]} -o living.log, then axisgate bus infer")
         if plan.web is not None:

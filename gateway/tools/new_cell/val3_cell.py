@@ -138,7 +138,7 @@ def _head(parts: Parts) -> str:
         f"name     = {quoted(name)}",
         'replaces = "val3"',
         f"language = {quoted(language)}",
-        'target   = "simulation"              # set to "metal" with drives',
+        'target   = "simulation"              # set to "machine" with drives',
         "\n[val3]",
         f"application = {quoted(parts.application)}",
         f"disk        = {quoted(parts.disk)}",

@@ -30,8 +30,8 @@ def axisgate(*arguments: str, folder: pathlib.Path | None = None, **environment:
     ("name", "head"),
     [
         ("demo", "demo: 6 axes, 1 line, 1 bus: 0 errors, 0 warnings, 4 notes"),
-        ("s5-rk512", "s5-rk512: 3 axes, 1 line, 1 bus: 0 errors, 3 warnings, 4 notes"),
-        ("rho3-servodyn", "rho3-servodyn: 6 axes, 1 line, 2 buses: 0 errors, 0 warnings, 7 notes"),
+        ("s5-rk512", "s5-rk512: 3 axes, 1 line, 1 bus: 0 errors, 4 warnings, 4 notes"),
+        ("rho3-servodyn", "rho3-servodyn: 6 axes, 1 line, 2 buses: 0 errors, 1 warning, 7 notes"),
     ],
 )
 def test_the_shipped_cells_pass(name: str, head: str) -> None:
@@ -68,12 +68,23 @@ def test_a_valid_cell_as_json() -> None:
     done = axisgate("check", "s5-rk512", "--json")
     told = json.loads(done.stdout)
     assert done.returncode == 0 and told["valid"] is True and told["axes"] == ["X", "Y", "Z"]
-    assert len(told["warnings"]) == 3 and told["not_playable"] == []
+    assert len(told["warnings"]) == 4 and told["not_playable"] == []
 
 
 def test_strict_turns_warnings_into_a_finding() -> None:
     assert axisgate("check", "s5-rk512", "--strict").returncode == 1
     assert axisgate("check", "demo", "--strict").returncode == 0
+
+
+def test_a_run_reports_the_ports_it_does_not_use() -> None:
+    """The cell's target is the simulation: whoever starts it without --sim believes that its line is open."""
+    command = [sys.executable, "-m", "gateway", "run", "rho3-servodyn", "--name", f"unused-{os.getpid()}", "--die-with-parent"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as run:
+        assert run.stdout is not None
+        said = next((line for line in run.stdout if "not used" in line), "")
+        run.terminate()
+        run.stdout.read()
+    assert said.strip().endswith("not used: line V24_1 (/dev/ttyS0), bus drives (socketcan:can0), bus io (socketcan:can1)")
 
 
 def test_the_file_with_semicolons_gets_the_hint(tmp_path: pathlib.Path) -> None:

@@ -2,6 +2,7 @@
 
 import pathlib
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -9,6 +10,7 @@ from gateway.cell_file.load import CellFaults, Fault, load_cell
 from gateway.checks.playable import not_playable
 from gateway.files.find import find_config, names_in, read_text
 from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.simulated_ports import unused_ports
 
 SHIPPED = ("demo", "s5-rk512", "rho3-servodyn")
 
@@ -78,7 +80,19 @@ def test_the_s5_example_is_told_as_written_in_the_users_chapter() -> None:
     ]
     assert said[4].startswith("warning  rc_inputs: assumed as 1, not wired here: ")
     assert "note     bus can0: 28 % with second TPDOs, heartbeats and I/O; each frame: axisgate bus load" in said[5:]
-    assert any(each.startswith("note     axis X, Y, Z: drives/maker_x.eds: no such data sheet") for each in said[5:]) and len(said) == 7
+    assert any(each.startswith("note     axis X, Y, Z: drives/maker_x.eds: no such data sheet") for each in said[5:]) and len(said) == 8
+
+
+def test_ports_that_a_simulated_cell_does_not_open_are_named() -> None:
+    cell = load_cell("s5-rk512")
+    (said,) = [str(notice.text) for notice in cell.warnings if notice.where == "cell"]
+    line = "line plc (/dev/serial/by-id/usb-isolated-converter-if00)"
+    assert (
+        said
+        == f'target = "simulation": everything is simulated, not used: {line}, bus can0 (socketcan:can0); to use them: target = "machine"'
+    )
+    assert unused_ports(cell, bus=False).endswith(f"not used: {line}"), "--bus gives the run another bus"
+    assert unused_ports(load_cell("demo")) == "" and unused_ports(replace(cell, cell=replace(cell.cell, target="machine"))) == ""
 
 
 def test_values_stand_under_their_keys() -> None:
