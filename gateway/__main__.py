@@ -10,6 +10,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import cast
 
 from gateway.commands.catalogue import GROUP, first_line
+from gateway.tools.usage_language import usage_errors, usage_text
 
 Command = Callable[[list[str]], int]
 INVALID, ENVIRONMENT = 2, 3  # exit codes: command line, cell or file invalid; environment
@@ -26,15 +27,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     name, rest = arguments[0], arguments[1:]
     if name not in known:
-        print(f"axisgate: unknown command '{name}'{nearest(name, known)}; axisgate -h lists the commands", file=sys.stderr)
+        said = usage_text(f"unknown command '{name}'{nearest(name, known)}; axisgate -h lists the commands")
+        print(f"axisgate: {said}", file=sys.stderr)
         return INVALID
     try:
         command = load(known[name])
     except ModuleNotFoundError as missing:
-        print(f"axisgate {name}: {reason(known[name], missing)}", file=sys.stderr)
+        print(f"axisgate {name}: {usage_text(reason(known[name], missing))}", file=sys.stderr)
         return ENVIRONMENT
     try:
-        return command(rest)
+        with usage_errors():
+            return command(rest)
     except BrokenPipeError:  # `| head` has seen enough
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115  nothing is flushed into the closed pipe at the end
         return 0

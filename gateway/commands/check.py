@@ -42,7 +42,7 @@ def main(argv: list[str]) -> int:
         print(json.dumps(as_json(options.cell, found.faults), indent=1) if options.json else "\n".join(rows))
         return Exit.INVALID
     except (ConfigNotFound, OSError) as error:
-        print(f"axisgate check: {error}", file=sys.stderr)
+        print(f"axisgate check: {spoken('usage').german(str(error)) if language == 'de' else error}", file=sys.stderr)
         return Exit.INVALID
     print(json.dumps(valid_json(cell), indent=1) if options.json else "\n".join(valid(options.cell, cell, language)))
     return Exit.FINDING if options.strict and cell.warnings else Exit.OK

@@ -30,7 +30,7 @@ def main(argv: list[str]) -> int:
     arguments = parser.parse_args(argv)
     wanted = [name for name in SHEETS if getattr(arguments, name)]
     if not wanted:
-        parser.error(f"say what: {', '.join(f'--{name}' for name in SHEETS)}")
+        parser.error(f"name at least one of {', '.join(f'--{name}' for name in SHEETS)}")
     cell = load(arguments.cell)
     if isinstance(cell, int):
         return cell

@@ -82,4 +82,4 @@ def names_in(kind: str) -> list[str]:
 
 def _known(kind: str) -> str:
     found = names_in(kind)
-    return f"; there are {', '.join(found)}" if found else ""
+    return f"; available: {', '.join(found)}" if found else ""

@@ -7,6 +7,7 @@ from gateway.files.find import ConfigNotFound, find_config
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.faults import CellFaults
 from gateway.tools.command_support import USAGE
+from gateway.tools.usage_language import usage_text
 
 
 def load(name: str) -> Cell | int:
@@ -14,10 +15,10 @@ def load(name: str) -> Cell | int:
     try:
         return load_cell(str(find_config(name, "cells")))
     except ConfigNotFound as error:
-        print(f"axisgate: {error}", file=sys.stderr)
+        print(f"axisgate: {usage_text(str(error))}", file=sys.stderr)
         return USAGE
     except CellFaults as faults:
         for fault in faults.faults:
             print(fault, file=sys.stderr)
-        print(f"axisgate: {len(faults.faults)} faults; axisgate check {name} explains them", file=sys.stderr)
+        print(f"axisgate: {usage_text(f'{len(faults.faults)} faults; axisgate check {name} explains them')}", file=sys.stderr)
         return USAGE

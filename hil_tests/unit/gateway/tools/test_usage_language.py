@@ -1,0 +1,78 @@
+"""Faults of a command line are reported in the user's language (AX-1795)."""
+
+import argparse
+import ast
+import inspect
+import re
+from collections.abc import Iterator
+
+import pytest
+
+from gateway.__main__ import main
+from gateway.files.texts import read_texts
+from gateway.pure.reports.spoken import FIELD
+from gateway.tools.usage_language import usage_text
+
+GERMAN = {"LC_ALL": "de_DE.UTF-8"}
+NOT_OF_A_USER = (  # headings of -h, and mistakes of who builds a parser
+    "usage: ", "options", "positional arguments", "show this help message and exit", "%(prog)s: error", "conflicting",
+    "is an invalid argument", "mutually exclusive", "is not callable", "cannot merge", "must start with", "dest=",
+    "invalid conflict_resolution", "multiple subparser", 'argument "-"', "__call__", "unexpected option string",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("words", "german"),
+    [
+        ("check", "axisgate check: Fehler: es fehlt: CELL"),
+        ("check cell --nothing", "axisgate check: Fehler: unbekannte Angabe: --nothing"),
+        ("check cell --language fr", "axisgate check: Fehler: --language: 'fr' gibt es nicht; erlaubt: 'en', 'de'"),
+        ("check cell --language", "axisgate check: Fehler: --language: ein Wert fehlt"),
+        ("record --for x", "axisgate record: Fehler: --for: 'x' ist keine Zahl"),
+        ("record -o x", "axisgate record: Fehler: den Lauf mit CELL oder --slug NAME angeben"),
+        ("nonsense-word-of-no-command", "axisgate: unbekannter Befehl 'nonsense-word-of-no-command'; axisgate -h nennt die Befehle"),
+        ("chekc", "axisgate: unbekannter Befehl 'chekc', gemeint ist vielleicht 'check'; axisgate -h nennt die Befehle"),
+    ],
+)
+def test_a_wrong_command_line_is_named_in_german(
+    words: str, german: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("LC_ALL", GERMAN["LC_ALL"])
+    try:
+        code = main(words.split())
+    except SystemExit as left:
+        code = int(str(left.code))
+    said = capsys.readouterr().err
+    assert code == 2 and said.splitlines()[-1] == german
+    assert said.startswith(("Aufruf: axisgate", "axisgate: unbekannter Befehl")) and "usage" not in said
+
+
+def test_in_english_argparse_reports_as_it_always_does(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setenv("LC_ALL", "C")
+    with pytest.raises(SystemExit):
+        main(["check"])
+    assert capsys.readouterr().err.endswith("axisgate check: error: the following arguments are required: CELL\n")
+
+
+def test_a_file_that_does_not_exist_is_named_with_those_that_do() -> None:
+    said = usage_text("x: no such file; looked for /x, /y/x.toml; available: arm6, demo", GERMAN)
+    assert said == "x: keine solche Datei; gesucht: /x, /y/x.toml; vorhanden: arm6, demo"
+
+
+def templates() -> Iterator[str]:
+    """What argparse of this Python reports."""
+    for node in ast.walk(ast.parse(inspect.getsource(argparse))):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("_", "ngettext"):
+            yield from (str(ast.literal_eval(each)) for each in node.args if isinstance(each, ast.Constant))
+
+
+def test_every_fault_that_argparse_reports_has_its_german() -> None:
+    known = {re.sub(r"'?\{\d\}'?", "?", english) for english, _ in read_texts("usage").pairs()}
+    of_a_user = [each for each in templates() if not any(word in each for word in NOT_OF_A_USER)]
+    assert len(of_a_user) > 12
+    assert {re.sub(r"'?%(\(\w+\))?[sr]'?", "?", each) for each in of_a_user} <= known, "give them a line in configs/texts/usage.toml"
+
+
+def test_both_languages_name_the_same_things() -> None:
+    for english, german in read_texts("usage").pairs():
+        assert set(FIELD.findall(german)) <= set(FIELD.findall(english)) and german.isascii(), english
