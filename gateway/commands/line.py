@@ -23,6 +23,7 @@ from gateway.pure.lines.decoder import LineReport
 from gateway.pure.lines.diagnosis import Finding, anzw, cp341, judge, pafe
 from gateway.pure.lines.learning import Learned
 from gateway.pure.lines.texts import in_language, language_of, said
+from gateway.tools.command_support import of_file
 from gateway.tools.line.arguments import PORTS, parser
 from gateway.tools.line.client import Client
 from gateway.tools.line.client import Refused as JobRefused
@@ -60,7 +61,7 @@ def main(argv: list[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         return ENVIRONMENT
     except OSError as error:
-        return _fault(arguments.tool, _of_file(error), ENVIRONMENT)
+        return _fault(arguments.tool, of_file(error), ENVIRONMENT)
     except ImportError as error:
         return _fault(
             arguments.tool, f"this port needs {error.name}, which this system has not; use COM..., rfc2217:// or tcp://", ENVIRONMENT
@@ -72,10 +73,6 @@ def main(argv: list[str]) -> int:
 def _of_port(error: PortError) -> str:
     """A cell opens its port again; a tool has ended."""
     return str(error.args[-1]).partition("; it is opened again")[0]
-
-
-def _of_file(error: OSError) -> str:
-    return f"{error.filename}: {error.strerror}" if error.filename else str(error)
 
 
 def _fault(tool: str, text: str, code: int) -> int:
@@ -396,7 +393,7 @@ def _learned_live(arguments: argparse.Namespace) -> tuple[Learned, str]:
     except OSError as error:  # days of listening are not lost with an adapter, or with a full disk
         if not tolds:
             raise
-        why = _of_port(error) if isinstance(error, PortError) else _of_file(error)
+        why = _of_port(error) if isinstance(error, PortError) else of_file(error)
         _fault(arguments.tool, f"{why}: learned from what was heard until then", ENVIRONMENT)
     return of_line(tolds, arguments.tap, parse_format(arguments.format))
 

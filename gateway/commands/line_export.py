@@ -13,7 +13,7 @@ from drivers.ports.serial.line_format import parse_record
 from gateway.pure.lines.pcapng import pcapng
 from gateway.pure.lines.trace import Item, of_dialogue, of_runs, to_dialogue
 from gateway.pure.lines.turns import turns
-from gateway.tools.command_support import DONE, USAGE
+from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE, of_file
 from protocols.base.dialogue import parse, write
 from protocols.base.errors import DecodeError
 from protocols.base.machine import ms
@@ -51,7 +51,10 @@ def main(argv: list[str]) -> int:
                 f"# {arguments.trace.name}, written by axisgate line export\n\n{write([dialogue])}", encoding="utf-8"
             )
             print(f"{arguments.output}: {len(dialogue.entries)} entries")
-    except (OSError, UnicodeDecodeError, DecodeError, KeyError) as error:
+    except OSError as error:
+        print(f"axisgate line export: {of_file(error)}", file=sys.stderr)
+        return ENVIRONMENT
+    except (DecodeError, KeyError) as error:
         print(f"axisgate line export: {error}", file=sys.stderr)
         return USAGE
     return DONE
@@ -59,7 +62,7 @@ def main(argv: list[str]) -> int:
 
 def read_trace(path: pathlib.Path) -> list[Item]:
     """A line record or a journal, distinguished by the first word.  DecodeError: neither; OSError."""
-    text = path.read_text(encoding="utf-8")
+    text = path.read_text(encoding="utf-8", errors="replace")
     words = next((line.split() for line in text.splitlines() if line.strip() and not line.startswith("#")), [])
     if words[:1] == ["dialogue"]:
         items: list[Item] = []

@@ -67,7 +67,9 @@ def load(path: pathlib.Path) -> Recording:
         head_line, _, body = path.read_bytes().partition(b"\n")
         head = json.loads(head_line)
         channels = head["channels"] if head["format"] == FORMAT else None
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except OSError as error:
+        raise RecordingError(f"{path}: {error.strerror}; axisgate scope record makes one") from error
+    except (ValueError, KeyError, TypeError) as error:
         raise RecordingError(f"{path}: no scope recording ({error}); axisgate scope record makes one") from error
     if not channels:
         raise RecordingError(f"{path}: format {head['format']}; this version reads {FORMAT}")

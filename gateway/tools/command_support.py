@@ -13,6 +13,11 @@ BANNER = (
 )
 
 
+def of_file(error: Exception) -> str:
+    """What is wrong with a file, without the number that Python puts before it."""
+    return f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename and error.strerror else str(error)
+
+
 @contextlib.contextmanager
 def interruptible() -> Iterator[Callable[[], bool]]:
     """Ctrl-C, or a polite end, no longer ends the command: it asks whether that came."""

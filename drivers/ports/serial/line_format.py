@@ -190,5 +190,5 @@ def parse_record(lines: Iterable[str]) -> Record:
             else:
                 raise ValueError(words[1])
         except (ValueError, IndexError) as error:
-            raise DecodeError(f"line record, line {number}: {line!r}") from error
+            raise DecodeError(f"line record, line {number}: {line[:60]!r}") from error
     return record

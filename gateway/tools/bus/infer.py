@@ -14,6 +14,7 @@ from gateway.pure.buses.inference.proposal import NothingFound, propose
 from gateway.pure.buses.inference.roles import Inferred
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.bus.logs import BadLog, read_log
+from gateway.tools.command_support import of_file
 from protocols.base.machine import Frame
 
 EXAMPLES = """examples:
@@ -36,7 +37,7 @@ def main(argv: list[str]) -> int:
     try:
         found = propose(frames(options.log))
     except (BadLog, OSError) as error:
-        print(f"axisgate bus infer: {error}", file=sys.stderr)
+        print(f"axisgate bus infer: {of_file(error)}", file=sys.stderr)
         return Exit.INVALID
     except NothingFound as error:
         print(f"axisgate bus infer: {error}", file=sys.stderr)

@@ -12,7 +12,7 @@ from gateway.pure.buses.load import Judgement, Times, Traffic, judge, times
 from gateway.pure.cell.cell import Bus, Cell
 from gateway.tools.bus.logs import READABLE, BadLog, read_log
 from gateway.tools.cell_argument import load
-from gateway.tools.command_support import DONE, FINDING, USAGE
+from gateway.tools.command_support import DONE, FINDING, USAGE, of_file
 from protocols.base.can_bits import frame_bits
 from protocols.base.machine import Frame, Ns
 
@@ -105,7 +105,7 @@ def _of_log(arguments: argparse.Namespace) -> int:
     try:
         total = measured(read_log(arguments.log), arguments.bitrate)
     except (OSError, BadLog) as error:
-        print(f"axisgate bus load: {error}", file=sys.stderr)
+        print(f"axisgate bus load: {of_file(error)}", file=sys.stderr)
         return USAGE
     if arguments.json:
         print(json.dumps(total, indent=1))

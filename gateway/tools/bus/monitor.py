@@ -17,7 +17,7 @@ from gateway.files.frame_decoder import Decode, decoder, named
 from gateway.tools.bus.load import measured
 from gateway.tools.bus.logs import BadLog, FdFrame, fd_frame_of, frame_of, read_log
 from gateway.tools.bus.ports import FORM, NoBus, open_bus
-from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE
+from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE, of_file
 from protocols.base.machine import Frame, Ns
 
 EXAMPLES = f"""examples:
@@ -121,7 +121,7 @@ def main(argv: list[str]) -> int:
     except BrokenPipeError:
         raise
     except (BadLog, OSError, ConfigNotFound, DatabaseError) as error:
-        print(f"axisgate bus monitor: {error}", file=sys.stderr)
+        print(f"axisgate bus monitor: {of_file(error)}", file=sys.stderr)
         return USAGE
 
 
