@@ -168,7 +168,7 @@ def _way(goal: State) -> Generator[Step, Answer, None]:
         if command is not None:
             yield from _control(command.value)
         yield Pause(POLL_MS)
-    raise ManualError(f"the drive did not come to {goal.name.lower()}")
+    raise ManualError(f"the drive did not reach {goal.name.lower()}")
 
 
 def _status(mask: int, value: int, limit_ms: int) -> Generator[Step, Answer, None]:

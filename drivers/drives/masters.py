@@ -58,7 +58,7 @@ class OtherMaster:
         first = not self._heard[identifier]
         self._heard[identifier] += 1
         self._last = now
-        words = f"another master speaks on this bus: {self.names[identifier]} ({identifier:03X}h); two masters reset each other's drives"
+        words = f"another master is active on this bus: {self.names[identifier]} ({identifier:03X}h); two masters reset each other's drives"
         return f"{words}: end one of them" if first else ""
 
     def wake(self, now: Ns) -> str:

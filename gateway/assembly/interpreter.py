@@ -207,7 +207,7 @@ class Baps2Programs:
                 else:
                     write_whole(path, data)
             except OSError as error:
-                faults.append(f"{path}: {error.strerror}; what programs have written there is lost with this run")
+                faults.append(f"{path}: {error.strerror}; what programs have written there is lost when this run ends")
             if data is None:
                 self._kept.pop(name, None)
             else:

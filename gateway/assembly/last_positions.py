@@ -78,7 +78,7 @@ def judge(cell: Cell, state: CellState) -> list[str]:
 def _counted(axis: Axis, last: int, now: int) -> list[str]:
     turns = wrapped(last, now, axis.drive.inc_per_turn) / axis.drive.inc_per_turn
     what = (
-        f"axis {axis.name}: the encoder counted round by {turns:+g} turns since the last stop ({last} -> {now}): its zero is void, {AGAIN}"
+        f"axis {axis.name}: the encoder overflowed by {turns:+g} turns since the last stop ({last} -> {now}): its zero is invalid, {AGAIN}"
     )
     return [what] if turns else []
 

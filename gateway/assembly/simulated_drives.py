@@ -39,7 +39,7 @@ def _running(process_of: str, *arguments: str) -> Iterator[None]:
     assert process.stdout is not None
     try:
         if "ready\n" not in iter(process.stdout.readline, ""):
-            raise PortError(f"the simulated {process_of} did not start; its own words stand above")
+            raise PortError(f"the simulated {process_of} did not start; its output is above")
         yield
     finally:
         process.terminate()

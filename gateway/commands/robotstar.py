@@ -1,5 +1,7 @@
-"""Programs of a Reis ROBOTstar V: check a memory, run a program in virtual time, import printed listings;
-list a memory, protect, delete, rename and copy its programs."""
+"""Programs of a Reis ROBOTstar V: check a memory, run a program in virtual time, import printed listings.
+
+It also lists a memory, and protects, deletes, renames and copies its programs.
+"""
 
 import argparse
 import dataclasses

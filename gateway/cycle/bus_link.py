@@ -120,7 +120,7 @@ class BusLink:
             self._doubles = {index: min(count, 2 * DOUBLES) - 1 for index, count in self._doubles.items() if count > 1}
 
     def _foreign(self, identifier: int, now: int) -> None:
-        waits = "nothing is sent as long as it speaks; " if self._quiet_from else ""
+        waits = "nothing is sent while it is active; " if self._quiet_from else ""
         if words := self._other.heard(identifier, now):
             print(f"{self.url}: {waits}{words}", flush=True)
 

@@ -103,7 +103,7 @@ class Relay:
         far = self._far
         if self.stale > self._stale_told:
             if not self._stale_told:
-                print(f"{self._url}: frames of the cycle were older than {self._fresh_ns / 1e6:g} ms and not handed on", flush=True)
+                print(f"{self._url}: frames of the cycle were older than {self._fresh_ns / 1e6:g} ms and not forwarded", flush=True)
             self._stale_told = self.stale
         if far is None:
             return
@@ -112,7 +112,7 @@ class Relay:
             print(f"{self._url}: error frames on the bus: check cable, termination, bit rate", flush=True)
         if far.fd and not self._fd_told:
             self._fd_told = True
-            print(f"{self._url}: frames of CAN FD on the bus: they are passed over, drives and couplers here speak classic CAN", flush=True)
+            print(f"{self._url}: frames of CAN FD on the bus: they are ignored, drives and couplers use classic CAN", flush=True)
         if not self._told and (len(far.own_ns) >= SAMPLES or len(far.answer_ns) >= SAMPLES):
             self._told = True
             print(f"{self._url}: {latency_words(far.own_ns, far.answer_ns)}", flush=True)

@@ -69,7 +69,7 @@ class Keeper:
         except FileNotFoundError:
             return b""
         except OSError as error:
-            self._journal.write("alarm", f"{self._path}: {error.strerror}; markers of the PLC begin with 0")
+            self._journal.write("alarm", f"{self._path}: {error.strerror}; markers of the PLC start at 0")
             return b""
 
     def keep(self, data: bytes) -> None:
@@ -102,7 +102,7 @@ class Keeper:
             write_whole(self._path, data)
         except OSError as error:
             if not self._failing:
-                self._journal.write("alarm", f"{self._path}: {error.strerror}; markers of the PLC do not outlive power-off now")
+                self._journal.write("alarm", f"{self._path}: {error.strerror}; markers of the PLC are not retained at power-off now")
             self._failing = True
             return
         if self._failing:
@@ -154,7 +154,7 @@ class PlcProcess:
             try:
                 self.plc.power_on(kept, now)
             except ValueError as error:
-                self.journal.write("alarm", f"markers of the PLC: {error}; they begin with 0")
+                self.journal.write("alarm", f"markers of the PLC: {error}; they start at 0")
         self._start(self._named())
 
     def _come_back(self, before: PlcReport, now: int) -> None:
@@ -166,10 +166,10 @@ class PlcProcess:
         try:
             copy = self._copy.read_bytes()
         except OSError as error:
-            self.journal.write("alarm", f"{self._copy}: {error.strerror}; the PLC stays stopped: start it anew")
+            self.journal.write("alarm", f"{self._copy}: {error.strerror}; the PLC stays stopped: start it again")
             return
         if not self.plc.start_copy(copy):
-            self.journal.write("plc", "the PLC process was gone and goes on with the program that ran")
+            self.journal.write("plc", "the PLC process had failed and continues with the program that ran")
 
     def _read_sources(self) -> None:
         """The programs as they are on the disk now; a folder that cannot be read leaves those of before."""
@@ -198,7 +198,7 @@ class PlcProcess:
         try:
             write_whole(self._copy, self.plc.copy(), 0o600)
         except OSError as error:
-            self.journal.write("alarm", f"{self._copy}: {error.strerror}; the PLC would not come back after its process was gone")
+            self.journal.write("alarm", f"{self._copy}: {error.strerror}; the PLC would not restart after a failure of its process")
 
     # ---- periods -------------------------------------------------------------------------------------------------------
     def run(self) -> None:

@@ -134,7 +134,7 @@ class Supervisor:
                 if self._stop:
                     return 0
                 if running.start.due(now_ns(), _pid(running)) or running.down or len(running.deaths) > 1:
-                    self.journal.write("process", f"{running.child.name} did not start; its own words stand above")
+                    self.journal.write("process", f"{running.child.name} did not start; its output is above")
                     return 3
         return 0
 
@@ -209,7 +209,7 @@ class Supervisor:
             if running.child.spare and running.process is not None:
                 self._keep_spare(running)
         if running.alarm and running.process is not None and not running.ending and now_ns() - running.start.started_ns > WINDOW_NS:
-            self.journal.write("process", f"{running.child.name} runs again since a minute", child=running.child.name)
+            self.journal.write("process", f"{running.child.name} has been running again for a minute", child=running.child.name)
             running.alarm = ""
 
     def _keep_spare(self, running: Running) -> None:

@@ -119,7 +119,7 @@ class Access:
         self.origin(request)
         if person.key.startswith("session:"):
             if not secrets.compare_digest(request.headers.get(CSRF, ""), person.csrf):
-                raise Denied(403, "the request lacks its session's mark (header x-axisgate-csrf)")
+                raise Denied(403, "the request has no session token (header x-axisgate-csrf)")
         elif not person.key and request.headers.get(OURS) is None:
             raise Denied(403, "the header x-axisgate is missing")
         self.role(person, role)
@@ -128,7 +128,7 @@ class Access:
     def role(person: Person, role: Role) -> None:
         """The role alone."""
         if person.role < role:
-            words = f"this takes the role {role.name.lower()}; you are {person.name}, {person.role.name.lower()}"
+            words = f"role {role.name.lower()} required; logged in: {person.name}, {person.role.name.lower()}"
             raise Denied(403 if person.key else 401, words)
 
 

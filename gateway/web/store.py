@@ -180,7 +180,7 @@ class Store:
         try:
             json.loads(value)
         except (ValueError, RecursionError):
-            raise StoreError("what is to be kept is JSON") from None
+            raise StoreError("only JSON can be stored") from None
         names = {row["name"] for row in self.kept(kind)}
         if name not in names and len(names) >= MOST_KEPT:
             raise StoreError(f"{MOST_KEPT} are kept; remove one first")

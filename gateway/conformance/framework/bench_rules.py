@@ -49,7 +49,7 @@ def _stimulus(table: Table) -> list[str]:
     if kind == "output" and not {"command", "url"} & set(table):
         faults.append('stimulus.command: is missing; kind = "output" needs a command, or url and coil of a Modbus TCP output')
     if "coil" in table and "holding" in table:
-        faults.append("stimulus.holding: there is a coil as well; one of both expected")
+        faults.append("stimulus.holding: there is a coil as well; only one is expected")
     return faults
 
 

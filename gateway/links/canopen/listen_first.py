@@ -31,7 +31,7 @@ def refuse_other_master(port: CanPort, url: str, protocol: str, otherwise: str =
     """Returns when no master was heard; raises OtherMasterError, which ends with `otherwise`, and PortError."""
     words = masters_in(listen(port), protocol)
     if words:
-        raise OtherMasterError(f"{url}: another master speaks on this bus: {words}; {END_IT}{otherwise}")
+        raise OtherMasterError(f"{url}: another master is active on this bus: {words}; {END_IT}{otherwise}")
 
 
 def refuse_on(url: str, protocol: str) -> None:

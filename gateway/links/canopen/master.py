@@ -283,7 +283,7 @@ class CanopenMaster:
                 if node.health is Health.READY:
                     patience = node.plan.heartbeat_ms / 1000.0 * (node.plan.missed + LATE)
                     if now - node.seen > max(patience, 0.25):
-                        self._lost(node, "its heartbeat stays away")
+                        self._lost(node, "its heartbeat is missing")
                     elif node.state not in (State.OPERATIONAL, -1):
                         self._lost(node, f"left operational: its heartbeat reports {node.state}")
                 elif node.health is not Health.BOOTING and now >= node.due:

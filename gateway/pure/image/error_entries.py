@@ -8,7 +8,7 @@ from gateway.pure.image.system_errors import MOST_SYSTEM, system_code
 Table = Mapping[str, object]
 
 RESETS: Mapping[str, tuple[str, str]] = {  # reset rule of a file -> English, German
-    "itself": ("goes with its cause", "geht mit seiner Ursache"),
+    "itself": ("clears when its cause is removed", "entfaellt mit der Ursache"),
     "acknowledge": (
         "remove the cause, then error acknowledgement (RC input 62, fault reset)",
         "Ursache beseitigen, dann Fehler quittieren (RC-Eingang 62, Quittieren)",

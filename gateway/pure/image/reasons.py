@@ -153,11 +153,11 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.SET_VALUE: ("a set value jumped or left the range of the telegram", "ein Sollwert sprang oder verliess den Telegrammbereich"),
     Reason.DRIVE_NOT_STARTED: ("drive is not started up: {0}", "Antrieb ist nicht hochgelaufen: {0}"),
     Reason.PATH_LATE: (
-        "the planner was too slow: new path came when the axes were on the old one",
-        "der Planer war zu langsam: neue Bahn kam, als die Achsen schon auf der alten waren",
+        "the planner was too slow: the new path came after the axes had passed its start",
+        "der Planer war zu langsam: die neue Bahn kam, als die Achsen an ihrem Anfang schon vorbei waren",
     ),
     Reason.PATH_JOIN: (
-        "a piece of the path cannot follow the one before, or is damaged",
+        "a piece of the path does not continue the one before, or is damaged",
         "ein Bahnstueck schliesst nicht an das vorige an oder ist beschaedigt",
     ),
     Reason.NOT_READY: ("the cell is not ready: {0}", "Zelle nicht bereit: {0}"),

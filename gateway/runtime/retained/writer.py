@@ -184,7 +184,7 @@ class Retained:
         try:
             opened = open_file(path)
         except RetainError as error:
-            self.events.append(f"retained data: {error}; nothing of this run outlives it")
+            self.events.append(f"retained data: {error}; nothing of this run is retained")
             return None
         self.events += opened.events
         return opened.file
@@ -199,7 +199,7 @@ class Retained:
             self.events.append(f"retained data: {error}; defaults count")
             return {}
         if spoiled:
-            self.events.append(f"retained data: {self._file.path}: {', '.join(spoiled[:8])} damaged; their defaults count")
+            self.events.append(f"retained data: {self._file.path}: {', '.join(spoiled[:8])} damaged; their defaults apply")
         return values
 
 

@@ -33,7 +33,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--json", action="store_true", help="print the figures as JSON")
     arguments = parser.parse_args(argv)
     if (arguments.cell is None) == (arguments.log is None):
-        print("axisgate bus load: name a cell or --log FILE, one of both", file=sys.stderr)
+        print("axisgate bus load: name either a cell or --log FILE", file=sys.stderr)
         return USAGE
     if arguments.log is not None:
         return _of_log(arguments)

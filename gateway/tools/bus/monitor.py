@@ -106,7 +106,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--json", action="store_true", help="one JSON object a frame")
     arguments = parser.parse_args(argv)
     if (arguments.bus is None) == (arguments.source is None):
-        print("axisgate bus monitor: name a bus or --from FILE, one of both", file=sys.stderr)
+        print("axisgate bus monitor: name either a bus or --from FILE", file=sys.stderr)
         return USAGE
     try:
         decode = decoder(arguments.dbc, canopen=arguments.canopen)

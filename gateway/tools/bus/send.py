@@ -84,7 +84,7 @@ def look_first(bus: can.BusABC, url: str) -> None:
         if message is not None and not message.is_extended_id and not message.is_error_frame:
             heard.append(Frame(message.arbitration_id, bytes(message.data)))
     if words := masters_in(heard, "canopen"):
-        raise NoBus(f"{url}: another master speaks on this bus: {words}; {END_IT}, or send it all the same with --beside")
+        raise NoBus(f"{url}: another master is active on this bus: {words}; {END_IT}, or send it all the same with --beside")
 
 
 def frame_of_text(text: str) -> Frame:

@@ -17,8 +17,8 @@ export function unable(role) {
   if (may(role)) return "";
   if (me.read_only) return t("The page is read-only; stop on the path stays.");
   if (me.fresh) return t("Set the first password.");
-  if (me.name === "local" || me.name === "nobody") return `${t("Log in first; this takes the role")} ${t(role)}.`;
-  return `${t("This takes the role")} ${t(role)}; ${me.name}: ${t(me.role)}.`;
+  if (me.name === "local" || me.name === "nobody") return `${t("Log in first; role required:")} ${t(role)}.`;
+  return `${t("Role required:")} ${t(role)}; ${me.name}: ${t(me.role)}.`;
 }
 
 export async function get(path) {

@@ -61,7 +61,7 @@ def test_a_foreign_sync_is_reported_and_nothing_is_sent(bus: Bus, master: canope
     listener = bus.port()
     told = axisgate(*command)
     assert told.returncode == 3, told
-    assert "broker:look: another master speaks on this bus: SYNC (080h, " in told.stderr and "Traceback" not in told.stderr
+    assert "broker:look: another master is active on this bus: SYNC (080h, " in told.stderr and "Traceback" not in told.stderr
     assert {frame.identifier for frame in listener.receive()} == {0x080}, "the SYNC of the master that was there, and nothing else"
     listener.close()
 
@@ -161,7 +161,7 @@ def test_a_cycle_holds_its_burst_until_the_other_master_is_silent(bus: Bus, caps
     assert not any(cycles(link, 50, other, [Frame(0x080)])), "half a second beside a SYNC"
     assert {frame.identifier for frame in other.receive()} == set(), "not one frame"
     told = capsys.readouterr().out
-    assert told.count("another master speaks on this bus: SYNC (080h)") == 1 and "nothing is sent as long as it speaks" in told
+    assert told.count("another master is active on this bus: SYNC (080h)") == 1 and "nothing is sent while it is active" in told
     sent = cycles(link, 50, other, [])
     assert sent.index(True) >= 20 and all(sent[sent.index(True) :]), "it begins when a quarter of a second was quiet"
     link.close()
@@ -176,7 +176,7 @@ def test_a_running_cycle_reports_another_master_once(bus: Bus, capsys: pytest.Ca
     assert "another master" not in capsys.readouterr().out
     assert all(cycles(link, 10, other, [frame])), "a cell that moves goes on and reports it"
     told = capsys.readouterr().out
-    assert told.count("another master speaks on this bus") == 1 and f"({frame.identifier:03X}h)" in told
+    assert told.count("another master is active on this bus") == 1 and f"({frame.identifier:03X}h)" in told
     link.close()
     other.close()
 

@@ -140,7 +140,7 @@ def test_a_folder_that_cannot_be_written_is_told_and_nothing_stops(tmp_path: pat
     kept = Retained(tmp_path / "in_the_way" / "kept.sqlite", PATTERNS, told.append)
     kept.keep("counter.1", 1)
     assert (kept.on, kept.flush(), len(told)) == (False, False, 1)
-    assert "nothing of this run outlives it" in told[0]
+    assert "nothing of this run is retained" in told[0]
     kept.close()
 
 

@@ -167,7 +167,7 @@ def test_killed_it_comes_back_with_the_copy_that_ran_its_markers_and_outputs_0_m
     finally:
         source.write_text(text)
         shutil.rmtree(more)
-    assert any("goes on with the program that ran" in entry["text"] for entry in plant.run.journal("plc"))
+    assert any("continues with the program that ran" in entry["text"] for entry in plant.run.journal("plc"))
 
 
 @pytest.mark.requirement("RSV-PLC-29", by=PROCESS + "_start")

@@ -30,7 +30,7 @@ class IntegratedPlc:
     def take(self, report: PlcReport, *, alive: bool) -> None:
         """What the process has published."""
         if self.alive and not alive:
-            self.told.append("the PLC process is gone: its outputs are 0 until it is back")
+            self.told.append("the PLC process has failed: its outputs are 0 until it is back")
         begun = report.id != self.report.id
         self.report, self.alive, self.fresh = report, alive, True
         for byte, bits in enumerate(self._robots if begun else b""):

@@ -95,5 +95,5 @@ def test_a_refused_object_is_named_and_a_fault_on_the_way_too() -> None:
         dialogue.carry(profile_position(1000, 1000, 1000))
     rig, dialogue = ready()
     rig.slave.cause(NODE, "motor_blocked", True)
-    with pytest.raises(ManualError, match="did not come to enabled"):
+    with pytest.raises(ManualError, match="did not reach enabled"):
         dialogue.carry(profile_position(1000, 1000, 1000))

@@ -94,7 +94,7 @@ def test_reasons_of_drives_and_couplers_have_german_words() -> None:
     found = sorted(set(reasons()))
     assert len(found) > 20
     assert [words for words in found if german(words) == words] == []
-    said = german("drive is not started up: A1: the drive did not come to switched on; it is tried again")
+    said = german("drive is not started up: A1: the drive did not reach switched on; it is tried again")
     assert said.startswith("Antrieb ist nicht hochgelaufen: A1: der Antrieb kam nicht nach ")
 
 
@@ -116,12 +116,12 @@ def test_reasons_of_drives_and_couplers_have_german_words() -> None:
             "Modbus-Client far: keine Verbindung zu tcp://127.0.0.1:9: Verbindung abgewiesen; neuer Versuch, bis sie hergestellt ist",
         ),
         (
-            "cycle: broker:a-drives: nothing is sent as long as it speaks; another master speaks on this bus: SYNC (080h)",
+            "cycle: broker:a-drives: nothing is sent while it is active; another master is active on this bus: SYNC (080h)",
             "cycle: broker:a-drives: solange er sendet, wird nichts gesendet; ein anderer Master sendet auf diesem Bus: SYNC (080h)",
         ),
         ("command source 2: enable refused: drives are off: A6", "Befehlsquelle 2: Antriebe ein: abgelehnt: Antriebe sind aus: A6"),
         (
-            "the PLC process is gone: its outputs are 0 until it is back",
+            "the PLC process has failed: its outputs are 0 until it is back",
             "der SPS-Prozess ist ausgefallen: Seine Ausgänge sind 0, bis er wieder läuft",
         ),
         ("PLC: door open (MAIN step 4)", "SPS: door open (MAIN Schritt 4)"),
@@ -213,7 +213,7 @@ def test_refusals_of_the_page_have_german() -> None:
                 ]
                 missing += [f"{path.name}:{node.lineno}: {each}" for each in words if german(each) == each]
     assert not missing, missing
-    assert german("this takes the role setter; you are bert, operator") == "nötig ist die Rolle Einrichter; angemeldet: bert, Bediener"
+    assert german("role setter required; logged in: bert, operator") == "nötig ist die Rolle Einrichter; angemeldet: bert, Bediener"
     assert german("5 characters: String should have at least 10 characters") == "5 characters: mindestens 10 Zeichen"
 
 
