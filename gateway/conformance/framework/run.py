@@ -91,7 +91,7 @@ class Runner:
             return self._without_device(purpose)
         for before in purpose.preamble:
             failed = self.results.get(before)
-            if failed is not None and failed.verdict in (Verdict.FAIL, Verdict.INCONC, Verdict.ERROR):
+            if failed is not None and failed.verdict in (Verdict.FAIL, Verdict.INCONC, Verdict.ERROR) and not failed.uncertain:
                 reason = f"not run: the preamble needs {before}, which is {failed.verdict.value} ({failed.reason})"
                 return Result(purpose, Verdict.INCONC, reason, failed.expected, failed.got, before)
         return self._left_behind(purpose) or self._repeated(purpose)
@@ -199,6 +199,8 @@ class Runner:
         result.notes, result.late = tester.notes, tester.late()
         result.took = self.session.now() - start
         self._clean = result.verdict is Verdict.PASS
+        if result.verdict is Verdict.INCONC and result.open_cause and result.late > LATE:
+            again = True  # a step may have failed because this host was late
         if result.verdict is Verdict.FAIL and result.late > LATE and not self._gone:
             result.behind = result.reason
             result.reason = f"this host was {result.late / 1e6:.0f} ms late; seen: {result.reason}"
@@ -233,6 +235,7 @@ class Runner:
         verdict = worst((result.verdict, ended.verdict)) if ended.verdict is not Verdict.NA else Verdict.NA
         self._set(result, verdict, ended.reason, ended.expected, ended.got)
         result.caused_by = ended.caused_by if ended.verdict is Verdict.INCONC else ""
+        result.uncertain = isinstance(ended, Uncertain)
         result.open_cause = isinstance(ended, Inconclusive) and not isinstance(ended, (BenchFault, Uncertain)) and not ended.caused_by
 
     @staticmethod

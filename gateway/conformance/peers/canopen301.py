@@ -7,6 +7,7 @@ from drivers.emulator.servo.settings import DriveSettings
 from gateway.conformance.peers.can_devices import NODE, QUICK, Drive, Says, Tune
 from gateway.conformance.peers.canopen301_frames import (
     abort_code,
+    all_used,
     answers,
     beats,
     chatty,
@@ -21,6 +22,7 @@ from gateway.conformance.peers.canopen301_frames import (
     short_taken,
     stuck_contents,
     tires,
+    toggle_zero,
     when,
 )
 from gateway.conformance.peers.canopen301_parts import (
@@ -57,6 +59,7 @@ from gateway.conformance.peers.canopen301_parts import (
     sets_too,
     shows_register,
     stays,
+    stays_stopped,
     toggle_stays,
     unchecked,
 )
@@ -149,12 +152,9 @@ MUTANT_ROWS: tuple[Row, ...] = (
         "SDO_BV_03",
         lambda drive: setattr(drive.node.objects, "download", lambda key, data: OK),
     ),
-    _row(
-        "segment-toggle",
-        "upload segments with the same toggle bit",
-        "SDO_BV_04",
-        says=when(0, lambda data: bytes((data[0] & ~sdo.TOGGLE,)) + data[1:]),
-    ),
+    _row("segment-toggle", "upload segments with the same toggle bit", "SDO_BV_04", says=when(0, toggle_zero)),
+    _row("segment-unused", "the last segment names no unused bytes", "SDO_BV_04 DIC_CA_01", says=when(0, all_used)),
+    _row("stays-stopped", "does not start in state stopped", "NMT_BV_03", stays_stopped),
     _row(
         "segment-size",
         "announces a byte more than comes",

@@ -26,6 +26,15 @@ def when(command: int, change: Callable[[bytes], bytes]) -> Says:
     return answers(lambda data: change(data) if data[0] >> 5 == command else data)
 
 
+def toggle_zero(data: bytes) -> bytes:
+    return bytes((data[0] & ~sdo.TOGGLE,)) + data[1:]
+
+
+def all_used(data: bytes) -> bytes:
+    """A last segment of seven bytes, whatever is in it."""
+    return bytes((data[0] & ~0x0E,)) + data[1:]
+
+
 def abort_code(before: int, after: int) -> Says:
     def change(data: bytes) -> bytes:
         is_it = data[0] == Answer.ABORT << 5 and sdo.abort_of(data).code == before

@@ -210,6 +210,18 @@ def always_operational(drive: Drive) -> None:
     put(node, _enter=entered)
 
 
+def stays_stopped(drive: Drive) -> None:
+    """Start is not taken in state stopped."""
+    node = drive.node
+    enter = node._enter
+
+    def entered(state: State, now: Ns) -> None:
+        if node.state is not State.STOPPED or state is not State.OPERATIONAL:
+            enter(state, now)
+
+    put(node, _enter=entered)
+
+
 def kept_rpdos(drive: Drive) -> None:
     node = drive.node
     enter = node._enter

@@ -99,6 +99,26 @@ def _mask(clear: int = 0, put_in: int = 0) -> Tune:
     return _words(lambda drive, heard: heard & ~clear | put_in if drive.axis.state is State.ENABLED else heard)
 
 
+def _keeps_set_point(drive: Drive) -> None:
+    """Bit 4 without power counts when the drive is enabled."""
+    mode, kept = drive.axis.modes[1], list[int]()
+    enter = mode.enter
+
+    def remembers(drive: Drive, word: int) -> int:
+        if word & 0x10 and drive.axis.state is State.ON:
+            kept.append(word)
+        return word
+
+    def entered() -> None:
+        enter()
+        if kept:
+            kept.clear()
+            mode.control(0x1F, 0x0F)
+
+    put(mode, enter=entered)
+    _words(remembers)(drive)
+
+
 def _value(key: Key, change: Callable[[int], int]) -> Tune:
     """What the object holds counts as something else."""
 
@@ -166,7 +186,10 @@ def _no_clip(drive: Drive) -> None:
 
 
 def _at_once(drive: Drive) -> None:
-    """CSP: a set value acts when it comes."""
+    """CSP: a set value acts when it comes, though its RPDO waits for SYNC."""
+    for pdo in range(4):
+        if (0x1400 + pdo, 2) in drive.node.objects.values:
+            drive.node.objects.values[0x1400 + pdo, 2] = drive.node.objects.factory[0x1400 + pdo, 2] = 1
 
     def written(value: Value) -> None:
         if drive.axis.mode.code == 8 and isinstance(value, int):
@@ -263,6 +286,7 @@ ROWS: tuple[Row, ...] = (
     _row("no-edge", "a new target moves without bit 4", "POS_BI_01", _no_edge),
     _row("too-fast", "twice as fast as 6081h", "POS_BV_07", _value(od.PROFILE_SPEED, lambda value: 2 * value)),
     _row("too-slow", "a third of 6081h", "POS_BV_07", _value(od.PROFILE_SPEED, lambda value: value // 3)),
+    _row("keeps-set-point", "a set-point without power is carried out when it is enabled", "POS_BO_02", _keeps_set_point),
     _row("no-limits", "607Dh does not count", "POS_BI_02", _no_clip),
     _row("slow-velocity", "four fifths of 60FFh", "VEL_BV_01", _value(od.TARGET_SPEED, lambda value: value * 4 // 5)),
     _row("no-reverse", "never turns backwards", "VEL_BV_01", _value(od.TARGET_SPEED, abs)),

@@ -149,6 +149,17 @@ class Sleeps(Device):
         return super().receive(data, now)
 
 
+class HangsAtCount(Device):
+    """A FC 16 with a wrong byte count ends its service for half a minute."""
+
+    _until: Ns = 0
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        if data[7:8] == b"\x10" and data[12:13] != bytes((2 * data[11] & 0xFF,)):
+            self._until = now + 30_000_000_000
+        return [] if now < self._until else super().receive(data, now)
+
+
 class BareRefusal(Device):
     """A request that is too short is refused without a header."""
 
@@ -178,6 +189,7 @@ MORE: tuple[Row, ...] = (
     ("locks-up", "a frame of another protocol ends its service", ("TCP_BI_01",), lambda rtu: LocksUp(False)),
     ("bare-refusal", "refuses a short request without a header", ("FUN_BI_03",), lambda rtu: BareRefusal(False)),
     ("forgets", "what a client wrote is gone with its connection", ("EFF_CA_01",), lambda rtu: ForgetsWithTheClient(False)),
+    ("hangs-at-count", "a wrong byte count ends its service for a while", ("FUN_BI_71",), lambda rtu: HangsAtCount(False)),
     ("tires", "silent after 80 requests", ("TCP_ST_01",), lambda rtu: Tires(False)),
     ("gives-up", "silent after ten refusals in a row", ("TCP_RC_03",), lambda rtu: GivesUp(False)),
     ("sleeps", "silent after two seconds of rest", ("TCP_RC_04",), lambda rtu: Sleeps(False)),

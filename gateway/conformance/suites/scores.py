@@ -3,10 +3,10 @@
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (98, 98),
     "rk512": (71, 71),
-    "modbus-tcp": (82, 82),
+    "modbus-tcp": (83, 83),
     "modbus-rtu": (76, 76),
-    "cia402": (86, 86),
-    "canopen-301": (126, 126),
+    "cia402": (87, 87),
+    "canopen-301": (128, 128),
     "servodyn": (60, 60),
     "interop": (51, 51),
 }

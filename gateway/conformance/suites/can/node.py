@@ -112,7 +112,10 @@ class NodeTester(CanTester):
         if got[0] >> 5 != Answer.INITIATE_UPLOAD:
             raise Fail(f"{what}: command byte {got[0]:02X}h", "43h, 47h, 4Bh, 4Fh, 41h or 40h", hexed(got))
         if not got[0] & sdo.EXPEDITED:
-            return self.segments(what)
+            data = self.segments(what)
+            if got[0] & sdo.SIZED and len(data) != (size := int.from_bytes(got[4:8], "little")):
+                raise Fail(f"{what}: {len(data)} bytes in its segments, {size} announced", f"{size} bytes", f"{len(data)} bytes")
+            return data
         self.unsized = not got[0] & sdo.SIZED
         return sdo.expedited_data(got)[: object_size(key) if self.unsized else None]
 

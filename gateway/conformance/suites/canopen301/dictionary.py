@@ -2,7 +2,7 @@
 
 from gateway.conformance.suites.can.node import DEVICE_TYPE, IDENTITY, Aborted, NodeTester, named
 from gateway.pure.conformance.purpose import Purposes
-from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable, Warn
+from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
 from protocols.canopen import sdo
 from protocols.canopen.dictionary import Access, Entry
 from protocols.canopen.sdo import Abort, Request
@@ -186,7 +186,7 @@ def texts(t: NodeTester) -> None:
     for index in (0x1008, 0x1009, 0x100A):
         try:
             text = t.upload((index, 0))
-        except Ended:
+        except Aborted:
             continue
         if any(byte < 0x20 and byte for byte in text):
             raise Warn(f"{index:04X}h holds characters that cannot be shown", "a VISIBLE_STRING", text.hex(" ").upper())

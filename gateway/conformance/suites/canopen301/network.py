@@ -14,6 +14,7 @@ BASIC, WRITE, BOOT, STATES = "CO301_SDO_BV_01", "CO301_SDO_BV_03", "CO301_NMT_BV
 NMT = Purposes[NodeTester]("CO301_NMT", "slave", "CiA 301, 7.3.2", condition=("reset",), preamble=(BASIC,))
 BEATS = ("heartbeat",)
 STEPS = ((Command.START, State.OPERATIONAL), (Command.STOP, State.STOPPED), (Command.PRE_OPERATIONAL, State.PRE_OPERATIONAL))
+EACH_STEP = (*STEPS[:2], STEPS[0], STEPS[2], STEPS[1], STEPS[2])  # from each state to each other one
 
 
 def entered(t: NodeTester, wanted: State, what: str) -> None:
@@ -52,16 +53,18 @@ def _boots(t: NodeTester, what: Command, words: str) -> None:
 
 @NMT.case(
     "BV_03",
-    "start, stop and enter pre-operational lead to their states",
-    "Start, Stop und Enter Pre-Operational führen in ihre Zustände",
+    "start, stop and enter pre-operational lead from each state to their own",
+    "Start, Stop und Enter Pre-Operational führen aus jedem Zustand in ihren",
     condition=BEATS,
     preamble=(BASIC, WRITE),
 )
 def states(t: NodeTester) -> None:
     with t.beating():
-        for command, state in STEPS:
+        before = State.PRE_OPERATIONAL
+        for command, state in EACH_STEP:
             t.command(command)
-            entered(t, state, f"after {command.name.lower()}")
+            entered(t, state, f"after {command.name.lower()} in {before.name.lower()}")
+            before = state
 
 
 @NMT.case("BV_04", "a command to node 0 is for all", "ein Befehl an Knoten 0 gilt allen", condition=BEATS, preamble=(BASIC, STATES))

@@ -243,6 +243,23 @@ def not_resumed(t: NodeTester) -> None:
 
 
 @POS.case(
+    "BO_02",
+    "a set-point in switched on moves nothing, nor does enabling afterwards",
+    "ein Sollwert ohne Freigabe bewegt nichts, auch das Freigeben danach nicht",
+)
+def without_power(t: NodeTester) -> None:
+    way = plan(t)[1]
+    with t.kept(TARGET), brought_to(t, ON, PP):
+        start = position(t)
+        t.download(TARGET, start + 4 * way, 4)
+        for word, what in ((0x17, "bit 4 in switched on"), (0x07, "bit 4 in switched on"), (0x0F, "enabling without bit 4")):
+            control(t, word)
+            t.pause(ms(300))
+            if abs((got := position(t)) - start) > max(way // 10, 50):
+                raise Fail(f"it moved from {start} to {got} after {what}", "standstill", str(got))
+
+
+@POS.case(
     "BV_08",
     "it is never faster than 607Fh",
     "er ist nie schneller als 607Fh",

@@ -77,3 +77,28 @@ def test_the_same_wrong_answer_in_each_try_is_a_fail_of_the_device() -> None:
 )
 def test_what_a_late_host_can_explain_is_none(late: Ns, answers: list[str], verdict: Verdict) -> None:
     assert played(late, says(iter(answers))).verdict is verdict
+
+
+def prepares(answers: Iterator[str]) -> Callable[[base.Tester], None]:
+    said = says(answers)
+
+    def body(t: base.Tester) -> None:
+        with t.given():
+            said(t)
+
+    return body
+
+
+@pytest.mark.parametrize("late, verdict", [(ms(50), Verdict.PASS), (0, Verdict.INCONC)], ids=["late", "in-time"])
+def test_a_preparing_step_that_a_late_host_can_explain_is_tried_again(late: Ns, verdict: Verdict) -> None:
+    assert played(late, prepares(iter(["nothing", ""]))).verdict is verdict
+
+
+def test_what_rests_on_a_case_whose_time_lies_across_its_limit_is_run() -> None:
+    def across(t: base.Tester) -> None:
+        t.timed("NAK after silence", ms(225), ms(199), ms(241))
+
+    first = Purpose("X_TI_01", "receiver", "one", "eins", "1", across)
+    second = Purpose("X_TI_02", "receiver", "two", "zwei", "1", says(iter([""])), preamble=("X_TI_01",))
+    results = Runner(Session(Late(ms(40))), [first, second]).run()
+    assert [result.verdict for result in results] == [Verdict.INCONC, Verdict.PASS]
