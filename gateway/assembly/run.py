@@ -3,7 +3,6 @@
 import os
 import pathlib
 import pickle
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -387,11 +386,6 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
     for door in plan.doors:
         fds[f"door-{door.number}"] = create_region(f"door-{door.number}", DOOR_BYTES, f"door/1 {DOOR_BYTES}")
     return fds
-
-
-def command_line(child: Child) -> list[str]:
-    """How a child is started; fds are added by the supervisor."""
-    return [sys.executable, "-m", child.module, *child.arguments]
 
 
 def modbus_ports(

@@ -3,6 +3,7 @@
 import argparse
 import errno
 import json
+import os
 import pathlib
 import socket
 import sys
@@ -13,6 +14,7 @@ from gateway.assembly.run import RunPlan, plan_run
 from gateway.checks.playable import not_playable
 from gateway.commands import shadow_run as shadow
 from gateway.links.canopen.listen_first import refuse_on
+from gateway.processes.child_start import ONE_THREAD
 from gateway.processes.supervisor import Supervisor
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.simulated_ports import unused_ports
@@ -20,7 +22,7 @@ from gateway.pure.cell.web import Web
 from gateway.runtime.console import fill_standard, say_at_start
 from gateway.runtime.realtime import die_with_parent, realtime_allowed
 from gateway.runtime.state_folder import usable, warning
-from gateway.tools.cell_argument import load
+from gateway.tools.cell_argument import load_apart
 from gateway.tools.command_support import BANNER, DONE, ENVIRONMENT, USAGE
 from gateway.tools.drives.first_enable import TEXT, confirm, needed
 
@@ -57,7 +59,8 @@ def main(argv: list[str]) -> int:
         parser.error(words)
     if arguments.die_with_parent:
         die_with_parent()
-    cell = load(arguments.cell)
+    os.environ.update(ONE_THREAD)  # before a module of the run loads numpy: only a process of one thread is copied (AX-1740)
+    cell = load_apart(arguments.cell)
     if isinstance(cell, int):
         return cell
     if arguments.shadow:

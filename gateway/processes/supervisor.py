@@ -5,7 +5,6 @@ again every 10 s (AX-621).  Tools ask it for status, regions (fds by SCM_RIGHTS)
 """
 
 import contextlib
-import functools
 import json
 import os
 import pathlib
@@ -17,15 +16,15 @@ import subprocess
 from dataclasses import dataclass, field
 
 from drivers.ports.base import runtime_dir
-from gateway.assembly.run import Child, RunPlan, command_line, make_regions
+from gateway.assembly.run import Child, RunPlan, make_regions
+from gateway.processes.child_start import Starter
 from gateway.processes.tool_requests import ToolRequests
 from gateway.pure.image.life_watch import LifeWatch, Load
 from gateway.runtime.clock import now_ns
 from gateway.runtime.journal import Journal
-from gateway.runtime.life import VARIABLE as LIFE
-from gateway.runtime.realtime import die_with_parent, processor_ns, survive_terminal, wants_processor
-from gateway.runtime.regions import ImageError, RegionReader, fds_to_text, send_fds
-from gateway.runtime.spare import OPTION, Spare
+from gateway.runtime.realtime import processor_ns, survive_terminal, wants_processor
+from gateway.runtime.regions import ImageError, RegionReader, send_fds
+from gateway.runtime.spare import Spare
 from gateway.runtime.start_watch import StartWatch
 
 WAITS_NS = (0, 1_000_000_000, 2_000_000_000, 5_000_000_000)
@@ -43,8 +42,6 @@ SAID_ONCE = {  # signals of a terminal that end or suspend nothing
     # Suspended, it would restart nothing and end no hung process, while the cycle moves axes
     signal.SIGTSTP: "Ctrl-Z (SIGTSTP) does not suspend a run, because its processes would go on unwatched" + GOES_ON + ", or Ctrl-C",
 }
-# A pool of threads nobody needs would keep a killed cycle from being buried, and it takes 80 MB (AX-434)
-ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
 
 
 @dataclass(slots=True)
@@ -80,6 +77,7 @@ class Supervisor:
         self.fds = make_regions(plan)
         self._plan_fd = os.memfd_create("axisgate-plan", os.MFD_CLOEXEC)
         os.write(self._plan_fd, pickle.dumps(plan))
+        self._starter = Starter(self.fds, self._plan_fd, plan.children)
         self._running = [Running(child) for child in plan.children]
         for running in self._running:
             if running.child.life:
@@ -138,25 +136,6 @@ class Supervisor:
                     return 3
         return 0
 
-    def _spawn(self, child: Child, *, spare: bool = False) -> "subprocess.Popen[bytes]":
-        fds = {name: self.fds[name] for name in child.regions}
-        command = [*command_line(child), *(("--plan", str(self._plan_fd), "--fds", fds_to_text(fds)) if child.regions else ())]
-        keep = (self._plan_fd, *fds.values()) if child.regions else ()
-        environment = os.environ | ONE_THREAD
-        if child.life and child.life not in fds:  # a counter alone, which it finds without arguments
-            keep = (*keep, self.fds[child.life])
-            environment[LIFE] = str(self.fds[child.life])
-        return subprocess.Popen(
-            [*command, OPTION] if spare else command,
-            stdin=subprocess.PIPE if spare else subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            pass_fds=keep,
-            env=environment,
-            start_new_session=True,
-            preexec_fn=functools.partial(_ready_to_run, os.getpid()),  # noqa: PLW1509 there is no thread here
-        )
-
     def _start(self, running: Running) -> None:
         child = running.child
         spare, running.spare = running.spare, None
@@ -166,7 +145,7 @@ class Supervisor:
             if spare is not None:
                 spare.end()
             try:
-                running.process = self._spawn(child)
+                running.process = self._starter.start(child, again=running.restarts > 0)
             except (OSError, subprocess.SubprocessError) as error:  # no memory, no more processes, no program: tried again like a death
                 self._buried(running, f"could not be started ({error})")
                 return
@@ -219,7 +198,7 @@ class Supervisor:
         if running.spare is None and now_ns() > max(running.start.started_ns + SPARE_NS, running.spare_at):
             running.spare_at = now_ns() + SPARE_NS
             with contextlib.suppress(OSError, subprocess.SubprocessError):  # tried again soon; without one a start takes longer
-                running.spare = Spare(self._spawn(running.child, spare=True))
+                running.spare = Spare(self._starter.start(running.child, spare=True))
 
     def _check_life(self, running: Running) -> None:
         assert running.reader is not None and running.process is not None
@@ -354,6 +333,7 @@ class Supervisor:
             "processes": [
                 {
                     "name": r.child.name,
+                    "command": [r.child.module, *r.child.arguments],
                     "pid": r.process.pid if r.process else None,
                     "state": "up" if r.process else "down" if r.down else "waiting",
                     "restarts": r.restarts,
@@ -364,12 +344,6 @@ class Supervisor:
                 for r in self._running
             ],
         }
-
-
-def _ready_to_run(parent: int) -> None:
-    """In the child, before its program: a hung one dies with its parent, too, and no terminal ends or suspends it."""
-    die_with_parent(parent, signal.SIGKILL)
-    survive_terminal()
 
 
 def _pid(running: Running) -> int | None:

@@ -2,16 +2,18 @@
 
 import sys
 
-from gateway.cell_file.load import load_cell
 from gateway.files.find import ConfigNotFound, find_config
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.faults import CellFaults
+from gateway.runtime.apart import apart
 from gateway.tools.command_support import USAGE
 from gateway.tools.usage_language import usage_text
 
 
 def load(name: str) -> Cell | int:
     """The checked cell, or the exit code after its faults were printed."""
+    from gateway.cell_file.load import load_cell  # pydantic and the checks: not for a command that has the cell loaded apart
+
     try:
         return load_cell(str(find_config(name, "cells")))
     except ConfigNotFound as error:
@@ -22,3 +24,8 @@ def load(name: str) -> Cell | int:
             print(fault, file=sys.stderr)
         print(f"axisgate: {usage_text(f'{len(faults.faults)} faults; axisgate check {name} explains them')}", file=sys.stderr)
         return USAGE
+
+
+def load_apart(name: str) -> Cell | int:
+    """As `load`; what the check loaded and left in memory is not in this process (AX-1740)."""
+    return apart(lambda: load(name))

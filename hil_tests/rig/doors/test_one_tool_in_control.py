@@ -5,6 +5,7 @@ import json
 import pathlib
 import time
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 
@@ -132,8 +133,28 @@ def test_sdo_requests_are_bounded_and_their_tickets_answered(first: ToolClient) 
 
 def test_a_command_that_starts_its_own_simulation_lets_it_wait_for_a_late_machine(first: ToolClient) -> None:
     """Else `program run --sim` reports drive faults of a busy laptop (AX-681)."""
-    with ask(first.run, "status") as connection:
-        processes = json.loads(connection.makefile().readline())["processes"]
-    pid = next(each["pid"] for each in processes if str(each["name"]).startswith("emulator-"))
-    words = pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
-    assert b"--stretched" in words, words
+    emulator = next(each for each in processes(first) if str(each["name"]).startswith("emulator-"))
+    assert "--stretched" in emulator["command"], emulator
+
+
+def test_the_processes_of_a_run_are_copies_of_their_supervisor_until_one_dies(first: ToolClient) -> None:
+    """AX-1740: a copy is called by its module, a new Python by its program; none had to be started twice."""
+    names = {str(each["name"]): pathlib.Path(f"/proc/{each['pid']}/comm").read_text().strip() for each in processes(first)}
+    assert names["services"] == "services.loop" and names["cycle"] == "cycle.loop", names
+    assert not [name for name, shown in names.items() if shown.startswith(("python", "axisgate"))], names
+    assert not any(each["restarts"] for each in processes(first))
+
+
+def test_a_copied_cycle_has_neither_the_services_nor_the_check_of_the_cell_in_its_memory(first: ToolClient) -> None:
+    """AX-1740: what is not there can neither be slow nor start a thread."""
+    maps = {str(each["name"]): pathlib.Path(f"/proc/{each['pid']}/maps").read_text() for each in processes(first)}
+    assert "/_asyncio." in maps["services"]
+    assert [library for library in ("/_asyncio.", "/_ssl.", "_pydantic_core") if library in maps["cycle"]] == []
+    assert [name for name, mapped in maps.items() if "_pydantic_core" in mapped] == []
+
+
+def processes(client: ToolClient) -> list[dict[str, Any]]:
+    """As their supervisor knows them."""
+    with ask(client.run, "status") as connection:
+        found: list[dict[str, Any]] = json.loads(connection.makefile().readline())["processes"]
+        return found

@@ -1,0 +1,45 @@
+"""A piece of work in a copy of this process: what it loads and leaves in memory ends with the copy, its result comes back (AX-1740)."""
+
+import contextlib
+import os
+import pickle
+import sys
+from collections.abc import Callable
+from typing import NoReturn, TypeVar
+
+T = TypeVar("T")
+
+
+def apart(work: Callable[[], T]) -> T:
+    """The result of `work`, which must be picklable; what it prints is printed.
+
+    Where no copy can be made, or the copy ends without a result, the work is done here: it then fails as it would have anyhow.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    read, write = os.pipe()
+    try:
+        child = os.fork()
+    except OSError:  # no memory or no process left
+        os.close(read)
+        os.close(write)
+        return work()
+    if child == 0:
+        _work(work, write)
+    os.close(write)
+    with open(read, "rb") as pipe:
+        result = pipe.read()
+    os.waitpid(child, 0)
+    return pickle.loads(result) if result else work()
+
+
+def _work(work: Callable[[], object], write: int) -> NoReturn:
+    """In the copy; never returns."""
+    with contextlib.suppress(BaseException):  # also Ctrl-C, which its parent hears as well
+        result = pickle.dumps(work())
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        with open(write, "wb") as pipe:
+            pipe.write(result)
+        os._exit(0)
+    os._exit(1)
