@@ -12,6 +12,7 @@ from gateway.assembly.data_block_signals import signals_of
 from gateway.assembly.eeprom import is_protected, load_eeprom, save_eeprom
 from gateway.assembly.lanes import lanes_of_cell
 from gateway.assembly.pic import pic_bytes
+from gateway.assembly.printer import print_text
 from gateway.assembly.program_memory import memory_folder
 from gateway.assembly.programs import numbers_of
 from gateway.assembly.run import RunPlan
@@ -20,11 +21,21 @@ from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.rho3.pendant.user_memory import SIZES
 from gateway.pure.controllers.rho3.signals.timers import TimersAndCounters
 from gateway.pure.languages.baps2.cell_belts import CellBelt, CellSetup
-from gateway.pure.languages.baps2.cell_eeprom import NOT_VALID, OTHER_SIZE, PROTECTED, SAVE, Wanted, refused, save_refused
+from gateway.pure.languages.baps2.cell_eeprom import (
+    NO_INTERFACE,
+    NOT_VALID,
+    OTHER_SIZE,
+    PRINT,
+    PROTECTED,
+    SAVE,
+    Wanted,
+    refused,
+    save_refused,
+)
 from gateway.pure.languages.baps2.cell_run import CellRun, changed
 from gateway.pure.languages.baps2.feed import UnitFeed
 from gateway.pure.languages.baps2.library import Library
-from gateway.pure.languages.baps2.memory import Memory
+from gateway.pure.languages.baps2.memory import Memory, decoded
 from gateway.pure.languages.baps2.robots import CellRobot
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.base.hosting import Port
@@ -120,6 +131,7 @@ class Baps2Programs:
         controller = plan.cell.controller
         self._port = port
         self._eeprom = pathlib.Path(plan.cell.file).parent / controller.eeprom if controller is not None and controller.eeprom else None
+        self._printer = pathlib.Path(plan.cell.file).parent / controller.printer if controller is not None and controller.printer else None
         self._size = SIZES[controller.hardware] if controller is not None else 0
         self._stamps = self._stamped()
         self.memory = folder_memory(folder)
@@ -185,15 +197,25 @@ class Baps2Programs:
         files.update(found[1])
         return ""
 
+    def _print(self, file: str) -> str:
+        """Mode 9.4.2 of the pendant: the whole file behind what was printed before."""
+        if self._printer is None or file not in self.memory.files:
+            return NO_INTERFACE
+        print_text(self._printer, file, decoded(self.memory.files[file]))
+        return ""
+
     def write_back(self) -> list[str]:
         """Points and files that programs have written are on the disk before anything else happens."""
         faults = []
         for wanted in self.language.pendant.eeprom.take():
             try:
-                answer = self._save_or_load(wanted)
+                answer = self._print(wanted.file) if wanted.what == PRINT else self._save_or_load(wanted)
             except OSError as error:
-                answer = PROTECTED
-                faults.append(f"{self._eeprom}: {error.strerror}; the user memory is not saved")
+                answer = NO_INTERFACE if wanted.what == PRINT else PROTECTED
+                path = self._printer if wanted.what == PRINT else self._eeprom
+                faults.append(
+                    f"{path}: {error.strerror}; {'it is not printed' if wanted.what == PRINT else 'the user memory is not saved'}"
+                )
             self._port.tell("answered", ticket=wanted.ticket, error=answer)
         return [*faults, *self._written()]
 

@@ -127,16 +127,13 @@ def _stations(check: Context, table: Controller) -> None:
 
 
 def _eeprom(check: Context, table: Controller) -> None:
-    """The file of modes 9.6 and 9.7 (AX-1041)."""
-    if not table.eeprom:
-        return
-    path = pathlib.Path(check.cell.file).parent / table.eeprom
-    if not table.memory or not CONTROLLERS[table.kind].parameters:
-        check.fault("controller.eeprom", table.eeprom, "it keeps the memory of a rho3; [controller] has none")
-    elif path.is_dir() or not path.parent.is_dir():
-        check.fault(
-            "controller.eeprom", table.eeprom, "no such folder (looked for beside the cell file)", "the folder of the file must exist"
-        )
+    """The files of modes 9.4.2, 9.6 and 9.7 (AX-1041, AX-1755)."""
+    for key, file in (("eeprom", table.eeprom), ("printer", table.printer)):
+        path = pathlib.Path(check.cell.file).parent / file
+        if file and (not table.memory or not CONTROLLERS[table.kind].parameters):
+            check.fault(f"controller.{key}", file, "it keeps the memory of a rho3; [controller] has none")
+        elif file and (path.is_dir() or not path.parent.is_dir()):
+            check.fault(f"controller.{key}", file, "no such folder (looked for beside the cell file)", "the folder of the file must exist")
 
 
 def _memory(check: Context, table: Controller) -> None:

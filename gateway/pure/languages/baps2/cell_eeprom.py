@@ -9,18 +9,20 @@ EEPROM = {96 * 1024: 128 * 1024, 128 * 1024: 256 * 1024}  # user memory -> EEPRO
 KEPT_FREE = 512
 NO_OPTION, NO_STOP, OPEN, ACTIVE = "Option not found", "no EMERGENCY STOP", "File(s) not closed", "Prog. is active"
 TOO_SMALL, TOO_FULL, PROTECTED = "EEPROM not enough", "Memory too full", "EEPROM write protect."
+NO_INTERFACE = "Interface: n.avail."
 OTHER_SIZE, NOT_VALID = "Memory <> EEPROM", "EEPROM data n. valid"
-SAVE, LOAD = "save", "load"
+SAVE, LOAD, PRINT = "save", "load", "print"
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """An order of the pendant.  stop: EMERGENCY STOP is pending; active: processes of the control run."""
+    """An order of the pendant.  stop: EMERGENCY STOP is pending; active: processes of the control run; file: to be printed."""
 
     ticket: int
     what: str
     stop: bool
     active: bool
+    file: str = ""
 
 
 @dataclass(slots=True)
@@ -31,9 +33,10 @@ class EepromOrders:
 
     def hear(self, order: Mapping[str, Fact]) -> bool:
         """Whether it is one."""
-        if order["do"] not in (SAVE, LOAD):
+        if order["do"] not in (SAVE, LOAD, PRINT):
             return False
-        self.waiting.append(Wanted(int(order["ticket"]), str(order["do"]), bool(order["stop"]), bool(order["active"])))
+        wanted = Wanted(int(order["ticket"]), str(order["do"]), bool(order["stop"]), bool(order["active"]), str(order.get("file", "")))
+        self.waiting.append(wanted)
         return True
 
     def take(self) -> list[Wanted]:

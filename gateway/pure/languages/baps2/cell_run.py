@@ -10,7 +10,7 @@ from gateway.pure.languages.baps2.cell_access import CellAccess
 from gateway.pure.languages.baps2.cell_acts import TOLD
 from gateway.pure.languages.baps2.cell_asynchronous import DISTANCE, SPEED
 from gateway.pure.languages.baps2.cell_belts import CellSetup
-from gateway.pure.languages.baps2.cell_debugger import CellDebugger
+from gateway.pure.languages.baps2.cell_debugger import CellDebugger, taught_in
 from gateway.pure.languages.baps2.cell_devices import CellDevices, SerialUnits, fault_of
 from gateway.pure.languages.baps2.cell_eeprom import EepromOrders
 from gateway.pure.languages.baps2.cell_files import CellFiles
@@ -207,8 +207,7 @@ class CellRun(CellMotion):
             self.pendant.reading = SAID_ANEW
             return
         if order["do"] == "points":
-            file = str(order["file"])
-            self.pendant.files.points(file, self.memory.points(file.removesuffix(".PKT"), Faults()), select=False)
+            self.pendant.files.points(file := str(order["file"]), self._offered(file.removesuffix(".PKT")), select=False)
             return
         answer = self.test.hear(order, now)
         if answer is not None:
@@ -216,6 +215,12 @@ class CellRun(CellMotion):
                 self.test.answers.append((now, int(order["ticket"]), answer))
         elif not self.pendant.eeprom.hear(order) and self.pic is not None:
             self.pic.hear(order)
+
+    def _offered(self, program: str) -> Mapping[str, tuple[float, ...]]:
+        """The points of its file, and those that it names and nobody has taught yet: without components."""
+        points = self.memory.points(program, Faults())
+        unit, _ = self.library.unit(program) if self.library.has(program) else (None, None)
+        return {**points, **{name: () for name in taught_in(unit) if name not in points}}
 
     def point_selected(self, program: str, point: str, points: Mapping[str, tuple[float, ...]]) -> None:
         """Special function 16: the pendant offers this file, and this point first."""

@@ -18,14 +18,16 @@ SOURCE = one("WRITE_BEGIN NOTES\nWRITE NOTES, 'kept'\nWAIT 60\nCLOSE NOTES", "FI
 class EepromCell(ProgramCell):
     """With a folder that is its memory, and a file that is its EEPROM."""
 
-    def __init__(self, folder: pathlib.Path, *, eeprom: str = "eeprom.zip", hardware: Literal["rho3.0", "rho3.1"] = "rho3.1") -> None:
+    def __init__(
+        self, folder: pathlib.Path, *, eeprom: str = "eeprom.zip", hardware: Literal["rho3.0", "rho3.1"] = "rho3.1", printer: str = ""
+    ) -> None:
         memory = folder / "memory"
         if not memory.exists():
-            memory.mkdir()
+            memory.mkdir(parents=True)
             for name, text in SOURCE.items():
                 (memory / name).write_text(text)
         assert CELL.controller is not None
-        own = replace(CELL.controller, memory="memory", eeprom=eeprom, hardware=hardware)
+        own = replace(CELL.controller, memory="memory", eeprom=eeprom, hardware=hardware, printer=printer)
         self.folder, self.eeprom = memory, folder / "eeprom.zip"
         super().__init__({}, replace(CELL, file=str(folder / "cell.toml"), controller=own))
         self.panel = Rho3Panel(self.control, self.bench.office)

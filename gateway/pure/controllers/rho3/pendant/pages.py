@@ -13,6 +13,7 @@ from gateway.pure.controllers.rho3.pendant.user_memory import PointFile
 from gateway.pure.image.records.interpreter import Fact
 from motion.program.factors import Factors
 
+TEACH: Mode = (4, 2)
 FACTOR_MODES: dict[Mode, str] = {(11, 4): "velocity", (11, 5): "acceleration", (11, 6): "deceleration"}
 
 
@@ -69,6 +70,15 @@ class Source(Protocol):
     def open_points(self, file: str) -> str:
         """It is to be shown; why it is not."""
 
+    def teach(self, file: str, point: str) -> str:
+        """The actual position becomes this point; why it is refused at once."""
+
+    def taught(self, file: str, point: str) -> str | None:
+        """What became of it: empty, why it was refused, None: this point was not taught last."""
+
+    def print_points(self, file: str) -> str:
+        """Mode 9.4.2; why it is refused at once."""
+
     def movement(self) -> bool:
         """Whether tests move."""
 
@@ -89,13 +99,15 @@ def _no_number(text: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """`choose(row)` is ENTER on a row, `put(text)` ENTER behind a number where `edits`; both return what is to be said."""
+    """`choose(row)` is ENTER on a row, `put(text)` ENTER behind a number where `edits`; they return what is to be said."""
 
     title: str
     rows: tuple[str, ...] = ()
     choose: Callable[[int], str] = _nothing
     edits: bool = False
     put: Callable[[str], str] = _no_number
+    asks: Callable[[int], str] = _nothing  # a question in front of `choose`; a second ENTER is yes
+    note: Callable[[int], str] = _nothing  # what became of the last choice in a row
 
 
 def page_of(mode: Mode, source: Source, language: str) -> Page:
@@ -119,7 +131,7 @@ def page_of(mode: Mode, source: Source, language: str) -> Page:
         case (7, 3, 3):
             words = (say("phg_manual", language), say("phg_automatic", language))
             return Page(title, tuple(f"Kin. {n}: {words[auto]}" for n, auto in enumerate(source.automatic(), 1)))
-        case (4, 1) | (4, 2) | (5, 9) | (5, 10) | (9, 6) | (9, 7) | (10, 1) | (10, 2):
+        case _ if mode in ORDERING:
             return ORDERING[mode](title, mode, source, language)
     below = tuple(f"{each[-1]} {name}" for each, name in MODES.items() if each[:-1] == mode)
     return Page(title, below or (say("phg_not_here", language),))
@@ -188,15 +200,49 @@ def _tested(title: str, mode: Mode, source: Source, language: str) -> Page:
 
 
 def _points(title: str, mode: Mode, source: Source, language: str) -> Page:
-    """4.1, 4.2: ENTER opens a file, and shows the components of a point."""
+    """4.1, 4.2: ENTER opens a file; then 4.1 shows the components of a point, 4.2 stores the actual position in it (L4768-4844)."""
     shown, files = source.point_file(), source.point_files()
     if shown is not None:
         points = shown.points
         head = f"{spoken(mode)} {shown.name}"
-        return Page(head, tuple(name for name, _ in points), lambda row: points[row % len(points)][1] if points else "")
+        if mode == TEACH and points:
+            return _teaching(head, shown, source, language)
+        return Page(head, tuple(name for name, _ in points), lambda row: points[row % len(points)][1] or "-" if points else "")
     return Page(
         title, tuple(files) or (say("phg_no_points", language),), lambda row: source.open_points(files[row % len(files)]) if files else ""
     )
+
+
+def _teaching(head: str, shown: PointFile, source: Source, language: str) -> Page:
+    """A point that is defined is overwritten after a question, in the words of L4836."""
+
+    def named(row: int) -> tuple[str, str]:
+        return shown.points[row % len(shown.points)]
+
+    def note(row: int) -> str:
+        outcome = source.taught(shown.name, named(row)[0])
+        return "" if outcome is None else outcome or say("phg_taught", language)
+
+    return Page(
+        head,
+        tuple(f"{name:<13}{'' if values else '-'}".rstrip() for name, values in shown.points),
+        lambda row: source.teach(shown.name, named(row)[0]),
+        asks=lambda row: say("phg_overwrite", language) if named(row)[1] else "",
+        note=note,
+    )
+
+
+def _print(title: str, mode: Mode, source: Source, language: str) -> Page:
+    """9.4.2: ENTER prints a whole file; one that special function 16 has selected is offered alone (L10776-10833)."""
+    shown = source.point_file()
+    files = [shown.name] if shown is not None else list(source.point_files())
+
+    def note(_: int) -> str:
+        outcome = source.memory_outcome("print")
+        return "" if outcome is None else outcome or say("phg_done", language)
+
+    rows = tuple(files) or (say("phg_no_points", language),)
+    return Page(title, rows, lambda row: source.print_points(files[row % len(files)]) if files else "", note=note)
 
 
 def _factor(title: str, which: str, source: Source, language: str) -> Page:
@@ -216,5 +262,6 @@ def _factor(title: str, which: str, source: Source, language: str) -> Page:
 
 
 ORDERING: dict[Mode, Callable[[str, Mode, Source, str], Page]] = {
-    (4, 1): _points, (4, 2): _points, (5, 9): _tested, (5, 10): _tested, (9, 6): _eeprom, (9, 7): _eeprom, (10, 1): _start, (10, 2): _stop,
+    (4, 1): _points, TEACH: _points, (5, 9): _tested, (5, 10): _tested,
+    (9, 4, 2): _print, (9, 6): _eeprom, (9, 7): _eeprom, (10, 1): _start, (10, 2): _stop,
 }  # fmt: skip

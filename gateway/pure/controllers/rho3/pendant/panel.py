@@ -35,6 +35,7 @@ class Panel:
         self._info: list[str] = []  # from the line shown first on
         self._mode = ""
         self._message = ""
+        self._asked = ""  # the question that is shown
         self._lines: list[str | None] = [None] * LINES  # as written last: only news covers what a higher layer let go
         self._drawn: Ns = 0
 
@@ -87,7 +88,7 @@ class Panel:
 
     def _enter(self) -> None:
         self._mode = self._selection.mode
-        self._entry, self._value, self._message = None, False, ""
+        self._entry, self._value, self._message, self._asked = None, False, "", ""
         self._top, self._title = self._source.entered(self.level), ""
         self._drawn = -REFRESH  # at once
         self._close_info()
@@ -95,6 +96,7 @@ class Panel:
     # ---- keys ------------------------------------------------------------------------------------------------------------
     def _take(self, key: str) -> None:
         self._message = ""
+        asked, self._asked = self._asked, ""  # any other key is no
         if self._info:
             self._in_info(key)
         elif key == "MODE":
@@ -110,7 +112,16 @@ class Panel:
         elif key in DIGITS:
             self._entry, self._value = key, page_of(self.level, self._source, self._language).edits
         elif key == "ENTER":
-            self._message = page_of(self.level, self._source, self._language).choose(self._top)
+            self._choose(asked)
+
+    def _choose(self, asked: str) -> None:
+        """ENTER on a row; where the page asks for it, a second one is the answer."""
+        page = page_of(self.level, self._source, self._language)
+        question = page.asks(self._top)
+        if question and asked != question:
+            self._message = self._asked = question
+        else:
+            self._message = page.choose(self._top)
 
     def _edit(self, key: str) -> None:
         assert self._entry is not None
@@ -170,8 +181,7 @@ class Panel:
         self._title = page.title
         top = self._top % len(rows) if rows else 0
         shown = ([*rows[top:], *rows[:top]] + ["", ""])[:2]
-        if self._message:
-            shown[1] = self._message
+        shown[1] = self._message or (page.note(top) if rows else "") or shown[1]
         for line, text in enumerate((page.title, *shown, self._last())):
             self._write(line, text)
 

@@ -30,7 +30,8 @@ class UserMemory:
     files: tuple[FileEntry, ...] = ()
     lists: dict[int, list[str]] = field(default_factory=dict)  # number of VTLnnn.DAT -> its lines
     keys: KeyTable = field(default_factory=KeyTable)
-    ordered: tuple[str, int] = ("", 0)  # of mode 9.6 or 9.7: save or load, ticket
+    ordered: tuple[str, int] = ("", 0)  # of mode 9.4.2, 9.6 or 9.7: print, save or load, ticket
+    taught: tuple[str, str, int] = ("", "", 0)  # file, point, ticket of mode 4.2
     selected: PointFile | None = None  # by special function 16, for the next selection of a mode (L10776-10833)
     opened: PointFile | None = None  # in the mode that is selected
     _coming: list[FileEntry] = field(default_factory=list)
@@ -74,5 +75,6 @@ class UserMemory:
 
     def enter(self, *, points: bool) -> int:
         """A mode is selected; points: it offers point files.  The row it begins with; a selection is used up by it."""
+        self.ordered, self.taught = ("", 0), ("", "", 0)
         self.opened, self.selected = (self.selected, None) if points else (None, self.selected)
         return self.opened.top if self.opened is not None else 0

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 
+from gateway.pure.controllers.rho3.functions.messages import say
 from gateway.pure.controllers.rho3.functions.processes import ProcessTable
 from gateway.pure.controllers.rho3.pendant.infos import Condition, conditions_of
 from gateway.pure.controllers.rho3.pendant.modes import Mode
@@ -14,7 +15,8 @@ from gateway.pure.image.records.interpreter import Fact
 from motion.program.factors import Factors
 
 TEST_MN = "TEST_MN_RCI"
-POINT_MODES: tuple[Mode, ...] = ((4, 1), (4, 2))
+POINT_MODES: tuple[Mode, ...] = ((4, 1), (4, 2), (9, 4, 2))
+NO_PRINTER, PRINTER_DISABLED = "Interface: n.avail.", "DISPRINT_RCI"
 
 
 class PanelView:
@@ -93,6 +95,39 @@ class PanelView:
         if self._control.hosted is None:
             return "Option not found"
         self._control.hosted.order("points", file=file)
+        return ""
+
+    def teach(self, file: str, point: str) -> str:
+        """Mode 4.2; why it is refused at once."""
+        control = self._control
+        if control.hosted is None:
+            return "Option not found"
+        if Condition.DEFINE_DISABLED in self.conditions():
+            return Condition.DEFINE_DISABLED.value
+        program = file.removesuffix(".PKT")
+        row = next((row for row in control.hosted.programs if row["name"] == program), None)
+        given = row["kinematics"] if row is not None else None
+        own = min(given) if isinstance(given, list) and given else 1
+        if own not in self.manual():
+            return say("phg_not_manual", control.setup.functions.language)
+        control.memory.taught = file, point, control.hosted.order("teach", program=program, point=point, kinematic=0)
+        return self.open_points(file)  # as it is then
+
+    def taught(self, file: str, point: str) -> str | None:
+        """What became of it."""
+        *place, ticket = self._control.memory.taught
+        hosted = self._control.hosted
+        return hosted.answers.get(ticket) if hosted is not None and place == [file, point] else None
+
+    def print_points(self, file: str) -> str:
+        """Mode 9.4.2; why it is refused at once."""
+        control = self._control
+        bit = control.setup.info_bits.get(PRINTER_DISABLED, 0)
+        if bit and control.image.input(bit):
+            return Condition.PRINTER_DISABLED.value
+        if control.hosted is None:
+            return NO_PRINTER
+        control.memory.ordered = "print", control.hosted.order("print", file=file, stop=False, active=False)
         return ""
 
     def movement(self) -> bool:
