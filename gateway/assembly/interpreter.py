@@ -16,12 +16,14 @@ from gateway.assembly.printer import print_text
 from gateway.assembly.program_memory import memory_folder
 from gateway.assembly.programs import numbers_of
 from gateway.assembly.run import RunPlan
+from gateway.assembly.sram_card import DEFECTIVE, card_refused, format_card, in_place, in_use
 from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.rho3.pendant.user_memory import SIZES
 from gateway.pure.controllers.rho3.signals.timers import TimersAndCounters
 from gateway.pure.languages.baps2.cell_belts import CellBelt, CellSetup
 from gateway.pure.languages.baps2.cell_eeprom import (
+    INIT,
     NO_INTERFACE,
     NOT_VALID,
     OTHER_SIZE,
@@ -29,6 +31,7 @@ from gateway.pure.languages.baps2.cell_eeprom import (
     PROTECTED,
     SAVE,
     Wanted,
+    card_not_now,
     refused,
     save_refused,
 )
@@ -43,6 +46,8 @@ from gateway.pure.languages.pic.cell_pic import CellPic
 from gateway.pure.languages.pic.symbols import named_in
 from gateway.runtime.safe_file import write_whole
 from protocols.base.machine import ms
+
+CARD_GONE, CARD_MISSING = 39, 300  # system errors (L11431-11436)
 
 if TYPE_CHECKING:
     from motion.program.passing import Presets
@@ -132,12 +137,41 @@ class Baps2Programs:
         self._port = port
         self._eeprom = pathlib.Path(plan.cell.file).parent / controller.eeprom if controller is not None and controller.eeprom else None
         self._printer = pathlib.Path(plan.cell.file).parent / controller.printer if controller is not None and controller.printer else None
+        self._card = pathlib.Path(plan.cell.file).parent / controller.sram_card if controller is not None and controller.sram_card else None
+        self._cards = controller is not None and controller.hardware == "rho3.0"
         self._size = SIZES[controller.hardware] if controller is not None else 0
         self._stamps = self._stamped()
         self.memory = folder_memory(folder)
         self.language = language_of(plan.cell, self.memory, port, plan.p5_ms)
         self._kept = dict(self.memory.files)
         self.language.pendant.files.stamps.update(days_of(self._stamps))
+        self._look_at_card(CARD_MISSING)
+
+    def _look_at_card(self, error: int) -> None:
+        """A card that was initialised stays where it is: gone at the start is another system error than while it runs."""
+        files = self.language.pendant.files
+        if not in_use(self.folder) or files.card[0]:
+            return
+        if in_place(self._card, self.folder) and self._card is not None:
+            self._size = self._card.stat().st_size
+            files.card = 0, self._size
+        else:
+            files.card = error, self._size
+
+    def _initialise_card(self, wanted: Wanted) -> str:
+        """Mode 9.8: the memory is empty afterwards, and as big as the card."""
+        card, language = self._card, self.language
+        why = card_not_now(wanted, option=card is not None and self._cards, running=bool(language.tasks))
+        if not why and card is not None:
+            why = card_refused(card)
+        if why or card is None:
+            return why
+        format_card(card, self.folder)
+        for name in list(self.memory.files):
+            del self.memory.files[name]
+            language.file_changed(name)
+        self._look_at_card(CARD_GONE)
+        return ""
 
     def _stamped(self) -> dict[str, tuple[int, int]]:
         found = {path.name: path.stat() for path in self.folder.iterdir() if not path.name.startswith(".")}
@@ -197,6 +231,15 @@ class Baps2Programs:
         files.update(found[1])
         return ""
 
+    def _done(self, wanted: Wanted) -> str:
+        """An order of the pendant: why it is refused, empty: done."""
+        match wanted.what:
+            case "print":
+                return self._print(wanted.file)
+            case "init":
+                return self._initialise_card(wanted)
+        return self._save_or_load(wanted)
+
     def _print(self, file: str) -> str:
         """Mode 9.4.2 of the pendant: the whole file behind what was printed before."""
         if self._printer is None or file not in self.memory.files:
@@ -207,15 +250,16 @@ class Baps2Programs:
     def write_back(self) -> list[str]:
         """Points and files that programs have written are on the disk before anything else happens."""
         faults = []
+        self._look_at_card(CARD_GONE)
         for wanted in self.language.pendant.eeprom.take():
             try:
-                answer = self._print(wanted.file) if wanted.what == PRINT else self._save_or_load(wanted)
+                answer = self._done(wanted)
             except OSError as error:
-                answer = NO_INTERFACE if wanted.what == PRINT else PROTECTED
-                path = self._printer if wanted.what == PRINT else self._eeprom
-                faults.append(
-                    f"{path}: {error.strerror}; {'it is not printed' if wanted.what == PRINT else 'the user memory is not saved'}"
-                )
+                path, answer, lost = {
+                    PRINT: (self._printer, NO_INTERFACE, "it is not printed"),
+                    INIT: (self._card, DEFECTIVE, "it is not initialised"),
+                }.get(wanted.what, (self._eeprom, PROTECTED, "the user memory is not saved"))
+                faults.append(f"{path}: {error.strerror}; {lost}")
             self._port.tell("answered", ticket=wanted.ticket, error=answer)
         return [*faults, *self._written()]
 

@@ -127,8 +127,8 @@ def _stations(check: Context, table: Controller) -> None:
 
 
 def _eeprom(check: Context, table: Controller) -> None:
-    """The files of modes 9.4.2, 9.6 and 9.7 (AX-1041, AX-1755)."""
-    for key, file in (("eeprom", table.eeprom), ("printer", table.printer)):
+    """The files of modes 9.4.2 and 9.6 to 9.8 (AX-1041, AX-1755, AX-1756)."""
+    for key, file in (("eeprom", table.eeprom), ("printer", table.printer), ("sram_card", table.sram_card)):
         path = pathlib.Path(check.cell.file).parent / file
         if file and (not table.memory or not CONTROLLERS[table.kind].parameters):
             check.fault(f"controller.{key}", file, "it keeps the memory of a rho3; [controller] has none")

@@ -11,7 +11,8 @@ NO_OPTION, NO_STOP, OPEN, ACTIVE = "Option not found", "no EMERGENCY STOP", "Fil
 TOO_SMALL, TOO_FULL, PROTECTED = "EEPROM not enough", "Memory too full", "EEPROM write protect."
 NO_INTERFACE = "Interface: n.avail."
 OTHER_SIZE, NOT_VALID = "Memory <> EEPROM", "EEPROM data n. valid"
-SAVE, LOAD, PRINT = "save", "load", "print"
+SAVE, LOAD, PRINT, INIT = "save", "load", "print", "init"
+NO_CARD_OPTION, NO_STOP_INPUT = "Option not active", "EMERGENCY STOP input"
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +34,7 @@ class EepromOrders:
 
     def hear(self, order: Mapping[str, Fact]) -> bool:
         """Whether it is one."""
-        if order["do"] not in (SAVE, LOAD, PRINT):
+        if order["do"] not in (SAVE, LOAD, PRINT, INIT):
             return False
         wanted = Wanted(int(order["ticket"]), str(order["do"]), bool(order["stop"]), bool(order["active"]), str(order.get("file", "")))
         self.waiting.append(wanted)
@@ -53,6 +54,12 @@ def refused(wanted: Wanted, *, option: bool, open_files: bool, running: bool) ->
         (open_files, OPEN),
         (running or wanted.active, ACTIVE),
     )
+    return next((words for applies, words in found if applies), "")
+
+
+def card_not_now(wanted: Wanted, *, option: bool, running: bool) -> str:
+    """Why no SRAM card is initialised now (L11474-11526); empty: it may be."""
+    found = ((not option, NO_CARD_OPTION), (not wanted.stop, NO_STOP_INPUT), (running or wanted.active, ACTIVE))
     return next((words for applies, words in found if applies), "")
 
 

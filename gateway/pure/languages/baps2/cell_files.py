@@ -11,6 +11,7 @@ EVERY_NS = 200_000_000
 PIECES = 8  # a turn
 PIECE = 400  # characters
 MOST_LINES = 999
+NO_CARD = (0, 0)
 KEYS = ("KEY.BNR", "TASTEN.BNR")
 _LIST = re.compile(r"VTL(\d{3})\.DAT")
 
@@ -25,12 +26,14 @@ class CellFiles:
         self._listed: tuple[str, ...] = ()
         self._lists: dict[int, bytes] = {}
         self._due, self._keys = 0, True
+        self.card = NO_CARD  # system error of the SRAM card, and its bytes
+        self._card = NO_CARD
 
     def again(self) -> None:
         """The services have begun anew: all of it."""
         self._out.clear()
         self._lists.clear()
-        self._listed, self._keys, self._due = (), True, 0
+        self._listed, self._keys, self._due, self._card = (), True, 0, NO_CARD
 
     def turn(self, files: Mapping[str, bytes], now: int) -> None:
         """The memory as it is."""
@@ -50,6 +53,9 @@ class CellFiles:
             self._keys = False
             data = next((files[name] for name in KEYS if name in files), b"")
             self._out.append({"part": "keys", "text": data[:257].hex()})
+        if self.card != self._card:
+            self._card = self.card
+            self._out.append({"part": "card", "text": "", "error": self.card[0], "size": self.card[1]})
         none = ("", "")
         rows = tuple("|".join((name, str(len(files[name])), *self.stamps.get(name, none))) for name in sorted(files))
         if rows != self._listed:

@@ -19,7 +19,13 @@ class EepromCell(ProgramCell):
     """With a folder that is its memory, and a file that is its EEPROM."""
 
     def __init__(
-        self, folder: pathlib.Path, *, eeprom: str = "eeprom.zip", hardware: Literal["rho3.0", "rho3.1"] = "rho3.1", printer: str = ""
+        self,
+        folder: pathlib.Path,
+        *,
+        eeprom: str = "eeprom.zip",
+        hardware: Literal["rho3.0", "rho3.1"] = "rho3.1",
+        printer: str = "",
+        card: str = "",
     ) -> None:
         memory = folder / "memory"
         if not memory.exists():
@@ -27,7 +33,7 @@ class EepromCell(ProgramCell):
             for name, text in SOURCE.items():
                 (memory / name).write_text(text)
         assert CELL.controller is not None
-        own = replace(CELL.controller, memory="memory", eeprom=eeprom, hardware=hardware, printer=printer)
+        own = replace(CELL.controller, memory="memory", eeprom=eeprom, hardware=hardware, printer=printer, sram_card=card)
         self.folder, self.eeprom = memory, folder / "eeprom.zip"
         super().__init__({}, replace(CELL, file=str(folder / "cell.toml"), controller=own))
         self.panel = Rho3Panel(self.control, self.bench.office)

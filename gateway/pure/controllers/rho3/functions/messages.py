@@ -37,6 +37,7 @@ _TEXTS: dict[str, tuple[str, str]] = {
     "phg_no_process": ("no process", "kein Prozess"),
     "phg_no_program": ("no program", "kein Programm"),
     "phg_no_points": ("no point file", "keine Punktdatei"),
+    "phg_sure": ("sure? (yes): ENTER", "sicher? (ja): ENTER"),
     "phg_not_manual": ("kin. in automatic", "Kin. in Automatik"),
     "phg_taught": ("taught", "gelernt"),
     "phg_overwrite": ("pnt. overwr.:ENTER", "Pkt ueberschr.:ENTER"),

@@ -178,6 +178,13 @@ def _eeprom(title: str, mode: Mode, source: Source, language: str) -> Page:
     return Page(title, (row,), lambda _: source.order_memory(what))
 
 
+def _card(title: str, mode: Mode, source: Source, language: str) -> Page:
+    """9.8: a second ENTER confirms it (L11452-11472)."""
+    outcome = source.memory_outcome("init")
+    row = say("phg_execute", language) if outcome is None else outcome or say("phg_done", language)
+    return Page(title, (row,), lambda _: source.order_memory("init"), asks=lambda _: say("phg_sure", language))
+
+
 def _tested(title: str, mode: Mode, source: Source, language: str) -> Page:
     """5.9: ENTER runs the next line of the process in the row; 5.10: ENTER switches, for all kinematics."""
     if mode == (5, 10):
@@ -263,5 +270,5 @@ def _factor(title: str, which: str, source: Source, language: str) -> Page:
 
 ORDERING: dict[Mode, Callable[[str, Mode, Source, str], Page]] = {
     (4, 1): _points, TEACH: _points, (5, 9): _tested, (5, 10): _tested,
-    (9, 4, 2): _print, (9, 6): _eeprom, (9, 7): _eeprom, (10, 1): _start, (10, 2): _stop,
+    (9, 4, 2): _print, (9, 6): _eeprom, (9, 7): _eeprom, (9, 8): _card, (10, 1): _start, (10, 2): _stop,
 }  # fmt: skip

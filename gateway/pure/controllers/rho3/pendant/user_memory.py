@@ -34,6 +34,8 @@ class UserMemory:
     taught: tuple[str, str, int] = ("", "", 0)  # file, point, ticket of mode 4.2
     selected: PointFile | None = None  # by special function 16, for the next selection of a mode (L10776-10833)
     opened: PointFile | None = None  # in the mode that is selected
+    system_error: int = 0  # of the SRAM card: 39 or 300, until a restart
+    card: int = 0  # bytes of the SRAM card that is the memory; 0: none
     _coming: list[FileEntry] = field(default_factory=list)
     _points: list[tuple[str, str]] = field(default_factory=list)
 
@@ -53,6 +55,8 @@ class UserMemory:
                 lines += rows[: int(said["of"]) - len(lines)]
             case "no list":
                 self.lists.pop(int(said["number"]), None)
+            case "card":
+                self.system_error, self.card = self.system_error or int(said["error"]), int(said["size"])
             case "points":
                 self._hear_points(said, rows)
             case "keys":

@@ -34,6 +34,8 @@ _TEXTS = {
     PLC_SILENT: ("the PLC does not answer", "die SPS antwortet nicht"),
     PIC_TIMER: ("PIC timer error: stopped until a restart", "PIC-Zeitfehler: steht bis zum Neustart"),
     EMERGENCY_STOP: ("EMERGENCY STOP - Input", "NOT-AUS-Eingang"),
+    3622: ("Error SRAM - Card", "Fehler SRAM-Karte"),
+    3883: ("CHECKSUM, SRAM card missing", "CHECKSUM, SRAM-Karte fehlt"),
     250: ("Inadmis. in manual op.", "Inadmis. in manual op."),
     251: ("AUTO/MANUAL switching", "AUTO/MANUAL switching"),
     252: ("kinematic is not in manual mode", "Kinematik nicht in Hand"),

@@ -35,6 +35,7 @@ from gateway.pure.controllers.rho3.signals.written_text import WrittenText
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records import interpreter
 from gateway.pure.image.records.cell import RC_BYTES, CellState, InputImage, Permit, get_bit, set_bit
+from gateway.pure.image.system_errors import system_code
 from motion.program.factors import FactorTable, Operation
 from protocols.base.machine import Ns
 
@@ -157,8 +158,10 @@ class RhoControl:
         told += [refusal.text(setup.functions.language) for refusal in self.functions.step(inputs, image.outputs, now)]
         self.panel.step(now)
         self.written.echo()
-        if "" in map(self.panel_view.memory_outcome, ("save", "load")):
+        if "" in map(self.panel_view.memory_outcome, ("save", "load", "init")):
             self._start_up()
+        if self.memory.system_error:
+            self._memory_lost(system_code(self.memory.system_error), now)
         self._end_moves()
         self._commands.drives(self._drive_on.look(image), self._drive_on.wanted, seen.disabled, now)
         self._office.bar(seen.disabled)
@@ -189,8 +192,15 @@ class RhoControl:
         merged = int.from_bytes(self.image.outputs, "little") & self._keep | int.from_bytes(cycle, "little") & ~self._keep
         self.image.outputs[:] = (merged & (1 << 8 * RC_BYTES) - 1).to_bytes(RC_BYTES, "little")
 
+    def _memory_lost(self, code: int, now: Ns) -> None:
+        """The SRAM card is gone (L11431-11436): no program runs until a restart."""
+        if not any(each.code == code for each in self.errors.records):
+            self.interface.faults.came(code, stands=True, now=now)
+        if self.processes.processes:
+            self.processes.control_reset(keep_permanent=False)
+
     def _start_up(self) -> None:
-        """After the user memory was saved or loaded (L4881, L4905)."""
+        """After the user memory was saved, loaded or put on a card (L4881, L4905, L11472)."""
         self.view.memory.ordered = "", 0
         self.processes.control_reset(keep_permanent=False)
         self.factor_table.happened(Operation.CONTROL_RESET)

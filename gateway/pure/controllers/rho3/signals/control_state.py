@@ -24,6 +24,7 @@ class HostedOrders(Protocol):
     answers: dict[int, str]
     shown: dict[str, object]
     rows: list[dict[str, object]]
+    programs: list[dict[str, object]]
 
     def order(self, what: str, **facts: Fact) -> int:
         """A ticket, under which `answers` has what became of it."""

@@ -68,7 +68,7 @@ class PanelView:
         )
 
     def order_memory(self, what: str) -> str:
-        """Modes 9.6 and 9.7; why it is refused at once."""
+        """Modes 9.6, 9.7 and 9.8; why it is refused at once."""
         control = self._control
         if control.hosted is None:
             return "Option not found"

@@ -32,6 +32,7 @@ class PhgValues:
             raise VariableError(f"{name} {variable.name}: this control has none; [controller] memory names its folder")
         self._variables.machine = self._machine()
         self._listed.files = self._control.memory.files
+        self._listed.memory = self._control.memory.card or self._control.setup.memory
         return self._variables.read(variable.code, index)
 
     def number(self, name: str) -> float:

@@ -59,6 +59,15 @@ class Control:
     def memory_outcome(self, what: str) -> str | None:
         return None
 
+    def teach(self, file: str, point: str) -> str:
+        return ""
+
+    def taught(self, file: str, point: str) -> str | None:
+        return None
+
+    def print_points(self, file: str) -> str:
+        return ""
+
     def entered(self, mode: Mode) -> int:
         return 0
 
