@@ -8,12 +8,13 @@ on the path.  Pure: the caller passes the progress of the follower (tau, time at
 from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 from motion.errors import MotionError
 from motion.execution.timed import TimedPiece
 from motion.kinematics.base import Joints
+from motion.planner.block_search import few_are_new, within_search
 from motion.planner.commit import TooLongError, timed_pieces
+from motion.planner.committed import Origin, Planned, block_ends, runs_between, state_at, state_behind, stretches_of
 from motion.planner.corner_choice import PAUSE_S, quicker, stopping
 from motion.planner.cutting import beyond, rest_of
 from motion.planner.given_times import time_given
@@ -22,7 +23,7 @@ from motion.planner.marks import Mark, check_outputs, marks_of
 from motion.planner.path_checks import Slowed
 from motion.planner.quick_law import STEP_S, Swift, cropped, swift_work, width_s
 from motion.planner.robot import Machine
-from motion.planner.route import Kind, Route, RouteState, Stretch
+from motion.planner.route import Route, RouteState, Stretch
 from motion.planner.runs import Run, make_run
 from motion.planner.team import Team, worst
 from motion.planner.team_route import TeamRoute
@@ -46,37 +47,6 @@ PASSED = 1e-6  # share of a block that may be left where a piece ends with it
 NO_WAY = "what the block begins or ends with needs a way: none is left behind it, and none before it"
 
 
-class _Origin(NamedTuple):
-    quick: Swift | None
-    first: int
-    width: float
-
-
-@dataclass(frozen=True)
-class _Planned:
-    """One law that was committed.  begin: tau at its start; cuts: (tau, piece id) of its pieces; end: tau at its end, or where a
-    newer law replaced it."""
-
-    run: Run
-    law: Law
-    begin: float
-    end: float
-    cuts: tuple[tuple[float, int], ...]
-    stops: bool  # the path ends at rest here by itself, not for want of more
-    quick: Swift | None = None  # what an open path goes on from
-    first: int = 0  # sample of it at which this law begins
-    width: float = 0.0
-
-    def s(self, tau: float) -> float:
-        """On the run's path."""
-        return self.law.place(tau - self.begin)
-
-    def state(self, tau: float) -> tuple[float, float, float]:
-        """(s, sdot, sddot) at the node nearest to tau: cuts lie on nodes of the law."""
-        k = min(max(round((tau - self.begin) / self.law.step), 0), len(self.law.s) - 1)
-        return float(self.law.s[k]), float(self.law.speed[k]), float(self.law.accel[k])
-
-
 @dataclass
 class Planner:
     """add() blocks; plan() gives the pieces that are due.  A caller that must not wait works in slices: begin(), work() until it
@@ -98,7 +68,7 @@ class Planner:
     cuts: bool = False  # cut() may be asked for: the route behind each block that waits is kept
     _route: Route | TeamRoute = field(init=False)
     _fresh: deque[Stretch] = field(init=False, default_factory=deque)  # known, not planned
-    _planned: deque[_Planned] = field(init=False, default_factory=deque)
+    _planned: deque[Planned] = field(init=False, default_factory=deque)
     _done: int = field(init=False, default=0)  # blocks behind the axes
     _laws: KnownLaws = field(init=False, default_factory=KnownLaws)
     _marks: list[Mark] = field(init=False, default_factory=list)
@@ -106,7 +76,7 @@ class Planner:
     _tau: float = field(init=False, default=0.0)  # as of the last begin()
     _patience: float = field(init=False, default=1.0)  # times the lead, once a tail came too late
     _behind: deque[tuple[int, RouteState]] = field(init=False, default_factory=deque)  # blocks not done, and the route behind each
-    _looked: tuple[float, _Planned, tuple[int, float]] | None = field(init=False, default=None)  # tau, law, and place() there
+    _looked: tuple[float, Planned, tuple[int, float]] | None = field(init=False, default=None)  # tau, law, and place() there
     searched: bool = field(init=False, default=False)  # some block has BLOCK_SEARCH
     _given: int = field(init=False, default=0)  # last block of stretches another route made
 
@@ -196,7 +166,7 @@ class Planner:
     def cut(self, number: int) -> bool:
         """Blocks behind this one are dropped, and the axes stop at its end.  False: some of their path is handed on, and the axes have to
         rest first (remaining()).  Raises MotionError."""
-        state = self._state_behind(number)
+        state = state_behind(self._behind, self._planned, number)
         while not self.work():
             pass
         if any(beyond(each, number, state) for planned in self._planned for each in planned.run.stretches):
@@ -210,31 +180,14 @@ class Planner:
     def remaining(self, number: int, between: tuple[float, float], places: Sequence[float]) -> list[Stretch]:
         """From where the axes rest on their path (`places`, at a tau in between) to the end of this block; empty: they are beyond it.
         Nothing else is done with this planner then.  Raises MotionError."""
-        state = self._state_behind(number)
-        runs = [(each.run, each.s(max(between[0], each.begin)), each.s(min(between[1], each.end))) for each in self._planned
-                if each.end >= between[0] and each.begin <= between[1]]  # fmt: skip
-        known: list[Stretch] = []
-        for planned in self._planned:
-            known += [each for each in planned.run.stretches if not any(each is one for one in known)]
-        known += self._fresh
+        state = state_behind(self._behind, self._planned, number)
+        runs, known = runs_between(self._planned, between), [*stretches_of(self._planned), *self._fresh]
         self._fresh.clear()
         assert isinstance(self._route, Route)
         self._route.back_to(state)
         self.finish()
         ahead = [*(each for each in known if not beyond(each, number, state)), *self._fresh]
         return rest_of(ahead, runs, places)
-
-    def _state_behind(self, number: int) -> RouteState:
-        """Of the route, behind a block that is not done."""
-        if not self._behind:
-            raise MotionError("blocks of several kinematics cannot be cut: flush the stream")
-        state = next((state for at, state in self._behind if at == number), None)
-        if state is None:
-            raise MotionError(f"block {number} is over already")
-        last = state.splines[-1][0] if state.splines else 0
-        if last and any(each.block == last for planned in self._planned for each in planned.run.stretches):
-            raise MotionError(f"block {number} lies inside a spline that is under way: flush the stream, or cut it behind the spline")
-        return state
 
     def left(self) -> tuple[Called | Output, ...]:
         """What blocks without way have begun or ended with, and no way was left to do it on; behind finish()."""
@@ -309,7 +262,7 @@ class Planner:
     def _next(self, tau: float, hurry: bool) -> Work[list[TimedPiece]] | None:
         """One more law, or None when it can wait."""
         ahead, ready = self.end - tau, self._ready(tau)
-        if not ready or (ahead > self.lead_s and self._few(ready)):
+        if not ready or (ahead > self.lead_s and few_are_new(self._fresh, ready)):
             return None
         known = self._fresh[ready - 1].stop or ready >= self.window
         if ahead > max(self.ahead_s if hurry else self.horizon_s, 2.0 * self.lead_s * self._patience + self._carried()):
@@ -327,16 +280,7 @@ class Planner:
 
     def _ready(self, tau: float) -> int:
         """Fresh stretches that may be planned: of those with BLOCK_SEARCH, so many blocks behind the one under way."""
-        if not self.searched:
-            return len(self._fresh)
-        under_way = self.place(tau)[0]
-        behind = (n for n, each in enumerate(self._fresh) if each.source.ahead and each.last - under_way > each.source.ahead)
-        return next(behind, len(self._fresh))
-
-    def _few(self, ready: int) -> bool:
-        """Of those held back by BLOCK_SEARCH fewer than half are new: a tail for each block is more than the cycle's ring carries."""
-        first, last = self._fresh[0], self._fresh[ready - 1]
-        return ready < len(self._fresh) and 2 * (last.last - first.last + 1) < last.source.ahead
+        return within_search(self._fresh, self.place(tau)[0]) if self.searched else len(self._fresh)
 
     def _window(self, most: int) -> list[Stretch]:
         """So many fresh stretches, up to the next stop or as many as one law spans."""
@@ -373,14 +317,14 @@ class Planner:
                 else:
                     law = (yield from self._laws.law(run, self.factors)).later(PAUSE_S if self._planned else 0.0)
                 yield
-                return self._commit(run, law, self.end, None, _Origin(None, 0, 0.0))
+                return self._commit(run, law, self.end, None, Origin(None, 0, 0.0))
             width = width_s(run.limits)
             made = yield from swift_work(run.path, run.limits, width)
             stops, _ = yield from stopping(row, self.machine, WORTH * made.law.duration, self.factors)
             if stops:
                 self._back(stretch for part in stops for stretch in part)
                 return []
-            return self._commit(run, made.law, self.end, None, _Origin(made, 0, width))
+            return self._commit(run, made.law, self.end, None, Origin(made, 0, width))
         except (TooLongError, EndlessError) as error:
             fewer = self._half(row, error)
         yield
@@ -432,10 +376,10 @@ class Planner:
             self._back(row)
             self._patience = min(2.0 * self._patience, PATIENCE)
             return []
-        law = Law(made.law.s[cut:], made.law.speed[cut:], made.law.accel[cut:], STEP_S, _state(made.law, cut))
+        law = Law(made.law.s[cut:], made.law.speed[cut:], made.law.accel[cut:], STEP_S, state_at(made.law, cut))
         before = self.next_id, self._marks
         try:
-            pieces = self._commit(run, law, at, first_id, _Origin(made, cut, last.width))
+            pieces = self._commit(run, law, at, first_id, Origin(made, cut, last.width))
             carried = self.queued_s + self.carried_s * len(pieces)
             if at < self._tau + self.lead_s * IN_TIME + carried:  # the last of them would come too late
                 self._planned.pop()
@@ -454,7 +398,7 @@ class Planner:
         self._planned[place] = replace(last, end=at, cuts=tuple(c for c in last.cuts if c[0] < at), quick=None)
         return pieces
 
-    def _commit(self, run: Run, law: Law, begin: float, first_id: int | None, origin: _Origin) -> list[TimedPiece]:
+    def _commit(self, run: Run, law: Law, begin: float, first_id: int | None, origin: Origin) -> list[TimedPiece]:
         number = self.next_id if first_id is None else first_id
         blocks = block_ends(run) if len(run.stretches) <= NAMED else ()
         path, limits = run.driven
@@ -472,7 +416,7 @@ class Planner:
             cuts.append((at, piece.id))
             at += piece.duration
         stops = run.stretches[-1].stop
-        self._planned.append(_Planned(run, law, begin, at, tuple(cuts), stops, *origin))
+        self._planned.append(Planned(run, law, begin, at, tuple(cuts), stops, *origin))
         return pieces
 
     # ---- where the axes are --------------------------------------------------------------------------------------------
@@ -503,20 +447,3 @@ class Planner:
         """(s, sdot, sddot) at full speed, for judges."""
         now = next((one for one in self._planned if one.end >= tau), self._planned[-1])
         return now.state(tau)
-
-
-def block_ends(run: Run) -> list[tuple[float, int]]:
-    """(s at which it is left, block), rising: a corner belongs to both of its blocks, half and half."""
-    ends: list[tuple[float, int]] = []
-    for stretch, start in zip(run.stretches, run.starts, strict=True):
-        length = stretch.path.length
-        if stretch.kind is Kind.CORNER:
-            ends.append((start + 0.5 * length, stretch.block))
-            ends.append((start + length, stretch.block + 1))
-        else:
-            ends.append((start + length, stretch.block))
-    return ends
-
-
-def _state(law: Law, k: int) -> tuple[float, float, float]:
-    return float(law.s[k]), float(law.speed[k]), float(law.accel[k])

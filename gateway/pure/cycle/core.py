@@ -5,9 +5,7 @@ referencing and override of its axes.  It decides nothing the command sources sh
 nothing referenced and no rest of a move (design: section 4).
 """
 
-import functools
-import operator
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from drivers.drives.family import Actual, Event, Power, SetRecord
@@ -18,7 +16,7 @@ from gateway.pure.cycle.axis_loops import PYTHON, AxisLoops
 from gateway.pure.cycle.belts import CoreBelts
 from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.cycle.endless import CoreEndless
-from gateway.pure.cycle.lane import Lane, whole_of
+from gateway.pure.cycle.lane import LaneHolding, whole_of
 from gateway.pure.cycle.lanes import LaneParts, make_lanes, merged
 from gateway.pure.cycle.publish import Publisher
 from gateway.pure.image.reasons import Reason
@@ -82,6 +80,7 @@ class CycleLogic:
         self.belts, self._shared = belts, shared
         parts = LaneParts(self._axes, self.state, self.outputs, period_s, override_step, foresight, belts, alter, functions, self._off)
         self.lanes = make_lanes(parts)
+        self._holding = LaneHolding(self.lanes)
         self._drive_axes, self._watch_axes = loops.drive_axes, loops.watch_axes
         self._publisher = Publisher(self.state, self.outputs, numbers, period_s, loops)
         self._finish = finish_without_services
@@ -122,7 +121,7 @@ class CycleLogic:
             self._go_round()
         self._publish()
         if len(self.lanes) > 1:
-            self._give_back()
+            self._holding.give_back()
         if self._shared is not None:
             self._share(self._shared)
         return values
@@ -195,44 +194,15 @@ class CycleLogic:
         for axis in self._axes:
             axis.finding = 0
 
+    def _because(self, reason: Reason, mask: int = EVERY_AXIS) -> None:
+        """Why these axes stopped last."""
+        for lane in self._holding.of(mask):
+            lane.state.stop_cause = reason
+
     def _latch(self, *, closed: bool) -> None:
         self.state.emergency = closed
         for lane in self.lanes:
             lane.state.emergency = closed
-
-    # ---- lanes -------------------------------------------------------------------------------------------------------
-    def _of(self, mask: int) -> list[Lane]:
-        """Those that hold some of these axes; with one lane it holds all there are."""
-        return [lane for lane in self.lanes if lane.holds & mask]
-
-    def _because(self, reason: Reason, mask: int = EVERY_AXIS) -> None:
-        """Why these axes stopped last."""
-        for lane in self._of(mask):
-            lane.state.stop_cause = reason
-
-    def _together(self, axes: Iterable[int]) -> int:
-        """Every axis of the lanes that hold these (from 0): axes of one move together or not at all."""
-        mask = sum(1 << n for n in axes)
-        return functools.reduce(operator.or_, (lane.holds for lane in self._of(mask)), 0)
-
-    def _lead(self, mask: int) -> Lane | None:
-        """The lane that an order for these axes goes to; None: another one that has some of them has something to do."""
-        first, *others = self._of(mask) or self.lanes[:1]
-        if others and any(lane.busy for lane in (first, *others)):
-            return None
-        for lane in others:
-            first.take(lane)
-        return first
-
-    def _give_back(self) -> None:
-        """Axes of other lanes, when nothing is left to do with them."""
-        for lane in self.lanes:
-            if lane.holds & ~lane.own and not lane.busy:
-                for other in self.lanes:
-                    if other is not lane and other.own & lane.holds:
-                        other.hold(other.own)
-                        other.mover.accept()
-                lane.hold(lane.own)
 
     # ---- orders ------------------------------------------------------------------------------------------------------
     def _obey(self, record: OrderRecord) -> None:
@@ -250,7 +220,7 @@ class CycleLogic:
             case Order.STOP:
                 self._stop(Reason(record.reason), record.mask or EVERY_AXIS)
             case Order.RESUME | Order.ABANDON | Order.OVERRIDE | Order.HOLD | Order.RETRACE | Order.DISTANCE | Order.FACTOR:
-                for lane in self._of(record.mask or EVERY_AXIS):
+                for lane in self._holding.of(record.mask or EVERY_AXIS):
                     lane.obey(record)
             case Order.BELT:
                 if self.belts is not None:
@@ -262,7 +232,7 @@ class CycleLogic:
 
     def _move(self, record: OrderRecord) -> None:
         """A piece by itself, or a program."""
-        lane = self._lead(record.mask or EVERY_AXIS)
+        lane = self._holding.lead(record.mask or EVERY_AXIS)
         if lane is None:
             self.state.fail(record.job, Reason.BUSY)
             return
@@ -294,11 +264,11 @@ class CycleLogic:
 
     def _joined(self, mask: int) -> bool:
         """These axes may be switched on: asked of each lane that has some."""
-        joined = [lane.mover.join(mask & lane.holds) for lane in self._of(mask)]
+        joined = [lane.mover.join(mask & lane.holds) for lane in self._holding.of(mask)]
         return all(joined)
 
     def _reference(self, record: OrderRecord) -> None:
-        lane = self._lead(record.mask)
+        lane = self._holding.lead(record.mask)
         if lane is None or lane.mover.stepper.state is not State.IDLE or lane.homings.job:
             self.state.fail(record.job, Reason.BUSY)
         elif not lane.mover.all_enabled(record.mask):
@@ -323,7 +293,7 @@ class CycleLogic:
         return any(lane.mover.starved for lane in self.lanes)
 
     def _stop(self, reason: Reason, mask: int = EVERY_AXIS) -> None:
-        for lane in self._of(mask):
+        for lane in self._holding.of(mask):
             lane.stop(reason)
 
     def _off(self, reason: Reason, mask: int = EVERY_AXIS) -> None:
@@ -336,7 +306,7 @@ class CycleLogic:
             return
         if reason is not Reason.DRIVES_OFF:
             self._because(reason, mask)  # also at rest: whoever finds the drives off reads why
-        lanes = self._of(sum(1 << n for n in places))
+        lanes = self._holding.of(sum(1 << n for n in places))
         for lane in lanes:
             if lane.homings.job:
                 lane.homings.end(reason)
@@ -401,7 +371,7 @@ class CycleLogic:
         self._reset = False
         found = self._watch_axes(self._axes, actuals, 0)
         while found >= 0:
-            mask = self._together([found])
+            mask = self._holding.together([found])
             self._because(Reason.FOLLOWING_ERROR, mask)
             self._off(Reason.FOLLOWING_ERROR, mask)
             found = self._watch_axes(self._axes, actuals, found + 1)
@@ -430,7 +400,7 @@ class CycleLogic:
     def _broke(self, reason: Reason, axes: list[int]) -> None:
         """The drives of these axes (from 0) are no longer led: those of their lanes go off."""
         if axes:
-            mask = self._together(axes)
+            mask = self._holding.together(axes)
             self._because(reason, mask)
             self._off(reason, mask)
 

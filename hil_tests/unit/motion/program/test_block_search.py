@@ -61,7 +61,7 @@ def rows() -> dict[str, Row]:
     return {search: run(search) for search in ("", "1", "3", "11")}
 
 
-@pytest.mark.requirement("RHO-MOT-44", by="motion.planner.planner:Planner._ready")
+@pytest.mark.requirement("RHO-MOT-44", by="motion.planner.block_search:within_search")
 def test_so_many_blocks_behind_the_one_under_way_are_planned_and_no_more(rows: dict[str, Row]) -> None:
     for search in ("1", "3", "11"):
         most = int(search) + 0.5  # and what is left of the block under way

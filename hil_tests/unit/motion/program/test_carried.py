@@ -17,7 +17,7 @@ from hil_tests.lab.virtual.planned_bench import off_circle, off_segment
 from motion.errors import MotionError
 from motion.geometry.conventions import convention
 from motion.planner.arm import Arm
-from motion.planner.planner import block_ends
+from motion.planner.committed import block_ends
 from motion.planner.robot import Machine, machine_of
 from motion.planner.route import Kind, Stretch
 from motion.planner.runs import runs

@@ -91,7 +91,7 @@ AWAY = "linear pose 300 100 50 0 0 0 path=250"
 BACK = "linear pose 200 150 50 0 0 0"
 
 
-@pytest.mark.requirement("RHO-MOT-46", by="gateway.pure.cycle.mover:Mover.leave")
+@pytest.mark.requirement("RHO-MOT-46", by="gateway.pure.cycle.path_mover:PathMover.leave")
 def test_an_axis_that_takes_no_part_may_go_and_the_others_go_on_as_if_it_had_not(portal: Portal) -> None:
     undisturbed = Portal()
     undisturbed.finished(undisturbed.run(AWAY, BACK))
@@ -111,7 +111,7 @@ def test_an_axis_that_takes_no_part_may_go_and_the_others_go_on_as_if_it_had_not
     assert portal.finished(portal.run("linear pose 200 150 50 0 0 0")).state is CommandState.DONE, "no program ran: nothing to accept"
 
 
-@pytest.mark.requirement("RHO-MOT-46", by="gateway.pure.cycle.mover:Mover._held_up")
+@pytest.mark.requirement("RHO-MOT-46", by="gateway.pure.cycle.path_mover:PathMover._held_up")
 def test_an_axis_that_takes_part_ends_the_program_and_the_others_stop_on_the_path(portal: Portal) -> None:
     job = portal.run("linear pose 300 200 90 0 0 0 path=200")
     portal.until(far)
