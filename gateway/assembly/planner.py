@@ -11,8 +11,8 @@ from gateway.assembly.path_outputs import output_places
 from gateway.assembly.programs import machines_of_cell, mask_of, measuring_facts, numbers_by_axis
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cycle.enabling_inputs import free_outputs
+from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.lanes import LanePrograms
-from gateway.pure.planning.planner import CellPrograms
 from motion.planner.robot import Machine
 from motion.planner.team import Team
 from motion.program.team import Kinematic

@@ -4,8 +4,8 @@ import argparse
 import json
 import pathlib
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from gateway.pure.planning.trial import Files
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.cell_argument import load as cell_of
 from gateway.tools.motion.dry_run import DryRun, sections_of
-from gateway.tools.motion.dry_run_team import team_findings, team_slowed, team_traces
+from gateway.tools.motion.dry_run_team import Paper, team_findings, team_slowed, team_traces
 from gateway.tools.motion.plot import page, team_page
 from gateway.tools.progress import Progress
 from motion.errors import MotionError
@@ -30,7 +30,7 @@ from motion.planner.path_checks import Slowed
 from motion.planner.robot import Machine, machine_of
 from motion.planner.team import Team, called, team_of
 from motion.planner.trace import Trace
-from motion.program.blocks import Block, Program
+from motion.program.blocks import Block, MachinePoint, Program
 from motion.program.errors import BlockError, TextFaults
 from motion.program.team import TeamProgram
 from motion.program.text.reader import read
@@ -38,6 +38,7 @@ from motion.program.text.team import read_team, several
 from motion.robot import Installation
 from motion.sync.facts import BeltFacts
 
+BELTS_OF_A_CELL = "sync and belt functions need the belts of a cell: name it with --cell CELL"
 EXAMPLES = """examples:
   axisgate motion check arm-u-cycle                         every block that cannot be executed, with number, line and axis
   axisgate motion plot scara-pick-and-place                 writes scara-pick-and-place.html: path, speeds, loads, corners
@@ -141,10 +142,15 @@ def team(text: str, options: argparse.Namespace, cell: Cell | None) -> int:
     program = read_team(text)
     machines = team_of_program(program, cell)
     blocks = [block for shared in program.blocks for block in shared.own]
-    findings = team_findings(program, machines, files_of(options.program, blocks, cell))
+    paper = paper_of(program, machines, cell)
+    findings = team_findings(program, machines, files_of(options.program, blocks, cell), paper)
     if options.what == "check" or findings.faults:
         return check(program, findings.faults, team_slowed(findings), as_json=options.json)
-    traces = team_traces(findings, machines)
+    try:
+        speeds = Belts(tuple(paper.belts)).speeds(options.belt_speed) if any(each.parts for each in findings.sections) else ()
+        traces = team_traces(findings, machines, replace(paper, speeds=speeds))
+    except BlockError as error:
+        return check(program, [error], team_slowed(findings), as_json=options.json)
     target = pathlib.Path(options.out or f"{pathlib.Path(options.program).stem}.html")
     target.write_text(team_page(program, machines, traces))
     rows = [
@@ -159,6 +165,25 @@ def team(text: str, options: argparse.Namespace, cell: Cell | None) -> int:
         for name, tops, _ in rows:
             print(f"  {name}: largest loads of the axes: {_loads(tops)}")
     return Exit.OK
+
+
+def paper_of(program: TeamProgram, machines: Team, cell: Cell | None) -> Paper:
+    """What of its cell the program is looked at with; MotionError where it names belts and no cell was named."""
+    if cell is not None:
+        numbers = numbers_by_axis(cell)
+        own = [numbers.get(machine.limits[0].name, 1) for machine in machines.machines]
+        return Paper(belt_facts(cell), own, altered(cell), p5_ms=cell.cycle_ms)
+    _need_no_belts(block for shared in program.blocks for block in shared.own)
+    acts = (*program.acts, *(act for shared in program.blocks for act in shared.acts))
+    if any(not isinstance(act, MachinePoint) for act in acts):
+        raise MotionError(BELTS_OF_A_CELL)
+    return Paper()
+
+
+def _need_no_belts(blocks: Iterable[Block]) -> None:
+    for block in blocks:
+        if block.synchron is not None:
+            raise MotionError(f"line {block.line}: belt {block.synchron.belt} belongs to a cell: name it with --cell CELL")
 
 
 def team_of_program(program: TeamProgram, cell: Cell | None) -> Team:
@@ -180,11 +205,9 @@ def load(text: str, robot: str | None, cell: Cell | None) -> tuple[Program, Mach
         if not (robot or program.robot):
             raise MotionError("the program names no robot: `robot NAME` in it, or --robot NAME, or --cell CELL")
         machine = machine_of(load_robot(robot or program.robot))
-        for block in program.blocks:
-            if block.synchron is not None:
-                raise MotionError(f"line {block.line}: belt {block.synchron.belt} belongs to a cell: name it with --cell CELL")
+        _need_no_belts(program.blocks)
         if program.acts or any(block.acts for block in program.blocks):
-            raise MotionError("sync and belt functions need the belts of a cell: name it with --cell CELL")
+            raise MotionError(BELTS_OF_A_CELL)
     else:
         machine, belts = _robot_in(cell, program), Belts(belt_facts(cell), cell.cycle_ms)
     if len(program.start) != machine.axes:

@@ -156,18 +156,11 @@ class TeamRoute:
             self._finish()
 
     def _check(self, kinematic: int, block: Block | None, number: int) -> None:
-        """What belongs to a robot that has its cell for itself (AX-341)."""
+        """What one of them does alone, in a route of its own (gateway.pure.planning.trial, gateway.tools.motion.dry_run_team)."""
         assert block is not None
-        found = {
-            "belts": block.synchron or block.on_belt or block.acts,
-            "alter": block.alteration,
-        }
-        for what, there in found.items():
-            if there:
-                raise BlockError(
-                    f"kinematic {self._team.names[kinematic]}: {what} belong to programs of one robot: write it in one (AX-341)",
-                    block=number,
-                )
+        if block.synchron or block.on_belt or block.alteration or block.acts:
+            what = "a block on a belt, or with a correction, is no block of a path of several kinematics"
+            raise BlockError(f"kinematic {self._team.names[kinematic]}: {what}", block=number)
 
     def _add_alone(self, number: int, n: int, shared: Shared) -> bool:
         """Whether it has a way."""

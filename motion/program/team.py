@@ -25,13 +25,23 @@ class Shared:
 
     @property
     def asks(self) -> bool:
-        """It waits for an input, ends with one, goes to where axes were measured or recorded, something is done at rest before it, or its
-        way is a file's: a part of its own."""
+        """It waits for an input, ends with one, goes to where axes were measured or recorded, something is done at rest before it, its way
+        is a file's, or leads along a belt or a correction: a part of its own."""
         return (
             self.acts != ()
             or self.filed is not None
+            or self.alone is not None
             or any(block.until is not None or block.wait is not None or block.unmet for block in self.own)
         )
+
+    @property
+    def alone(self) -> tuple[int, Block] | None:
+        """The kinematic, from 0, that is on a belt or corrected, and its block with all that is said of this one; None: no part is."""
+        found = next(((n, own) for n, own in enumerate(self.moves) if own is not None and (own.synchron or own.alteration)), None)
+        if found is None:
+            return None
+        member, own = found
+        return member, replace(own, label=self.label, acts=(*self.acts, *own.acts))
 
     @property
     def filed(self) -> tuple[int, Block] | None:

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from gateway.pure.image.records.cell import CellState
 from gateway.pure.image.records.planner import BlockRecord, PieceRecord, PlannerState, Say, run_of
-from gateway.pure.planning.planner import CellPrograms
+from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.streams import StreamPrograms
 from gateway.pure.planning.turn import follow, standing
 

@@ -112,6 +112,11 @@ class Coming:
         return not alone and self.blocks != [] and self.blocks[-1].until is None and self.blocks[-1].file is None
 
     @property
+    def alone(self) -> bool:
+        """On a belt or corrected: of several kinematics one moves."""
+        return self.tried is not None or self.alteration is not None
+
+    @property
     def asks_met(self) -> bool:
         """Its block ends with an input."""
         return any(row.until is not None for row in self.blocks) or any(

@@ -6,39 +6,30 @@ to the cycle (AX-322).  A stream takes the same statements: its parts begin as t
 belongs to it (AX-970).  A fault in a block ends the job, and what was handed on before ends at rest.
 """
 
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 
-from gateway.pure.cycle.path_outputs import Places
 from gateway.pure.image.records.planner import (
     ANSWERS,
     BLOCKS,
-    VOID,
     Answer,
     BlockRecord,
-    MeasuringFacts,
-    Part,
     PieceRecord,
     PlannerState,
     Say,
-    SwitchAt,
     run_of,
-    switch_record,
 )
-from gateway.pure.planning.backlog import Backlog
 from gateway.pure.planning.belt_statements import act_order, act_record, belts_after, sets_type
 from gateway.pure.planning.cell_checks import Away, OfCell
-from gateway.pure.planning.chain import Chain
-from gateway.pure.planning.cycle_view import ALWAYS, CycleView
+from gateway.pure.planning.cell_programs import CellPrograms
+from gateway.pure.planning.cycle_view import CycleView
+from gateway.pure.planning.handing_on import QUIET_TURNS, HandingOn
 from gateway.pure.planning.job import Job
-from gateway.pure.planning.parts import Coming, Measuring, ending, told
-from gateway.pure.planning.reading import Reading
+from gateway.pure.planning.parts import Coming, Measuring, told
 from gateway.pure.planning.team import (
     begun_part,
     machines_in,
-    no_programs,
-    no_team,
     not_measured,
     own_axes,
     own_blocks,
@@ -46,80 +37,28 @@ from gateway.pure.planning.team import (
     systems_of,
 )
 from gateway.pure.planning.tool_shown import ToolShown
-from gateway.pure.planning.trial import Files, Trial
-from gateway.pure.planning.warnings import Slowing
-from gateway.pure.planning.workpiece_systems import CellSystems
+from gateway.pure.planning.trial import Behind, Trial
 from motion.errors import MotionError
-from motion.execution.timed import encode_timed
-from motion.planner.file_plan import FilePlan
-from motion.planner.marks import Mark, at_rest
-from motion.planner.planner import LEAD_S, Planner
-from motion.planner.robot import Machine
-from motion.planner.team import Team
+from motion.planner.marks import at_rest
+from motion.planner.planner import Planner
 from motion.program.blocks import Block
-from motion.program.errors import BlockError, TextError
+from motion.program.errors import BlockError
 from motion.program.factors import Factors
-from motion.program.team import Kinematic, Shared
-from motion.program.text.reader import Reader
-from motion.program.text.team import TeamReader
+from motion.program.team import Shared
 from motion.sync.alterable import check_alterable
 from motion.sync.belts import Type
 from motion.sync.facts import BeltFacts
 from motion.timing.slices import Work
 
-CARRIED_S = 0.003  # a piece takes so long through the ring; a new tail has about as many as the one that it replaces
-TAKEN_S = 0.0035  # and so long where the cycle takes but one a period: a tail of many that has less time comes too late
-QUIET_TURNS = 6  # turns without a new block after which what is known is run
 
-
-@dataclass
-class CellPrograms:
-    """What a cell gives its planner.
-
-    machine_of: (robot a text names, number of the program, 0: a stream, -n: a stream of robot n) -> machine; text_of: number -> text;
-    team_of: kinematics of a text, its number -> team.  Files are read there; all raise MotionError.
-    """
-
-    machine_of: Callable[[str, int], Machine]
-    mask_of: Callable[[Machine | Team], int]  # axes of the cell
-    text_of: Callable[[int], str] = no_programs
-    outputs: Container[int] = range(0)  # RC outputs programs may switch
-    belts: Sequence[BeltFacts] = ()
-    functions: Places = field(default_factory=dict)  # IO logic and PPO the cell has
-    kinematic_of: Callable[[Machine], int] = lambda _: 1  # number of a robot in the cell
-    altered: Container[int] = ()  # kinematics that have a correction (VAL 3 alter)
-    systems: int = 0  # measuring systems: axes and belts
-    channels: Mapping[int, MeasuringFacts] = field(default_factory=dict)  # measuring inputs by their numbers
-    files: Files = Files()
-    windows: Sequence[float] = ()  # of the axes of the cell, in position; m and rad
-    team_of: Callable[[Sequence[Kinematic], int], Team] = no_team
-    backlog: Backlog = field(default_factory=Backlog)  # of the ring all lanes share
-
-
-class Programs:
+class Programs(HandingOn):
     """What the robots of a run are moved by."""
 
     def __init__(self, cell: CellPrograms, lane: str = "") -> None:
-        """lane: name of its kinematic, in a cell where each moves for itself."""
-        self.cell, self._lane = cell, f"{lane}: " if lane else ""
-        self.slowing = Slowing()  # sentences about blocks that have begun
-        self.workpiece = CellSystems()
-        self.state = PlannerState()
-        self._job = Job(Trial((), Files()), Measuring({}))
-        self._out: list[PieceRecord] = []
-        self._quiet = 0
-        self._chain = Chain()
-        self._seen = CycleView()  # of the turn before
-        self._belts: Sequence[BeltFacts] = ()  # as programs have set them since the cycle began (SF 21)
+        super().__init__(cell, lane)
         self._typed: tuple[Sequence[BeltFacts], tuple[tuple[int, int], ...]] = ((), ())  # as published
-        self._reading = Reading()  # records, and lines of a program of the cell
         self._placed = 0  # axes whose positions were set in this cycle (SF 3)
         self._tool = ToolShown()
-
-    @property
-    def generation(self) -> int:
-        """Of the cycle it works for."""
-        return self._seen.generation
 
     def turn(self, records: Sequence[BlockRecord], view: CycleView) -> list[PieceRecord]:
         """records: new ones; view: the rest is the cycle's."""
@@ -234,7 +173,7 @@ class Programs:
             yield from self._job.planner.ending()
             self._job.planner.finish()
         self._quiet = QUIET_TURNS
-        if self._job.reader.acts and not (isinstance(self._job.reader, Reader) and self._job.reader.inside):
+        if self._job.reader.acts and not self._job.reader.inside:
             yield from self._behind()
             self._job.reader.acts = ()
 
@@ -260,9 +199,9 @@ class Programs:
 
     def _read(self, read: Block | Shared, number: int) -> Work[None]:
         """One block of the text."""
-        planner = self._adding(number)
-        block = self.workpiece.placed(read, number, planner.machine, self.cell.kinematic_of)
-        for machine, own in own_blocks(planner.machine, block):
+        planner, robots = self._adding(number), self._robots()
+        block = self.workpiece.placed(read, number, robots, self.cell.kinematic_of)
+        for machine, own in own_blocks(robots, block):
             mask, kinematic = self.cell.mask_of(machine), self.cell.kinematic_of(machine)
             cell = OfCell(self.cell.functions, self.cell.outputs, self._job.measuring, mask, kinematic)
             cell.check(own, number, machine)
@@ -276,15 +215,27 @@ class Programs:
 
     def _added(self, planner: Planner, block: Block | Shared, number: int) -> Work[None]:
         """The block goes to the part it belongs to."""
-        if isinstance(block, Block):
-            check_alterable(block, self._job.last, number, option=self.cell.kinematic_of(planner.robot) in self.cell.altered)
-            self._job.last = block
-            yield from self._add(planner, block, number)
-        elif self._job.trial.begun or block.asks:
+        robots = self._robots()
+        alone = block.alone if isinstance(block, Shared) else (0, block)
+        if alone is not None:
+            member, own = alone
+            option = self.cell.kinematic_of(machines_in(robots)[member]) in self.cell.altered
+            check_alterable(own, self._job.last, number, option=option)
+            self._job.last = own
+            yield from self._add(planner, own, number, member)
+            return
+        assert isinstance(block, Shared)
+        self._job.last = None
+        if self._job.trial.begun or block.asks or planner.machine is not robots:
             self._job.close()
-            self._job.trial.together(planner, block, number, self.cell.kinematic_of)
+            self._job.trial.together(self._behind_all(planner), block, number, self.cell.kinematic_of)
         else:
             self._add_whole(planner, block)
+
+    def _behind_all(self, planner: Planner) -> Behind:
+        """Where all robots are behind what this planner was given."""
+        part = self._job.under_way
+        return Behind(planner, self._robots(), self._job.stood, 0 if part is None else part.member)
 
     def _adding(self, number: int) -> Planner:
         """What this block is added to; of blocks that are only looked at as yet, what they are looked at with."""
@@ -297,7 +248,7 @@ class Programs:
             self._job.before, self._job.blocks = number - 1, 0
         return planner
 
-    def _add(self, planner: Planner, block: Block, number: int) -> Work[None]:
+    def _add(self, planner: Planner, block: Block, number: int, member: int) -> Work[None]:
         """A block that ends with an input, waits for one or goes to @MPOS, and a part on a belt, are parts of their own: where they begin
         or end is known only then.  What comes after is tried as if the part had reached its target, the belt where it was programmed."""
         job = self._job
@@ -308,9 +259,10 @@ class Programs:
             yield from job.planner.ending(block)
             self._joined(job.riding.add(block))
         elif job.trial.begun or job.divides(block):
-            yield from job.trial.ending(planner, block)
+            yield from job.trial.ending(planner, block, member)
             job.close()
-            job.trial.add(planner, block, number, self.cell.kinematic_of(planner.robot))
+            kinematic = self.cell.kinematic_of(machines_in(self._robots())[member])
+            job.trial.add(self._behind_all(planner), block, number, kinematic, member)
         else:
             yield from planner.ending(block)
             self._add_whole(planner, Coming.marked(block))
@@ -340,10 +292,10 @@ class Programs:
             planner = self._adding(len(self._job.line_of) + 1)
             yield from self._job.trial.ending(planner)
             self._job.close()
-            self._job.trial.behind(planner, self._job.reader.acts, len(self._job.line_of), self._job.reader.labels.label)
+            self._job.trial.behind(self._behind_all(planner), self._job.reader.acts, len(self._job.line_of), self._job.reader.labels.label)
         if any(systems := systems_of(self._job.reader)):
             number = len(self._job.line_of) + 1
-            self.workpiece.behind(systems, number, self._adding(number).machine, self.cell.kinematic_of)
+            self.workpiece.behind(systems, number, self._robots(), self.cell.kinematic_of)
 
     def _go_on(self) -> None:
         """A part is over, and the axes rest where it ended, or have got onto a belt: the next one begins."""
@@ -370,7 +322,7 @@ class Programs:
         job.held = False
 
         def unmeasured(part: Coming) -> bool:
-            return not_measured(part, self._made(standing).machine, job.measured, self.cell.mask_of)
+            return not_measured(part, self._robots(), job.measured, self.cell.mask_of)
 
         part = job.coming(unmeasured)
         while part is not None and part.act is not None and sets_type(part.act):
@@ -393,8 +345,10 @@ class Programs:
 
     def _next_part(self, part: Coming, standing: Sequence[float], engaged: float) -> None:
         job, generation = self.state.job, self.generation
-        planner = self._made(standing)
-        mask = self.cell.mask_of(machines_in(planner.machine)[part.member])
+        robots = self._robots()
+        machine = machines_in(robots)[part.member]
+        mask, self._job.stood = self.cell.mask_of(machine), self._own_places(standing)
+        planner = self._made(standing, machine if part.alone else robots)
         self.state = replace(self.state, passed=max(self.state.passed, self._job.before))
         own = part.own(mask, job, generation)
         if part.act is not None:
@@ -422,8 +376,8 @@ class Programs:
         blocks = part.blocks
         if part.tried is not None:
             self._job.riding = part.again(planner.robot, self._job.start)
-            machine, start, blocks = part.carried(self._job.riding, engaged)
-            planner = replace(planner, machine=machine, start=start)
+            carried, start, blocks = part.carried(self._job.riding, engaged)
+            planner = replace(planner, machine=carried, start=start)
         rows = part.shared or blocks
         self._job.planner, self._job.blocks = planner, len(rows)
         records = begun_part(part, rows, planner, self._job.measuring, self._job.measured, self.cell.mask_of, job, generation)
@@ -438,21 +392,6 @@ class Programs:
         self._job.trial.check_done(len(self._job.line_of), self._job.left())
         self._job.ended = True
         self._quiet = QUIET_TURNS
-
-    def _robots(self) -> Machine | Team:
-        """Those the text names, or whose stream it is; raises MotionError."""
-        read, job = self._job.reader, self._job
-        if job.robots is None:
-            whose = self.cell.team_of(read.kinematics(), job.number) if isinstance(read, TeamReader) else None
-            job.robots = whose or self.cell.machine_of(read.robot if isinstance(read, Reader) else "", job.number)
-        return job.robots
-
-    def _made(self, standing: Sequence[float]) -> Planner:
-        machine = self._robots()
-        mask = self.cell.mask_of(machine)
-        places = [standing[n] for n in range(len(standing)) if mask >> n & 1]
-        chain, job = self._chain, self._job
-        return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=chain.spare, factors=job.factors, cuts=job.streams)
 
     @property
     def preparing(self) -> bool:
@@ -480,35 +419,6 @@ class Programs:
         except MotionError as error:
             self._fail(error)
 
-    @property
-    def working(self) -> bool:
-        """A law is being made: work() continues it between two turns when there is time."""
-        return self._job.planner is not None and self._job.planner.working
-
-    def work(self) -> bool:
-        """One slice of it; True: it is made, and its pieces come with the next turn."""
-        try:
-            return self._job.planner is None or self._job.planner.work()
-        except MotionError as error:
-            self._fail_in_part(error)
-            return True
-
-    def _fail_in_part(self, error: MotionError) -> None:
-        """As _fail; whoever made the law counts the blocks of the part under way."""
-        self._fail(told(error, self._job.before) if isinstance(error, BlockError) else error)
-
-    def _fail(self, error: MotionError) -> None:
-        block, code = (error.block, error.code) if isinstance(error, BlockError) else (0, 0)
-        line = self._job.line_of[block - 1] if 0 < block <= len(self._job.line_of) else 0
-        words = self._lane + (f"line {line}: {error}" if line and not isinstance(error, TextError) else str(error))
-        job = self.state.job
-        self.state = replace(
-            self.state, failed_job=job, fault=words, fault_block=block, fault_code=code, job=0, ended=True, waiting=0, warning=""
-        )
-        self._job.over()
-        self._reading.stop()
-        self._out.append(PieceRecord(Part.FAULT, job, self.generation))
-
     def lost(self, count: int) -> None:
         """So many statements did not come: what follows them is not what was meant, and a stream is over."""
         if self.state.job and self._job.streams and not self._job.ended:
@@ -519,84 +429,3 @@ class Programs:
         self._reading.stop()
         self._chain.begin()
         self.state = replace(self.state, job=0, waiting=0, ended=True, warning="")
-
-    # ---- what is handed on ---------------------------------------------------------------------------------------------------
-    def _plan(self) -> None:
-        planner, state, piece = self._job.planner, self.state, self._seen.piece
-        if not state.job or self._job.lines is not None or self._seen.taken < state.job or self._job.handed:
-            return
-        if planner is None:
-            if self._job.ended and not state.ended:  # a program without blocks
-                self.state = replace(state, ended=True, job=0)
-                self.workpiece.reached(ALWAYS)
-                self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
-            return
-        waits = self._chain.sent > self._seen.reached
-        tau = self._chain.tau(piece, planner.end, waits=waits)
-        before = len(self._out)
-        try:
-            self._hand_on(planner, tau)
-        except MotionError as error:
-            self._fail_in_part(error)
-            return
-        self._chain.forget()
-        block, share = planner.place(tau)
-        block = max(block, min(self._job.blocks, 1))  # a part that has begun is at its first block, whether its path is there or not
-        over = self._job.closed and not planner.open and not state.ended
-        last = over and self._job.last_part
-        if over and self._job.streams and isinstance(planner, Planner):
-            self._mark(at_rest(each)._replace(piece=self._chain.spare) for each in planner.left())
-        if over and not last:
-            self._job.handed, self._job.blocks = True, planner.added
-            self._rest(planner)
-        if last:
-            self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
-        new, speed = len(self._out) - before, self._job.factors.velocity * self._seen.override
-        state = self.state
-        passed = self._job.before + self._chain.passed(piece, planner.added if not planner.open else 0)
-        warning = self.slowing.look(planner.slowed, self._job.before, block, speed, self._job.line_of)
-        waiting, block, ended = planner.waiting, self._job.before + block, state.ended or last
-        was = state.block, state.share, state.passed, state.waiting, state.ended, state.warning
-        if new or was != (block, share, passed, waiting, ended, warning):
-            handed = state.handed + new
-            self.state = replace(
-                state, block=block, share=share, passed=passed, waiting=waiting, handed=handed, ended=ended, warning=warning
-            )
-        if self.state.ended and not (self._seen.moving or waits or new) and piece in (0, self._chain.last_id):
-            self.state = replace(self.state, job=0, warning="")
-            self.workpiece.reached(ALWAYS)
-
-    def _rest(self, planner: Planner | FilePlan) -> None:
-        """The part under way ends where its path does, and another one follows."""
-        later, job, generation = self._job.trial.later, self.state.job, self.generation
-        self._out.append(ending(later[0], self._belts, job, generation) if later else PieceRecord(Part.REST, job, generation))
-        if later and later[0].inside is not None:  # what follows begins there, on the belt
-            self._job.start = planner.standing
-            self._job.begins(later.popleft())
-
-    def _mark(self, marks: Iterable[Mark]) -> None:
-        assert self._job.planner is not None
-        for mark in marks:
-            machine = machines_in(self._job.planner.machine)[mark.member]
-            own = self.cell.mask_of(machine), self.cell.kinematic_of(machine)
-            self._out.append(self._job.measuring.marked(mark, *own, self.state.job, self.generation))
-
-    def _hand_on(self, planner: Planner | FilePlan, tau: float) -> None:
-        """Pieces that are due; raises MotionError where a path has no law."""
-        if self._chain.full:
-            return
-        job = self.state.job
-        if isinstance(planner, Planner):
-            planner.queued_s = TAKEN_S * self._seen.waiting
-        if isinstance(planner, Planner) and (self._job.streams or planner.searched):  # a new tail counts when all of it is there
-            planner.lead_s, planner.carried_s = LEAD_S + CARRIED_S * self._chain.ahead, TAKEN_S
-        planner.begin(tau, hurry=self._quiet > QUIET_TURNS)
-        planner.work()
-        pieces = planner.take()
-        marks, begins = planner.take_marks(), planner.begins if pieces else {}
-        for made in pieces:
-            if made.new_tail:
-                self._out.append(switch_record(job, self.generation, SwitchAt(made.id, 0.0, VOID)))
-            self._chain.add(made, begins[made.id], planner.passed(begins[made.id]) if isinstance(planner, Planner) else 0, self._job.before)
-            self._mark(mark for mark in marks if mark.piece == made.id)
-            self._out.append(PieceRecord(Part.PIECE, job, self.generation, encode_timed(made)))

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from gateway.pure.image.records.planner import BlockRecord, Part, PieceRecord, Say
-from gateway.pure.planning.planner import QUIET_TURNS, CellPrograms, Programs
+from gateway.pure.planning.cell_programs import CellPrograms
+from gateway.pure.planning.handing_on import QUIET_TURNS
+from gateway.pure.planning.planner import Programs
 from motion.errors import MotionError
 from motion.planner.planner import Planner
 from motion.program.blocks import Block
@@ -111,7 +113,7 @@ class StreamPrograms(Programs):
             return
         standing: Sequence[float] | None = job.trial.standing
         if standing is None:
-            standing = job.planner.standing if isinstance(job.planner, Planner) else self._seen.standing
+            standing = self._behind_all(job.planner).standing if isinstance(job.planner, Planner) else self._seen.standing
         orders.read.append(_Read(number, read, standing, job.trial.belts, job.measuring.last, job.last))
         while orders.read and orders.read[0].number < self.state.passed:
             orders.read.popleft()
@@ -151,13 +153,8 @@ class StreamPrograms(Programs):
         job.trial = job.trial.anew()
         job.held, job.open, job.error, job.skipping = False, False, "", ""
         if job.handed or job.planner is not None:
-            job.trial.begins_at(self._robots(), self._own_places(), orders.dropped)
+            job.trial.begins_at(self._robots(), self._own_places(self._seen.standing), orders.dropped)
             self._rest_now(-1)
-
-    def _own_places(self) -> list[float]:
-        """Of the robots of the stream, now."""
-        mask = self.cell.mask_of(self._robots())
-        return [value for n, value in enumerate(self._seen.standing) if mask >> n & 1]
 
     def _rest_now(self, behind: int) -> None:
         """The part under way is over where the axes come to rest.  behind: they go on from there to the end of this block, -1: of none."""
@@ -204,7 +201,7 @@ class StreamPrograms(Programs):
             job.trial.belts, job.measuring.last, job.last = before.belts, before.measured, before.last
         following = withheld[0][0] - 1 if withheld else len(job.line_of)
         if job.planner is not None or job.handed:
-            standing = self._own_places() if before is None else before.standing
+            standing = self._own_places(self._seen.standing) if before is None else before.standing
             job.trial.begins_at(self._robots(), standing, ends if redo else following)
         for each in redo:
             yield from self._added(self._adding(each.number), each.block, each.number)
@@ -227,7 +224,7 @@ class StreamPrograms(Programs):
         """The axes rest where they were stopped, and go on to the end of a block of the same part; False: they are beyond it."""
         job = self._job
         try:
-            rows = planner.remaining(behind, self._chain.near(planner.end), self._own_places())
+            rows = planner.remaining(behind, self._chain.near(planner.end), self._own_places(self._seen.standing))
         except MotionError as error:
             self.state = replace(self.state, order_fault=str(error))
             rows = []

@@ -63,7 +63,7 @@ def own_blocks(robots: Machine | Team, block: Block | Shared) -> Iterator[tuple[
 
 def not_measured(part: Coming, robots: Machine | Team, measured: Sequence[float | None], mask_of: Callable[[Machine | Team], int]) -> bool:
     """Where a kinematic of the part would go, and has a label to go on at: no place is known."""
-    own = own_blocks(robots, (part.shared or part.blocks)[0])
+    own = own_blocks(robots, part.shared[0]) if part.shared else [(machines_in(robots)[part.member], part.blocks[0])]
     return any(block.otherwise != "" and None in measured_at(measured, mask_of(machine)) for machine, block in own)
 
 

@@ -64,6 +64,24 @@ class Files:
             raise robots.told(error, member) from error
 
 
+@dataclass(frozen=True, slots=True)
+class Behind:
+    """Where what is tried begins: behind all that a planner, perhaps of one of several robots, has been given."""
+
+    planner: Planner
+    robots: Machine | Team
+    stood: Sequence[float] = ()  # (all axes,) where the part began that one of several is in
+    member: int = 0  # which one, from 0
+
+    @property
+    def standing(self) -> Joints:
+        """Of all robots, behind the planner's last block."""
+        own = self.planner.standing
+        if not isinstance(self.robots, Team) or isinstance(self.planner.machine, Team):
+            return own
+        return self.robots.placed(self.stood, self.member, own)
+
+
 @dataclass
 class Trial:
     """later: the parts to come; belts: as they will be behind everything looked at so far; program: its number."""
@@ -76,6 +94,7 @@ class Trial:
     skipping: str = ""  # label that stands behind all that is known
     streams: bool = False  # blocks move as they come: what the last ones without way ask for is done at the end of their part
     _route: Route | TeamRoute | None = None  # of the blocks behind the first one that ends with an input
+    _alone: tuple[int, Team, Joints] | None = None  # whose route that is, where one of several is on a belt or corrected; where all stood
     _armed: dict[int, int] = field(default_factory=dict)  # channels that wait for their edge -> whose axes, of several, they store
     _moves: bool = False  # the part looked at has a way
     _left: tuple[Called | Output, ...] = ()  # of blocks without way before it, in parts that have none
@@ -86,30 +105,39 @@ class Trial:
         """Parts are looked at by themselves from here on."""
         return self._route is not None
 
-    def ending(self, planner: Planner, block: Block | None = None) -> Work[None]:
+    def ending(self, planner: Planner, block: Block | None = None, member: int = 0) -> Work[None]:
         """Before add() and behind(): what they would work out for long, in slices (motion.planner.route.Route.ending)."""
         if self._route is None:
             yield from planner.ending()
         elif isinstance(self._route, Route):
+            goes_on = self._alone is None or self._alone[0] == member
             try:
-                yield from self._route.ending(block)
+                yield from self._route.ending(block if goes_on else None)
             except BlockError as error:
                 raise told(error, self._tried) from error
 
-    def add(self, planner: Planner, block: Block, number: int, kinematic: int) -> None:
+    def add(self, behind: Behind, block: Block, number: int, kinematic: int, member: int = 0) -> None:
         """The block is tried as if the part before had reached its target, the belt where it was programmed; BlockError.  kinematic:
-        number of the robot in its cell."""
-        route = self._divided(planner, number - 1)
-        assert isinstance(route, Route)
-        if not self.later or not self.later[-1].holds(block):
+        number of the robot in its cell; member: its place among several kinematics."""
+        try:
+            self._add(behind, block, number, kinematic, member)
+        except BlockError as error:
+            if isinstance(behind.robots, Team):
+                raise behind.robots.told(error, member) from error
+            raise
+
+    def _add(self, behind: Behind, block: Block, number: int, kinematic: int, member: int) -> None:
+        route = self._divided(behind, number - 1)
+        if not self.later or self.later[-1].member != member or not self.later[-1].holds(block):
             self._finished(route)
-            self._begun(block, number, planner.robot, route, kinematic)
+            self._begun(block, number, behind.robots, kinematic, member)
+        route = self._route_of(behind.robots, member, number - 1)
         part = self.later[-1]
         if block.file is not None or block.synchron is not None:
             self._check_left(number)
         block, self._left = replace(block, carried=self._left), ()
         if block.file is not None:
-            self._file(part, block, planner.machine)
+            self._file(part, block, behind.robots)
             return
         looked_at = part.tried.add(block) if part.tried is not None else block
         try:
@@ -121,29 +149,48 @@ class Trial:
             raise told(error, self._tried) from error
         part.blocks.append(replace(block, target=MEASURED) if block.recorded else block)
 
-    def together(self, planner: Planner, shared: Shared, number: int, kinematic_of: Callable[[Machine], int]) -> None:
+    def _route_of(self, robots: Machine | Team, member: int, blocks: int) -> Route:
+        """Of a robot by itself, also where it is one of several and the others rest: it begins behind what was looked at, which is
+        finished."""
+        if isinstance(robots, Team) and (self._alone is None or self._alone[0] != member):
+            stood = self.standing
+            assert stood is not None
+            self._alone = member, robots, stood
+            self._route, self._tried = Route(robots.machines[member], robots.split(stood)[member]), blocks
+            self._route.assume_measured()
+        assert isinstance(self._route, Route)
+        return self._route
+
+    def together(self, behind: Behind, shared: Shared, number: int, kinematic_of: Callable[[Machine], int]) -> None:
         """A block of several kinematics, tried as if the part before had reached its target; BlockError.  kinematic_of: number of
         each in the cell."""
-        route = self._divided(planner, number - 1)
-        assert isinstance(route, TeamRoute) and isinstance(planner.machine, Team)
+        route, team = self._divided(behind, number - 1), behind.robots
+        assert isinstance(team, Team)
         if not self.later or not self.later[-1].takes(shared):
             self._finished(route)
-            self._acting(shared.acts, number, planner.machine, shared.label)
+            if self._alone is not None:  # behind the part of one of them all have the same route again
+                stood = self.standing
+                assert stood is not None
+                self._route, self._alone, self._tried = TeamRoute(team, stood), None, number - 1
+                self._route.assume_measured()
+            self._acting(shared.acts, number, team, shared.label)
             label = "" if shared.acts else shared.label
             entry, whose = shared.recorded
             if entry:
-                self.later.append(Coming(number, recall=entry, label=label, kinematic=kinematic_of(planner.machine.machines[whose])))
+                self.later.append(Coming(number, recall=entry, label=label, kinematic=kinematic_of(team.machines[whose])))
                 label = ""
             self.later.append(Coming(number, error=shared.error, otherwise=shared.otherwise, label=label))
+        together = self._route
+        assert isinstance(together, TeamRoute)
         if shared.filed is not None:
             self._check_left(number)
             self.later[-1].member, block = shared.filed
-            self._file(self.later[-1], block, planner.machine)
+            self._file(self.later[-1], block, team)
             return
         shared, self._left = shared.carrying(self._left), ()
         try:
-            route.add(shared)
-            self._look(route)
+            together.add(shared)
+            self._look(together)
         except BlockError as error:
             raise told(error, self._tried) from error
         met = shared.changed(lambda _, block: replace(block, target=MEASURED) if block.recorded else block)
@@ -163,15 +210,19 @@ class Trial:
         left, moves = route.left(), self._moves or bool(route.take())
         self._left, self._moves = () if moves else (*self._left, *left), False
 
-    def _begun(self, block: Block, number: int, machine: Machine, route: Route, kinematic: int) -> None:
+    def _begun(self, block: Block, number: int, robots: Machine | Team, kinematic: int, member: int) -> None:
         """The parts in front of it, and its own."""
         before = self.later[-1] if self.later else None
-        self._acting(outside(block), number, machine, block.label)
+        self._acting(outside(block), number, robots, block.label)
         if block.recorded:
             label = "" if outside(block) else block.label
             self.later.append(Coming(number, recall=block.recorded, label=label, kinematic=kinematic))
             block = replace(block, label="")
-        self.later += begun(block, number, self.belts, machine, route.standing, kinematic, before or self.under_way)
+        machine, standing = machines_in(robots)[member], self.standing
+        assert standing is not None
+        own = robots.split(standing)[member] if isinstance(robots, Team) else standing
+        parts = begun(block, number, self.belts, machine, own, kinematic, before or self.under_way)
+        self.later += (replace(part, member=member) for part in parts)
 
     def _file(self, part: Coming, block: Block, robots: Machine | Team) -> None:
         """MOVE_FILE: no route leads along it."""
@@ -209,7 +260,7 @@ class Trial:
     def begins_at(self, robots: Machine | Team, standing: Sequence[float], blocks: int) -> None:
         """What comes is a part of its own, and tried from here; so many blocks stand before it."""
         self._route = TeamRoute(robots, standing) if isinstance(robots, Team) else Route(robots, standing)
-        self._tried = blocks
+        self._alone, self._tried = None, blocks
         self._route.assume_measured()
 
     def passes_over(self, blocks: int) -> None:
@@ -219,7 +270,10 @@ class Trial:
     @property
     def standing(self) -> Joints | None:
         """Where everything looked at ends; None: nothing is looked at by itself."""
-        return None if self._route is None else self._route.standing
+        if self._route is None or self._alone is None:
+            return None if self._route is None else self._route.standing
+        member, team, stood = self._alone
+        return team.placed(stood, member, self._route.standing)
 
     def joined(self, part: Coming, block: Block) -> None:
         """One more block of the part on a belt that has begun; BlockError."""
@@ -231,11 +285,11 @@ class Trial:
         except BlockError as error:
             raise told(error, self._tried) from error
 
-    def behind(self, planner: Planner, acts: Sequence[Act], blocks: int, label: str) -> None:
+    def behind(self, behind: Behind, acts: Sequence[Act], blocks: int, label: str) -> None:
         """Statements behind the last block; label: in front of them."""
-        self._finished(self._divided(planner, blocks))
+        self._finished(self._divided(behind, blocks))
         self.check_done(blocks)
-        self._acting(acts, blocks + 1, planner.machine, label)
+        self._acting(acts, blocks + 1, behind.robots, label)
 
     def check_done(self, blocks: int, left: Sequence[Called | Output] = ()) -> None:
         """Behind the last block: BlockError where no way is left for what blocks without way have begun or ended with; left: of those
@@ -244,15 +298,13 @@ class Trial:
         if left or self._left or still:
             raise BlockError(NO_WAY, block=blocks)
 
-    def _divided(self, planner: Planner, blocks: int) -> Route | TeamRoute:
+    def _divided(self, behind: Behind, blocks: int) -> Route | TeamRoute:
         """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
         if self._route is None:
-            planner.finish()
-            self._left = () if self.streams else planner.left()
-            machine = planner.machine
-            self._route = TeamRoute(machine, planner.standing) if isinstance(machine, Team) else Route(machine, planner.standing)
-            self._tried = blocks
-            self._route.assume_measured()  # whether anything is measured by then is looked at by itself (OfCell)
+            behind.planner.finish()
+            self._left = () if self.streams else behind.planner.left()
+            self.begins_at(behind.robots, behind.standing, blocks)  # whether anything is measured by then is looked at by itself (OfCell)
+        assert self._route is not None
         return self._route
 
     def _acting(self, acts: Sequence[Act], number: int, robots: Machine | Team, label: str) -> None:
@@ -268,8 +320,17 @@ class Trial:
 
     def _stands(self, robots: Machine | Team, member: int, places: Sequence[float]) -> None:
         """What comes is tried from there on."""
-        assert self._route is not None
-        self._route.reset(robots.placed(self._route.standing, member, places) if isinstance(robots, Team) else places)
+        standing = self.standing
+        assert self._route is not None and standing is not None
+        if not isinstance(robots, Team):
+            self._route.reset(places)
+            return
+        stood = robots.placed(standing, member, places)
+        if self._alone is None:
+            self._route.reset(stood)
+        else:
+            self._alone = self._alone[0], robots, stood
+            self._route.reset(robots.split(stood)[self._alone[0]])
 
     def armed_by(self, block: Block | Shared) -> None:
         """Behind it: probes that store where the axes were."""

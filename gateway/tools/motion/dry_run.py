@@ -50,6 +50,7 @@ class Section:
     part: Coming | None = None
     path: FilePath | None = None  # of its one block, MOVE_FILE
     placed: bool = False  # the axes got other places before it (SF 3)
+    ends: Sequence[float] = ()  # (axes,) where they are behind it, the belt where it was programmed
 
 
 def sections_of(
@@ -96,6 +97,7 @@ def sections_of(
             else:
                 route.add(block if plan is None else plan.add(block), number)
             section.blocks.append(block)
+            section.ends = tuple(route.standing)
         except BlockError as error:
             faults.append(numbered(error, number))
         said(number)

@@ -24,7 +24,8 @@ from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, free_outputs
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.cell import CellState, Motion, pack_cell_state, unpack_cell_state
 from gateway.pure.image.records.planner import PlannerState, ProgramFacts
-from gateway.pure.planning.planner import CellPrograms, Programs
+from gateway.pure.planning.cell_programs import CellPrograms
+from gateway.pure.planning.planner import Programs
 from hil_tests.lab.running.belt_run import INCREMENT, SPEED, with_belts
 from hil_tests.lab.virtual.cell_bench import CellBench
 from hil_tests.lab.virtual.planner_beside import PlannerBeside

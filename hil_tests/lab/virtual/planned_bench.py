@@ -21,7 +21,8 @@ from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, free_outputs
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.cell import CellState
 from gateway.pure.image.records.planner import ProgramFacts
-from gateway.pure.planning.planner import CellPrograms, Programs
+from gateway.pure.planning.cell_programs import CellPrograms
+from gateway.pure.planning.planner import Programs
 from hil_tests.lab.cells.arms import Array
 from hil_tests.lab.virtual.cell_bench import CellBench
 from hil_tests.lab.virtual.planner_beside import PlannerBeside

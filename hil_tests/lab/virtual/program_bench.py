@@ -11,7 +11,8 @@ from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, free_outputs
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.cell import Motion
 from gateway.pure.image.records.planner import ProgramFacts
-from gateway.pure.planning.planner import CellPrograms, Programs
+from gateway.pure.planning.cell_programs import CellPrograms
+from gateway.pure.planning.planner import Programs
 from hil_tests.lab.virtual.cell_bench import ALL, DEMO, CellBench
 from hil_tests.lab.virtual.planner_beside import PlannerBeside
 from motion.errors import MotionError

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from gateway.pure.image.records.planner import PIECE_LAYOUT, BlockRecord, Part, PieceRecord, Say, pack_piece, piece_size, unpack_piece
+from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.cycle_view import CycleView
-from gateway.pure.planning.planner import CellPrograms, Programs
+from gateway.pure.planning.planner import Programs
 from gateway.runtime.regions import RingReader, RingWriter, create_ring
 from hil_tests.lab.cells.arms import Array, portal, shares
 from hil_tests.rig.image.dying import DyingRing, Executioner, dies

@@ -412,7 +412,6 @@ FUNCTIONS: dict[str, Callable[[str, list[str]], Called]] = {
 ACTS = ("sync", *CALLS, "mach_pos")  # done at rest before one
 PARTS = ("synchron", "synchron_end", "alter", "alter_end", *ACTS)
 OTHERS = ("tool", "frame", "point", "set", *PARTS, "label", "block_search", *FUNCTIONS, *FILE_HEADS, *SYSTEM_HEADS)
-OF_ONE = tuple(word for word in PARTS if word != "mach_pos")  # of programs of one robot alone (AX-341)
 STATEMENTS = (*HEADINGS, *OTHERS, *MOVES)
 ACTING = ("out", "until", "within", "error", "wait", "delay", "belt", "camin", "camout", "freeze")
 ONCE = ("config", "extra", *ACTING, "time", "weight", "angle", "rise")  # of one block alone

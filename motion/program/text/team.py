@@ -5,28 +5,29 @@ NAME` goes back to it.  A move without a name is that of the kinematic named las
 together.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from motion.geometry.conventions import CONVENTIONS, convention
-from motion.program.blocks import Act, Block, MachinePoint
+from motion.program.blocks import Act, Alteration, Block, Interpolation, JointTarget, MachinePoint, Synchron
 from motion.program.errors import TextError, TextFaults
 from motion.program.team import Kinematic, Shared, TeamProgram
 from motion.program.text import files as textfiles
 from motion.program.text.files import HEADS as FILE_HEADS
 from motion.program.text.inputs import called
 from motion.program.text.labels import Labels
-from motion.program.text.reader import FUNCTIONS, MOVES, OF_ONE, Reader
+from motion.program.text.reader import ACTS, FUNCTIONS, MOVES, PARTS, Reader
 from motion.program.text.systems import HEADS as SYSTEM_HEADS
 from motion.program.text.systems import chosen, declared
 from motion.program.text.values import search_of
 from motion.program.text.words import Fault, name, one, statement
-from motion.program.text.writer import acted, heading, places_of, written_move
+from motion.program.text.writer import acted, heading, parted, places_of, written_move
 from motion.rho3.wc import WcFrame
 from motion.robot import MOST_KINEMATICS
 
 CALLS = tuple(FUNCTIONS)  # begin with the next block of the kinematic
 OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *FILE_HEADS, *SYSTEM_HEADS, *CALLS)  # said of one kinematic
-STATEMENTS = ("program", "kinematic", *OWN, "mach_pos", *MOVES, "move", "label", "block_search")
+STATEMENTS = ("program", "kinematic", *OWN, *PARTS, *MOVES, "move", "label", "block_search")
 
 
 def several(text: str) -> bool:
@@ -79,16 +80,16 @@ class TeamReader:
                 self.reader(self.now).line(words, number)
             case "label":
                 self.labels.line(head, rest, acting=bool(self.acts))
-            case "mach_pos":
+            case _ if head in ACTS:
                 self.act(words, number)
+            case "synchron" | "synchron_end" | "alter" | "alter_end":
+                self.part(words, number)
             case "block_search":
                 self.ahead = search_of(head, rest)
             case "robot":
                 raise Fault(head, "`kinematic NAME ROBOT` names the robot of each kinematic")
-            case _ if head in OF_ONE:
-                raise Fault(head, "belongs to programs of one robot: write it in a program with `robot NAME` (AX-341)")
             case _:
-                raise Fault(head, f"no statement of a program of several kinematics; {', '.join(STATEMENTS)} are (AX-341)")
+                raise Fault(head, f"no statement of a program of several kinematics; {', '.join(STATEMENTS)} are")
 
     def kinematic(self, rest: list[str]) -> None:
         if not 1 <= len(rest) <= 2:
@@ -144,13 +145,44 @@ class TeamReader:
             raise Fault(fault.key, f"kinematic {named}: {fault.what}") from None
         return reader
 
+    @property
+    def inside(self) -> bool:
+        """Of a synchronous or alterable part of one of them."""
+        return self.alone != ""
+
+    @property
+    def alone(self) -> str:
+        """The kinematic that is in such a part; it alone moves."""
+        return next((each for each, reader in self.readers.items() if reader.inside), "")
+
+    def part(self, words: list[str], number: int) -> None:
+        """One is on a belt, or corrected, from here on, or no longer; parts are counted over all of them."""
+        reader = self.reader(self.now)
+        self.check_alone(words[0], (self.now,))
+        reader.parts = max(each.parts for each in self.readers.values())
+        reader.altered.count = max(each.altered.count for each in self.readers.values())
+        for block in self.said(self.now, words, number).take():  # behind a SYNC that is the last statement of its part
+            self.add({self.now: replace(block, ahead=self.ahead)}, number)
+
+    def check_alone(self, key: str, moving: Iterable[str]) -> None:
+        """What others do waits for the end of the part that one of them is in."""
+        if self.alone and (others := [each for each in moving if each != self.alone]):
+            what = "alter_end" if self.readers[self.alone].altered.part is not None else "synchron_end"
+            raise Fault(
+                key, f"kinematic {self.alone} is on a belt or corrected and moves alone, {', '.join(others)} cannot: {what} comes first"
+            )
+
     def act(self, words: list[str], number: int) -> None:
-        """Done at rest by the kinematic named last, before the next block of any of them."""
+        """Done at rest before the next block of any of them, a machine position by the kinematic named last; what is said inside a part
+        belongs to the next block of the part."""
+        self.check_alone(words[0], (self.now,))
         reader, place = self.said(self.now, words, number), list(self.readers).index(self.now)
-        self.acts += tuple(replace(each, member=place) for each in reader.acts if isinstance(each, MachinePoint))
-        reader.acts = ()
+        own = [replace(each, member=place) if isinstance(each, MachinePoint) else each for each in reader.acts]
+        reader.acts = tuple(each for each in own if each.inside and not isinstance(each, MachinePoint))
+        self.acts += tuple(each for each in own if each not in reader.acts)
 
     def add(self, moves: dict[str, Block], number: int) -> None:
+        self.check_alone("move", moves)
         shared = Shared(tuple(moves.get(each) for each in self.readers), number, self.labels.label, self.acts)
         self.blocks.append(shared)
         for asked in {block.goes_on_at for block in shared.own}:
@@ -194,17 +226,22 @@ def write_team(program: TeamProgram) -> str:
         own = [block for shared in program.blocks if (block := shared.moves[n]) is not None]
         lines.append(f"kinematic {each.name} {each.robot}")
         lines += heading(each.start, each.units, each.angles)
-        lines += places_of(own, convention(each.angles))
+        references = [block.alteration.reference for block in own if block.alteration is not None]
+        lines += places_of(own, convention(each.angles), references)
         lines += declared(block.system for block in own)
     systems: dict[str, WcFrame | None] = {}
     files: dict[str, dict[str, int]] = {each.name: {} for each in program.kinematics}
     ahead = 0
+    under_way: tuple[str, Block] | None = None  # the kinematic in a part, and its last block
     for shared in program.blocks:
+        lines += _part_ends(program, under_way, shared)
         if (now := max((block.ahead for block in shared.own), default=0)) != ahead:
             ahead = now
             lines.append(f"block_search {ahead or '-'}")
         lines += [f"label {shared.label}"] if shared.label else []
         lines += _acts(program, shared.acts)
+        lines += _part_begins(program, under_way, shared)
+        under_way = None if shared.alone is None else (program.kinematics[shared.alone[0]].name, shared.alone[1])
         parts = []
         for each, block in zip(program.kinematics, shared.moves, strict=True):
             lines += [f"kinematic {each.name}", *map(called, block.functions)] if block is not None and block.functions else []
@@ -221,14 +258,41 @@ def write_team(program: TeamProgram) -> str:
         lines += [f"move {' and '.join(parts)}"] if parts else []
     asked = {block.goes_on_at for shared in program.blocks for block in shared.own} - {""}
     lines += [f"label {name}" for name in sorted(asked - {shared.label for shared in program.blocks})]
-    return "\n".join([*lines, *_acts(program, program.acts)]) + "\n"
+    ended = ["synchron_end"] if under_way is not None and under_way[1].synchron is not None and program.acts else []
+    return "\n".join([*lines, *ended, *_acts(program, program.acts)]) + "\n"
+
+
+def _of_part(under_way: tuple[str, Block] | None, name: str) -> tuple[Synchron | None, Alteration | None]:
+    """Parts that this kinematic is in."""
+    return (None, None) if under_way is None or under_way[0] != name else (under_way[1].synchron, under_way[1].alteration)
+
+
+def _part_ends(program: TeamProgram, under_way: tuple[str, Block] | None, shared: Shared) -> list[str]:
+    """Lines that end the part of one of them, where this block does not belong to it."""
+    if under_way is None:
+        return []
+    place = next(n for n, each in enumerate(program.kinematics) if each.name == under_way[0])
+    following = shared.alone[1] if shared.alone is not None and shared.alone[0] == place else Block(Interpolation.PTP, JointTarget(()))
+    ends, _ = parted(*_of_part(under_way, under_way[0]), following)
+    return [f"kinematic {under_way[0]}", *ends] if ends else []
+
+
+def _part_begins(program: TeamProgram, under_way: tuple[str, Block] | None, shared: Shared) -> list[str]:
+    """Lines that begin the part of the one that moves here, and what is said inside it before its block."""
+    if shared.alone is None:
+        return []
+    member, block = shared.alone
+    each = program.kinematics[member]
+    _, begin = parted(*_of_part(under_way, each.name), block)
+    own = shared.moves[member]
+    said = [acted(act, each.units or ("deg",) * len(each.start)) for act in (own.acts if own is not None else ())]
+    return [f"kinematic {each.name}", *begin, *said] if begin or said else []
 
 
 def _acts(program: TeamProgram, acts: tuple[Act, ...]) -> list[str]:
     """Lines of what is done at rest, each with its kinematic."""
     lines = []
     for act in acts:
-        assert isinstance(act, MachinePoint)
-        each = program.kinematics[act.member]
+        each = program.kinematics[act.member if isinstance(act, MachinePoint) else 0]
         lines += [f"kinematic {each.name}", acted(act, each.units or ("deg",) * len(each.start))]
     return lines

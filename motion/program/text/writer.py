@@ -79,18 +79,9 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
         if block.system != system:
             lines.append(chosen(block.system))
             system = block.system
-        if block.synchron != part:
-            lines += ["synchron_end"] if part is not None else []
-            part = block.synchron
-            begin = (
-                [f"synchron {part.belt}" + (f" at={_plain(part.at * 1e3)}mm" if part.at is not None else "")] if part is not None else []
-            )
-        else:
-            begin = []
-        if block.alteration != altered:
-            lines += ["alter_end"] if altered is not None else []
-            altered = block.alteration
-            begin += [textalter.written(altered)] if altered is not None else []
+        ends, begin = parted(part, altered, block)
+        part, altered = block.synchron, block.alteration
+        lines += ends
         lines += [f"label {block.label}"] if block.label else []
         lines += [acted(each, units) for each in block.acts if not each.inside]
         lines += [*begin, *(acted(each, units) for each in block.acts if each.inside)]
@@ -102,6 +93,20 @@ def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[s
         lines.append("synchron_end")
     lines += [chosen(program.system)] if program.system != system else []
     return [*lines, *(f"label {name}" for name in sorted(named)), *(acted(each, units) for each in program.acts)]
+
+
+def parted(part: Synchron | None, altered: Alteration | None, block: Block) -> tuple[list[str], list[str]]:
+    """Lines that end the parts before a block, and those that begin its own."""
+    ends, begin = [], []
+    if block.synchron != part:
+        ends += ["synchron_end"] if part is not None else []
+        now = block.synchron
+        at = f" at={_plain(now.at * 1e3)}mm" if now is not None and now.at is not None else ""
+        begin += [f"synchron {now.belt}{at}"] if now is not None else []
+    if block.alteration != altered:
+        ends += ["alter_end"] if altered is not None else []
+        begin += [textalter.written(block.alteration)] if block.alteration is not None else []
+    return ends, begin
 
 
 def _places(places: Iterable[Tool | Frame]) -> dict[str, Pose]:

@@ -3,8 +3,9 @@
 import pytest
 
 from gateway.pure.image.records.planner import BlockRecord, Part, PieceRecord, Say
+from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.cycle_view import CycleView
-from gateway.pure.planning.planner import CellPrograms, Programs
+from gateway.pure.planning.planner import Programs
 from hil_tests.lab.cells import arms
 from hil_tests.lab.cells.arms import Array
 from motion.execution.timed import TimedPiece

@@ -6,8 +6,9 @@ import pytest
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.planner import MeasuringFacts
 from gateway.pure.image.records.points import LatchAt, ReferencePathPoint, latch_of, latch_record, tape_of, tape_record
+from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.cycle_view import CycleView
-from gateway.pure.planning.planner import CellPrograms, Programs
+from gateway.pure.planning.planner import Programs
 from gateway.tools.motion.dry_run import DryRun, sections_of
 from hil_tests.lab.cells import arms
 from hil_tests.lab.cells.arms import Array

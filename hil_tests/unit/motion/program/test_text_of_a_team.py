@@ -78,7 +78,16 @@ def test_a_program_written_is_read_back_the_same() -> None:
         ("label X\nmove left linear A until=3 error=X", "line 19: error: label X does not stand behind the block"),
         ("circle A", "line 18: circle: no statement of a program of several kinematics; program, kinematic, angles,"),
         ("label X\nlabel X", "line 19: label: X is defined twice"),
-        ("synchron B1", "line 18: synchron: belongs to programs of one robot: write it in a program with `robot NAME` (AX-341)"),
+        ("synchron_end", "line 18: synchron_end: kinematic left: ends no synchronous part; `synchron BELT` begins one"),
+        (
+            "synchron B1\nmove right linear mpos",
+            "line 19: move: kinematic left is on a belt or corrected and moves alone, right cannot: synchron_end",
+        ),
+        (
+            "alter frame -\nmove right linear mpos",
+            "line 19: move: kinematic left is on a belt or corrected and moves alone, right cannot: alter_end",
+        ),
+        ("synchron B1\nkinematic right\nsync B1 >= 1mm", "line 20: sync: kinematic left is on a belt or corrected and moves alone, right"),
     ],
 )
 def test_a_fault_is_told_with_its_line_key_and_kinematic(line: str, words: str) -> None:

@@ -13,8 +13,9 @@ from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, free_outputs
 from gateway.pure.image.reasons import CommandState, Reason
 from gateway.pure.image.records.cell import Motion, Order, OrderRecord, get_bit
 from gateway.pure.image.records.planner import AHEAD, Part, PieceRecord, ProgramOrder, run_record
+from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.cycle_view import CycleView
-from gateway.pure.planning.planner import CellPrograms, Programs
+from gateway.pure.planning.planner import Programs
 from hil_tests.lab.virtual.cell_bench import ALL
 from hil_tests.lab.virtual.program_bench import LIMITS, WithPlanner, joints
 from motion.execution.timed import encode_timed

@@ -84,7 +84,7 @@ def test_sync_inside_the_part_lessens_the_counter_and_the_axis_stays_where_it_is
     assert np.abs(np.diff(sets[:, 0], 2)).max() < 3000 * 0.004**2 + 4e-3, "no set value jumps"
 
 
-@pytest.mark.requirement("RHO-MOT-29", by=("gateway.pure.planning.planner:Programs._plan", "gateway.pure.planning.parts:begun"))
+@pytest.mark.requirement("RHO-MOT-29", by=("gateway.pure.planning.handing_on:HandingOn._plan", "gateway.pure.planning.parts:begun"))
 def test_the_first_example_of_the_manual_has_nothing_but_sync_in_its_part(bench: EndlessBelt) -> None:
     """SYNCHRON, SYNC BN1 >= MOD_VAL again and again, SYNCHRON_END: the axis rides for rounds, and rests within its modulo."""
     bench.started(1, 4 * SPEED)
