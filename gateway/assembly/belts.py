@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from gateway.assembly.programs import numbers_of
+from gateway.assembly.programs import kinematic_by_axis, numbers_of
 from gateway.pure.cell.belts import Belt
 from gateway.pure.cell.cell import Cell
 
@@ -28,10 +28,11 @@ def _facts(cell: Cell, belt: Belt) -> "BeltFacts":
     names = [robot.name for robot in cell.robot] or [""]
     factors = {n: belt.factors_of.get(names[n - 1], belt.factors) for n in numbers_of(cell, belt.robot)}
     carriers = {n: Carrier((x, y, z)) for n, (x, y, z) in factors.items()}
+    by_axis = kinematic_by_axis(cell) if belt.axis else []
     for n, axis in enumerate(cell.axis):
         if axis.name == belt.axis:
             factor = belt.factor * to_si(1.0, axis.unit) / to_si(1.0, belt.unit)
-            carriers = dict.fromkeys(factors, Carrier((factor, 0.0, 0.0), joint=n))
+            carriers = dict.fromkeys(factors, Carrier((factor, 0.0, 0.0), joint=n - by_axis.index(by_axis[n])))
     return BeltFacts(
         belt.name,
         BeltData(to_si(belt.increment, belt.unit), belt.simulated, belt.unit),

@@ -167,9 +167,10 @@ def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
         names = ", ".join(axis.name for axis in own[robot.arm :])
         raise MotionError(f"additional axes {names} carry the robot or the workpiece; no belt can be one of this robot (AX-565)")
     for belt in cell.belt:
-        if belt.axis and belt.axis not in {axis.name for axis in own}:
+        if belt.axis and number in numbers_of(cell, belt.robot) and belt.axis not in {axis.name for axis in own}:
+            whose = f"{table.name} ({name})" if len(cell.robot) > 1 else name
             raise MotionError(
-                f"belt {belt.name}: axis {belt.axis} is none of robot {name}, whose axes are {', '.join(a.name for a in own)}"
+                f"belt {belt.name}: axis {belt.axis} is none of robot {whose}, whose axes are {', '.join(a.name for a in own)}"
             )
     _check_endless(name, robot, own)
     shape = robot.shape if table.shape == "robot" else Shape(table.shape)

@@ -52,9 +52,7 @@ def _parallel(check: Context, belt: Belt, where: str) -> None:
     """An axis that a belt takes along by itself goes round (rho 3, TO08 section 4)."""
     if check.unknown(f"{where}.axis", belt.axis, "axis"):
         return
-    if len(check.cell.robot) > 1:
-        check.fault(f"{where}.axis", belt.axis, "an axis parallel to a belt is one of a cell with one robot")
-    elif not next(axis for axis in check.cell.axis if axis.name == belt.axis).modulo:
+    if not next(axis for axis in check.cell.axis if axis.name == belt.axis).modulo:
         hint = "an axis parallel to a belt is endless: modulo in its [[axis]] (P303 = 3, P311); `factors` are for x, y, z"
         check.fault(f"{where}.axis", belt.axis, hint)
 

@@ -37,6 +37,6 @@ class AlongAxis:
         return (*near[: self.axis], place, *near[self.axis + 1 :])
 
 
-def bearing(carrier: Carrier, kinematics: PathKinematics, limits: Sequence[AxisLimits]) -> PathKinematics:
-    """What a belt moves: the tool of the arm, or one of these axes."""
-    return kinematics if carrier.joint is None else AlongAxis(tuple(limits), carrier.joint)
+def bearing(carrier: Carrier, kinematics: PathKinematics, limits: Sequence[AxisLimits], first: int = 0) -> PathKinematics:
+    """What a belt moves: the tool of the arm, or one of its axes.  limits: of the axes a path has; first: of those before the robot's."""
+    return kinematics if carrier.joint is None else AlongAxis(tuple(limits), first + carrier.joint)

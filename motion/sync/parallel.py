@@ -19,7 +19,7 @@ from motion.sync.belts import Belt
 @dataclass(frozen=True, slots=True)
 class Carrier:
     """How a belt carries: factors: P503 of x, y, z, m of the robot's base for one m of belt; or axis and centre of a round table
-    (axis: unit vector; the belt is then in rad); or joint: an axis of the cell, from 0, that goes along by the first of the factors,
+    (axis: unit vector; the belt is then in rad); or joint: an axis of the robot, from 0, that goes along by the first of the factors,
     per m or rad of belt (motion.sync.endless_axis)."""
 
     factors: Vector = (1.0, 0.0, 0.0)

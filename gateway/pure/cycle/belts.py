@@ -18,6 +18,7 @@ from motion.execution.timed import TimedPiece
 from motion.geometry.frames import Pose, Rotation, compose
 from motion.geometry.limits import TOUCH, AxisLimits
 from motion.kinematics.base import KinematicsError, PathKinematics
+from motion.kinematics.placed import first_of
 from motion.sync.belt_frame import Carried
 from motion.sync.belt_state import Motion
 from motion.sync.belts import SET_COUNTER, SIMULATION, Belt, Condition, Sync, Type
@@ -199,7 +200,7 @@ class CoreBelts:
             facts = self.facts[order.belt]
             belt, coupling = self.all.all[order.belt], Coupling(facts.accel, facts.jerk)
             carrier = facts.carriers[order.kinematic]
-            self._bearing = bearing(carrier, self._kinematics, self._limits)
+            self._bearing = bearing(carrier, self._kinematics, self._limits, first_of(self._kinematics))
             self._carried = Carried(ParallelPart(belt, carrier), self._trackers[order.belt], coupling)
             return
         belt = self.all.all[order.belt]

@@ -132,7 +132,7 @@ class OnBelts(Planned):
         self.zeros: dict[int, float] = {}  # m: what the encoders said when their counters were set
         super().__init__(self.robots)
         self.bench.office.programs = {n: ProgramFacts(robot, MASKS[robot]) for n, robot in enumerate(MASKS, 1)}
-        self.planner = TappedPlanner(self.programs, len(CELL.axis), self.robots.tap)
+        self.planner = TappedPlanner(self.programs, len(cell.axis), self.robots.tap)
         for number in PROBE:
             self.bench.permit(number, value=False)
         self.driven()
