@@ -92,6 +92,8 @@ class HandingOn:
         self._fail(told(error, self._job.before) if isinstance(error, BlockError) else error)
 
     def _fail(self, error: MotionError) -> None:
+        if isinstance(error, TextError) and not error.line:  # blocks of a stream have numbers and no lines
+            error = BlockError(f"{error.key}: {error.what}" if error.key else error.what, block=len(self._job.line_of) + 1)
         block, code = (error.block, error.code) if isinstance(error, BlockError) else (0, 0)
         line = self._job.line_of[block - 1] if 0 < block <= len(self._job.line_of) else 0
         words = self._lane + (f"line {line}: {error}" if line and not isinstance(error, TextError) else str(error))

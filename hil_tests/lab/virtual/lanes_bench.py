@@ -1,5 +1,6 @@
 """A cell of several kinematics in virtual time, each ordered by a command source of its own: office, planner's inside, core, drives."""
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 
 from gateway.assembly.planner import lane_programs_of
@@ -10,12 +11,16 @@ from gateway.pure.arbitration.jobs import Job
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.cell import LaneState
 from gateway.pure.image.records.planner import (
+    BlockRecord,
     PieceRecord,
     ProgramFacts,
+    Say,
+    pack_block,
     pack_piece,
     pack_planner,
     piece_size,
     run_record,
+    unpack_block,
     unpack_piece,
     unpack_planner,
 )
@@ -34,12 +39,15 @@ class Lanes:
         bench.office = self.office = CommandDispatcher(bench.office.axes, bench.office._plan, 1, facts)
         self.programs = lane_programs_of(
             self.cell,
-            lambda named, number: robot_meant(self.cell, named, kinematics.get(number, "")),
+            lambda named, number: robot_meant(
+                self.cell, named, kinematics.get(number, "") if number > 0 else self.cell.robot[-number - 1].name
+            ),
             lambda number: texts[number],
             lambda named, _: team_meant(self.cell, named),
             lambda number: masks[number],
         )
         self._held: list[PieceRecord] = []
+        self.lines: deque[BlockRecord] = deque()  # of streams, to be said one a turn
         bench.each = self._turn
         self.office.planner = self.programs.state
         bench.run(0.3)
@@ -47,6 +55,8 @@ class Lanes:
     def _turn(self) -> None:
         core, count = self.bench.core, len(self.cell.axis)
         records = [run_record(order) for order in self.office.take_programs()]
+        if self.lines:
+            records.append(unpack_block(pack_block(self.lines.popleft())))
         while self.programs.prepare(core.state, count):
             pass
         while self.programs.work():
@@ -71,6 +81,18 @@ class Lanes:
         job = self.office.command(door, Command(Code.PROGRAM, number, 1.0, 1.0), self.bench.now)
         self.bench._hand_over()
         return job
+
+    def stream(self, door: int, robot: int, mask: int, *lines: str) -> Job:
+        """Of robot n, from 1: what it says first."""
+        job = self.office.order_stream(door, robot, mask)
+        self.bench._hand_over()
+        self.say(job, *lines)
+        return job
+
+    def say(self, job: Job, *lines: str, end: bool = False) -> None:
+        """Statements of a stream, from now on one a turn; nothing follows for the time being, or at all (end)."""
+        self.lines.extend(BlockRecord(Say.LINE, job.id, line) for line in lines)
+        self.lines.append(BlockRecord(Say.END if end else Say.FINISH, job.id))
 
     def done(self, door: int, code: Code, mask: int = 0, velocity: float = 1.0) -> Job:
         job = self.bench.settle(self.give(door, code, mask, velocity))
