@@ -270,8 +270,8 @@ def test_keys_wait_while_the_plc_has_the_display_and_count_afterwards() -> None:
 
 
 def test_modes_without_a_function_say_so_in_both_languages() -> None:
-    assert Bench().types("MODE", "9.8", "ENTER").lines[:2] == ["9.8 Init SRAM card", "no function here"]
-    assert Bench("de").types("MODE", "9.8", "ENTER").lines[1] == "hier ohne Funktion"
+    assert Bench().types("MODE", "9.4.3", "ENTER").lines[:2] == ["9.4.3 Print file lis", "no function here"]
+    assert Bench("de").types("MODE", "9.4.3", "ENTER").lines[1] == "hier ohne Funktion"
     assert Bench("de").lines == ["Grundebene", "Automatik", "", ""]
 
 
