@@ -15,8 +15,7 @@ def apart(work: Callable[[], T]) -> T:
 
     Where no copy can be made, or the copy ends without a result, the work is done here: it then fails as it would have anyhow.
     """
-    for stream in (sys.stdout, sys.stderr):
-        stream.flush()
+    _flush()
     read, write = os.pipe()
     try:
         child = os.fork()
@@ -37,9 +36,16 @@ def _work(work: Callable[[], object], write: int) -> NoReturn:
     """In the copy; never returns."""
     with contextlib.suppress(BaseException):  # also Ctrl-C, which its parent hears as well
         result = pickle.dumps(work())
-        for stream in (sys.stdout, sys.stderr):
-            stream.flush()
+        _flush()
         with open(write, "wb") as pipe:
             pipe.write(result)
         os._exit(0)
     os._exit(1)
+
+
+def _flush() -> None:
+    """What is printed stands in the order in which it was printed, once.  A process may have no standard streams, or no reader."""
+    for stream in (sys.stdout, sys.stderr):
+        if stream is not None:
+            with contextlib.suppress(OSError, ValueError):
+                stream.flush()

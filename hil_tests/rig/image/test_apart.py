@@ -54,3 +54,10 @@ def test_without_another_process_the_work_is_done_here(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(os, "fork", none_left)
     assert apart(os.getpid) == os.getpid()
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "<&- >&-"])
+def test_a_run_may_be_started_without_standard_streams(closed: str) -> None:
+    command = ["sh", "-c", f'exec "$0" -m gateway run no-such-cell {closed}', sys.executable]
+    told = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert told.returncode == 2 and told.stderr.startswith("axisgate: no-such-cell: no such file"), told
