@@ -5,7 +5,8 @@ Real drives permit from 50 us of jitter (Parker Compax3 manual, p. 323) to a mis
 
 from protocols.base.machine import Ns
 
-LOCK_COUNT = 5  # SYNCs until the loop judges
+LOCK_COUNT = 5  # SYNCs in a row, each in time behind the one before, until the loop judges
+LOCK_TRIES = 20  # SYNCs after which it judges all the same
 GAIN_SHIFT = 2  # a quarter of the phase error is taken over at each SYNC
 
 
@@ -18,7 +19,8 @@ class SyncWatch:
         self.error: Ns = 0
         self.worst: Ns = 0
         self.outside = self.in_a_row = self.missing = 0
-        self._seen = 0
+        self._seen = self._tries = 0
+        self._left_out = False  # the last SYNC was counted as the second one after the one before it
         self._grid: Ns = 0
 
     @property
@@ -31,7 +33,7 @@ class SyncWatch:
         return 2 * self.period + self.period // 4
 
     def unlock(self) -> None:
-        self._seen = self.in_a_row = 0
+        self._seen = self._tries = self.in_a_row = 0
 
     def clear(self) -> None:
         self.worst = self.outside = self.missing = 0
@@ -41,12 +43,19 @@ class SyncWatch:
         if self._seen == 0:
             self._grid, self._seen = stamp, 1
             return
-        cycles = max(1, (stamp - self._grid + self.period // 2) // self.period)
+        cycles = (stamp - self._grid + self.period // 2) // self.period
+        if cycles < 1 and self._left_out:  # the one before was that one, late by more than half a period
+            self._grid -= self.period
+            self.missing -= 1
+        cycles = max(1, cycles)
+        self._left_out = cycles > 1
         expected = self._grid + cycles * self.period
         error = self.error = stamp - expected
         self._grid = expected + (error >> GAIN_SHIFT)
         if self._seen < LOCK_COUNT:
-            self._grid, self._seen = stamp, self._seen + 1
+            self._grid, self._tries, self._left_out = stamp, self._tries + 1, False
+            fits = -self.tolerance <= error <= self.tolerance
+            self._seen = self._seen + 1 if fits else LOCK_COUNT if self._tries >= LOCK_TRIES else 1
             return
         self.missing += cycles - 1
         size = error if error >= 0 else -error

@@ -124,6 +124,33 @@ def test_jitter_beyond_the_tolerance_three_times_in_a_row_is_8700() -> None:
     assert node.read(0x603F) == 0x8700 and node.read(0x2001, 6) == 3
 
 
+@pytest.mark.parametrize("late", [0.6, 0.83, 0.98])
+def test_a_sync_late_by_most_of_a_period_and_the_next_in_time_are_one_beside_the_grid(late: float) -> None:
+    bus, node = synced()
+    for after in (1 + late, 1 - late, *[1.0] * 20):
+        sync_after(bus, 0.004 * after)
+        assert node.status & 0x6F == 0x27
+    assert node.read(0x2001, 6) <= 1
+
+
+@pytest.mark.parametrize("place", range(6))
+def test_a_late_sync_while_the_loop_locks_is_not_its_grid(place: int) -> None:
+    bus, node = synced()
+    node.set(0x60C2, 4, 1)  # the loop begins anew
+    for after in (*[1.0] * place, 1.45, 0.55, *[1.0] * 20):
+        sync_after(bus, 0.004 * after)
+        assert node.status & 0x6F == 0x27
+
+
+@pytest.mark.parametrize("period", [0.5, 0.7, 1.3])
+def test_sync_of_another_period_is_8700(period: float) -> None:
+    bus, node = synced()
+    node.set(0x60C2, 4, 1)
+    for _ in range(40):
+        sync_after(bus, 0.004 * period)
+    assert node.status & 0x4F in (0x0F, 0x08) and node.read(0x603F) == 0x8700
+
+
 def test_the_drives_of_a_simulated_cell_supervise_sync_as_real_ones_do() -> None:
     """As `run --sim` starts them: built of the shipped cell, at its clock."""
     cell = load_cell("demo-402.toml", read_text(find_config("demo-402", "cells")))
