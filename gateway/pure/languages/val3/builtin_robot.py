@@ -239,8 +239,10 @@ def f_get_events(own: Instance, number: Place, ids: Place, types: Place, infos: 
 
 
 def f_get_licence(own: Instance, name: str, password: str) -> str:
-    """ "" : no OEM licence is installed."""
-    return own.machine.licences.get(name, "")
+    """ "" : not installed; oemLicenceDisabled: the controller has not the option to test one."""
+    machine = own.machine
+    tested = machine.licences or machine.robot.components.get("oemlicence")
+    return machine.licences.get(name, "") if tested else "oemLicenceDisabled"
 
 
 def f_get_default_dh(own: Instance, *arrays: Place) -> None:

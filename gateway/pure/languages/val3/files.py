@@ -140,13 +140,15 @@ class Reader:
         return Initial(each.get("key", "0"), each.attributes, fields, each.line)
 
     def _key_fits(self, path: str, declared: Declaration, value: Initial) -> bool:
+        key = value.key
         if declared.dims == 0:
-            good = value.key != ""
+            key = value.attributes.get("key", "")
+            good = key != ""
         else:
-            numbers = self._numbers(value.key)
+            numbers = self._numbers(key)
             good = len(numbers) == declared.dims and all(n < size for n, size in zip(numbers, declared.sizes, strict=True))
         if not good:
-            self._say(path, value.line, f"'{declared.name}' : there is no value with the key {value.key!r}")
+            self._say(path, value.line, f"'{declared.name}' : there is no value with the key {key!r}")
         return good
 
     @staticmethod
@@ -172,6 +174,8 @@ class Reader:
             self._say(path, each.line, f"'{name}' : invalid name")
             return None
         code = each.first("Code")
+        if code is None:
+            self._say(path, each.line, f"the program '{name}' has no <Code>")
         text = code.text if code is not None else ""
         lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
         while lines and not lines[0].strip():
@@ -195,9 +199,16 @@ class Reader:
         if not is_name(name):
             self._say(path, each.line, f"'{name}' : invalid name")
             return None
-        reference = each.get("use", "value").lower() == "reference"
+        use = each.get("use", "value").lower()
+        reference = use == "reference"
         kind = each.get("xsi:type", "array" if reference else "element")  # without xsi:type: an array, by value its element
         dims = self._numbers(each.get("dimensions", "1"))
+        if use not in ("value", "reference"):
+            self._say(path, each.line, f"'{name}' : use {each.get('use')!r}; there are value and reference")
+        if kind not in ("element", "array", "collection"):
+            self._say(path, each.line, f"'{name}' : the container {kind!r} is unknown; there are element, array and collection")
+        elif kind == "array" and (len(dims) != 1 or not 1 <= dims[0] <= 3):
+            self._say(path, each.line, f"'{name}' : dimensions {each.get('dimensions')!r}; 1, 2 or 3 are expected")
         made = Parameter(name, family_of(each.get("type"))[0], reference, kind != "element", dims[0] if dims else 1, each.line)
         if kind == "collection":
             made.dims = 0

@@ -138,6 +138,13 @@ def test_turns_and_licences() -> None:
     )
 
 
+@pytest.mark.parametrize(("option", "found"), [("", "oemLicenceDisabled"), ("oemlicence", "")])
+def test_a_licence_cannot_be_tested_without_the_option(option: str, found: str) -> None:
+    made = machine(app := App(data=datum("s", "string"), programs={"start": 's=getLicence("oem","x")'}), arm=True)
+    made.robot.components = {option: "enabled"}
+    assert run(app, on=made)["globals"] == {"s": found}
+
+
 @pytest.mark.requirement("VAL-DH-01", by="gateway.pure.languages.val3.builtin_robot:f_get_default_dh")
 def test_the_chain_of_the_arm_leads_where_joint_to_point_leads() -> None:
     data = "".join(datum(name, "num", "7") for name in ("th", "dd", "aa", "al", "be"))

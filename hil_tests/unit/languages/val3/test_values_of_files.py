@@ -147,3 +147,24 @@ def test_the_configuration_of_a_scara_is_its_shoulder() -> None:
     scara = Machine(disk(app), Moves(load_robot("sr60-like")))
     found = run(app, on=scara)["globals"]
     assert isinstance(found, dict) and (found["c"], found["p"]["config"]) == ({"shoulder": "lefty"}, {"shoulder": "righty"})
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "text"),
+    [
+        ("sub.pgx", 'use="reference"', 'use="copy"', "'x_n' : use 'copy'; there are value and reference"),
+        ("sub.pgx", 'xsi:type="array" use', 'xsi:type="list" use', "'x_n' : the container 'list' is unknown"),
+        ("sub.pgx", 'dimensions="2"', 'dimensions="4"', "'x_n' : dimensions '4'; 1, 2 or 3 are expected"),
+        ("sub.pgx", "Code>", "Text>", "the program 'sub' has no <Code>"),
+        ("demo.dtx", 'key="k"', "", "'c' : there is no value with the key ''"),
+    ],
+)
+def test_what_a_parameter_a_program_and_a_collection_cannot_be(file: str, old: str, new: str, text: str) -> None:
+    app = App(data=datum("c", "num", "", value("k", value=1)), programs={"sub(num& x_n[,])": ""})
+    files = dict(disk(app).files)
+    before = files[f"demo/{file}"].decode()
+    files[f"demo/{file}"] = before.replace(old, new).encode()
+    assert before.replace(old, new) != before
+    found = Loader(Disk(files)).load("demo", "demo")
+    assert found is not None
+    assert text in [fault.text[: len(text)] for fault in found.faults if fault.severity.value == "error"]
