@@ -156,9 +156,18 @@ def rho_setup(cell: Cell, controller: Controller, tables: DatTables, owners: Map
         option=option_of(cell),
         p35=p35_of(cell),
         memory=SIZES[controller.hardware] if controller.memory else 0,
+        parameters=parameters_of(cell),
+        password=controller.password,
         pic=bool(controller.pic),
         robot_masks=robot_masks(cell) if controller.memory else (),
     )  # fmt: skip
+
+
+def parameters_of(cell: Cell) -> tuple[tuple[str, str], ...]:
+    """The machine parameters of a cell by number, as the pendant shows them."""
+    given = cell.rho3.others if cell.rho3 is not None else {}
+    names = sorted((name for name in given if name[1:].isdecimal()), key=lambda name: int(name[1:]))
+    return tuple((name, " ".join(map(str, value)) if isinstance(value := given[name], tuple | list) else str(value)) for name in names)
 
 
 def p35_of(cell: Cell) -> int:

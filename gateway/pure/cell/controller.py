@@ -94,6 +94,7 @@ class Controller:
     )
     eeprom: str = ""  # file that modes 9.6 and 9.7 of the pendant save the memory to (AX-1041); relative to the cell file
     printer: str = ""  # file or printer device that mode 9.4.2 of the pendant prints to (AX-1755); relative to the cell file
+    password: Annotated[str, Pattern("^[0-9]{0,8}$", "up to 8 digits")] = ""  # of mode 7.8.2 of the pendant (AX-1757); "": none
     sram_card: str = ""  # file that is the SRAM card of a rho3.0 for mode 9.8 (AX-1756); its size is that of the card
     phg_unit: Literal["", "V24_1", "V24_2", "V24_3", "V24_4"] = ""  # unit of programs that is the screen of a PHG 2000 (AX-1042)
     code_page: Literal["cp437", "cp850", "latin-1", "utf-8"] = "cp437"

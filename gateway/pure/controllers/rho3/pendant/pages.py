@@ -79,6 +79,15 @@ class Source(Protocol):
     def print_points(self, file: str) -> str:
         """Mode 9.4.2; why it is refused at once."""
 
+    def parameters(self) -> Sequence[tuple[str, str]]:
+        """Machine parameters of the cell: name, value."""
+
+    def locked(self) -> bool:
+        """Whether they need a password that has not been entered in this selection of the mode."""
+
+    def unlock(self, password: str) -> bool:
+        """Whether it is the one."""
+
     def movement(self) -> bool:
         """Whether tests move."""
 
@@ -107,6 +116,7 @@ class Page:
     edits: bool = False
     put: Callable[[str], str] = _no_number
     asks: Callable[[int], str] = _nothing  # a question in front of `choose`; a second ENTER is yes
+    secret: bool = False  # what is put is not shown, and any key behind the question begins it
     note: Callable[[int], str] = _nothing  # what became of the last choice in a row
 
 
@@ -183,6 +193,24 @@ def _card(title: str, mode: Mode, source: Source, language: str) -> Page:
     outcome = source.memory_outcome("init")
     row = say("phg_execute", language) if outcome is None else outcome or say("phg_done", language)
     return Page(title, (row,), lambda _: source.order_memory("init"), asks=lambda _: say("phg_sure", language))
+
+
+def _parameters(title: str, mode: Mode, source: Source, language: str) -> Page:
+    """7.8.2: a parameter that is protected is opened by the password (L5036-5052)."""
+    found = source.parameters()
+    if not found:
+        return Page(title, (say("phg_no_parameter", language),))
+
+    def opened(row: int) -> str:
+        return found[row % len(found)][1]
+
+    def enter(password: str) -> str:
+        return "" if source.unlock(password) else say("phg_enter_password", language)
+
+    names = tuple(name for name, _ in found)
+    if source.locked():
+        return Page(title, names, edits=True, put=enter, asks=lambda _: say("phg_enter_password", language), secret=True)
+    return Page(title, names, opened)
 
 
 def _tested(title: str, mode: Mode, source: Source, language: str) -> Page:
@@ -270,5 +298,5 @@ def _factor(title: str, which: str, source: Source, language: str) -> Page:
 
 ORDERING: dict[Mode, Callable[[str, Mode, Source, str], Page]] = {
     (4, 1): _points, TEACH: _points, (5, 9): _tested, (5, 10): _tested,
-    (9, 4, 2): _print, (9, 6): _eeprom, (9, 7): _eeprom, (9, 8): _card, (10, 1): _start, (10, 2): _stop,
+    (7, 8, 2): _parameters, (9, 4, 2): _print, (9, 6): _eeprom, (9, 7): _eeprom, (9, 8): _card, (10, 1): _start, (10, 2): _stop,
 }  # fmt: skip

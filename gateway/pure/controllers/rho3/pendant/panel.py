@@ -7,6 +7,7 @@ display is axisgate's own
 """
 
 from gateway.pure.controllers.rho3.functions.display import COLUMNS, LINES, Display, Layer
+from gateway.pure.controllers.rho3.functions.messages import say
 from gateway.pure.controllers.rho3.functions.phg_selection import PhgSelection
 from gateway.pure.controllers.rho3.functions.reading import PanelReader
 from gateway.pure.controllers.rho3.functions.status_display import AUTOMATIC, MANUAL, StatusDisplay
@@ -97,7 +98,10 @@ class Panel:
     def _take(self, key: str) -> None:
         self._message = ""
         asked, self._asked = self._asked, ""  # any other key is no
-        if self._info:
+        page = page_of(self.level, self._source, self._language) if asked else None
+        if page is not None and page.secret:
+            self._entry, self._value = "", True  # any key --> continue (L5044-5052)
+        elif self._info:
             self._in_info(key)
         elif key == "MODE":
             self._entry, self._value = "", False
@@ -189,6 +193,8 @@ class Panel:
         """Line 4: what is being typed, else where one is."""
         if self._entry is None:
             return ""
+        if self._value and page_of(self.level, self._source, self._language).secret:
+            return f"{say('phg_password', self._language)} {'*' * len(self._entry)}"
         return f"{'=' if self._value else 'Mode='}{self._entry}"
 
     def _write(self, line: int, text: str) -> None:

@@ -34,6 +34,7 @@ class UserMemory:
     taught: tuple[str, str, int] = ("", "", 0)  # file, point, ticket of mode 4.2
     selected: PointFile | None = None  # by special function 16, for the next selection of a mode (L10776-10833)
     opened: PointFile | None = None  # in the mode that is selected
+    unlocked: bool = False  # the password was entered in mode 7.8.2, until it is left
     system_error: int = 0  # of the SRAM card: 39 or 300, until a restart
     card: int = 0  # bytes of the SRAM card that is the memory; 0: none
     _coming: list[FileEntry] = field(default_factory=list)
@@ -79,6 +80,6 @@ class UserMemory:
 
     def enter(self, *, points: bool) -> int:
         """A mode is selected; points: it offers point files.  The row it begins with; a selection is used up by it."""
-        self.ordered, self.taught = ("", 0), ("", "", 0)
+        self.ordered, self.taught, self.unlocked = ("", 0), ("", "", 0), False
         self.opened, self.selected = (self.selected, None) if points else (None, self.selected)
         return self.opened.top if self.opened is not None else 0

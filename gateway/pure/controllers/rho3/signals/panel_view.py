@@ -130,6 +130,16 @@ class PanelView:
         control.memory.ordered = "print", control.hosted.order("print", file=file, stop=False, active=False)
         return ""
 
+    def parameters(self) -> Sequence[tuple[str, str]]:
+        return self._control.setup.parameters
+
+    def locked(self) -> bool:
+        return bool(self._control.setup.password) and not self._control.memory.unlocked
+
+    def unlock(self, password: str) -> bool:
+        self._control.memory.unlocked = password == self._control.setup.password
+        return self._control.memory.unlocked
+
     def movement(self) -> bool:
         """Whether tests move."""
         test = self._control.hosted.shown.get("test") if self._control.hosted is not None else None

@@ -51,5 +51,7 @@ class Setup:
     option: int = 0  # P25 as the option byte: what resets factors
     p35: int = 0  # mode of the PHG 2000
     memory: int = 0  # bytes of the user memory; 0: there is none
+    parameters: tuple[tuple[str, str], ...] = ()  # of mode 7.8.2: name, value
+    password: str = ""  # of that mode
     pic: bool = False  # the interpreter scans a PIC program
     robot_masks: tuple[int, ...] = ()  # axes (bit n-1 = axis n) of each robot of the cell

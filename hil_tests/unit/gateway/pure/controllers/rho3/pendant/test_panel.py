@@ -68,6 +68,15 @@ class Control:
     def print_points(self, file: str) -> str:
         return ""
 
+    def parameters(self) -> Sequence[tuple[str, str]]:
+        return (("P2", "5"), ("P9", "200"))
+
+    def locked(self) -> bool:
+        return False
+
+    def unlock(self, password: str) -> bool:
+        return True
+
     def entered(self, mode: Mode) -> int:
         return 0
 
