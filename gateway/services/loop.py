@@ -53,9 +53,15 @@ from gateway.services.tool_server import Variables
 from gateway.services.value_directory import ValueDirectory
 from protocols.base.machine import Ns, ms
 
-TICK_NS = ms(5)
+TICK_NS, QUICKEST_NS = ms(5), ms(2)
 STATUS_EVERY = 20  # ticks
 SWITCH_S = 0.001  # threads of the masters of CANopen buses give the loop its turn after this (5 ms are usual)
+
+
+def tick_ns(plan: RunPlan) -> Ns:
+    """Time between two turns: with an integrated PLC not longer than a cycle, because its inputs and outputs pass here (AX-1767)."""
+    quick = plan.cell.controller is not None and plan.cell.controller.plc is not None
+    return min(TICK_NS, max(ms(plan.p5_ms), QUICKEST_NS)) if quick else TICK_NS
 
 
 class Services:
@@ -169,7 +175,8 @@ class Services:
         loop = asyncio.get_running_loop()
         loop.add_signal_handler(signal.SIGTERM, self._done.set)
         loop.add_reader(self.timer.fileno(), self._on_timer)
-        self.timer.set(time.monotonic_ns() + TICK_NS, TICK_NS)
+        tick = tick_ns(self.run_context.plan)
+        self.timer.set(time.monotonic_ns() + tick, tick)
         early: Sequence[Part] = (self.contacts, self.clients, self.bridge)
         late: Sequence[Part] = (*self.sources, self.variables)
         closed: Sequence[Part] = (self.variables, self.canopen, self.contacts, self.clients, self.retained, self.cycle, *self.sources)

@@ -1,5 +1,5 @@
 """ROBOTstar programs: steps a second, loading 10,000 steps, START to the first set value, an input to the output it switches; and the
-figures of the integrated PLC.
+figures of the integrated PLC, alone and in a running cell.
 """
 
 import functools
@@ -16,7 +16,7 @@ from gateway.pure.languages.robotstar.checker import check
 from gateway.pure.languages.robotstar.memory import Memory, Source
 from gateway.pure.languages.robotstar.robot import MODES
 from gateway.pure.languages.robotstar.virtual import VirtualCell
-from hil_tests.bench import plc_bench
+from hil_tests.bench import plc_bench, reis_cell_bench
 from hil_tests.bench.figure_row import EMPTY_LOOP, Figure, loop_turns, row
 from hil_tests.lab.virtual.reis_bench import CELL, DOOR, ReisCell, at, main
 
@@ -157,4 +157,5 @@ def run() -> list[Figure]:
         row("rsv.start_ms", start_ms(), "ms", START_MS, beside, anchor),
         row("rsv.bit", bit_cycles(), "cycles", BIT_CYCLES, beside, anchor),
         *plc_bench.run(),
+        *reis_cell_bench.figures(),
     ]
