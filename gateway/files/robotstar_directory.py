@@ -6,11 +6,14 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-from gateway.files.robotstar import KEPT, FolderFault, locks_of, sources, words, write_locks
+from gateway.files.robotstar import KEPT, FolderFault, locks_of, replace, sources, text_of, words, write_locks
 from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import SourceFile
+from gateway.pure.languages.plc.steps import Wrong, step_of
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.pure.languages.robotstar.program import DEFINITIONS
-from gateway.pure.languages.robotstar.protection import DELETE, RENAME, demand, letters_of, shown
+from gateway.pure.languages.robotstar.protection import DELETE, EDIT, RENAME, STRUCTURE, demand, letters_of, shown
+from gateway.pure.languages.robotstar.reader import read_program, unnumbered
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +79,47 @@ def rename(folder: Path, name: str, to: str) -> str:
 def copy(folder: Path, name: str, to: str) -> str:
     """With its values; always allowed (L1064), the copy is not protected.  FolderFault."""
     return _copied(folder, _file(folder, name), to)
+
+
+def change_step(folder: Path, name: str, what: str, number: int, text: str = "") -> int:
+    """Changes one step (L1496-1510): what is edit (`text`), delete or invert (valid, invalid); where the cursor is then.  FolderFault,
+    Protected."""
+    file = _file(folder, name)
+    demand(file, locks_of(folder).get(file, ""), EDIT if what == "edit" else STRUCTURE)
+    lines = text_of(folder / file).splitlines()
+    places = [at for at, line in enumerate(lines) if unnumbered(line)]
+    if not 1 <= number <= len(places):
+        raise FolderFault(f"{file} has no step {number}")
+    if what != "edit" and number in (1, len(places)):
+        raise FolderFault("the first and the last step of a program stay")
+    at = places[number - 1]
+    old, numbered = unnumbered(lines[at]), unnumbered(lines[at]) != lines[at].strip()
+    invalid = old.startswith("\\")
+    if what == "edit":
+        if text.split()[:1] != old.lstrip("\\").split()[:1]:
+            raise FolderFault("the command word of a step is not edited")
+        new = f"\\{text}" if invalid else text
+    else:
+        new = old[1:] if invalid else f"\\{old}"
+    lines[at : at + 1] = [] if what == "delete" else [new]
+    if what != "delete" and (wrong := _wrong_step(file, lines, at)):
+        raise FolderFault(wrong)
+    if numbered:
+        shown_lines = iter(range(1, len(lines) + 1))
+        lines = [f"{next(shown_lines)} {unnumbered(line)}" if unnumbered(line) else line for line in lines]
+    replace(folder / file, "\n".join(lines) + "\n")
+    return number - (what == "delete")
+
+
+def _wrong_step(file: str, lines: list[str], at: int) -> str:
+    """What keeps a line from being a step; "" for nothing."""
+    name, _, kind = file.rpartition("/")[2].rpartition(".")
+    if kind.upper() == "PLC":
+        found = step_of(unnumbered(lines[at]), at + 1) if 0 < at < len(lines) - 1 else None
+        return found.text if isinstance(found, Wrong) else ""
+    faults = Faults()
+    read_program(SourceFile(file, "\n".join(lines)), name, kind.upper(), words(), faults)
+    return next((fault.text for fault in faults if fault.position.line == at + 1), "")
 
 
 def _copied(folder: Path, file: str, to: str) -> str:

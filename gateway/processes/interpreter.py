@@ -218,6 +218,10 @@ class InterpreterProcess:
                 if (faults := self.programs.refresh(self._alive)) is not None:
                     self._have_read(faults)
                 self.language.start_run(str(order["program"]), int(order["run"]), now)
+            case "select":
+                if (faults := self.programs.refresh(self._alive)) is not None:
+                    self._have_read(faults)
+                self.language.hear(order, now)
             case "stop":
                 self.language.stop_run(int(order["run"]), now)
             case "fail":

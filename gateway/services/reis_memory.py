@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from gateway.files.robotstar import FolderFault, text_of
-from gateway.files.robotstar_directory import Entry, copy, delete, entries, protect, rename
+from gateway.files.robotstar import FolderFault, shipped, text_of
+from gateway.files.robotstar_directory import Entry, change_step, copy, delete, entries, protect, rename
+from gateway.pure.languages.robotstar.program import KINDS
 from gateway.pure.languages.robotstar.protection import Protected
 from gateway.pure.languages.robotstar.reader import unnumbered
 
@@ -24,6 +25,7 @@ class Answer:
     folders: Folders = field(default_factory=dict)
     path: str = ""
     rows: tuple[str, ...] = ()
+    step: int = 0  # of a program that was changed: where the cursor is
 
 
 class ReisMemory:
@@ -36,7 +38,8 @@ class ReisMemory:
         threading.Thread(target=self._work, name="reis-memory", daemon=True).start()
 
     def ask(self, do: str, name: str = "", more: str = "") -> bool:
-        """list, open (`name`), delete, copy, rename (`more`: the new name), protect (`more`: letters); False: too many wait."""
+        """list, open (`name`), delete, copy, rename (`more`: the new name), protect (`more`: letters), change (`more`: what, step, text);
+        False: too many wait."""
         try:
             self._asked.put_nowait(lambda: answered(self._folder, do, name, more))
         except queue.Full:
@@ -62,6 +65,11 @@ def answered(folder: Path, do: str, name: str, more: str) -> Answer:
             case "open":
                 path, rows = program(folder, name)
                 return Answer(do, path=path, rows=rows)
+            case "change":
+                what, number, text = (*more.split(" ", 2), "")[:3]
+                step = change_step(folder, name, what, int(number), text)
+                path, rows = program(folder, name)
+                return Answer(do, path=path, rows=rows, step=step)
             case "delete":
                 delete(folder, name)
             case "copy":
@@ -95,11 +103,14 @@ def _line(name: str, entry: Entry) -> str:
 def program(folder: Path, name: str) -> tuple[str, tuple[str, ...]]:
     """File below the memory and steps, as the display has them: a step a line, the backslash of an invalid one kept.  FolderFault."""
     wanted = name.replace("\\", "/").strip("/").upper()
-    files = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix.upper()[1:] in ("MPR", "SPR", "MAC", "PAL", "PLC"))
-    below = {path: path.relative_to(folder).as_posix().upper() for path in files}
-    fits = [path for path, file in below.items() if wanted in (file, file.rpartition(".")[0])]
-    fits = fits or [path for path, file in below.items() if wanted in (Path(file).name, Path(file).stem)]
+    paths = (path for path in folder.rglob("*") if path.is_file() and path.suffix.upper()[1:] in KINDS)
+    there = {path.relative_to(folder).as_posix(): path for path in paths}
+    system = {source.path: source.text for source in shipped()}
+    files = [*sorted(there), *system]
+    fits = [file for file in files if wanted in (file.upper(), file.upper().rpartition(".")[0])]
+    fits = fits or [file for file in files if wanted in (Path(file.upper()).name, Path(file.upper()).stem)]
     if not fits:
         raise FolderFault(f"there is no program {name}")
-    rows = (unnumbered(line) for line in text_of(fits[0]).splitlines() if line.strip())
-    return fits[0].relative_to(folder).as_posix(), tuple(row for row in rows if row)
+    text = text_of(there[fits[0]]) if fits[0] in there else system[fits[0]]
+    rows = (unnumbered(line) for line in text.splitlines() if line.strip())
+    return fits[0], tuple(row for row in rows if row)

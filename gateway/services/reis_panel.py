@@ -54,7 +54,7 @@ class ReisPanel:
             if answer.folders:
                 self.phg.listed(answer.folders)
             if answer.rows:
-                self.phg.opened(answer.path, answer.rows)
+                self.phg.opened(answer.path, answer.rows, answer.step)
             if answer.words:
                 self.phg.says(answer.words)
 
@@ -125,7 +125,7 @@ class ReisPanel:
     # ---- orders ------------------------------------------------------------------------------------------------------------
     def _obey(self, order: Order, now: Ns) -> str:
         """Carries it out; "" or why not."""
-        if order.do in ("list", "open", "delete", "copy", "rename", "protect"):
+        if order.do in ("list", "open", "delete", "copy", "rename", "protect", "change"):
             if self.memory is None:
                 return NO_MEMORY if order.do != "list" else ""
             return "" if self.memory.ask(order.do, order.text, order.more) else "too many orders wait"
@@ -214,6 +214,7 @@ class ReisPanel:
             tuple(round(place * turns * RESOLUTION) for (_, place, _), turns in zip(axes, self._turns, strict=False)),
             control.io.content(Area.INPUT), control.io.content(Area.OUTPUT), control.flag_bytes(), bool(status["synchronous"]), hand.coord,
             hand.moves, hand.turns, hand.position, programs.looked if programs is not None else ("", None, ""),
+            int(str(row.get("done", 0))),
         )  # fmt: skip
 
 

@@ -84,6 +84,7 @@ class ProcessRow:
     branch: bool = False
     task: str = ""  # name of a task that runs the program; "": programs of the language are their own processes
     error: str = ""  # with which it has stopped, in words
+    done: int = 0  # line executed last, of the same program; 0: not known
 
 
 class Port(Protocol):

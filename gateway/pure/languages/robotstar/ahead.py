@@ -28,6 +28,7 @@ class Block:
 
     go: Go
     place: tuple[str, int]
+    done: tuple[str, int]  # executed last before it
     start: Target
     through: "Block | None" = None
     stretch: Stretch | None = None
@@ -53,6 +54,7 @@ class Ahead:
     path: Path
     arm: Arm
     place: Callable[[], tuple[str, int]]
+    done: Callable[[], tuple[str, int]]
     items: deque[Block | Callable[[], None]] = field(default_factory=deque)
     interrupted: tuple[float, ...] = ()  # axes where the path was left; (): it was not
     _auxiliary: Block | None = None  # of a circle whose end is not known yet
@@ -87,7 +89,7 @@ class Ahead:
         wrong = self.arm.unreachable(go.target, start, go.tool, self.arm.own(places))
         if wrong:
             raise StepFault(wrong, 0, "path")
-        block = Block(go, self.place(), start)
+        block = Block(go, self.place(), self.done(), start)
         if go.auxiliary:
             if not go.target.pose:
                 raise StepFault("an auxiliary point of a circle is a position of the tool, not of the axes", 0, "path")
@@ -202,7 +204,7 @@ class Ahead:
             xyz = rest_of_circle(block.start.pose, through.go.target.pose, block.go.target.pose, here.pose)
             target = Target((*xyz, *through.go.target.pose[3:]), 0, through.go.target.axes)
             go = Go(target, through.go.mode, 0, through.go.settings, through.go.tool, auxiliary=True)
-            block.through = Block(go, through.place, here)
+            block.through = Block(go, through.place, through.done, here)
         block.start = here
 
     def forget(self) -> None:

@@ -186,6 +186,11 @@ class CellRobot(Robot):
         block = self.ahead.under_way()
         return Robot.place(self) if block is None else block.place
 
+    def done(self) -> tuple[str, int]:
+        """Program and step that was executed last: before the position under way, else before the cursor."""
+        block = self.ahead.under_way()
+        return self.machine.last_done() if block is None else block.done
+
     def cursor(self) -> tuple[str, int]:
         """Program and step that is executed next."""
         return Robot.place(self)

@@ -64,7 +64,7 @@ class CellRun:
 
     def _take(self, memory: Memory) -> None:
         self.memory = memory
-        self.ahead = Ahead(self.path, self.arm, self._cursor)
+        self.ahead = Ahead(self.path, self.arm, self._cursor, self._done)
         self.world = CellWorld(self.port, self.ahead)
         system = System(self.world)
         names = system.names()
@@ -82,6 +82,9 @@ class CellRun:
 
     def _cursor(self) -> tuple[str, int]:
         return self.robot.cursor()
+
+    def _done(self) -> tuple[str, int]:
+        return self.machine.last_done()
 
     def replaced(self, memory: Memory) -> None:
         """The memory was read anew; the place where a program was interrupted is lost (L209)."""
@@ -355,5 +358,8 @@ class CellRun:
         state = self.robot.state.value
         keys = isinstance(asked, KeyTest) or (isinstance(asked, BitWait) and asked.keys)
         waits = "" if asked is None or self.ahead.busy else "F1 or F2" if keys else WAITS.get(type(asked), "")
-        row = ProcessRow(self.run, program or self.selected.key, self.selected.kind, state, step, waits)
+        name, done = self.robot.done()
+        row = ProcessRow(
+            self.run, program or self.selected.key, self.selected.kind, state, step, waits, done=done if name == program else 0
+        )
         return [row if self.runs else replace(row, waits="")]

@@ -153,7 +153,7 @@ def stop(machine: Machine, following: int) -> Op:
 
     def op() -> int:
         assert machine.frame is not None
-        machine.frame.at = following
+        machine.frame.at, machine.frame.done = following, following - 1
         raise Halted
 
     return op

@@ -110,6 +110,7 @@ class Frame:
     names: Names
     ops: list[Op] = field(default_factory=list)
     at: int = 0
+    done: int = -1  # the step that was executed last, -1: none (L1484)
 
 
 class Halted(Exception):
@@ -153,7 +154,7 @@ class Machine:
         """The operator's choice of a step; tool and modal values in force stay, so that a position can be approached directly (L1208)."""
         del self.stack[1:]
         self.request, frame = None, self.stack[0]
-        self.names, frame.at = frame.names, min(max(step, 1), len(frame.program.steps)) - 1
+        self.names, frame.at, frame.done = frame.names, min(max(step, 1), len(frame.program.steps)) - 1, -1
 
     def switch(self, name: str) -> None:
         """PROGRAM: goes to step 1 of another main program."""
@@ -180,7 +181,7 @@ class Machine:
         if len(self.stack) > DEEPEST:
             raise StepFault(f"nesting depth too big: more than {DEEPEST} calls")
         self._refuse_faulty(found)
-        self.frame.at = back
+        self.frame.at, self.frame.done = back, back - 1
         self._push(found, "macro" if found.kind == "MAC" else "call")
 
     def _refuse_faulty(self, program: Program) -> None:
@@ -204,6 +205,7 @@ class Machine:
             return LOOK
         if frame.program.kind not in ("MPR", "PAL"):
             raise operating(OWN_RETURN)
+        frame.done = len(frame.program.steps) - 1
         if self.returns:
             frame.at = 0
         if not self.repeats:
@@ -248,16 +250,16 @@ class Machine:
         while budget > 0 and self.request is None and not self.idle:
             frame = self.frame
             assert frame is not None
-            ops, at = frame.ops, frame.at
+            ops, at, done = frame.ops, frame.at, frame.done
             try:
                 while budget > 0:
                     budget -= 1
-                    frame.at = at
+                    frame.at, frame.done, done = at, done, at
                     at = ops[at]()
                     if at < 0:
                         break
                 else:
-                    frame.at = at
+                    frame.at, frame.done = at, done
             except IndexError:
                 raise StepFault("Step not defined!") from None
         return budget
@@ -268,7 +270,7 @@ class Machine:
             mark = (self.frame, here, self.effects)
             if mark == self.polled:
                 assert self.frame is not None
-                self.frame.at, self.idle = target, True
+                self.frame.at, self.frame.done, self.idle = target, here, True
                 return LOOK
             self.polled = mark
         return target
@@ -286,7 +288,12 @@ class Machine:
         """The request is answered: on at its following step, or at `at`."""
         assert self.frame is not None
         self.request = None
-        self.frame.at = self._following if at is None else at
+        self.frame.done, self.frame.at = self.frame.at, self._following if at is None else at
+
+    def last_done(self) -> tuple[str, int]:
+        """Program and step that was executed last; ("", 0): none of those in work."""
+        frame = next((each for each in reversed(self.stack) if each.done >= 0), None)
+        return ("", 0) if frame is None else (frame.program.name, frame.done + 1)
 
 
 SystemNames: TypeAlias = Mapping[str, object]

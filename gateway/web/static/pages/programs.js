@@ -50,12 +50,15 @@ export function mount(root, { t, cell, get, me, post, unable }) {
   function marks() {
     const at = new Set(processes.filter((row) => row.program === shown).map((row) => row.line));
     const held = new Set(stops());
+    const done = new Set(processes.filter((row) => row.program === shown && row.done && !["running", "waiting"].includes(row.state)).map((row) => row.done));
     rows.forEach((row, n) => {
       const stop = row.querySelector(".stop");
       if (stop) {
         stop.setAttribute("aria-pressed", String(held.has(n + 1)));
         grey(stop, unable("operator") || (test ? "" : t("The interpreter does not run.")));
       }
+      const last = done.has(n + 1); // executed last before the program was stopped
+      if (row.classList.contains("done") !== last) { row.classList.toggle("done", last); row.title = last ? t("executed last") : ""; }
       const now = at.has(n + 1);
       if (row.classList.contains("now") === now) return;
       row.classList.toggle("now", now);

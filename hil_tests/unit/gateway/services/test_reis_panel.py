@@ -179,3 +179,57 @@ def test_files_of_the_memory_are_deleted_copied_renamed_and_protected(tmp_path: 
     found = answered(tmp_path, "open", "s", "")
     assert (found.path, found.rows) == ("S.MPR", ('MPR "S"', "\\WAIT 1.0", "END"))
     assert answered(tmp_path, "open", "NONE", "").words == "there is no program NONE"
+
+
+def test_a_step_is_edited_deleted_and_made_invalid_at_the_cursor(tmp_path: pathlib.Path) -> None:
+    """L1480-1482, L1496-1510: the file has it at once, START the same step; what is wrong is refused and changes nothing."""
+    operator = Operator(tmp_path)
+    file = tmp_path / "P.MPR"
+    operator.shows("P            MPR")
+    operator.keys("DOWN ENTER")
+    operator.shows('MPR "P"')
+    operator.keys("STEP 4 ENTER F1")
+    assert "COPY 11, I_N_" in operator.shows("step edit:")
+    operator.keys("ALT LEFT RIGHT RIGHT RIGHT RIGHT RIGHT RIGHT DELETE 7 ENTER")
+    operator.shows(">  4 COPY 71, I_N")
+    assert file.read_text().splitlines()[3] == "COPY 71, I_N"
+    operator.keys("F1 DELETE DELETE DELETE DELETE DELETE ENTER")
+    operator.shows("COPY: destination missing")
+    assert file.read_text().splitlines()[3] == "COPY 71, I_N"
+    operator.keys("F1 ALT LEFT RIGHT DELETE ENTER")
+    operator.shows("the command word of a step is not edited")
+    operator.keys("F4")
+    operator.shows(">  4 \\COPY 71, I_N")
+    operator.keys("STEP 5 ENTER F3")
+    operator.shows(">  4 \\COPY 71, I_N")
+    assert file.read_text().splitlines()[3:5] == ["\\COPY 71, I_N", "COPY 33, I_N"]
+    operator.keys("F4")
+    operator.shows(">  4 COPY 71, I_N")
+    for step in ("1", "9"):
+        operator.keys(f"STEP {step} ENTER F3")
+        assert "the first and the last step of a program stay" in " ".join(operator.shows("the first and the last").split())
+    answered(tmp_path, "protect", "P.MPR", "E")
+    operator.keys("STEP 4 ENTER F1 DELETE ENTER")
+    operator.shows("P.MPR is protected against editing")
+
+
+def test_numbers_of_steps_follow_a_deletion(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "Q.MPR").write_text('1 MPR "Q"\n2 VAR I\n\n3 WAIT 1\n4 WAIT 2\n5 END\n')
+    assert answered(tmp_path, "change", "Q.MPR", "delete 3").step == 2
+    assert (tmp_path / "Q.MPR").read_text() == '1 MPR "Q"\n2 VAR I\n\n3 WAIT 2\n4 END\n'
+    (tmp_path / "M.PLC").write_text("PLC M\nU E0.0\n= A0.0\nEND\n")
+    assert answered(tmp_path, "change", "M.PLC", "edit 2 U E9.9").words == "bit 9: outside 0..7"
+    assert answered(tmp_path, "change", "M.PLC", "edit 2 U E9.7").rows[1] == "U E9.7"
+    assert answered(tmp_path, "change", "M.PLC", "edit 9 U E9.7").words == "M.PLC has no step 9"
+
+
+def test_the_step_executed_last_is_marked_while_the_program_is_stopped(tmp_path: pathlib.Path) -> None:
+    """L1484-1486."""
+    operator = Operator(tmp_path)
+    operator.shows("P            MPR")
+    operator.keys("DOWN ENTER")
+    operator.shows('MPR "P"')
+    operator.keys("RUN F1 STEP 5 ENTER START")
+    operator.cell.until(lambda: operator.value() == "22")
+    operator.shows("P 6 stopped")
+    assert "-  5 COPY 22, I_N" in operator.shows(">  6 COPY 33, I_N")

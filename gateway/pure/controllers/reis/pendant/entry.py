@@ -5,6 +5,7 @@ from dataclasses import dataclass
 QUESTIONS = {
     "code": "code word:",
     "step": "step:",
+    "edit": "step edit:",
     "find": "search for:",
     "program": "name of the program:",
     "variable": "variable:",
@@ -16,7 +17,8 @@ QUESTIONS = {
     "rename to": "new program name:",
     "protect to": "letters to lock of LAESU, - for none:",
 }
-MOST = 128  # characters of a name (D-45)
+MOST = 256  # characters
+WIDE = 20  # of SHIFT with an arrow (L1500)
 
 
 @dataclass(slots=True)
@@ -26,17 +28,30 @@ class Entry:
     what: str
     text: str = ""
     first: str = ""
+    at: int = -1  # characters in front of the cursor
+
+    def __post_init__(self) -> None:
+        self.at = len(self.text)
 
     @property
     def asks(self) -> str:
         """Which question is shown."""
         return f"{self.what} to" if self.first else self.what
 
-    @property
-    def shown(self) -> str:
-        """As typed; a code word is not shown."""
-        return "*" * len(self.text) if self.what == "code" else self.text
+    def shown(self, width: int) -> str:
+        """As typed, with the cursor in it and in sight; a code word is not shown."""
+        text = "*" * len(self.text) if self.what == "code" else self.text
+        whole = f"{text[: self.at]}_{text[self.at :]}"
+        return whole[max(self.at + 1 - width, 0) :][:width]
 
     def type(self, key: str) -> None:
-        """A character, or DELETE."""
-        self.text = self.text[:-1] if key == "DELETE" else (self.text + key)[:MOST]
+        """A character in front of the cursor, or DELETE of the one there."""
+        before, behind = self.text[: self.at], self.text[self.at :]
+        before = before[:-1] if key == "DELETE" else (before + key)[: MOST - len(behind)]
+        self.text, self.at = before + behind, len(before)
+
+    def move(self, key: str, shift: str) -> None:
+        """An arrow key: one character, 20 after SHIFT, to an end after ALT (L1500); SHIFT and ALT alone wait for it."""
+        if key in ("LEFT", "RIGHT"):
+            far = {"SHIFT": WIDE, "ALT": len(self.text)}.get(shift, 1)
+            self.at = min(max(self.at + (far if key == "RIGHT" else -far), 0), len(self.text))

@@ -25,14 +25,15 @@ class Listing:
             return
         room = max(width - NUMBER, 1)
         if shift == "ALT":
-            self.column = 0 if key == "LEFT" else max(len(self._now) - (room if self.program else room // 2), 0)
+            self.column = 0 if key == "LEFT" else max(len(self.now) - (room if self.program else room // 2), 0)
             return
         far = WIDE if shift == "SHIFT" else 1
         longest = max((len(row) for row in self.rows), default=0)
         self.column = min(max(self.column + (far if key == "RIGHT" else -far), 0), max(longest - 1, 0))
 
     @property
-    def _now(self) -> str:
+    def now(self) -> str:
+        """The row of the cursor."""
         return self.rows[self.cursor - 1] if self.rows else ""
 
     def go(self, step: int) -> None:
@@ -47,11 +48,11 @@ class Listing:
             self.cursor = found + 1
         return found is not None
 
-    def shown(self, height: int, width: int) -> list[str]:
-        """The window around the cursor."""
+    def shown(self, height: int, width: int, done: int = 0) -> list[str]:
+        """The window around the cursor; `done`: the step that was executed last, marked by "-" (L1484)."""
         first = min(max(self.cursor - 1 - height // 2, 0), max(len(self.rows) - height, 0))
-        return [self._row(at, width) for at in range(first, min(first + height, len(self.rows)))]
+        return [self._row(at, width, done) for at in range(first, min(first + height, len(self.rows)))]
 
-    def _row(self, at: int, width: int) -> str:
-        mark = ">" if at + 1 == self.cursor else " "
+    def _row(self, at: int, width: int, done: int) -> str:
+        mark = ">" if at + 1 == self.cursor else "-" if at + 1 == done else " "
         return f"{mark}{at + 1:>3} {self.rows[at][self.column :]}"[:width]

@@ -6,7 +6,7 @@ from gateway.pure.controllers.reis.access import Operation
 
 FILES = "a new program is a file: put it into the folder of the cell"
 MARKS = "no marks: delete, copy and rename take one program"
-EDITOR = "steps are edited in the file of the program; it is read again at START"
+EDITOR = "blocks and positions are edited in the file of the program; it is read again at START"
 SERVICE = "customer service only: not in this control"
 NONE = "this key has no function in the ROBOTstar either"
 NO_DISK = "this control has no disk drive: copy files into its folder"
@@ -45,7 +45,8 @@ MENUS: dict[str, tuple[tuple[Item, ...], ...]] = {
         (_none("Flsh read", SERVICE), _none("Flsh frmt", SERVICE)),
     ),
     "edit": (  # L1496-1548
-        (_none("Step edit", EDITOR), _none("Step mark", EDITOR), _none("Step del", EDITOR), _none("Step v/i", EDITOR), _SELECT,
+        (Item("Step edit", "ask", "edit", needs=FILE), _none("Step mark", EDITOR), Item("Step del", "change", "delete", needs=FILE),
+         Item("Step v/i", "change", "invert", needs=FILE), _SELECT,
          _none("Pos edit", EDITOR)),
         (_none("Blck imp", EDITOR), _none("Blck exp", EDITOR), _none("Blck del", EDITOR), _none("Blck vali", EDITOR),
          _none("Blck inv", EDITOR), _none("Blck copy", EDITOR)),

@@ -21,6 +21,7 @@ CELL = 6  # characters of a function key's label
 BAR = 24
 NEEDED = {Level.SETTER: "needs code word 1", Level.PROGRAMMER: "needs code word 2", Level.MANUFACTURER: "needs the PIN"}
 ROOT = "DIR /"
+NO_PROGRAM = "open a program first"
 
 
 @dataclass(slots=True)
@@ -73,11 +74,13 @@ class Phg:
         self._folders = folders
         self._enter(self.directory.path if self.directory.path in folders else "", self.directory.cursor)
 
-    def opened(self, path: str, rows: Sequence[str]) -> None:
-        """The steps of a program that was asked for."""
+    def opened(self, path: str, rows: Sequence[str], step: int = 0) -> None:
+        """The steps of a program that was asked for; `step`: it was changed, START begins here (L209)."""
         self.program = Listing(path, tuple(rows), program=True)
-        self._chosen = _key(path) != self.view.selected
-        if not self._chosen and self._is_shown(self.view.program.upper()):
+        self._chosen = _key(path) != self.view.selected or bool(step)
+        if step:
+            self.program.go(step)
+        elif not self._chosen and self._is_shown(self.view.program.upper()):
             self.program.go(self.view.step)
         self._to("edit")
 
@@ -108,7 +111,7 @@ class Phg:
         elif key in ("OV-", "OV+", "PC-I", "PC-O"):
             self._regulate(key)
         elif overlay.entry is not None:
-            self._type(overlay.entry, key)
+            self._type(overlay.entry, key, shift)
         elif key in FUNCTION_KEYS:
             self._function(FUNCTION_KEYS.index(key))
         elif key in ("MENU-", "MENU+"):
@@ -246,6 +249,10 @@ class Phg:
             case "coor":
                 self.overlay.window = _window_of(int(item.value))
                 self.orders.append(Order("coor", number=int(item.value)))
+            case "change" if self.program is not None:
+                self.orders.append(Order("change", self.program.path, more=f"{item.value} {self.program.cursor}"))
+            case "change":
+                self.says(NO_PROGRAM)
             case "test" | "plc" | "mouse" | "macro" | "level":
                 self.orders.append(Order(item.act, item.value))
 
@@ -253,17 +260,25 @@ class Phg:
         if what == "code" and not self.locked:
             self.says("this cell has no code words")
             return
+        if what == "edit":
+            if self.program is None:
+                self.says(NO_PROGRAM)
+            else:
+                self.overlay.entry = Entry(what, self.program.now.lstrip("\\"))
+            return
         name = self.directory.names[self.directory.cursor - 1] if self.mode == "dir" else ""
         given = name if what in ("delete", "copy", "rename", "protect") and name not in self._folders and name != ".." else ""
         self.overlay.entry = Entry(what, given)
 
     # ---- entries -----------------------------------------------------------------------------------------------------------
-    def _type(self, entry: Entry, key: str) -> None:
+    def _type(self, entry: Entry, key: str, shift: str) -> None:
         if key == "ENTER":
             self.overlay.entry = None
             self._entered(entry)
         elif key in CHARACTERS or key == "DELETE":
             entry.type(key)
+        elif key in ("LEFT", "RIGHT") or (key in ("SHIFT", "ALT")):
+            entry.move(key, shift)
         else:
             self.says("close the entry first: ENTER or QUIT")
 
@@ -289,6 +304,8 @@ class Phg:
                 self._enter(next(path for path in self._folders if path.upper() == words.strip("/").upper()))
             case "program":
                 self.orders.append(Order("open", words.strip("/")))
+            case "edit" if self.program is not None:
+                self.orders.append(Order("change", self.program.path, more=f"edit {self.program.cursor} {words}"))
             case "variable":
                 self.overlay.window, self.overlay.first = "variable", 0
                 self.orders.append(Order("look", words.upper()))
@@ -318,18 +335,20 @@ class Phg:
         return f"{left[: COLUMNS - len(mode) - 1]:<{COLUMNS - len(mode)}}{mode}"
 
     def _content(self, height: int) -> list[str]:
+        halted = self.mode != "dir" and self._is_shown(self.view.program.upper()) and self.view.state not in ("running", "waiting")
+        done = self.view.done if halted else 0
         if not self.overlay.window:
-            return self.listing.shown(height, COLUMNS)
+            return self.listing.shown(height, COLUMNS, done)
         rows = window(self.overlay.window, self.view, self.overlay.first, self.language)[:height]
         left = height - len(rows) - 1
-        return [*(self.listing.shown(left, COLUMNS) if left > 0 else []), *(["─" * COLUMNS] if left >= 0 else []), *rows]
+        return [*(self.listing.shown(left, COLUMNS, done) if left > 0 else []), *(["─" * COLUMNS] if left >= 0 else []), *rows]
 
     def _below(self) -> list[str]:
         """Entry or sentence, then the status window; its last line has the mode (L1252)."""
         rows: list[str] = []
         if self.overlay.entry is not None:
             question = say(QUESTIONS[self.overlay.entry.asks], self.language)
-            rows += [question, f"{self.overlay.entry.shown}_"]
+            rows += [question, self.overlay.entry.shown(COLUMNS)]
         rows += textwrap.wrap(self.overlay.notice, COLUMNS)[:3]
         if self.overlay.status:
             view = self.view

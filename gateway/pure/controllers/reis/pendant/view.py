@@ -13,8 +13,8 @@ BYTES_A_LINE, WORDS_A_LINE = 2, 2  # L1362, L1368
 @dataclass(frozen=True, slots=True)
 class View:
     """The cell now.  override: %; mode: auto, test1 .. test6, "" is HAND; selected: program of START, as the memory names it; program,
-    step, state, waits: what is executed; axes: name, value, unit; increments: of the axes; moves, turns: tXYZ and rABC mouse; position:
-    mm a turn, 0 in override mode."""
+    step, state, waits: what is executed; done: the step executed before; axes: name, value, unit; increments: of the axes; moves, turns:
+    tXYZ and rABC mouse; position: mm a turn, 0 in override mode."""
 
     override: float = 0.0
     mode: str = ""
@@ -36,6 +36,7 @@ class View:
     turns: bool = False
     position: float = 0.0
     looked: tuple[str, int | float | str | None, str] = ("", None, "")  # a variable: name, value or why there is none
+    done: int = 0
 
     @property
     def operating(self) -> str:
