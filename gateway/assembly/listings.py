@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from gateway.assembly.program_memory import memory_folder
 from gateway.files.program_memory import baps2_words, folder_memory
-from gateway.files.robotstar import FolderFault, sources, words
+from gateway.files.robotstar import FolderFault, sources, with_system, words
 from gateway.pure.cell.cell import Cell
 from gateway.pure.languages.baps2.cell_debugger import shown_value, taught_in
 from gateway.pure.languages.baps2.inspection import lines_of
@@ -50,7 +50,7 @@ def robotstar_listing(cell: Cell, program: str) -> Listing | None:
         return None
     faults = Faults()
     try:
-        files = {source.path: source.text for source in sources(str(folder))}
+        files = {source.path: source.text for source in with_system(sources(str(folder)))}
     except FolderFault as fault:
         raise OSError(str(fault)) from fault
     memory = RobotstarMemory.read((Source(path, text) for path, text in files.items()), words(), faults)

@@ -9,7 +9,7 @@ from pathlib import Path
 from gateway.assembly.program_memory import memory_folder
 from gateway.assembly.programs import machines_of_cell
 from gateway.assembly.run import RunPlan
-from gateway.files.robotstar import KEPT, LOCKS, FolderFault, locks_of, sources, text_of, words, write_locks
+from gateway.files.robotstar import KEPT, LOCKS, FolderFault, locks_of, sources, text_of, with_system, words, write_locks
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.control import Control
@@ -19,6 +19,8 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.robotstar.arm import REIS, Arm
 from gateway.pure.languages.robotstar.cell_run import SYSTEM, CellRun
+from gateway.pure.languages.robotstar.initial import NAME as INITIAL
+from gateway.pure.languages.robotstar.initial import initialise
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.runtime.safe_file import write_whole
 
@@ -48,7 +50,7 @@ class RobotstarPrograms:
         self.folder = folder
         self._stamps = self._stamped()
         self._faults = Faults()
-        self.language = CellRun(Memory.read(sources(str(folder)), words(), self._faults), port, arm_of(plan.cell))
+        self.language = CellRun(Memory.read(with_system(sources(str(folder))), words(), self._faults), port, arm_of(plan.cell))
         table = plan.cell.controller.plc if plan.cell.controller is not None else None
         self._of_the_cell = "" if table is None else f"_SSTARTPLC = {json.dumps(table.start)}\n"
         self.language.restore(SYSTEM, self._of_the_cell)
@@ -56,7 +58,15 @@ class RobotstarPrograms:
         self._made: dict[str, str | None] = {}  # programs that programs have made, as they are on the disk
         self._listed = -1, [dict[str, object]()]  # version of the memory, its programs
         self._due = self._effects = 0.0
-        self._told = self._restored()
+        self._told = [*self._restored(), *self._initialised()]
+
+    def _initialised(self) -> list[str]:
+        """SYVARINI of the memory is run at the start, over values that were kept; the one shipped would change nothing that is wanted."""
+        if not any(each.name.upper() == INITIAL and (self.folder / each.file).exists() for each in self.language.memory.all()):
+            return []
+        wrong, step, program = initialise(self.language.machine)
+        self.language.restore(SYSTEM, self._of_the_cell)
+        return [f"{program} step {step}: {wrong}"] if wrong else []
 
     def _stamped(self) -> dict[str, tuple[int, int]]:
         found = {str(path): path.stat() for path in self.folder.rglob("*") if path.is_file() and path.suffix.upper() != KEPT}
@@ -102,7 +112,7 @@ class RobotstarPrograms:
         self._stamps, self._made = stamps, {}
         self._faults = Faults()
         try:
-            found = sources(str(self.folder))
+            found = with_system(sources(str(self.folder)))
         except FolderFault as fault:
             return [str(fault)]
         self.language.replaced(Memory.read(found, words(), self._faults))

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from gateway.files.robots import RobotFaults, load_robot
-from gateway.files.robotstar import FolderFault, sources, text_of, words, write
+from gateway.files.robotstar import FolderFault, sources, text_of, with_system_used, words, write
 from gateway.files.robotstar_directory import copy, delete, entries, protect, rename
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.robotstar.checker import check
@@ -20,7 +20,8 @@ from gateway.pure.languages.robotstar.plc_link import PlcLink, check_plc
 from gateway.pure.languages.robotstar.protection import Protected
 from gateway.pure.languages.robotstar.reach import reach_of
 from gateway.pure.languages.robotstar.robot import MODES
-from gateway.pure.languages.robotstar.virtual import NS, OrderFault, VirtualCell, orders
+from gateway.pure.languages.robotstar.script import NS, OrderFault, orders
+from gateway.pure.languages.robotstar.virtual import VirtualCell
 from gateway.runtime.exit_codes import Exit
 
 DIRECTORY = {"list": (), "protect": ("program", "letters"), "delete": ("program",), "rename": ("program", "to"), "copy": ("program", "to")}
@@ -128,9 +129,9 @@ def _seconds(text: str) -> float:
     return value
 
 
-def _memory(folder: str) -> tuple[Memory, Faults]:
+def _memory(folder: str, program: str = "") -> tuple[Memory, Faults]:
     faults = Faults()
-    return Memory.read(sources(folder), words(), faults), faults
+    return Memory.read(with_system_used(sources(folder), program), words(), faults), faults
 
 
 def _check(options: argparse.Namespace) -> int:
@@ -146,7 +147,7 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    memory, faults = _memory(options.folder)
+    memory, faults = _memory(options.folder, options.program)
     cell = VirtualCell(memory, MODES[options.mode], PlcLink(memory.plc, options.plc) if options.plc else None)
     if options.robot:
         cell.reaches = reach_of(load_robot(options.robot))

@@ -1,6 +1,7 @@
 """Reads the user memory of a ROBOTstar V from a folder, and the language's table of words."""
 
 import importlib.resources
+import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -13,6 +14,10 @@ from gateway.pure.languages.robotstar.words import Words
 MOST_BYTES = 4_000_000  # of a program
 LOCKS = ".protection"  # file with the locked letters of programs
 KEPT = ".VAL"  # suffix of a file with values that outlive power-off
+
+
+_NAMES = re.compile(r"SYVARINI|(?:MOUSE|MAUS)_(?:KAL[12]|PHG|DAT)|AKTI_K(?:AL[12]|PHG)|V_KAL(?:[12]|PHG)", re.IGNORECASE)
+_DATA = re.compile(r"^\W*\d*\W*VAR\b.*\bV_KAL(?:[12]|PHG)\b", re.IGNORECASE | re.MULTILINE)
 
 
 class FolderFault(ValueError):
@@ -35,6 +40,34 @@ def sources(folder: str) -> list[Source]:
     return [Source(name, text_of(path), locks.get(name, "")) for name, path in files]
 
 
+def shipped() -> list[Source]:
+    """System programs of the control: default allocation, calibration of the 6D mouse (AX-1766)."""
+    root = importlib.resources.files("configs") / "languages" / "robotstar"
+    return [
+        Source(f"$SYSTEM/{folder.name}/{file.name}", file.read_text(encoding="utf-8"))
+        for folder in sorted((root / "$SYSTEM").iterdir(), key=lambda each: each.name)
+        for file in sorted(folder.iterdir(), key=lambda each: each.name)
+    ]
+
+
+def with_system(found: list[Source]) -> list[Source]:
+    """A memory with the system programs it lacks, by name in any directory; MAUS_ is MOUSE_ (D-41), and data are defined once."""
+    there = {_plain(source.path) for source in found}
+    data = any(_DATA.search(source.text) for source in found)
+    return [*found, *(each for each in shipped() if _plain(each.path) not in there and not (data and _plain(each.path) == "MOUSE_DAT"))]
+
+
+def with_system_used(found: list[Source], program: str) -> list[Source]:
+    """The same where a program of the memory, or the one that is to run, names one of them."""
+    used = _NAMES.search(program) or any(_NAMES.search(source.text) for source in found)
+    return with_system(found) if used else found
+
+
+def _plain(path: str) -> str:
+    """Name of a program without directory and kind."""
+    return path.rpartition("/")[2].rpartition(".")[0].upper().replace("MAUS_", "MOUSE_")
+
+
 def locks_of(root: Path) -> dict[str, str]:
     """Locked letters by file, as the hidden file of the memory has them: a file a line.  FolderFault."""
     path = root / LOCKS
@@ -55,10 +88,15 @@ def locks_of(root: Path) -> dict[str, str]:
 def write_locks(root: Path, locks: Mapping[str, str]) -> None:
     """The file as a whole."""
     text = "".join(f"{name} = {letters}\n" for name, letters in sorted(locks.items()) if letters)
-    fresh = root / f"{LOCKS}.new"
+    replace(root / LOCKS, text)
+
+
+def replace(path: Path, text: str) -> None:
+    """The file as a whole: the old or the new one.  FolderFault: the old one."""
+    fresh = path.with_name(f".{path.name.lstrip('.')}.new")
     try:
         fresh.write_text(text, encoding="utf-8")
-        fresh.replace(root / LOCKS)
+        fresh.replace(path)
     except OSError as error:
         raise FolderFault(f"{fresh}: {error.strerror}") from None
 

@@ -11,7 +11,7 @@ from gateway.pure.languages.robotstar.debugging import DebugRun
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.pure.languages.robotstar.plc_link import PlcLink
 from gateway.pure.languages.robotstar.robot import MODES
-from gateway.pure.languages.robotstar.virtual import NS, OrderFault, orders
+from gateway.pure.languages.robotstar.script import NS, OrderFault, orders
 from gateway.tools.editor.debugged import AdapterFault, Call, Row, next_lines
 
 RUNNING = tuple(name for name, mode in MODES.items() if not mode.single)  # a single step is the debugger's own

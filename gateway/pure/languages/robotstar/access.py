@@ -219,7 +219,8 @@ def copy(machine: Machine, source: Operand, destination: Operand) -> Callable[[]
             put(get())
             return
         assert isinstance(source, Ref)
-        from_, to = variable(machine, source), variable(machine, destination)
+        default = source == Ref(DEFAULT_TOOL)
+        from_, to = structure(machine, source, "T") if default else variable(machine, source), variable(machine, destination)
         if isinstance(from_, Structure) and not source.element:
             if not isinstance(to, Structure) or destination.element or to.kind != from_.kind:
                 raise StepFault(WRONG_TYPES)

@@ -134,6 +134,8 @@ def _step(checking: _Check, program: Program, step: Step) -> None:
         named = step.word in TAKE_PROGRAMS and place in NAMES_OF_PROGRAMS
         if isinstance(operand, Ref) and place != "label" and not named:
             wrong = _reference(checking, operand, written=place in WRITTEN or (place == "position" and step.word == "ACT_POS"))
+            if step.word == "MOUSE_CALIBRATION":
+                wrong = _whole_array(_meant(checking, operand), operand, wrong)
             if wrong:
                 checking.late(program, step, "rsv.operand", f"{operand.name}: {wrong}")
     if step.word == "COPY" and (_types_differ(checking.memory, step) or _groups_differ(checking.memory, step)):
@@ -218,6 +220,13 @@ def _reference(checking: _Check, ref: Ref, written: bool) -> str:
     if written and variable.constant:
         return NO_VARIABLE
     return NO_WRITING if written and _read_only(variable) else ""
+
+
+def _whole_array(found: list[Variable], ref: Ref, wrong: str) -> str:
+    """MAUS_KALIB takes an array as it is (L3104)."""
+    if len(found) != 1 or not isinstance(found[0], Array) or ref.index is not None:
+        return NO_ARRAY if len(found) == 1 else wrong
+    return ""
 
 
 def _element_of(checking: _Check, ref: Ref, array: Array, written: bool) -> str:

@@ -9,9 +9,10 @@ from gateway.pure.languages.robotstar.machine import LOOK, Frame, Machine, Op
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Program
 from gateway.pure.languages.robotstar.robot import Mode
+from gateway.pure.languages.robotstar.script import Order
 from gateway.pure.languages.robotstar.steps import build
 from gateway.pure.languages.robotstar.values import Names, flat
-from gateway.pure.languages.robotstar.virtual import Order, Plc, VirtualCell
+from gateway.pure.languages.robotstar.virtual import Plc, VirtualCell
 
 AREAS = (("E", "INPUT"), ("A", "OUTPUT"))
 IO_BYTES = 40

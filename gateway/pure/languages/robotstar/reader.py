@@ -24,6 +24,7 @@ _TOKEN = re.compile(
     r'"[^"]*"?|<(?![=>])[^>]*>|\#(?:<>|<=|>=|<|>|=[01](?![\d.])|=|\w+)?|,|:(?!/)'
     r"|[+-]?\d+(?:\.\d*)?[eE][+-]\d+(?![\w.])|[+-]?\d[\w.]*|(?:[^\s,:\"#\[(]|:/)+(?:\s*\[[^,\"]*\]*)?(?:\s*\([^,\"]*\)?)?(?:\.\w+)?|\S"
 )
+SETS = {"UEBER_CP": "_IV_FLYBY_S", "ÜBER_CP": "_IV_FLYBY_S"}  # commands of the RSIV that are system variables (L1803)
 POSITION_ELEMENTS = ("X", "Y", "Z", "A", "B", "C")
 
 
@@ -92,6 +93,9 @@ def _read_step(reading: _Reading, number: int, line: int, text: str) -> Step:
     if assigned:
         text = f"COPY {assigned[2]}, {assigned[1]}"
     found = _WORD.match(text)
+    if found and (variable := SETS.get(found[1].upper())):
+        text = f"COPY {found['rest'].lstrip(': ')}, {variable}"
+        found = _WORD.match(text)
     if not found:
         reading.fault("rsv.step", line, f"step {number}: {text[:40]!r} does not begin with a command")
         return Step(number, "", line=line, valid=False, text=text)

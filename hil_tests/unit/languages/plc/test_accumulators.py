@@ -95,3 +95,8 @@ def test_complements_exchange_and_bcd() -> None:
     assert accus_of("L 99999999\nHD\nDH")[0] == 99999999
     assert accus_of("L 1AH\nDH")[0] == 0x1A
     assert accus_of("L 100000000\nHD")[0] == 100000000
+
+
+def test_a_hexadecimal_number_may_have_zeros_in_front() -> None:
+    """A letter in front is a name to many assemblers, so lists write 0FFFFFFFFH."""
+    assert accus_of("L 0FFFFFFFFH\nL 00000000FH") == (15, -1)

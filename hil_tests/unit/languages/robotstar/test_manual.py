@@ -9,7 +9,8 @@ from gateway.pure.languages.robotstar.checker import check
 from gateway.pure.languages.robotstar.listing import import_listing, points_of
 from gateway.pure.languages.robotstar.memory import Memory, Source
 from gateway.pure.languages.robotstar.robot import MODES
-from gateway.pure.languages.robotstar.virtual import NS, VirtualCell, orders
+from gateway.pure.languages.robotstar.script import NS, orders
+from gateway.pure.languages.robotstar.virtual import VirtualCell
 from hil_tests.unit.languages.robotstar.memory import WORDS, Ran
 
 FOLDER = next(parent for parent in pathlib.Path(__file__).resolve().parents if parent.name == "hil_tests") / "vectors" / "robotstar"

@@ -7,7 +7,8 @@ from gateway.pure.languages.robotstar.checker import check
 from gateway.pure.languages.robotstar.memory import Memory, Source
 from gateway.pure.languages.robotstar.plc_link import PlcLink, check_plc
 from gateway.pure.languages.robotstar.robot import MODES
-from gateway.pure.languages.robotstar.virtual import NS, VirtualCell, orders
+from gateway.pure.languages.robotstar.script import NS, orders
+from gateway.pure.languages.robotstar.virtual import VirtualCell
 from hil_tests.unit.languages.robotstar.memory import WORDS, Ran, sources
 
 

@@ -8,8 +8,9 @@ from gateway.pure.languages.robotstar.memory import Memory
 from gateway.pure.languages.robotstar.path import Target
 from gateway.pure.languages.robotstar.reach import reach_of
 from gateway.pure.languages.robotstar.robot import MODES
+from gateway.pure.languages.robotstar.script import NS, orders
 from gateway.pure.languages.robotstar.values import Structure
-from gateway.pure.languages.robotstar.virtual import NS, VirtualCell, orders
+from gateway.pure.languages.robotstar.virtual import VirtualCell
 from hil_tests.unit.languages.robotstar.memory import WORDS, Ran, sources
 
 REACHES = reach_of(load_robot("reis-like"))
