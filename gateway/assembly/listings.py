@@ -58,4 +58,5 @@ def robotstar_listing(cell: Cell, program: str) -> Listing | None:
     if found is None:
         return None
     rows = tuple((each.position.line, each.severity.value, each.text) for each in faults if each.position.file == found.file)
-    return Listing(found.file, tuple(files[found.file].splitlines()), rows)
+    stops = tuple(step.line for step in found.steps[1:] if step.valid and step.word != "C")
+    return Listing(found.file, tuple(files[found.file].splitlines()), rows, statements=stops)

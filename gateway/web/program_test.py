@@ -119,6 +119,14 @@ class ProgramTests:
         body: Define = call.body
         return await self._order(call, "define", name=body.name, point=body.point, value=body.value)
 
+    async def value(self, call: Call) -> Row:
+        """A variable by its name, among what the page Programs shows."""
+        name = call.query.get("name", "")
+        if not name or len(name) > 64:
+            raise ValueError("name: that of a variable, at most 64 characters")
+        await self._hands.desk.ask("process", do="value", name=name)
+        return {"ok": True}
+
     async def look(self, call: Call) -> Row:
         """Its variables are among what the page Programs shows from then on, for some seconds."""
         run = call.query.get("run", "")
@@ -134,6 +142,7 @@ def program_test_endpoints(tests: ProgramTests) -> list[Endpoint]:
     row = Endpoint
     return [
         row("GET", "/api/program/look", v, "show the variables of a process on the page Programs", tests.look, query=(("run", "string"),)),
+        row("GET", "/api/program/value", v, "show a variable of a Reis on the page Programs", tests.value, query=(("name", "string"),)),
         row("POST", "/api/program/test", o, "start a program in test", tests.start, TestStart, True),
         row("POST", "/api/program/breakpoints", o, "set all breakpoints of a program", tests.breakpoints, Breakpoints, True),
         row("POST", "/api/program/step", o, "step a process of the test, let it go on, or hold it", tests.step, TestStep, True),

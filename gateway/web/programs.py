@@ -8,7 +8,7 @@ from gateway.pure.cell.cell import Cell
 from gateway.registry import language_in
 
 Row = dict[str, Any]
-SHOWN = ("programs", "processes", "id", "test", "variables", "looked")
+SHOWN = ("programs", "processes", "id", "test", "variables", "looked", "breaks", "value")
 
 
 class ProgramView:

@@ -61,6 +61,9 @@ class ReisSide(Protocol):
         """It is acknowledged."""
 
 
+MOST_BREAKS = 100  # breakpoints of a program
+
+
 @dataclass(slots=True)
 class ReisPrograms:
     """Call `report` with what the interpreter publishes, `hear` with each of its records, `step` before and after a cycle of the
@@ -83,6 +86,7 @@ class ReisPrograms:
     tool: Structure | None = None  # in force, for the position in M1124
     refused: str = ""  # why the last START of a key was; the pendant takes it
     looked: tuple[str, Fact | None, str] = ("", None, "")  # a variable: name, value or why there is none
+    breaks: dict[str, list[int]] = field(default_factory=dict)  # breakpoints: program -> lines
     _runs: int = 0
     _name: str = ""  # of the program that was started last
     _mode: str | None = None
@@ -136,6 +140,7 @@ class ReisPrograms:
         identity = found if isinstance(found, int) and alive else 0
         if identity != self.language_id:
             self._lost()
+            self.breaks.clear()  # a new interpreter has none
             self.language_id, self._mode, self._mouse = identity, None, ""
         self.programs = _rows(report.get("programs")) if identity else []
         self.rows = _rows(report.get("processes")) if identity else []
@@ -387,7 +392,16 @@ class ReisPrograms:
         now = 0
         match request.get("do"):
             case "list":
-                return {"programs": self.programs, "processes": self.rows, "id": self.language_id}
+                name, value, words = self.looked
+                seen = {"name": name, "value": value, "text": words}
+                return {"programs": self.programs, "processes": self.rows, "id": self.language_id, "breaks": self.breaks, "value": seen}
+            case "breakpoints":
+                return self._breakpoints(name, request.get("lines"))
+            case "value":
+                self.orders.append({"do": "look", "name": name})
+                return {"ok": True}
+            case "outcome":
+                return {"over": True}
             case "start":
                 wrong = self.start(name, source, now)
                 return {"error": f"{name}: {wrong}"} if wrong else {"run": self.run}
@@ -395,7 +409,17 @@ class ReisPrograms:
                 return self._stopped(name, now)
             case "state":
                 return self._outcome(request.get("run"))
-        return {"error": f"do {request.get('do')!r}; list, start, stop, state are known"}
+        return {"error": f"do {request.get('do')!r}; list, start, stop, state, breakpoints, value are known"}
+
+    def _breakpoints(self, name: str, lines: object) -> dict[str, object]:
+        """The program stops in front of these lines."""
+        if not isinstance(lines, list) or not all(isinstance(line, int) for line in lines) or len(lines) > MOST_BREAKS:
+            return {"error": f"breakpoints: lines = at most {MOST_BREAKS} numbers of lines"}
+        if all(row["name"] != name for row in self.programs):
+            return {"error": f"{name}: no such program"}
+        self.breaks[name] = lines
+        self.orders.append({"do": "breaks", "program": name, "lines": " ".join(str(line) for line in lines)})
+        return {"ticket": 0}
 
     def _stopped(self, name: str, now: Ns) -> dict[str, object]:
         """A program that is stopped already is given up: START begins it at its first step."""

@@ -80,6 +80,13 @@ class CellRun:
         check(memory, self.faults, names)
         self.selected = None
 
+    def _set_breaks(self, stops: Mapping[str, frozenset[int]]) -> None:
+        """Breakpoints: key of a program -> lines of its file."""
+        for key, lines in stops.items():
+            found = self.memory.find(key)
+            if found is not None and found.key == key:
+                self.machine.set_breaks(found, lines)
+
     def _cursor(self) -> tuple[str, int]:
         return self.robot.cursor()
 
@@ -88,9 +95,10 @@ class CellRun:
 
     def replaced(self, memory: Memory) -> None:
         """The memory was read anew; the place where a program was interrupted is lost (L209)."""
-        before = self.values()
+        before, stops = self.values(), dict(self.machine.stops)
         self._leave()
         self._take(memory)
+        self._set_breaks(stops)
         for name, text in before.items():
             self.restore(name, text)
 
@@ -214,6 +222,8 @@ class CellRun:
                 self._select_step(str(order["program"]), int(order["step"]))
             case "look":
                 self._show(str(order["name"]))
+            case "breaks":
+                self._set_breaks({str(order["program"]): frozenset(int(line) for line in str(order["lines"]).split())})
             case "forget" if not self.runs:
                 self._leave()
                 self.ahead.forget()

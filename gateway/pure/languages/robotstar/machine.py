@@ -139,6 +139,9 @@ class Machine:
     effects: int = 0
     polled: tuple[Frame | None, int, int] = (None, 0, -1)  # frame, step and effects at the last jump back
     idle: bool = False
+    breaks: dict[str, frozenset[int]] = field(default_factory=dict)  # key of a program -> steps it stops in front of, from 0
+    stops: dict[str, frozenset[int]] = field(default_factory=dict)  # the same by lines of the files
+    passes: bool = False  # START: the breakpoint in force is passed once
     _built: dict[str, tuple[int, list[Op]]] = field(default_factory=dict)
     _names: dict[tuple[int, str], tuple[Names, Names]] = field(default_factory=dict)
     _version: int = -1
@@ -217,8 +220,33 @@ class Machine:
         if version != self.memory.version:
             with uncollected():
                 ops = self.build(self, program)
+            for at in self.breaks.get(program.key, ()):
+                if at < len(ops):
+                    ops[at] = self._held(ops[at])
             self._built[program.key] = (self.memory.version, ops)
         return ops
+
+    def set_breaks(self, program: Program, lines: frozenset[int]) -> None:
+        """Breakpoints of a program, by the lines of its file: it stops in front of these steps as STOP does."""
+        self.stops[program.key] = lines
+        self.breaks[program.key] = frozenset(step.number - 1 for step in program.steps[1:] if step.line in lines)
+        self._built.pop(program.key, None)
+        for frame in self.stack:
+            if frame.program is program:
+                frame.ops = self._ops(program)
+
+    def _held(self, op: Op) -> Op:
+        def held() -> int:
+            if not self.passes:
+                raise Halted
+            self.passes = False
+            try:
+                return op()
+            except (NotYet, StepFault):
+                self.passes = True  # it is executed again
+                raise
+
+        return held
 
     def _names_of(self, above: Names | None, program: Program) -> Names:
         """System, global and local names as `program` sees them below its caller."""

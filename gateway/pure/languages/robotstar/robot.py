@@ -130,6 +130,8 @@ class Robot:
         if self.state in (State.RUNNING, State.WAITING):
             return ""
         self.state, self._asked_at, self.machine.idle = State.RUNNING, now, False
+        frame = self.machine.frame
+        self.machine.passes = frame.at in self.machine.breaks.get(frame.program.key, ())
         return ""
 
     def stop(self, now: Ns) -> None:

@@ -15,6 +15,7 @@ export function mount(root, { t, cell, get, me, post, unable }) {
   let version = 0;
   let statements = new Set();
   let points = [];
+  let breaks = null; // breakpoints of a control without a test system; null: it has none
   let test = null; // of the test system; null: programs of this control have none
   let watched = 0; // run whose variables are shown
   const order = (what, name, done) => post(`/api/program/${what}`, { name }, done);
@@ -44,7 +45,7 @@ export function mount(root, { t, cell, get, me, post, unable }) {
     table.update(points);
     marks();
   };
-  const stops = () => (test?.breakpoints[shown.toUpperCase()] || []);
+  const stops = () => ((test ? test.breakpoints : breaks)?.[shown.toUpperCase()] || []);
   const toggle = (line) => ordered("breakpoints", { name: shown, lines: stops().includes(line) ? stops().filter((each) => each !== line) : [...stops(), line].sort((a, b) => a - b) });
   const ordered = (what, body, done) => post(`/api/program/${what}`, body, done);
   function marks() {
@@ -55,7 +56,7 @@ export function mount(root, { t, cell, get, me, post, unable }) {
       const stop = row.querySelector(".stop");
       if (stop) {
         stop.setAttribute("aria-pressed", String(held.has(n + 1)));
-        grey(stop, unable("operator") || (test ? "" : t("The interpreter does not run.")));
+        grey(stop, unable("operator") || (test || breaks ? "" : t("The interpreter does not run.")));
       }
       const last = done.has(n + 1); // executed last before the program was stopped
       if (row.classList.contains("done") !== last) { row.classList.toggle("done", last); row.title = last ? t("executed last") : ""; }
@@ -166,10 +167,28 @@ export function mount(root, { t, cell, get, me, post, unable }) {
     h("div", { class: "bar" }, steps, h("label", { class: "legend" }, movement, ` ${t("with movement")}`)), looked, variables.element);
   const places = h("section", { class: "card w7", id: "points", hidden: true }, h("h2", {}, t("Points")), table.element,
     h("p", { class: "soft small" }, t("Teach stores the actual position; the kinematic is in manual then.")));
+  // ---- a variable by its name, in three notations
+  const wanted = h("input", { type: "text", id: "variable", maxlength: "64", autocomplete: "off", "aria-label": t("variable"), placeholder: "I_N, V1.X, _SPS[6]" });
+  const answer = h("dl", { id: "value", class: "facts" });
+  const ask = async (event) => { event?.preventDefault(); const name = wanted.value.trim(); if (name) await get(`/api/program/value?name=${encodeURIComponent(name)}`).catch(() => {}); };
+  const single = h("section", { class: "card w5", id: "single", hidden: true }, h("h2", {}, t("Variables")),
+    h("form", { class: "bar", onsubmit: ask }, wanted, h("button", { type: "submit" }, t("Show"))), answer,
+    h("p", { class: "soft small" }, t("A breakpoint stops the program in front of its step; START continues. Single steps are Test 1, 3 and 6 on the page Pendant.")));
+  const looking = setInterval(() => { if (!document.hidden && !single.hidden) ask(); }, LOOK_MS);
+  function one(value) {
+    const name = wanted.value.trim().toUpperCase();
+    if (!value || !name || value.name !== name) { answer.replaceChildren(); return; }
+    const whole = Number.isInteger(value.value);
+    const bits = whole ? value.value >>> 0 : 0;
+    const rows = value.text ? [["", value.text]] : whole ? [["dec", String(value.value)], ["hex", `${bits.toString(16).toUpperCase()}H`], ["bin", `${bits.toString(2)}B`]] : [["", value.value === null ? t("no value") : String(value.value)]];
+    if (answer.dataset.shown === JSON.stringify(rows) && answer.childElementCount) return;
+    answer.dataset.shown = JSON.stringify(rows);
+    answer.replaceChildren(...rows.flatMap(([term, words]) => [h("dt", {}, term || value.name), h("dd", {}, words)]));
+  }
   root.append(h("div", { class: "grid" },
     h("section", { class: "card w5" }, h("h2", {}, `${t("Programs")}: ${cell.programs}`), gone, programs.element, whose, h("h2", {}, t("Processes")), running.element),
     h("section", { class: "card w7" }, h("div", { class: "bar" }, title, h("label", { class: "legend" }, follow, ` ${t("follow the current line")}`), h("button", { type: "button", id: "reread", onclick: () => shown && open(shown, true) }, t("Read again"))), note, listing),
-    system, places));
+    single, system, places));
   return {
     update(page) {
       put(whose, me.holds ? t("A started program moves as the page, and stops when this page is closed.") : t("A started program moves when the PLC has control; to move it from here, request control on the page Axes."));
@@ -178,6 +197,9 @@ export function mount(root, { t, cell, get, me, post, unable }) {
       if (page.gone) return;
       processes = page.processes;
       test = page.test || null;
+      breaks = page.breaks || null;
+      single.hidden = !breaks;
+      one(page.value);
       if (watched && !processes.some((row) => row.run === watched)) watched = 0;
       if (!watched && subject()) { watched = subject().run; look(); }
       draw(page);
@@ -187,7 +209,7 @@ export function mount(root, { t, cell, get, me, post, unable }) {
       if (page.id !== version) { if (version && shown) open(shown, true); version = page.id; }
       marks();
     },
-    unmount() { clearInterval(timer); },
+    unmount() { clearInterval(timer); clearInterval(looking); },
   };
 
   function draw(page) {

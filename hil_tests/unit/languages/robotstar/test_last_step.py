@@ -1,7 +1,10 @@
-"""The instruction executed last, as listings mark it by "-" once the program has stopped (L1484-1486)."""
+"""The instruction executed last, as listings mark it by "-" once the program has stopped (L1484-1486); breakpoints."""
 
 import pytest
 
+from gateway.files.robotstar import words
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.robotstar.memory import Memory, Source
 from hil_tests.lab.virtual.reis_bench import ReisCell, at, main
 from hil_tests.unit.languages.robotstar.memory import run
 
@@ -48,3 +51,43 @@ def test_in_a_cell_it_is_the_step_before_the_position_under_way() -> None:
     assert cell.ends(started)[0] == "stopped"
     row = cell.language.rows()[0]
     assert (row.state, row.line, row.done) == ("stopped", 7, 6)
+
+
+def test_a_breakpoint_stops_in_front_of_its_step_in_every_round() -> None:
+    body = f'COPY 0, I1\nTOOL T\n{at(884, 0, 591)}\nLABEL "A"\nADD 1, I1\nWAIT_BIT #MERKER,0,50,0,0.0,"A"\nBRANCH "A"'
+    cell = ReisCell(main(body) | {"V.MPR": 'MPR "V"\nVAR I1\nEND\n', "S/Q.MPR": 'MPR "Q"\nEND\n'})
+    answer = cell.hosted.answer
+    assert "error" in answer({"do": "breakpoints", "name": "X", "lines": [1]}, 0)
+    assert "error" in answer({"do": "breakpoints", "name": "P", "lines": "7"}, 0)
+    assert answer({"do": "breakpoints", "name": "P", "lines": [7, 99]}, 0) == {"ticket": 0}
+    assert answer({"do": "outcome", "ticket": 0}, 0) == {"over": True}
+    assert answer({"do": "list"}, 0)["breaks"] == {"P": [7, 99]}
+    for count in (0, 1, 2):
+        assert cell.run()[0] == "ended"
+        row = cell.language.rows()[0]
+        assert (row.state, row.line, cell.value("I1")) == ("stopped", 7, str(count))
+    assert cell.where() == pytest.approx((884, 0, 591), abs=0.05), "the position before is reached"
+    files = [Source(*each) for each in cell.files.items()]
+    cell.language.replaced(Memory.read(files, words(), Faults()))
+    assert cell.run()[0] == "ended" and cell.language.rows()[0].line == 7, "also once the memory was read anew"
+    assert answer({"do": "breakpoints", "name": "P", "lines": []}, 0) == {"ticket": 0}
+    run_ = cell.start()
+    cell.bench.run(0.5)
+    assert run_ not in cell.hosted.results and int(str(cell.value("I1"))) > 2
+    assert answer({"do": "value", "name": "I1"}, 0) == {"ok": True}
+    cell.bench.run(0.1)
+    seen = answer({"do": "list"}, 0)["value"]
+    assert isinstance(seen, dict) and seen["name"] == "I1" and seen["value"] > 2 and seen["text"] == ""
+
+
+def test_a_breakpoint_at_a_step_that_waits_for_a_position_is_passed_once() -> None:
+    body = (
+        f'TOOL T\nMOVE_MODE #LINEAR\nPATH_SPEED 300\n{at(884, 0, 500)}\nTEST_BIT #MERKER,#=1,50,0,"E"\n{at(884, 60, 500)}\nLABEL "E"\nSTOP'
+    )
+    cell = ReisCell(main(body))
+    assert cell.hosted.answer({"do": "breakpoints", "name": "P", "lines": [6, 7]}, 0) == {"ticket": 0}
+    stops = []
+    for _ in range(3):
+        assert cell.run()[0] == "ended"
+        stops.append((cell.language.rows()[0].line, round(cell.where()[1])))
+    assert stops == [(6, 0), (7, 0), (11, 60)], cell.told
