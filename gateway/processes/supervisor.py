@@ -35,7 +35,8 @@ STAYS_DOWN = "cycle"  # moves axes: after so many deaths a person looks first
 END_S = 0.1  # patience with the death of a process that was ended; one that hangs in the kernel is buried later
 BUSY_TOLD_NS = 10_000_000_000  # a process the machine gives no processor to is reported at most so often
 POLL_S = 0.01
-SPARE_NS = 1_500_000_000  # a start is over by then: loading a spare takes nothing from it
+SPARE_NS = 200_000_000  # after a start: a copy with everything loaded takes nothing from it (AX-1740)
+SPARE_AGAIN_NS = 1_500_000_000  # between two spares: one that died is not replaced at once
 GOES_ON = "; the run goes on; it ends with: axisgate stop {slug}"
 SAID_ONCE = {  # signals of a terminal that end or suspend nothing
     signal.SIGHUP: "the terminal or session has ended (SIGHUP)" + GOES_ON,
@@ -194,9 +195,9 @@ class Supervisor:
     def _keep_spare(self, running: Running) -> None:
         if running.spare is not None and not running.spare.stands_by:
             running.spare.end()
-            running.spare, running.spare_at = None, now_ns() + SPARE_NS
+            running.spare, running.spare_at = None, now_ns() + SPARE_AGAIN_NS
         if running.spare is None and now_ns() > max(running.start.started_ns + SPARE_NS, running.spare_at):
-            running.spare_at = now_ns() + SPARE_NS
+            running.spare_at = now_ns() + SPARE_AGAIN_NS
             with contextlib.suppress(OSError, subprocess.SubprocessError):  # tried again soon; without one a start takes longer
                 running.spare = Spare(self._starter.start(running.child, spare=True))
 
