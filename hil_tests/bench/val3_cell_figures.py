@@ -21,11 +21,12 @@ from hil_tests.lab.virtual.baps2_bench import VirtualPort
 from hil_tests.lab.virtual.val3_cell_bench import DONE, PART, SETUP, Val3Cell
 from hil_tests.unit.languages.val3.apps import App, datum, value
 from motion.geometry.units import to_si
+from motion.val3.trsf import Trsf
 
 PERIOD, WORKING_NS = 4_000_000, 2_000_000
 SYNC_S, TIMES = 60.0, 30
 PRIORITY = 5
-LATE_P99, LATE_P999, MOVE_MS, ALTER_MS, IO_MS = 500.0, 1000.0, 60.0, 8.0, 4.0 + 2 * 4.0
+LATE_P99, LATE_P999, MOVE_MS, ALTER_MS, IO_MS = 500.0, 1000.0, 60.0, 8.0, 4.0 + 2 * 4.0  # IO_MS: from an input, whatever it leads to
 SYNC = App(
     "sync",
     datum("n", "num", "4") + datum("bLate", "bool"),
@@ -176,17 +177,34 @@ def move_ms() -> float:
     return _share(sorted(found), 0.99)
 
 
-def alter_ms() -> float:
-    """From the turn in which alter() is called to the set value that has it."""
-    cell, found = _cell(ALTERS), list[float]()
+def alter_ms() -> tuple[float, float]:
+    """From the call of alter() to the set value that has it; from the input that the application waits for before it calls."""
+    cell, called, found = _cell(ALTERS), list[float](), list[float]()
     cell.until(lambda: _number(cell, 0) == 2)
-    for _ in range(TIMES):
+    calls = _calls(cell)
+    for count in range(1, TIMES + 1):
         cell.bench.run(0.05)
         before = _x(cell)
         found.append(_answered(cell, functools.partial(cell.put, PART, True), functools.partial(_stepped, cell, before)))
-        assert _number(cell, 1) == 1
+        (first, began), now = calls[-1], time.perf_counter()
+        assert len(calls) == count and _number(cell, 1) == 1
+        called.append((len(cell.places) - first) * 4.0 + (now - began) * 1e3)
         cell.put(PART, False)
-    return _share(sorted(found), 0.99)
+    return _share(sorted(called), 0.99), _share(sorted(found), 0.99)
+
+
+def _calls(cell: Val3Cell) -> list[tuple[int, float]]:
+    """Of each call of alter() to come: how many set values there were before it, and the moment."""
+    moves, found = cell.language._moves, list[tuple[int, float]]()
+    assert moves is not None
+    own = moves.alter
+
+    def alter(change: Trsf) -> int:
+        found.append((len(cell.places), time.perf_counter()))
+        return own(change)
+
+    setattr(moves, "alter", alter)  # noqa: B010
+    return found
 
 
 def _x(cell: Val3Cell) -> float:
@@ -199,12 +217,13 @@ def _stepped(cell: Val3Cell, before: float) -> bool:
 
 def run(beside: str, anchor: float, seconds: float = SYNC_S) -> list[Figure]:
     """beside, anchor: of the other figures of the run."""
-    p99, p999, lost = sync(seconds)
+    (p99, p999, lost), (called, answered) = sync(seconds), alter_ms()
     return [
         row("val3.sync_p99_us", p99, "us", LATE_P99, beside, anchor),
         row("val3.sync_p999_us", p999, "us", LATE_P999, beside, anchor),
         row("val3.sync_lost", lost, "periods", 0.0, beside, anchor),
         row("val3.move_ms", move_ms(), "ms", MOVE_MS, beside, anchor),
-        row("val3.alter_ms", alter_ms(), "ms", ALTER_MS, beside, anchor),
+        row("val3.alter_ms", called, "ms", ALTER_MS, beside, anchor),
+        row("val3.alter_input_ms", answered, "ms", IO_MS, beside, anchor),
         row("val3.io_ms", io_ms(), "ms", IO_MS, beside, anchor),
     ]

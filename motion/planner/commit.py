@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from motion.errors import MotionError
 from motion.execution.timed import TimedPiece, most_nodes
 from motion.paths.joints import JointPath
-from motion.planner.node_reduction import needed
+from motion.planner.node_reduction import LEFT_S, needed
 from motion.timing.law import Law
 from motion.timing.limits import LawLimits
 
@@ -18,6 +18,7 @@ SPACING_S = 0.8e-3  # between nodes at most: wider ones round the corners of the
 CLOSE = 2e-7  # m or rad between pieces and path, looked at between the nodes
 NO_LIMIT = 1e9  # a record holds numbers: stands for none
 PLENTY, MOST = 128, 800  # pieces of a law: more, and only the nodes that are needed stay; the ring to the cycle holds so many
+FEW, FEW_S, SHORT_S = 2, 0.08, 8.0  # pieces of a law so short that ends for good: more, and only needed nodes stay; a piece lasts so long
 LONGEST_S, COLUMNS = 0.5, 7  # a piece of so many columns at most: the cycle looks at every ms of it at once; of more columns, shorter
 
 
@@ -40,12 +41,14 @@ def timed_pieces(
     mask: int | None = None,
     blocks: Sequence[tuple[float, int]] = (),
     new_tail: bool = False,
+    whole: bool = False,
 ) -> list[TimedPiece]:
     """Pieces of the whole law, the last one ends at rest.
 
     mask: which axis of the cell each axis of the path is (bits rising, default the first ones); blocks: (s at its end, block number),
-    rising.  A piece belongs to one block.  Raises TooLongError.
+    rising.  A piece belongs to one block.  whole: nothing goes on from it, it is never cut.  Raises TooLongError.
     """
+    whole = whole and law.duration <= SHORT_S
     bits = (1 << path.axes) - 1 if mask is None else mask
     if bits.bit_count() != path.axes:
         raise MotionError(f"mask {bits:#x} does not name {path.axes} axes")
@@ -53,8 +56,11 @@ def timed_pieces(
     numbers = _numbers(law.s[index], blocks)
     accel, jerk = (_finite([*limit[: path.axes], limit[-2]]) for limit in (limits.accel, limits.jerk))
     most, longest = most_nodes(path.axes), LONGEST_S * min(COLUMNS / (path.axes + 1), 1.0) / law.step
-    if len(index) > PLENTY * (most - 1):
-        stay = needed(law.step * np.array(index), states, np.array(numbers), np.array(accel), longest * law.step).tolist()
+    if len(index) > (FEW if whole else PLENTY) * (most - 1):
+        if whole:
+            longest = min(longest, FEW_S / law.step)
+        times, left_s = law.step * np.array(index), 0.0 if whole else LEFT_S
+        stay = needed(times, states, np.array(numbers), np.array(accel), longest * law.step, left_s=left_s).tolist()
         index, states, numbers = [index[k] for k in stay], states[stay], [numbers[k] for k in stay]
     rows = [tuple(row) for row in states.tolist()]
     pieces: list[TimedPiece] = []
@@ -67,9 +73,9 @@ def timed_pieces(
             end += 1
         if len(pieces) == MOST:
             raise TooLongError(law.duration, index[begin] * law.step, float(law.s[index[begin]]))
-        times = tuple(float(k - index[begin]) * law.step for k in index[begin : end + 1])
+        taus = tuple(float(k - index[begin]) * law.step for k in index[begin : end + 1])
         pieces.append(
-            TimedPiece(first_id + len(pieces), bits, numbers[begin], times, tuple(rows[begin : end + 1]), accel, jerk, ends_at_rest=False)
+            TimedPiece(first_id + len(pieces), bits, numbers[begin], taus, tuple(rows[begin : end + 1]), accel, jerk, ends_at_rest=False)
         )
         begin = end
     pieces[-1] = replace(pieces[-1], ends_at_rest=True)

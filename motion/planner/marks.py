@@ -65,6 +65,11 @@ def marks_of(run: Run, law: Law, pieces: Sequence[TimedPiece], *, goes_on: bool)
     return marks
 
 
+def has_marks(run: Run) -> bool:
+    """Whether something is done on its way."""
+    return next(_places(run), None) is not None
+
+
 def _places(run: Run) -> Iterator[tuple[float, int, float, Called | None]]:
     """(s on the run, output, value, none) of every output whose block ends on it; (s, 0, 0, function) where a block that calls one begins:
     in the middle of the corner before it, else at its own beginning."""

@@ -1,8 +1,8 @@
 """Nodes of a long law that are not needed: the quintics over wider intervals go where those over narrow ones went.
 
 A law has a node about every millisecond, and a follower holds some thousand pieces (motion.execution.follower.WAITING): where something
-slow
-lasts, most nodes say nothing new.  AX-606.
+slow lasts, most nodes say nothing new.  AX-606.  A path begins when its last piece is in the cycle: one that ends at rest begins sooner
+with fewer (AX-1460).
 """
 
 import numpy as np
@@ -15,13 +15,16 @@ PLACES = 8  # at which a quintic is looked at, at most
 SAME, SAME_SPEED, SAME_ACCEL = 1e-9, 1e-6, 2e-4  # m or rad; per s; share of the limit of acceleration
 
 
-def needed(times: Array, states: Array, numbers: NDArray[np.int64], accel: Array, longest: float) -> NDArray[np.intp]:
+def needed(
+    times: Array, states: Array, numbers: NDArray[np.int64], accel: Array, longest: float, *, left_s: float = LEFT_S
+) -> NDArray[np.intp]:
     """Places of the nodes that stay, the first and the last among them.
 
     states: (n, 3 x columns) position, speed, acceleration; numbers: (n,) block of the interval that begins at each node, none reaches
-    over two; accel: (columns,) limits; longest: s an interval may last.  Intervals are put together in pairs, pairs of pairs ..."""
+    over two; accel: (columns,) limits; longest: s an interval may last; left_s: s before the end in which all stay.  Intervals are put
+    together in pairs, pairs of pairs ..."""
     kept = np.ones(len(times), dtype=bool)
-    free = int(np.searchsorted(times, times[-1] - LEFT_S))
+    free = int(np.searchsorted(times, times[-1] - left_s)) if left_s else len(times)
     starts, width = np.arange(free), 1
     while len(starts) and width < WIDEST and 2 * width * float(times[1] - times[0]) <= longest:
         firsts, single = starts[starts % (2 * width) == 0], set(starts.tolist())

@@ -19,7 +19,7 @@ from motion.planner.corner_choice import PAUSE_S, quicker, stopping
 from motion.planner.cutting import beyond, rest_of
 from motion.planner.given_times import time_given
 from motion.planner.law_cache import KnownLaws
-from motion.planner.marks import Mark, check_outputs, marks_of
+from motion.planner.marks import Mark, check_outputs, has_marks, marks_of
 from motion.planner.path_checks import Slowed
 from motion.planner.quick_law import STEP_S, Swift, cropped, swift_work, width_s
 from motion.planner.robot import Machine
@@ -405,7 +405,8 @@ class Planner:
         if isinstance(self.machine, Machine):
             limits = limits.whole(*self.machine.shares)
         try:
-            pieces = timed_pieces(path, limits, law, first_id=number, mask=self.mask, blocks=blocks, new_tail=first_id is not None)
+            new, whole = first_id is not None, self.cuts and origin.quick is None and not has_marks(run)
+            pieces = timed_pieces(path, limits, law, first_id=number, mask=self.mask, blocks=blocks, new_tail=new, whole=whole)
         except TooLongError as error:
             error.block = run.place(error.s)[0]
             raise

@@ -1,12 +1,14 @@
 """What of a program's path was handed to the cycle, and where on it the follower may be.  Pure."""
 
-from collections.abc import Iterable
+from bisect import bisect_right
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from gateway.pure.image.records.planner import AHEAD
 from motion.execution.follower import HISTORY
 from motion.execution.timed import TimedPiece
 
+SEEN_S = 0.0129  # a piece so short at most is over, where it is under way: the planner sees the axes a period late or so
 LAST_S = 0.1  # of a path: a piece nearer to its end may have been the last one seen
 UNSEEN = 100  # turns after which pieces count as run that the cycle was never seen on: they were shorter than a turn
 
@@ -20,6 +22,7 @@ class Chain:
     spare: int = 1
     _begins: dict[int, float] = field(default_factory=dict)
     _passed: dict[int, int] = field(default_factory=dict)  # piece -> blocks that are over where it begins
+    _ways: dict[int, TimedPiece] = field(default_factory=dict)  # those that take longer than SEEN_S
     _now: int = 0  # piece the cycle is on: behind `_at` while it goes back
     _blocks: dict[int, int] = field(default_factory=dict)  # of this job, piece -> block it begins in
     _over: int = 0
@@ -32,6 +35,7 @@ class Chain:
         """A part, or none."""
         self._begins.clear()
         self._passed.clear()
+        self._ways.clear()
         self._over = 0
         self._at, self._rest = 0, None
 
@@ -47,6 +51,8 @@ class Chain:
             self._drop(number for number in list(self._begins) if number >= made.id)
         self._begins[made.id] = tau
         self._passed[made.id] = passed
+        if made.duration > SEEN_S:
+            self._ways[made.id] = made
         self._blocks[made.id] = before + passed + 1
         while len(self._blocks) > HISTORY + 2 * AHEAD:
             del self._blocks[next(iter(self._blocks))]
@@ -66,9 +72,15 @@ class Chain:
                 return self._begins.get(self._at + 1, end)
         return 0.0 if self._rest is None else self._rest
 
+    def near_to(self, tau: float, piece: int, places: Sequence[float], way: float) -> float:
+        """tau() of a piece, on a long one no more than SEEN_S ahead of where the axes are.  places: of the axes of the cell; way: as the
+        piece counts it."""
+        made = self._ways.get(piece) if piece == self._at else None
+        return tau if made is None else min(tau, self._begins[piece] + _time_at(made, places, way) + SEEN_S)
+
     def _runs_out(self, end: float) -> None:
         """The cycle is on no piece: all that was handed on is run, or it has not got the next one yet."""
-        last = self._rest is None and end - self._begins.get(self._at, end) <= LAST_S
+        last = self._rest is None and (self._at == self.last_id or end - self._begins.get(self._at, end) <= LAST_S)
         self._unseen += 1
         if last or self._unseen > UNSEEN:
             self._at, self._rest, self._unseen = self.last_id, end, 0
@@ -125,3 +137,21 @@ class Chain:
         for number in numbers:
             del self._begins[number]
             del self._passed[number]
+            self._ways.pop(number, None)
+
+
+def _time_at(piece: TimedPiece, places: Sequence[float], way: float) -> float:
+    """s since it began, by the way along the path, or the axis that goes furthest; its end where that is not known."""
+    column, there = len(piece.axes), way
+    if piece.nodes[0][-3] == piece.nodes[-1][-3]:  # joints alone have no way
+        column = max(range(column), key=lambda k: abs(piece.nodes[-1][3 * k] - piece.nodes[0][3 * k]))
+        if piece.axes[column] >= len(places):
+            return piece.duration
+        there = places[piece.axes[column]]
+    sign = 1.0 if piece.nodes[-1][3 * column] >= piece.nodes[0][3 * column] else -1.0
+    row = [sign * node[3 * column] for node in piece.nodes]
+    at = bisect_right(row, sign * there)
+    if at == 0 or at == len(row):
+        return piece.duration if at else 0.0
+    before, after = piece.times[at - 1], piece.times[at]
+    return before + (after - before) * (sign * there - row[at - 1]) / (row[at] - row[at - 1])

@@ -24,3 +24,4 @@ class CycleView:
     override: float = 1.0
     waiting: int = 0  # records that the cycle has still to take from the ring, of all lanes
     reached: int = ALWAYS  # record of the ring that the cycle took last, as the planner counts them
+    way: float = 0.0  # m along the path, as the piece under way counts it

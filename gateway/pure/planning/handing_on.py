@@ -124,7 +124,7 @@ class HandingOn:
             self._fail_in_part(error)
             return
         self._chain.forget()
-        block, share = planner.place(tau)
+        block, share = planner.place(self._chain.near_to(tau, piece, self._seen.standing, self._seen.way))
         block = max(block, min(self._job.blocks, 1))  # a part that has begun is at its first block, whether its path is there or not
         over = self._job.closed and not planner.open and not state.ended
         last = over and self._job.last_part

@@ -241,7 +241,8 @@ class StreamPrograms(Programs):
         self._chain.sees(self._seen.piece)
         planner, job = self._job.planner, self._job
         if self.state.job and job.handed and self._seen.piece and planner is not None:  # handed on whole, and still run
-            block, share = planner.place(self._chain.tau(self._seen.piece, planner.end))
+            tau = self._chain.tau(self._seen.piece, planner.end)
+            block, share = planner.place(self._chain.near_to(tau, self._seen.piece, self._seen.standing, self._seen.way))
             passed = max(self.state.passed, job.before + self._chain.passed(self._seen.piece, 0))
             self.state = replace(self.state, block=job.before + max(block, 1), share=share, passed=passed)
         shown = len(self._orders.withheld), self._job.bound, self._chain.back

@@ -39,6 +39,7 @@ def follow(
         off=sum([1 << n for n, axis in enumerate(axes) if not int(axis.flags) & ON]),
         waiting=backlog.waiting,
         reached=backlog.reached,
+        way=own.progress,
     )
     made = programs.turn(records, view)
     if made:

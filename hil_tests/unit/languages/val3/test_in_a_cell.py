@@ -228,3 +228,15 @@ def test_what_an_application_saves_is_there_for_the_next_start() -> None:
         assert cell.value("nOne") == count
         cell.programs.answer({"do": "stop", "name": "demo"}, 0)
         cell.ends(run)
+
+
+def test_a_move_from_rest_is_on_the_bus_six_cycles_after_the_input_it_waits_for() -> None:
+    """The path begins when its last piece is in the cycle, which takes two pieces in a period here (AX-1460)."""
+    cell = cell_of("movej(jA,tHand,mStop)\nwaitEndMove()\nnOne=1\nwait(diPart)\nmovej(jB,tHand,mStop)\nwaitEndMove()")
+    cell.start()
+    cell.until(lambda: cell.language.own is not None and cell.value("nOne") == 1.0)
+    cell.bench.run(0.05)
+    rest, first = cell.places[-1], len(cell.places)
+    cell.put(PART)
+    cell.until(lambda: cell.places[-1] != rest, 1.0)
+    assert len(cell.places) - first <= 6
