@@ -1,8 +1,6 @@
 """A host that is late: what is only seen then is not a FAIL; what is the same each time is one."""
 
 import itertools
-import signal
-import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
@@ -11,7 +9,6 @@ import pytest
 from gateway.conformance.framework import base
 from gateway.conformance.framework.result import Result
 from gateway.conformance.framework.run import Runner
-from gateway.conformance.framework.witness import Witness
 from gateway.pure.conformance.purpose import Purpose
 from gateway.pure.conformance.verdict import Fail, Verdict
 from protocols.base.machine import Ns, ms
@@ -105,20 +102,3 @@ def test_what_rests_on_a_case_whose_time_lies_across_its_limit_is_run() -> None:
     second = Purpose("X_TI_02", "receiver", "two", "zwei", "1", says(iter([""])), preamble=("X_TI_01",))
     results = Runner(Session(Late(ms(40))), [first, second]).run()
     assert [result.verdict for result in results] == [Verdict.INCONC, Verdict.PASS]
-
-
-def test_the_worst_of_a_long_case_is_not_forgotten_while_the_host_is_late_all_the_time() -> None:
-    """A witness that was held up once for long, then a hundred times a little."""
-    witness = Witness()
-    try:
-        child = witness._children[0]
-        time.sleep(0.3)  # it runs
-        witness.begin()
-        for held in (0.15, *[0.004] * 100):
-            child.send_signal(signal.SIGSTOP)
-            time.sleep(held)
-            child.send_signal(signal.SIGCONT)
-            time.sleep(0.004)
-        assert witness.late() > ms(120)
-    finally:
-        witness.close()
