@@ -26,7 +26,7 @@ from motion.val3.trsf import Trsf
 PERIOD, WORKING_NS = 4_000_000, 2_000_000
 SYNC_S, TIMES = 60.0, 30
 PRIORITY = 5
-LATE_P99, LATE_P999, MOVE_MS, ALTER_MS, IO_MS = 500.0, 1000.0, 60.0, 8.0, 4.0 + 2 * 4.0  # IO_MS: from an input, whatever it leads to
+LATE_P99, LATE_P999, MOVE_MS, ALTER_MS, IO_MS = 500.0, 1000.0, 60.0, 8.0, 4.0 + 2 * 4.0
 SYNC = App(
     "sync",
     datum("n", "num", "4") + datum("bLate", "bool"),
@@ -223,7 +223,7 @@ def run(beside: str, anchor: float, seconds: float = SYNC_S) -> list[Figure]:
         row("val3.sync_p999_us", p999, "us", LATE_P999, beside, anchor),
         row("val3.sync_lost", lost, "periods", 0.0, beside, anchor),
         row("val3.move_ms", move_ms(), "ms", MOVE_MS, beside, anchor),
-        row("val3.alter_ms", called, "ms", ALTER_MS, beside, anchor),
-        row("val3.alter_input_ms", answered, "ms", IO_MS, beside, anchor),
+        row("val3.alter_ms", answered, "ms", ALTER_MS, beside, anchor),
+        row("val3.alter_call_ms", called, "ms", ALTER_MS, beside, anchor),
         row("val3.io_ms", io_ms(), "ms", IO_MS, beside, anchor),
     ]

@@ -168,23 +168,26 @@ class OneByteKills(Built):
 
 
 class Slow(Built):
-    """The reaction comes late: after seven seconds, too late."""
+    """The reaction comes late: after seven seconds, too late.  A new command withdraws one that is waited for."""
+
+    _due: Ns | None = None
+    _waiting: bytes = b""
 
     def __init__(self, late: Ns = ms(7000)) -> None:
         super().__init__()
         self._late = late
-        self._waiting: list[tuple[Ns, bytes]] = []
 
     def _serve(self, data: bytes, now: Ns) -> None:
-        self._waiting.append((now + self._late, data))
+        self._due, self._waiting = now + self._late, data
 
     def deadline(self) -> Ns | None:
-        moments = [moment for moment in (super().deadline(), *(due for due, _ in self._waiting)) if moment is not None]
+        moments = [moment for moment in (super().deadline(), self._due) if moment is not None]
         return min(moments, default=None)
 
     def wake(self, now: Ns) -> Sequence[object]:
-        while self._waiting and now >= self._waiting[0][0]:
-            super()._serve(self._waiting.pop(0)[1], now)
+        if self._due is not None and now >= self._due:
+            self._due = None
+            super()._serve(self._waiting, now)
         due = self.link.deadline()
         return super().wake(now) if due is not None and due <= now else []
 
