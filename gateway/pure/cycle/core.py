@@ -16,7 +16,7 @@ from gateway.pure.cycle.axis_loops import PYTHON, AxisLoops
 from gateway.pure.cycle.belts import CoreBelts
 from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.cycle.endless import CoreEndless
-from gateway.pure.cycle.lane import LaneHolding, whole_of
+from gateway.pure.cycle.lane import Lane, LaneHolding, whole_of
 from gateway.pure.cycle.lanes import LaneParts, make_lanes, merged
 from gateway.pure.cycle.publish import Publisher
 from gateway.pure.image.reasons import Reason
@@ -79,8 +79,7 @@ class CycleLogic:
         self._endless = CoreEndless(self._axes, self.state)
         self.belts, self._shared = belts, shared
         parts = LaneParts(self._axes, self.state, self.outputs, period_s, override_step, foresight, belts, alter, functions, self._off)
-        self.lanes = make_lanes(parts)
-        self._holding = LaneHolding(self.lanes)
+        self._holding = LaneHolding(make_lanes(parts))
         self._drive_axes, self._watch_axes = loops.drive_axes, loops.watch_axes
         self._publisher = Publisher(self.state, self.outputs, numbers, period_s, loops)
         self._finish = finish_without_services
@@ -93,6 +92,11 @@ class CycleLogic:
         self._settled_axes = False  # every drive follows, and none lost its increments
         self._eventful = False  # a drive did something by itself in this cycle
         self._lost_cycles = 0  # since chain or control was lost
+
+    @property
+    def lanes(self) -> list[Lane]:
+        """One for each kinematic that moves for itself."""
+        return self._holding.lanes
 
     def _tracking(self, plan: CoreAxis) -> Tracking:
         return Tracking(plan.standing, plan.lag_warn, plan.lag_trip, round(SETTLE_S / self._period))

@@ -122,11 +122,11 @@ class LaneHolding:
     """Which lane holds which axes; lanes of an order for axes of several are led by the first of them, and given back."""
 
     def __init__(self, lanes: list[Lane]) -> None:
-        self._lanes = lanes
+        self.lanes = lanes
 
     def of(self, mask: int) -> list[Lane]:
         """Those that hold some of these axes; with one lane it holds all there are."""
-        return [lane for lane in self._lanes if lane.holds & mask]
+        return [lane for lane in self.lanes if lane.holds & mask]
 
     def together(self, axes: Iterable[int]) -> int:
         """Every axis of the lanes that hold these (from 0): axes of one move together or not at all."""
@@ -135,7 +135,7 @@ class LaneHolding:
 
     def lead(self, mask: int) -> Lane | None:
         """The lane that an order for these axes goes to; None: another one that has some of them has something to do."""
-        first, *others = self.of(mask) or self._lanes[:1]
+        first, *others = self.of(mask) or self.lanes[:1]
         if others and any(lane.busy for lane in (first, *others)):
             return None
         for lane in others:
@@ -144,9 +144,9 @@ class LaneHolding:
 
     def give_back(self) -> None:
         """Axes of other lanes, when nothing is left to do with them."""
-        for lane in self._lanes:
+        for lane in self.lanes:
             if lane.holds & ~lane.own and not lane.busy:
-                for other in self._lanes:
+                for other in self.lanes:
                     if other is not lane and other.own & lane.holds:
                         other.hold(other.own)
                         other.mover.accept()

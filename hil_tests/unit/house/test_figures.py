@@ -28,7 +28,7 @@ CLASSES: Mapping[str, int] = {
     "gateway/pure/cycle/alter.py:CoreAlter": 18,
     "gateway/pure/cycle/belts.py:CoreBelts": 29,
     "gateway/pure/cycle/core.py:CycleLogic": 22,
-    "gateway/pure/cycle/mover.py:Mover": 17,
+    "gateway/pure/cycle/path_mover.py:PathMover": 17,
     "gateway/pure/languages/baps2/control.py:Control": 18,
     "motion/execution/follower.py:Follower": 21,
     "motion/execution/stepper.py:Stepper": 21,
@@ -52,12 +52,7 @@ LINES: Mapping[str, int] = {
     "motion/kinematics/arm6.py:_solve": 78,
 }
 FILES: Mapping[str, int] = {
-    "gateway/pure/cycle/core.py": 475,
-    "gateway/pure/cycle/mover.py": 529,
-    "gateway/pure/languages/robotstar/virtual.py": 460,
-    "gateway/pure/planning/planner.py": 602,
     "gateway/registry.py": 526,  # one table of rows: what exists, in one place
-    "motion/planner/planner.py": 522,
     "motion/planner/route.py": 493,
 }
 Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -145,7 +140,7 @@ def test_no_file_is_too_long_and_none_gets_longer() -> None:
 def test_a_row_that_is_no_longer_needed_is_taken_out() -> None:
     assert [
         key
-        for now, rows in zip(found(), (CLASSES, PARAMETERS, LINES), strict=True)
+        for now, rows in zip((*found(), long_files()), (CLASSES, PARAMETERS, LINES, FILES), strict=True)
         for key, count in rows.items()
         if now.get(key, 0) < count
     ] == [], "lower the figure, or take the row out"

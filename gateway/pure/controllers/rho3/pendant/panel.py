@@ -35,8 +35,7 @@ class Panel:
         self._title = ""  # of the page as drawn last in this mode
         self._info: list[str] = []  # from the line shown first on
         self._mode = ""
-        self._message = ""
-        self._asked = ""  # the question that is shown
+        self._message = ""  # a question among them
         self._lines: list[str | None] = [None] * LINES  # as written last: only news covers what a higher layer let go
         self._drawn: Ns = 0
 
@@ -89,17 +88,16 @@ class Panel:
 
     def _enter(self) -> None:
         self._mode = self._selection.mode
-        self._entry, self._value, self._message, self._asked = None, False, "", ""
+        self._entry, self._value, self._message = None, False, ""
         self._top, self._title = self._source.entered(self.level), ""
         self._drawn = -REFRESH  # at once
         self._close_info()
 
     # ---- keys ------------------------------------------------------------------------------------------------------------
     def _take(self, key: str) -> None:
-        self._message = ""
-        asked, self._asked = self._asked, ""  # any other key is no
+        asked, self._message = self._message, ""  # any other key is no
         page = page_of(self.level, self._source, self._language) if asked else None
-        if page is not None and page.secret:
+        if page is not None and page.secret and asked == page.asks(self._top):
             self._entry, self._value = "", True  # any key --> continue (L5044-5052)
         elif self._info:
             self._in_info(key)
@@ -123,7 +121,7 @@ class Panel:
         page = page_of(self.level, self._source, self._language)
         question = page.asks(self._top)
         if question and asked != question:
-            self._message = self._asked = question
+            self._message = question
         else:
             self._message = page.choose(self._top)
 

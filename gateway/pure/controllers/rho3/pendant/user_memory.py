@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from gateway.pure.controllers.rho3.functions.system_variables import FileEntry
 from gateway.pure.controllers.rho3.pendant.keys import KeyTable
 from gateway.pure.image.records.interpreter import Fact
+from gateway.pure.image.system_errors import system_code
 
 SIZES = {"rho3.0": 128 * 1024, "rho3.1": 96 * 1024, "rho3.2": 96 * 1024}  # of the user memory (L4854-4856)
 MOST_LINES, LISTS = 999, 256
@@ -39,6 +40,11 @@ class UserMemory:
     card: int = 0  # bytes of the SRAM card that is the memory; 0: none
     _coming: list[FileEntry] = field(default_factory=list)
     _points: list[tuple[str, str]] = field(default_factory=list)
+
+    @property
+    def error_code(self) -> int:
+        """Of the coded error output; 0: none."""
+        return system_code(self.system_error) if self.system_error else 0
 
     def hear(self, said: Mapping[str, Fact]) -> None:
         """One piece."""

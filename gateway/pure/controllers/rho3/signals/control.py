@@ -35,7 +35,6 @@ from gateway.pure.controllers.rho3.signals.written_text import WrittenText
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records import interpreter
 from gateway.pure.image.records.cell import RC_BYTES, CellState, InputImage, Permit, get_bit, set_bit
-from gateway.pure.image.system_errors import system_code
 from motion.program.factors import FactorTable, Operation
 from protocols.base.machine import Ns
 
@@ -160,8 +159,7 @@ class RhoControl:
         self.written.echo()
         if "" in map(self.panel_view.memory_outcome, ("save", "load", "init")):
             self._start_up()
-        if self.memory.system_error:
-            self._memory_lost(system_code(self.memory.system_error), now)
+        self._look_at_memory(now)
         self._end_moves()
         self._commands.drives(self._drive_on.look(image), self._drive_on.wanted, seen.disabled, now)
         self._office.bar(seen.disabled)
@@ -174,8 +172,7 @@ class RhoControl:
         return told
 
     def _look(self, inputs: InputImage, cycle: bytes, state: CellState) -> None:
-        """The image as the control sees it: command sources, inputs that are not wired, and the chain as the cycle has latched it
-        (AX-335)."""
+        """The image as the control sees it: command sources, inputs that are not wired, the chain as the cycle latched it (AX-335)."""
         image = self.image
         image.take(inputs)
         for bit in self.setup.assumed:
@@ -192,11 +189,12 @@ class RhoControl:
         merged = int.from_bytes(self.image.outputs, "little") & self._keep | int.from_bytes(cycle, "little") & ~self._keep
         self.image.outputs[:] = (merged & (1 << 8 * RC_BYTES) - 1).to_bytes(RC_BYTES, "little")
 
-    def _memory_lost(self, code: int, now: Ns) -> None:
-        """The SRAM card is gone (L11431-11436): no program runs until a restart."""
-        if not any(each.code == code for each in self.errors.records):
+    def _look_at_memory(self, now: Ns) -> None:
+        """Where the SRAM card is gone (L11431-11436), no program runs until a restart."""
+        code = self.memory.error_code
+        if code and code not in (each.code for each in self.errors.records):
             self.interface.faults.came(code, stands=True, now=now)
-        if self.processes.processes:
+        if code and self.processes.processes:
             self.processes.control_reset(keep_permanent=False)
 
     def _start_up(self) -> None:
@@ -209,11 +207,10 @@ class RhoControl:
         self.panel.enter(())
 
     def _supervise(self, now: Ns, *, heard: bool) -> None:
-        if self._watch is None:
-            return
-        if heard:
-            self._watch.heard(now)
-        if self._watch.wake(now):
+        watch = self._watch
+        if watch is not None and heard:
+            watch.heard(now)
+        if watch is not None and watch.wake(now):
             self.interface.faults.came(PLC_SILENT, now=now)
 
     # ---- programs ------------------------------------------------------------------------------------------------------
