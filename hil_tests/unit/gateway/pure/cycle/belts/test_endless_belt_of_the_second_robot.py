@@ -86,7 +86,7 @@ def test_an_axis_of_the_second_robot_rides_along_while_sync_waits_inside_the_par
     assert outcome[0] is CommandState.DONE, outcome
     made, way = tables.driven(), tables.belt(1)
     off = np.degrees(made.sets[: len(way), 6]) - FACTOR * 1e3 * way
-    riding = np.flatnonzero(np.abs(off[25:] - off[:-25]) < 0.1) + 12
+    riding = np.flatnonzero(np.ptp(np.lib.stride_tricks.sliding_window_view(off, 26), axis=1) < 0.1) + 12
     levels = sorted({round(float(each)) for each in off[riding]})
     assert len(levels) == 2 and levels[1] - levels[0] == 30, "two places beside the belt, 30 deg apart"
     ahead = riding[np.abs(off[riding] - levels[0]) < 1.0]
