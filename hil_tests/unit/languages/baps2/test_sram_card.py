@@ -51,7 +51,7 @@ def test_a_card_that_is_missing_protected_or_too_small_is_refused(tmp_path: path
     assert (cell.folder / "P.QLL").exists(), "nothing is formatted"
 
 
-@pytest.mark.requirement("RHO-SYS-04", by="gateway.pure.controllers.rho3.signals.control:RhoControl._memory_lost")
+@pytest.mark.requirement("RHO-SYS-04", by="gateway.pure.controllers.rho3.signals.control:RhoControl._look_at_memory")
 def test_a_card_in_use_is_the_memory_and_has_to_stay(tmp_path: pathlib.Path) -> None:
     cell = cell_with(tmp_path).stopped()
     initialised(cell)
