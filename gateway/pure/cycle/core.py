@@ -16,7 +16,7 @@ from gateway.pure.cycle.axis_loops import PYTHON, AxisLoops
 from gateway.pure.cycle.belts import CoreBelts
 from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.cycle.endless import CoreEndless
-from gateway.pure.cycle.lane import Lane, LaneHolding, whole_of
+from gateway.pure.cycle.lane import give_back, held_together, lanes_with, leading, whole_of
 from gateway.pure.cycle.lanes import LaneParts, make_lanes, merged
 from gateway.pure.cycle.publish import Publisher
 from gateway.pure.image.reasons import Reason
@@ -79,7 +79,7 @@ class CycleLogic:
         self._endless = CoreEndless(self._axes, self.state)
         self.belts, self._shared = belts, shared
         parts = LaneParts(self._axes, self.state, self.outputs, period_s, override_step, foresight, belts, alter, functions, self._off)
-        self._holding = LaneHolding(make_lanes(parts))
+        self.lanes = make_lanes(parts)
         self._drive_axes, self._watch_axes = loops.drive_axes, loops.watch_axes
         self._publisher = Publisher(self.state, self.outputs, numbers, period_s, loops)
         self._finish = finish_without_services
@@ -92,11 +92,6 @@ class CycleLogic:
         self._settled_axes = False  # every drive follows, and none lost its increments
         self._eventful = False  # a drive did something by itself in this cycle
         self._lost_cycles = 0  # since chain or control was lost
-
-    @property
-    def lanes(self) -> list[Lane]:
-        """One for each kinematic that moves for itself."""
-        return self._holding.lanes
 
     def _tracking(self, plan: CoreAxis) -> Tracking:
         return Tracking(plan.standing, plan.lag_warn, plan.lag_trip, round(SETTLE_S / self._period))
@@ -125,7 +120,7 @@ class CycleLogic:
             self._go_round()
         self._publish()
         if len(self.lanes) > 1:
-            self._holding.give_back()
+            give_back(self.lanes)
         if self._shared is not None:
             self._share(self._shared)
         return values
@@ -200,7 +195,7 @@ class CycleLogic:
 
     def _because(self, reason: Reason, mask: int = EVERY_AXIS) -> None:
         """Why these axes stopped last."""
-        for lane in self._holding.of(mask):
+        for lane in lanes_with(self.lanes, mask):
             lane.state.stop_cause = reason
 
     def _latch(self, *, closed: bool) -> None:
@@ -224,7 +219,7 @@ class CycleLogic:
             case Order.STOP:
                 self._stop(Reason(record.reason), record.mask or EVERY_AXIS)
             case Order.RESUME | Order.ABANDON | Order.OVERRIDE | Order.HOLD | Order.RETRACE | Order.DISTANCE | Order.FACTOR:
-                for lane in self._holding.of(record.mask or EVERY_AXIS):
+                for lane in lanes_with(self.lanes, record.mask or EVERY_AXIS):
                     lane.obey(record)
             case Order.BELT:
                 if self.belts is not None:
@@ -236,7 +231,7 @@ class CycleLogic:
 
     def _move(self, record: OrderRecord) -> None:
         """A piece by itself, or a program."""
-        lane = self._holding.lead(record.mask or EVERY_AXIS)
+        lane = leading(self.lanes, record.mask or EVERY_AXIS)
         if lane is None:
             self.state.fail(record.job, Reason.BUSY)
             return
@@ -268,11 +263,11 @@ class CycleLogic:
 
     def _joined(self, mask: int) -> bool:
         """These axes may be switched on: asked of each lane that has some."""
-        joined = [lane.mover.join(mask & lane.holds) for lane in self._holding.of(mask)]
+        joined = [lane.mover.join(mask & lane.holds) for lane in lanes_with(self.lanes, mask)]
         return all(joined)
 
     def _reference(self, record: OrderRecord) -> None:
-        lane = self._holding.lead(record.mask)
+        lane = leading(self.lanes, record.mask)
         if lane is None or lane.mover.stepper.state is not State.IDLE or lane.homings.job:
             self.state.fail(record.job, Reason.BUSY)
         elif not lane.mover.all_enabled(record.mask):
@@ -297,7 +292,7 @@ class CycleLogic:
         return any(lane.mover.starved for lane in self.lanes)
 
     def _stop(self, reason: Reason, mask: int = EVERY_AXIS) -> None:
-        for lane in self._holding.of(mask):
+        for lane in lanes_with(self.lanes, mask):
             lane.stop(reason)
 
     def _off(self, reason: Reason, mask: int = EVERY_AXIS) -> None:
@@ -310,7 +305,7 @@ class CycleLogic:
             return
         if reason is not Reason.DRIVES_OFF:
             self._because(reason, mask)  # also at rest: whoever finds the drives off reads why
-        lanes = self._holding.of(sum(1 << n for n in places))
+        lanes = lanes_with(self.lanes, sum(1 << n for n in places))
         for lane in lanes:
             if lane.homings.job:
                 lane.homings.end(reason)
@@ -375,7 +370,7 @@ class CycleLogic:
         self._reset = False
         found = self._watch_axes(self._axes, actuals, 0)
         while found >= 0:
-            mask = self._holding.together([found])
+            mask = held_together(self.lanes, [found])
             self._because(Reason.FOLLOWING_ERROR, mask)
             self._off(Reason.FOLLOWING_ERROR, mask)
             found = self._watch_axes(self._axes, actuals, found + 1)
@@ -404,7 +399,7 @@ class CycleLogic:
     def _broke(self, reason: Reason, axes: list[int]) -> None:
         """The drives of these axes (from 0) are no longer led: those of their lanes go off."""
         if axes:
-            mask = self._holding.together(axes)
+            mask = held_together(self.lanes, axes)
             self._because(reason, mask)
             self._off(reason, mask)
 

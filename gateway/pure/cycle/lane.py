@@ -6,7 +6,7 @@ of the others until it has nothing left to do with them.
 
 import functools
 import operator
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from gateway.pure.cycle.homing import Homings
 from gateway.pure.cycle.mover import Mover
@@ -118,36 +118,34 @@ def whole_of(lanes: list[Lane], state: CellState) -> None:
         state.measured_mask |= each.measured_mask
 
 
-class LaneHolding:
-    """Which lane holds which axes; lanes of an order for axes of several are led by the first of them, and given back."""
+# ---- which lane holds which axes: lanes of an order for axes of several are led by the first of them, and given back
+def lanes_with(lanes: Sequence[Lane], mask: int) -> list[Lane]:
+    """Those that hold some of these axes; with one lane it holds all there are."""
+    return [lane for lane in lanes if lane.holds & mask]
 
-    def __init__(self, lanes: list[Lane]) -> None:
-        self.lanes = lanes
 
-    def of(self, mask: int) -> list[Lane]:
-        """Those that hold some of these axes; with one lane it holds all there are."""
-        return [lane for lane in self.lanes if lane.holds & mask]
+def held_together(lanes: Sequence[Lane], axes: Iterable[int]) -> int:
+    """Every axis of the lanes that hold these (from 0): axes of one move together or not at all."""
+    mask = sum(1 << n for n in axes)
+    return functools.reduce(operator.or_, (lane.holds for lane in lanes_with(lanes, mask)), 0)
 
-    def together(self, axes: Iterable[int]) -> int:
-        """Every axis of the lanes that hold these (from 0): axes of one move together or not at all."""
-        mask = sum(1 << n for n in axes)
-        return functools.reduce(operator.or_, (lane.holds for lane in self.of(mask)), 0)
 
-    def lead(self, mask: int) -> Lane | None:
-        """The lane that an order for these axes goes to; None: another one that has some of them has something to do."""
-        first, *others = self.of(mask) or self.lanes[:1]
-        if others and any(lane.busy for lane in (first, *others)):
-            return None
-        for lane in others:
-            first.take(lane)
-        return first
+def leading(lanes: Sequence[Lane], mask: int) -> Lane | None:
+    """The lane that an order for these axes goes to; None: another one that has some of them has something to do."""
+    first, *others = lanes_with(lanes, mask) or lanes[:1]
+    if others and any(lane.busy for lane in (first, *others)):
+        return None
+    for lane in others:
+        first.take(lane)
+    return first
 
-    def give_back(self) -> None:
-        """Axes of other lanes, when nothing is left to do with them."""
-        for lane in self.lanes:
-            if lane.holds & ~lane.own and not lane.busy:
-                for other in self.lanes:
-                    if other is not lane and other.own & lane.holds:
-                        other.hold(other.own)
-                        other.mover.accept()
-                lane.hold(lane.own)
+
+def give_back(lanes: Sequence[Lane]) -> None:
+    """Axes of other lanes, when nothing is left to do with them."""
+    for lane in lanes:
+        if lane.holds & ~lane.own and not lane.busy:
+            for other in lanes:
+                if other is not lane and other.own & lane.holds:
+                    other.hold(other.own)
+                    other.mover.accept()
+            lane.hold(lane.own)

@@ -6,6 +6,8 @@ display is axisgate's own
 (AX-495), and a mode whose function is missing reports it.
 """
 
+from typing import NamedTuple
+
 from gateway.pure.controllers.rho3.functions.display import COLUMNS, LINES, Display, Layer
 from gateway.pure.controllers.rho3.functions.messages import say
 from gateway.pure.controllers.rho3.functions.phg_selection import PhgSelection
@@ -22,6 +24,13 @@ DIGITS = frozenset("0123456789")
 LISTS = range(1, LINES - 1)  # lines 2 and 3
 
 
+class Notice(NamedTuple):
+    """Line 3 until the next key.  asks: it is a question, and a second ENTER is yes."""
+
+    text: str = ""
+    asks: bool = False
+
+
 class Panel:
     """Call `step` once per cycle of the control."""
 
@@ -35,7 +44,7 @@ class Panel:
         self._title = ""  # of the page as drawn last in this mode
         self._info: list[str] = []  # from the line shown first on
         self._mode = ""
-        self._message = ""  # a question among them
+        self._notice = Notice()
         self._lines: list[str | None] = [None] * LINES  # as written last: only news covers what a higher layer let go
         self._drawn: Ns = 0
 
@@ -70,7 +79,7 @@ class Panel:
 
     def refuse(self, words: str) -> None:
         """Reason why a selection is not executed; shown in line 3 until the next key."""
-        self._message = words
+        self._notice = Notice(words)
 
     # ---- modes -----------------------------------------------------------------------------------------------------------
     def go(self, entry: str) -> None:
@@ -88,16 +97,15 @@ class Panel:
 
     def _enter(self) -> None:
         self._mode = self._selection.mode
-        self._entry, self._value, self._message = None, False, ""
+        self._entry, self._value, self._notice = None, False, Notice()
         self._top, self._title = self._source.entered(self.level), ""
         self._drawn = -REFRESH  # at once
         self._close_info()
 
     # ---- keys ------------------------------------------------------------------------------------------------------------
     def _take(self, key: str) -> None:
-        asked, self._message = self._message, ""  # any other key is no
-        page = page_of(self.level, self._source, self._language) if asked else None
-        if page is not None and page.secret and asked == page.asks(self._top):
+        asked, self._notice = self._notice.asks, Notice()  # any other key is no
+        if asked and page_of(self.level, self._source, self._language).secret:
             self._entry, self._value = "", True  # any key --> continue (L5044-5052)
         elif self._info:
             self._in_info(key)
@@ -116,21 +124,21 @@ class Panel:
         elif key == "ENTER":
             self._choose(asked)
 
-    def _choose(self, asked: str) -> None:
+    def _choose(self, asked: bool) -> None:
         """ENTER on a row; where the page asks for it, a second one is the answer."""
         page = page_of(self.level, self._source, self._language)
         question = page.asks(self._top)
-        if question and asked != question:
-            self._message = question
+        if question and not asked:
+            self._notice = Notice(question, asks=True)
         else:
-            self._message = page.choose(self._top)
+            self._notice = Notice(page.choose(self._top))
 
     def _edit(self, key: str) -> None:
         assert self._entry is not None
         if key == "ENTER":
             entry, self._entry = self._entry, None
             if self._value:
-                self._message = page_of(self.level, self._source, self._language).put(entry)
+                self._notice = Notice(page_of(self.level, self._source, self._language).put(entry))
             else:
                 self.go(entry)
         elif key == "DELETE":
@@ -183,7 +191,7 @@ class Panel:
         self._title = page.title
         top = self._top % len(rows) if rows else 0
         shown = ([*rows[top:], *rows[:top]] + ["", ""])[:2]
-        shown[1] = self._message or (page.note(top) if rows else "") or shown[1]
+        shown[1] = self._notice.text or (page.note(top) if rows else "") or shown[1]
         for line, text in enumerate((page.title, *shown, self._last())):
             self._write(line, text)
 
