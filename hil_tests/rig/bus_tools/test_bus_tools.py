@@ -125,7 +125,7 @@ def test_bad_input_is_answered_in_words(tmp_path: pathlib.Path, capsys: pytest.C
     broken = tmp_path / "x.blf"
     broken.write_bytes(b"not a BLF file at all")
     answers = {
-        ("load",): "name a cell or --log FILE",
+        ("load",): "name either a cell or --log FILE",
         ("load", "--log", str(tmp_path / "x.zip")): "a recording ends in .log",
         ("monitor", "--from", str(broken)): "after 0 frames",
         ("replay", str(tmp_path / "none.log"), "broker:x"): "No such file",

@@ -6,48 +6,48 @@ from collections.abc import Callable
 import pytest
 
 from drivers.ports.base import PortError
-from gateway.conformance.framework.base import Tester
+from gateway.conformance.framework import base
 from gateway.conformance.framework.result import Result
 from gateway.conformance.framework.run import Runner
 from gateway.pure.conformance.purpose import Purpose
 from gateway.pure.conformance.verdict import BenchFault, Fail, Verdict
 from hil_tests.unit.gateway.conformance.test_late_host import Late, Session
 
-Body = Callable[[Tester], None]
+Body = Callable[[base.Tester], None]
 
 
-def case(name: str, body: Body, *preamble: str) -> Purpose[Tester]:
+def case(name: str, body: Body, *preamble: str) -> Purpose[base.Tester]:
     return Purpose(name, "server", "one", "eins", "1", body, preamble=preamble)
 
 
-def good(t: Tester) -> None:
+def good(t: base.Tester) -> None:
     """Passes."""
 
 
 def fails(reason: str, expected: str, got: str) -> Body:
-    def body(t: Tester) -> None:
+    def body(t: base.Tester) -> None:
         raise Fail(reason, expected, got)
 
     return body
 
 
 def prepares(reason: str, expected: str, got: str) -> Body:
-    def body(t: Tester) -> None:
+    def body(t: base.Tester) -> None:
         with t.given():
             raise Fail(reason, expected, got)
 
     return body
 
 
-def relay(t: Tester) -> None:
+def relay(t: base.Tester) -> None:
     raise BenchFault("[power] relay: no route", "the write is answered", "no route")
 
 
-def dies(t: Tester) -> None:
+def dies(t: base.Tester) -> None:
     raise PortError(5, "unplugged")
 
 
-def played(*purposes: Purpose[Tester]) -> dict[str, Result]:
+def played(*purposes: Purpose[base.Tester]) -> dict[str, Result]:
     return {result.purpose.id: result for result in Runner(Session(Late(0)), purposes).run()}
 
 
