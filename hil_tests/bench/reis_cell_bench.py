@@ -8,27 +8,26 @@ that alternate: PLC stopped, no robot program, nobody looks; PLC in RUN, a robot
 import contextlib
 import pathlib
 import random
-import select
 import shutil
 import signal
 import statistics
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from collections.abc import Callable, Iterator
 
 import configs
-from drivers.ports.can.open import open_can
 from gateway.simulation.drives.control import EmulatorControl
 from gateway.tools.client import ToolClient
 from gateway.tools.progress import steps
+from hil_tests.bench.bus_listener import BusListener
 from hil_tests.bench.figure_row import Figure, row
 from hil_tests.bench.plc_bench import source
 from hil_tests.bench.web_bench import BLOCK_S, block, watching
 from hil_tests.lab.running.cell_running import CellRun, free_port, running_cell
 from hil_tests.lab.running.web_running import WebAsk, until
+from protocols.base.machine import Frame
 
 CELL, NODE = "reis-palletiser", 20
 INPUT, OUTPUT = 0x180 + NODE, 0x200 + NODE  # identifiers of the coupler's first PDOs
@@ -92,32 +91,21 @@ def reis_run(name: str, *more: str) -> Iterator[CellRun]:
 
 
 # ---- reaction --------------------------------------------------------------------------------------------------------------
-class Ear:
+class Ear(BusListener):
     """Stamps of the frames in which bit 0 of the coupler's inputs and outputs changes."""
 
     def __init__(self, bus: str) -> None:
         self.seen: dict[int, list[tuple[int, int]]] = {INPUT: [], OUTPUT: []}
-        self._stop = threading.Event()
-        self._port = open_can(f"broker:{bus}")
-        self._thread = threading.Thread(target=self._listen, daemon=True)
-        self._thread.start()
+        super().__init__(bus)
 
-    def _listen(self) -> None:
-        while not self._stop.is_set():
-            if select.select([self._port], (), (), 0.05)[0]:
-                for frame in self._port.receive():
-                    found = self.seen.get(frame.identifier)
-                    if found is not None and frame.data and (not found or found[-1][1] != frame.data[0] & 1):
-                        found.append((frame.stamp_ns, frame.data[0] & 1))
+    def _take(self, frame: Frame) -> None:
+        found = self.seen.get(frame.identifier)
+        if found is not None and frame.data and (not found or found[-1][1] != frame.data[0] & 1):
+            found.append((frame.stamp_ns, frame.data[0] & 1))
 
     def last(self, identifier: int) -> tuple[int, int]:
         """Stamp and level of the last change."""
         return self.seen[identifier][-1] if self.seen[identifier] else (0, -1)
-
-    def close(self) -> None:
-        self._stop.set()
-        self._thread.join(5)
-        self._port.close()
 
 
 def reaction_cycles(edges: int = EDGES, seed: int = 1) -> list[float]:

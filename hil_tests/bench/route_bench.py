@@ -8,16 +8,15 @@ time on loopback counts against us.  Writes fall at random moments of the cycle.
 """
 
 import random
-import select
 import statistics
-import threading
 import time
 
-from drivers.ports.can.open import open_can
 from gateway.tools.progress import steps
 from hil_tests.bench import route_drive
+from hil_tests.bench.bus_listener import BusListener
 from hil_tests.lab.running.joined_running import OUT_BLOCK, JoinedRun, cell_copy, running_joined
 from hil_tests.lab.running.modbus_running import RawClient
+from protocols.base.machine import Frame
 
 ONE_WAY_LIMIT, BOTH_WAYS_LIMIT = 2.0, 5.0  # cycles, p99
 WRITTEN, READ_BACK = 5, 6  # holding registers: RC input bytes 10, 11 and 12, 13
@@ -47,24 +46,18 @@ def measure(rounds: int, p5_ms: int, seed: int = 1) -> tuple[list[float], list[f
         return _rounds(run, rounds, p5_ms, random.Random(seed))
 
 
-class _Ear:
+class _Ear(BusListener):
     """First stamp of each value on the bus."""
 
     def __init__(self, bus: str) -> None:
         self.first: dict[int, int] = {}
         self._last = -1
-        self._stop = threading.Event()
-        self._port = open_can(f"broker:{bus}")
-        self._thread = threading.Thread(target=self._listen, daemon=True)
-        self._thread.start()
+        super().__init__(bus)
 
-    def _listen(self) -> None:
-        while not self._stop.is_set():
-            if select.select([self._port], (), (), 0.05)[0]:
-                for frame in self._port.receive():
-                    if frame.identifier == OUT_BLOCK and frame.data[VALUE] != self._last:
-                        self._last = frame.data[VALUE]
-                        self.first[self._last] = frame.stamp_ns
+    def _take(self, frame: Frame) -> None:
+        if frame.identifier == OUT_BLOCK and frame.data[VALUE] != self._last:
+            self._last = frame.data[VALUE]
+            self.first[self._last] = frame.stamp_ns
 
     def wait(self, value: int) -> None:
         """The frame is on the bus before the client reads it back; this thread may be later."""
@@ -72,11 +65,6 @@ class _Ear:
         while value not in self.first:
             assert time.monotonic() < end, f"value {value} was never seen on the bus"
             time.sleep(0.001)
-
-    def close(self) -> None:
-        self._stop.set()
-        self._thread.join(5)
-        self._port.close()
 
 
 def _rounds(run: JoinedRun, rounds: int, p5_ms: int, chance: random.Random) -> tuple[list[float], list[float]]:

@@ -8,14 +8,13 @@ CLOCK_MONOTONIC; the time on loopback counts against us.
 """
 
 import random
-import select
 import struct
-import threading
 import time
 
-from drivers.ports.can.open import open_can
+from hil_tests.bench.bus_listener import BusListener
 from hil_tests.lab.running.joined_running import JoinedRun, cell_copy, running_joined
 from hil_tests.lab.running.modbus_running import RawClient
+from protocols.base.machine import Frame
 from protocols.servodyn.plan import actual_id, set_id
 
 NAME = "routedrive"
@@ -59,33 +58,28 @@ def measure(rounds: int, p5_ms: int, seed: int = 1) -> tuple[list[float], list[f
             ear.close()
 
 
-class _Ear:
+class _Ear(BusListener):
     """When a telegram to the drive, and one of it, said another position first."""
 
     def __init__(self) -> None:
-        self.moved_ns, self.place, self._rest, self._stop = 0, 0, 0, threading.Event()
+        self.moved_ns, self.place, self._rest = 0, 0, 0
         self.ordered_ns, self._wanted, self._wanted_at_rest = 0, 0, 0
-        self._port = open_can(f"broker:{NAME}-drives")
-        self._thread = threading.Thread(target=self._listen, daemon=True)
-        self._thread.start()
+        super().__init__(f"{NAME}-drives")
 
     def begin(self) -> None:
         """From here on a move is looked for."""
         self._rest, self._wanted_at_rest = self.place, self._wanted
         self.moved_ns = self.ordered_ns = 0
 
-    def _listen(self) -> None:
-        while not self._stop.is_set():
-            if select.select([self._port], (), (), 0.05)[0]:
-                for frame in self._port.receive():
-                    if frame.identifier == set_id(1):
-                        self._wanted = struct.unpack_from("<i", frame.data, 2)[0]
-                        if not self.ordered_ns and self._wanted != self._wanted_at_rest:
-                            self.ordered_ns = frame.stamp_ns
-                    elif frame.identifier == actual_id(1):
-                        self.place = struct.unpack_from("<i", frame.data, 2)[0]
-                        if not self.moved_ns and abs(self.place - self._rest) > MOVED_INC:
-                            self.moved_ns = frame.stamp_ns
+    def _take(self, frame: Frame) -> None:
+        if frame.identifier == set_id(1):
+            self._wanted = struct.unpack_from("<i", frame.data, 2)[0]
+            if not self.ordered_ns and self._wanted != self._wanted_at_rest:
+                self.ordered_ns = frame.stamp_ns
+        elif frame.identifier == actual_id(1):
+            self.place = struct.unpack_from("<i", frame.data, 2)[0]
+            if not self.moved_ns and abs(self.place - self._rest) > MOVED_INC:
+                self.moved_ns = frame.stamp_ns
 
     def wait(self) -> None:
         """The telegrams are on the bus before the client reads it back; this thread may be later."""
@@ -93,11 +87,6 @@ class _Ear:
         while not (self.moved_ns and self.ordered_ns):
             assert time.monotonic() < end, "set value and actual value were never seen on the bus"
             time.sleep(0.001)
-
-    def close(self) -> None:
-        self._stop.set()
-        self._thread.join(5)
-        self._port.close()
 
 
 class Spoiled(Exception):

@@ -226,7 +226,7 @@ def late_dle(t: LineTester) -> None:
 
 
 def _refused_to_the_end(t: LineTester) -> None:
-    """NAK to each STX of the job whose first one was heard."""
+    """Answers each STX of the job with NAK; its first STX has been received."""
     got: int | Damage | None = Char.STX
     for _ in range(MOST):
         if got != Char.STX:
@@ -265,12 +265,7 @@ def next_job(t: LineTester) -> None:
         t.take()
     t.settle()
     t.starts_sending()
-    got: int | Damage | None = Char.STX
-    for _ in range(MOST):
-        if got != Char.STX:
-            break
-        t.say(NAK)
-        got = t.answer(t.profile.retry_pause + GAP)
+    _refused_to_the_end(t)
     t.settle()
     assert t.setup.stimulus is not None
     t.setup.stimulus(t)
