@@ -15,7 +15,7 @@ from gateway.runtime.realtime import die_with_parent, survive_terminal
 from gateway.runtime.regions import fds_to_text
 from gateway.runtime.spare import OPTION
 
-# A pool of threads nobody needs would keep a killed cycle from being buried, and it takes 80 MB (AX-434)
+# An unused pool of threads delays the end of a killed cycle and takes 80 MB (AX-434)
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
 SERVICES, CYCLE, PLANNER = "gateway.services.loop", "gateway.cycle.loop", "gateway.processes.planner"
 LOADED_TWICE = {SERVICES: SERVICES, PLANNER: CYCLE}  # the spare needs what the services do, a planner most of what the cycle does

@@ -52,7 +52,7 @@ class ToolRequests:
         return listener
 
     def _accept(self, listener: socket.socket) -> None:
-        """A tool came; it is heard when it says something, and nobody waits for it meanwhile."""
+        """A tool has connected.  Its request is read when it comes; nothing waits for it meanwhile."""
         with contextlib.suppress(OSError):
             connection, _ = listener.accept()
             if len(self._tools) >= TOOLS:

@@ -34,7 +34,7 @@ def apart(work: Callable[[], T]) -> T:
 
 def _work(work: Callable[[], object], write: int) -> NoReturn:
     """In the copy; never returns."""
-    with contextlib.suppress(BaseException):  # also Ctrl-C, which its parent hears as well
+    with contextlib.suppress(BaseException):  # also Ctrl-C, which its parent gets as well
         result = pickle.dumps(work())
         _flush()
         with open(write, "wb") as pipe:
@@ -44,7 +44,7 @@ def _work(work: Callable[[], object], write: int) -> NoReturn:
 
 
 def _flush() -> None:
-    """What is printed stands in the order in which it was printed, once.  A process may have no standard streams, or no reader."""
+    """Writes out what is printed, so that the copy does not write it again.  A process may have no standard streams, or no reader."""
     for stream in (sys.stdout, sys.stderr):
         if stream is not None:
             with contextlib.suppress(OSError, ValueError):

@@ -90,7 +90,7 @@ def _become(
         _close_all_but({0, 1, 2, *keep})  # also the pipe on which Popen waits for the new program
         _own_streams()
         os.environ.update(environment)
-        gc.freeze()  # the parent's objects are nobody's rubbish here, and looking through them would copy their memory
+        gc.freeze()  # the parent's objects are never garbage here, and a collection would copy their memory
         gc.enable()
         name_process(module.rpartition("gateway.")[2], command_line(module, arguments))
         sys.argv = [module, *arguments]

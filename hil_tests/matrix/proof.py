@@ -58,7 +58,7 @@ def status(reached: Mapping[str, str]) -> str:
     return (
         f"Of {len(reached)} rows of the manuals {cell + program + command} are proved on what a user reaches ({cell} in a cell, "
         f"{program} by a motion program, {command} by a command), {api} on functions of the API that nothing else uses, "
-        f"{count['open']} are open"
+        f"{count['open']} {'is' if count['open'] == 1 else 'are'} open"
     )
 
 

@@ -272,7 +272,7 @@ class Receiver:
         self._why, self._data, self._count, self._check = None, bytearray(), 0, 0
 
     def _wish_again(self, byte: int) -> None:
-        """STX is the same wish once more, NAK takes it back."""
+        """STX repeats the request, NAK withdraws it."""
         if byte == NAK:
             del self._box.output[-1:]
             self._guard.untouched = False

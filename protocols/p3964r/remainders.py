@@ -32,7 +32,7 @@ class Remainders:
         self.leaving = False  # our DLE to it has not left
         self.early = False  # what was heard of the block came in one burst with the STX
         self.opened_in, self.ended_in = -1, -1  # turns of the box: our answer to STX, to the end of a block
-        self.misled = False  # our DLE left to what was taken for no wish behind it
+        self.misled = False  # our DLE was sent to a STX that was then not taken as a request
         self.waits = False  # the last stray character was STX: a partner that waits for DLE, if nothing follows
         self._passed = b""  # the last two of them
 
@@ -58,7 +58,7 @@ class Remainders:
         return self.doubted and (same or (self.torn and self.leaving)) and not (byte == STX and same)
 
     def wish_again(self, byte: int) -> bool:
-        """This STX is the wish once more, this NAK takes it back.  Behind stray characters our NAK may have crossed with the STX."""
+        """Whether this STX repeats the request, or this NAK withdraws it.  Our NAK to stray characters may have crossed with the STX."""
         if self.same_burst:
             return byte in (STX, NAK)
         return byte == STX and self._behind_strays and self.doubted and self.leaving

@@ -151,7 +151,7 @@ class PathMover:
             self.program.backward = True
 
     def _retrace(self) -> None:
-        """Where there is no path the axes stand at its beginning."""
+        """Without a path, the place where the axes rest is its beginning."""
         if self.stepper.state in (State.STOPPED, State.IDLE):
             self.program.backward = False
             if self.program.begun and self.stepper.has_path:
@@ -226,7 +226,7 @@ class PathMover:
         self.stepper.uncommit()
 
     def accept(self) -> None:
-        """Where no path leads, not even one that is still coming, it begins where the axes stand."""
+        """Without a path, and none on its way, the next one begins where the axes rest."""
         if self.free and not self.stepper.ahead:
             self._as_they_stand()
 

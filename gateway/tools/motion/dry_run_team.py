@@ -231,7 +231,7 @@ def _numbered(stretch: Stretch, blocks: int) -> Stretch:
 
 
 def _alone(section: TeamSection, member: int, team: Team, stands: Joints, paper: Paper, period: float) -> Iterator[Trace]:
-    """One on its belt, or corrected; the others stand."""
+    """One on its belt, or corrected; the others are at rest."""
     begun = replace(section.parts[0], stands=team.split(stands)[member])
     try:
         run = DryRun(team.machines[member], section.belts, paper.speeds, paper.p5_ms, period)

@@ -47,7 +47,7 @@ class CellMotion(CellView):
                 self.port.line(job, text)
 
     def _settle(self) -> None:
-        """What has been handed on is run where nothing follows soon; an order nobody needs goes back."""
+        """Runs what was handed on if nothing follows soon; an order that is no longer needed is withdrawn."""
         for stretch in self.paths.stretches:
             if isinstance(stretch.owner, Task) and stretch.job:
                 self._settle_one(stretch, stretch.owner)
@@ -180,7 +180,7 @@ class CellMotion(CellView):
             under_way += 1
 
     def _told(self, task: Task, item: Statement, *, first: bool) -> bool:
-        """The statement is handed on; one that is alone when nothing stands before it, and its stretch ends with it."""
+        """Hands on the statement.  False: it must be alone and is not the first, or its kinematic takes nothing now."""
         if item.alone and not first:
             return False
         path = self.paths.of(item.robot)

@@ -217,7 +217,7 @@ class CellRun(CellMotion):
             self.pic.hear(order)
 
     def _offered(self, program: str) -> Mapping[str, tuple[float, ...]]:
-        """The points of its file, and those that it names and nobody has taught yet: without components."""
+        """The points of its file, and those that it names and that are not taught yet: without components."""
         points = self.memory.points(program, Faults())
         unit, _ = self.library.unit(program) if self.library.has(program) else (None, None)
         return {**points, **{name: () for name in taught_in(unit) if name not in points}}

@@ -19,7 +19,7 @@ class Plant(ABC):
 
     @abstractmethod
     def _halted(self, task: Task, lane: Lane) -> None:
-        """The process that had this kinematic is over; the lane is told where the axes rest."""
+        """The process that had this kinematic has ended; the lane gets the position at which the axes rest."""
 
     @abstractmethod
     def prepared(self, task: Task) -> bool:

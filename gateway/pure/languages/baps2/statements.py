@@ -197,7 +197,7 @@ class StatementReader:
         return Set(at, target, self._expressions.read())
 
     def _call(self, name: Token) -> CallStatement:
-        """What cannot follow a call is told with it: a misspelt word is one mistake, not two."""
+        """A call, with what cannot follow it: a misspelt word is one mistake, not two."""
         arguments, token = self._arguments(), self._stream.token
         if token.kind in (Kind.END, Kind.INSTRUCTION) or token.word in self._readers or token.word in CLOSERS or token.text == ",":
             return CallStatement(name.position, name.key, arguments)

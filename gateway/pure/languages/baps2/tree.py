@@ -320,7 +320,7 @@ class CallStatement:
     at: Position
     name: str
     arguments: tuple[Expression, ...]
-    behind: tuple[Position, str] | None = None  # what stands behind it and begins no statement: one of the two is a mistake
+    behind: tuple[Position, str] | None = None  # what follows it and begins no statement: one of the two is a mistake
 
 
 Statement = (

@@ -23,7 +23,7 @@ def initialise(machine: Machine) -> tuple[str, int, str]:
         except Halted:
             pass
         except StepFault as fault:
-            ended = machine.frame is not None and machine.frame.at == len(program.steps) - 1  # of a sub-program nobody has called
+            ended = machine.frame is not None and machine.frame.at == len(program.steps) - 1  # of a sub-program that was not called
             wrong = "" if ended else fault.text
         step = machine.frame.at + 1 if machine.frame is not None else 1
         machine.repeats = repeats
