@@ -326,7 +326,7 @@ class Reader:
         if not words or (count is not None and len(words) != count):
             raise _Fault(key, f"{len(words)} values; {count or '1 or more'} axes")
         units = self.units or ("deg",) * len(words)
-        return tuple(to_si(_number(key, word, -BIG, BIG, unit), unit) for word, unit in zip(words, units, strict=True))
+        return tuple(to_si(_number(key, word, -TURNED, TURNED, unit), unit) for word, unit in zip(words, units, strict=True))
 
     def block(self, kind: Interpolation, target: Target | Shift, via: PoseTarget | None, keys: dict[str, str], number: int) -> Block:
         parts: dict[str, dict[str, object]] = {"pace": {}, "blend": {}, "curving": {}, "": {}}
@@ -401,6 +401,7 @@ class Reader:
 
 
 BIG = textkeys.BIG
+TURNED = 1e7  # places of axes: 9999999.0 is the far target of a balancing machine (rho 3 L6844)
 RELATIVE = (Interpolation.PTP, Interpolation.LINEAR)  # MOVE_REL (rho 3)
 NO_WAY = ["rel", "pose", *["0"] * 6]
 HEADINGS = ("program", "robot", "angles", "axes", "start")

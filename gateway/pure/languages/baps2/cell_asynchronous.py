@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from gateway.pure.languages.baps2.errors import fault
+from gateway.pure.languages.baps2.lines import Wanted
 from gateway.pure.languages.baps2.robots import CellRobot
 from gateway.pure.languages.baps2.tasks import Block, Lane, Task
 from gateway.pure.languages.base.hosting import Port
@@ -63,7 +64,9 @@ class CellAsynchronous:
         lane.factors["VFACTOR"] = value
         for block in self._prepared(name):
             if block.wanted is not None and block.stretch is None:
-                block.wanted = replace(block.wanted, factors={**block.wanted.factors, "VFACTOR": value})
+                block.wanted = _with(block.wanted, value)
+            if block.farther is not None:
+                block.farther = _with(block.farther, value)
         stretch = next((each for each in self._cell.paths.stretches if each.robot == robot.number and each.job), None)
         if stretch is not None:
             before = self._slowed.get(robot.number)
@@ -93,3 +96,8 @@ class CellAsynchronous:
 
     def _prepared(self, kinematic: str) -> list[Block]:
         return [block for task in self._cell.tasks.values() for block in task.blocks(kinematic)]
+
+
+def _with(wanted: Wanted, factor: float) -> Wanted:
+    """With this V factor."""
+    return replace(wanted, factors={**wanted.factors, "VFACTOR": factor})

@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from dataclasses import replace
 
 from gateway.pure.image.records.interpreter import FAST, FIRST_FAST
 from gateway.pure.languages.baps2 import demands, lines
@@ -137,6 +138,9 @@ class CellMotion(CellView):
             if not block.stretch.over:
                 return False
             block.met = self.port.view.path_of(block.stretch.robot).met
+            if block.farther is not None and not block.met:
+                block.wanted, block.farther, block.stretch = block.farther, None, None
+                return False
             self.lane(block.kinematic).measured = None  # what the cycle has measured is newer
         return True
 
@@ -229,11 +233,22 @@ class CellMotion(CellView):
             for text in lines.system(frame):
                 self.paths.of(stretch.robot).hand_on(stretch, text, item.line, block=False)
         near, shares = self.lane(item.kinematic).position, self.port.view.channels.factors
-        text = lines.line(item.wanted, near, shares, None if through is None else through.wanted)
+        text = lines.line(self._leg(item, item.wanted), near, shares, None if through is None else through.wanted)
         item.index = self.paths.of(stretch.robot).hand_on(stretch, text, item.line)
         item.stretch = stretch
         if through is not None:
             through.index, through.stretch = item.index, stretch
+
+    def _leg(self, item: Block, wanted: Wanted) -> Wanted:
+        """As far as one block of the planner goes; the rest follows where UNTIL is not met before."""
+        most = None if item.until is None else item.until.limit
+        if item.until is None or (most is not None and most > lines.LEG_S):
+            return wanted
+        leg = lines.leg(wanted, self.where(item.kinematic), self.port.view.channels.factors)
+        if leg is not None and most is None:
+            keys = " ".join(each for each in wanted.until.split() if not each.startswith(("wait=", "delay=")))
+            item.farther = replace(wanted, until=keys, target=lines.left(wanted, leg))
+        return leg or wanted
 
     def _act(self, task: Task) -> bool:
         try:

@@ -2,17 +2,19 @@
 sections 6 and 14)."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.baps2.frames import NO_FRAME, Frame
 from gateway.pure.languages.baps2.robots import CellRobot
 from motion.errors import MotionError
+from motion.geometry.units import from_si, to_si
 from motion.program.blocks import Interpolation
 from motion.program.passing import Passing, Presets
 from motion.program.text.values import LONGEST_WITHIN_S
 
 LEAST, MOST = 0.01, 500.0  # % of a speed, as the text form takes it
+LEG_S = 100.0  # of a block to a far place at most: the cycle begins it when it has all its pieces, and takes two of them (1 s) a turn
 KINDS = (("V", "path", "V_PTP", "speed", 0), ("A", "pathaccel", "A_PTP", "accel", 1), ("D", "pathdecel", "D_PTP", "decel", 2))
 
 
@@ -62,6 +64,30 @@ def line(wanted: Wanted, world: Sequence[float], shares: Sequence[float], throug
     else:
         target = _target(wanted, world)
     return " ".join([way, target, *_speeds(wanted, shares), *_passed(wanted), *(each for each in (wanted.on_belt, wanted.until) if each)])
+
+
+def leg(wanted: Wanted, here: Sequence[float], shares: Sequence[float]) -> Wanted | None:
+    """What of a PTP block from `here` takes LEG_S; None: all of it can be planned at once.  A balancing machine goes to 9999999.0 until its
+    probe comes (L6763, 6844)."""
+    robot = wanted.robot
+    if wanted.way != "ptp" or wanted.relative or not (wanted.joint or robot.plain):
+        return None
+    share = min(wanted.factors.get("V_PTP", 1.0) * wanted.factors.get("VFACTOR", 1.0) * shares[0], 1.0)
+    ways = zip(here, wanted.target, robot.machine.limits, strict=True)
+    full_s = max(abs(to_si(target - place, axis.unit)) / axis.speed for place, target, axis in ways)
+    if share <= 0.0 or full_s <= LEG_S * share:
+        return None
+    part = LEG_S * share / full_s
+    return replace(wanted, target=tuple(place + part * (target - place) for place, target in zip(here, wanted.target, strict=True)))
+
+
+def left(wanted: Wanted, gone: Wanted) -> tuple[float, ...]:
+    """The target once the axes are at rest at that of `gone`: endless ones count from 0 again there."""
+    found = []
+    for target, place, axis in zip(wanted.target, gone.target, wanted.robot.machine.limits, strict=True):
+        turn = from_si(axis.modulo, axis.unit)
+        found.append(target - place // turn * turn if turn else target)
+    return tuple(found)
 
 
 def _target(wanted: Wanted, near: Sequence[float]) -> str:

@@ -30,6 +30,7 @@ class Block:
     was: bool = False  # the condition a moment ago
     met: bool | None = None
     wanted: Wanted | None = None  # in a cell
+    farther: Wanted | None = None  # what follows where the target is too far for one block of the planner
     index: int = 0  # among the blocks of its stretch
     stretch: Stretch | None = None  # it was handed on with
     stops: bool = True  # at its end

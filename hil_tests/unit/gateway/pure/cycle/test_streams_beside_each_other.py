@@ -55,7 +55,7 @@ def goes_on(lanes: Lanes, arm: Job) -> None:
     ("line", "words"),
     [
         ("ptp joints 400 90 -200 0", "scara: block 2, axis S1: target 400 deg is outside -132 .. 132 deg (VAL 3 520)"),
-        ("ptp joints nan 90 -200 0", "scara: block 2: joints: nan deg is outside -1e+06 .. 1e+06 deg"),
+        ("ptp joints nan 90 -200 0", "scara: block 2: joints: nan deg is outside -1e+07 .. 1e+07 deg"),
         (
             "linear pose 2000 0 100 180 0 0",
             "scara: block 2: point not reachable: 600.001 mm from axis 1, possible are 100.000 .. 600.000 mm",
