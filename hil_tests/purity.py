@@ -33,6 +33,7 @@ ALLOWED: dict[str, frozenset[str]] = {
     "protocols": frozenset({"protocols"}),
     "protocols/modbus": frozenset({"protocols", "pymodbus.pdu", "pymodbus.constants"}),
     "motion": frozenset({"motion", "numpy", "ruckig", "pinocchio"}),
+    "motion/kinematics/urdf_chain.py": frozenset({"motion", "xml.etree.ElementTree"}),
     "drivers/drives": frozenset({"protocols", "drivers.drives", "ruckig", "numpy"}),
     "drivers/emulator": frozenset({"protocols", "drivers.emulator"}),
     "gateway/pure": frozenset({"protocols", "motion", "drivers.drives", "gateway.pure"}),

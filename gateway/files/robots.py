@@ -158,8 +158,15 @@ def _geometry(path: str, file: RobotFile) -> plain.Geometry:
     if file.portal is not None:
         return plain.PortalGeometry(file.portal.letters, _pose(file.portal.flange, file.robot.angles))
     if file.urdf is not None:
-        return plain.UrdfGeometry(read_text(beside(path, file.urdf.file, "robots")), file.urdf.frame)
+        return plain.UrdfGeometry(_urdf_text(path, file.urdf.file), file.urdf.frame)
     return None
+
+
+def _urdf_text(path: str, name: str) -> str:
+    try:
+        return read_text(beside(path, name, "robots"))
+    except UnicodeDecodeError as error:
+        raise RobotFaults(path, [("urdf.file", f"{name} is not UTF-8: byte {error.start} is {error.object[error.start]:02X}h")]) from None
 
 
 def _arm(table: ArmTable) -> ArmGeometry:

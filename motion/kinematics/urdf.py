@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from motion.errors import MotionError
 from motion.geometry.frames import Pose
 from motion.geometry.limits import AxisLimits
+from motion.geometry.units import Kind, kind_of
 from motion.kinematics.base import FREE, Branch, Configuration, Joints, OutOfLimits, Unreachable, WrongConfiguration
+from motion.kinematics.urdf_chain import Chain, ChainJoint, chain_of
 
 Array = NDArray[np.float64]
 CLOSE = 1e-10  # m and rad: error of a pose that counts as reached
@@ -34,32 +36,26 @@ class Urdf:
     searches = True  # its inverse does, from many places
 
     def __init__(self, text: str, frame: str, limits: Sequence[AxisLimits] | None = None) -> None:
-        try:
-            self._model = pin.buildModelFromXML(text)
-        except (ValueError, RuntimeError) as error:
-            raise MotionError(f"no robot can be made of this URDF: {error}") from error
-        joints = list(self._model.joints)[1:]
-        if not joints or len(joints) > len(PRIMES) or any(joint.nv != 1 for joint in joints):
-            raise MotionError(f"a URDF of 1 .. {len(PRIMES)} joints with one axis each is needed, this has {len(joints)}")
-        if not self._model.existFrame(frame):
-            raise MotionError(f"the URDF has no link or joint {frame!r}")
-        self.axes: int = self._model.nv
-        self._frame = self._model.getFrameId(frame)
+        chain = chain_of(text, frame)
+        axes = chain.axes
+        if not axes or len(axes) > len(PRIMES):
+            raise MotionError(f"a URDF of 1 .. {len(PRIMES)} axes up to {frame!r} is needed, this has {len(axes)}")
+        self.axes: int = len(axes)
+        self.names = tuple(joint.name for joint in axes)
+        self.limits = tuple(limits) if limits is not None else tuple(map(_own_limits, axes))
+        _check_limits(axes, self.limits)
+        self._model, self._frame = _model(chain)
         self._data = self._model.createData()
-        self._places = tuple((int(joint.idx_q), int(joint.nq)) for joint in joints)
-        self.limits = tuple(limits) if limits is not None else self._own_limits()
-        if len(self.limits) != self.axes:
-            raise MotionError(f"{len(self.limits)} limits for {self.axes} joints")
+        self._by_axes = np.zeros((len(chain.moving), self.axes))  # change of each joint by the axes
+        for number, joint in enumerate(chain.moving):
+            self._by_axes[number, joint.follows] = joint.factor
+        self._shift = np.array([joint.offset for joint in chain.moving])
+        self._coupled = len(chain.moving) > self.axes
         self._lower = np.array([axis.lower for axis in self.limits])
         self._upper = np.array([axis.upper for axis in self.limits])
         width = self._upper - self._lower  # Halton points in the limits
         spread = [[_radical(n, base) for base in PRIMES[: self.axes]] for n in range(1, STARTS + 1)]
         self._starts = [self._lower + width * np.array(shares) for shares in spread]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of the joints, in the order of q."""
-        return tuple(str(name) for name in list(self._model.names)[1:])
 
     def forward(self, q: Sequence[float]) -> Pose:
         """(axes,) rad or m -> the frame in the base."""
@@ -76,7 +72,7 @@ class Urdf:
         found: Array = np.array(
             pin.computeFrameJacobian(self._model, self._data, full, self._frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
         )
-        return found
+        return self._of_axes(found)
 
     def inverse(self, pose: Pose, near: Sequence[float], configuration: Configuration | None = None) -> Joints:
         """A way inside the limits, from `near` if that leads there; configurations are not known here: 533 when one is demanded."""
@@ -144,33 +140,51 @@ class Urdf:
         full = self._full(q)
         pin.framesForwardKinematics(self._model, self._data, full)
         local = pin.computeFrameJacobian(self._model, self._data, full, self._frame, pin.ReferenceFrame.LOCAL)
-        found: Array = pin.Jlog6(goal.actInv(self._data.oMf[self._frame])) @ local
-        return found
+        return self._of_axes(pin.Jlog6(goal.actInv(self._data.oMf[self._frame])) @ local)
+
+    def _of_axes(self, jacobian: Array) -> Array:
+        """Of all moving joints -> of the axes; pinocchio gives that of one joint without its second dimension."""
+        columns = jacobian.reshape(6, -1)
+        return columns @ self._by_axes if self._coupled else columns
 
     def _full(self, q: Sequence[float] | Array) -> Array:
-        """Joints -> pinocchio's q, which holds cosine and sine of joints that turn without end."""
-        full: Array = np.zeros(self._model.nq)
-        for value, (place, size) in zip(q, self._places, strict=True):
-            if size == 1:
-                full[place] = value
-            else:
-                full[place], full[place + 1] = math.cos(value), math.sin(value)
-        return full
+        """Axes -> all moving joints, those that follow one, too."""
+        axes = np.asarray(q, dtype=np.float64)
+        if axes.shape != (self.axes,):
+            raise MotionError(f"{axes.size} positions for {self.axes} axes")
+        return self._by_axes @ axes + self._shift if self._coupled else axes
 
-    def _own_limits(self) -> tuple[AxisLimits, ...]:
-        """Travel and speed of the URDF; acceleration and jerk are assumed."""
-        limits = []
-        for number, (name, (place, size)) in enumerate(zip(self.names, self._places, strict=True)):
-            speed = float(self._model.velocityLimit[number])
-            speed = speed if 0.0 < speed < math.inf else 1.0
-            lower, upper = (
-                (-math.pi, math.pi)
-                if size == 2
-                else (float(self._model.lowerPositionLimit[place]), float(self._model.upperPositionLimit[place]))
-            )
-            unit = "m" if self._model.joints[number + 1].shortname().startswith("JointModelP") else "rad"
-            limits.append(AxisLimits(name, lower, upper, speed, ASSUMED_ACCEL * speed, ASSUMED_ACCEL * ASSUMED_JERK * speed, unit))
-        return tuple(limits)
+
+def _model(chain: Chain) -> tuple["pin.Model", int]:
+    """The chain for pinocchio, and the number of its frame.  Joints that turn do so without end: their travel is that of the axes."""
+    model = pin.Model()
+    joint, place = 0, pin.SE3.Identity()
+    for each in chain.joints:
+        place = place * pin.SE3(pin.rpy.rpyToMatrix(np.array(each.rpy)), np.array(each.xyz))
+        if each.follows is not None:
+            moves = pin.JointModelPrismaticUnaligned if each.slides else pin.JointModelRevoluteUnaligned
+            joint, place = model.addJoint(joint, moves(np.array(each.axis)), place, each.name), pin.SE3.Identity()
+    return model, int(model.addFrame(pin.Frame("end of the chain", joint, place, pin.FrameType.OP_FRAME)))
+
+
+def _check_limits(joints: Sequence[ChainJoint], limits: Sequence[AxisLimits]) -> None:
+    """As many axes as the chain has, each in the unit of its joint."""
+    if len(limits) != len(joints):
+        raise MotionError(f"{len(limits)} axes for {len(joints)} joints of the URDF: {', '.join(joint.name for joint in joints)}")
+    for axis, joint in zip(limits, joints, strict=True):
+        if joint.slides is not (kind_of(axis.unit) is Kind.LINEAR):
+            moves, unit = ("slides", "mm") if joint.slides else ("turns", "deg")
+            raise MotionError(f"axis {axis.name}: joint {joint.name!r} of the URDF {moves}, so its unit is {unit}, not {axis.unit}")
+
+
+def _own_limits(joint: ChainJoint) -> AxisLimits:
+    """Travel and speed of the URDF; acceleration and jerk are assumed."""
+    if joint.travel is None and joint.slides:
+        raise MotionError(f"joint {joint.name!r} of the URDF has no travel")
+    lower, upper, speed = joint.travel or (-math.pi, math.pi, 1.0)
+    speed = speed if 0.0 < speed < math.inf else 1.0
+    unit = "m" if joint.slides else "rad"
+    return AxisLimits(joint.name, lower, upper, speed, ASSUMED_ACCEL * speed, ASSUMED_ACCEL * ASSUMED_JERK * speed, unit)
 
 
 def _damped(jacobian: Array, error: Array, damping: float) -> Array:
