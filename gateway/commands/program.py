@@ -4,6 +4,7 @@ import argparse
 import json
 import pathlib
 import sys
+from dataclasses import replace
 
 from gateway.commands.program_cell import IN_CELLS, add_to, run_in_cell
 from gateway.commands.program_files import OF_FILES, add_files_to, run_on_files
@@ -13,7 +14,7 @@ from gateway.pure.languages.baps2.dry_run import DryRun
 from gateway.pure.languages.baps2.feed import Feed, FeedFault
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory, decoded
-from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.faults import Faults, SourceFault
 from gateway.runtime.exit_codes import Exit
 
 EXAMPLES = """examples:
@@ -85,13 +86,23 @@ def _check(options: argparse.Namespace) -> int:
                 memories[folder] = Library(words, folder_memory(folder))
             _, faults = memories[folder].check(str(path), text)
         errors += faults.errors
-        rows += faults.rows()
+        found = [_placed(fault, path) for fault in faults]
+        rows += [fault.as_row() for fault in found]
         if not options.json:
-            for fault in faults:
+            for fault in found:
                 print(fault)
     if options.json:
         print(json.dumps(rows, indent=1))
     return Exit.FINDING if errors else Exit.OK
+
+
+def _placed(fault: SourceFault, path: pathlib.Path) -> SourceFault:
+    """With the path of the included file that it is in, as the folder spells it."""
+    name = fault.position.file
+    if name == str(path):
+        return fault
+    spelled = next((each.name for each in path.resolve().parent.iterdir() if each.name.upper() == name.upper()), name)
+    return replace(fault, position=fault.position._replace(file=str(path.parent / spelled)))
 
 
 def _trace(options: argparse.Namespace) -> int:

@@ -12,6 +12,19 @@ from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.base.store import ProgramStore
 
 
+class _Noted:
+    """The store, which notes what a program includes."""
+
+    def __init__(self, store: ProgramStore, uses: set[str]) -> None:
+        self._uses, self.names, self.age = uses, store.names, store.age
+        self._text = store.text
+
+    def text(self, name: str) -> str | None:
+        """An included file."""
+        self._uses.add(name.upper().partition(".")[0])
+        return self._text(name)
+
+
 class Library:
     """Programs by name, without extension and in any case."""
 
@@ -20,6 +33,7 @@ class Library:
         self._words, self._store, self._watched = words, store, watched
         self._trees: dict[str, Program | None] = {}
         self._units: dict[str, tuple[Unit | None, Faults]] = {}
+        self._uses: dict[str, set[str]] = {}  # program -> files and programs that it was read and checked with
         self._twin: Library | None = None
 
     def watched(self) -> "Library":
@@ -42,12 +56,13 @@ class Library:
         name = name.upper()
         if name not in self._trees:
             text = self._store.text(f"{name}.QLL")
-            self._trees[name] = None if text is None else self._read(SourceFile(f"{name}.QLL", text), Faults())
+            uses = self._uses.setdefault(name, set())
+            self._trees[name] = None if text is None else self._read(SourceFile(f"{name}.QLL", text), Faults(), uses)
         return self._trees[name]
 
-    def _read(self, source: SourceFile, faults: Faults) -> Program | None:
+    def _read(self, source: SourceFile, faults: Faults, uses: set[str]) -> Program | None:
         try:
-            return read(source, self._words, self._store, faults)
+            return read(source, self._words, _Noted(self._store, uses), faults)
         except RecursionError:
             faults.error("too-complex", source.at(1), f"{source.name} is nested too deeply")
             return None
@@ -59,12 +74,19 @@ class Library:
 
     def examined(self, file: str, text: str) -> tuple[Program | None, Unit | None, Faults]:
         """Reads and checks one source; its tree too, also where it has errors."""
+        return self._examined(file, text, set())
+
+    def _examined(self, file: str, text: str, uses: set[str]) -> tuple[Program | None, Unit | None, Faults]:
+        def other(name: str) -> Program | None:
+            uses.add(name.upper())
+            return self.tree(name)
+
         faults = Faults()
         with uncollected():
-            program = self._read(SourceFile(file, text), faults)
+            program = self._read(SourceFile(file, text), faults, uses)
             if program is None:
                 return None, None, faults
-            unit = check(program, faults, self.tree)
+            unit = check(program, faults, other)
         return program, (unit if not faults.errors else None), faults
 
     def unit(self, name: str) -> tuple[Unit | None, Faults]:
@@ -72,7 +94,10 @@ class Library:
         name = name.upper()
         if name not in self._units:
             text = self._store.text(f"{name}.QLL")
-            unit, faults = (None, self._without_source(name)) if text is None else self.check(f"{name}.QLL", text)
+            if text is None:
+                unit, faults = None, self._without_source(name)
+            else:
+                _, unit, faults = self._examined(f"{name}.QLL", text, self._uses.setdefault(name, set()))
             self._units[name] = (unit if unit is not None and unit.load(faults, watched=self._watched) else None), faults
         return self._units[name]
 
@@ -84,8 +109,14 @@ class Library:
         return faults
 
     def forget(self, name: str) -> None:
-        """A source was replaced or deleted."""
-        self._trees.pop(name.upper(), None)
-        self._units.pop(name.upper(), None)
+        """A source was replaced, added or deleted: it is read again, and so is what includes it or refers to it."""
+        gone, more = {name.upper()}, {name.upper()}
+        while more:
+            more = {user for user, used in self._uses.items() if used & more} - gone
+            gone |= more
+        for each in gone:
+            self._trees.pop(each, None)
+            self._units.pop(each, None)
+            self._uses.pop(each, None)
         if self._twin is not None:
             self._twin.forget(name)

@@ -121,7 +121,7 @@ class Naming:
     def _external(self, each: External, level: int) -> None:
         if not each.program:
             for name, at in each.names:
-                self._names.declare(self._other(name), at)
+                self._names.declare(self._other(name, at), at)
             return
         if level:
             self.fault("public-place", each.at, "EXTERNAL data stand in the declarations of the main program only")
@@ -157,13 +157,30 @@ class Naming:
         """The program that data are imported from."""
         return self._imported
 
-    def _other(self, name: str) -> Symbol:
+    def _other(self, name: str, at: Position) -> Symbol:
         """An external program; one with parameters is an external subroutine."""
         program = self._programs(name) if name != self._program else None
+        if program is None and name != self._program:
+            self._missing(name, at)
+            return Symbol(name, "program", constant="any")  # what it takes is not known
         if program is None or not program.external_subroutine:
             return Symbol(name, "program")
         parameters = tuple((self.type_of(each.type), each.by_value) for each in program.main.parameters)
         return Symbol(name, "program", parameters=parameters)
+
+    def _missing(self, name: str, at: Position) -> None:
+        """Only a run finds it (1092): it may be loaded later."""
+        hint = f"put {name}.QLL into the same folder; to start or to call it without ends the program with error 1092"
+        self._names.faults.warning("program-missing", at, f"program {name} is not there", hint)
+
+    def started(self, name: str, at: Position) -> None:
+        """START of a program; what is declared was looked at there."""
+        program = self._programs(name) if name != self._program else None
+        if program is None and name != self._program and self._names.find(name) is None:
+            self._missing(name, at)
+        elif program is not None and program.external_subroutine:
+            hint = "call it by its name; START ends the program with error 1073"
+            self._names.faults.warning("subroutine-started", at, f"{name} is an external subroutine", hint)
 
     # ---- special functions
 

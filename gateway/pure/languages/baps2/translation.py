@@ -13,7 +13,7 @@ from gateway.pure.languages.baps2.scope import Names, Symbol, python_name
 from gateway.pure.languages.baps2.standard import STANDARD_NAMES
 from gateway.pure.languages.baps2.statements import DEVICES
 from gateway.pure.languages.baps2.travel import targets
-from gateway.pure.languages.baps2.tree import Declared, Instruction, Move, Parallel, Program, Routine, Statement
+from gateway.pure.languages.baps2.tree import Declared, Instruction, Move, Parallel, Program, Routine, StartStop, Statement
 from gateway.pure.languages.baps2.types import NONE, POINTS, Type, default_of
 from gateway.pure.languages.baps2.typing import Typing, kept
 from gateway.pure.languages.base.faults import Faults
@@ -117,6 +117,8 @@ class _Translation:
         for routine in program.subroutines:
             self._check_subroutine_names(routine)
         self._teach_points(program)
+        for routine in (program.main, *program.subroutines):
+            self._started(routine.body)
         self._unit.files = {name: symbol.type for name, symbol in self._names.scopes[0].items() if symbol.kind == "file"}
         self._unit.parameters, self._unit.imports = len(parameters), self._naming.imported
         variables = list(self._naming.variables)
@@ -140,6 +142,16 @@ class _Translation:
         symbol = self._names.find(routine.name)
         if symbol is not None and symbol.kind == "subroutine":
             symbol.parameters = tuple((self._naming.type_of(each.type), each.by_value) for each in routine.parameters)
+
+    def _started(self, body: tuple[Statement, ...]) -> None:
+        """START of other programs."""
+        for outer in body:
+            for each in inside(outer):
+                if isinstance(each, StartStop) and each.word == "START":
+                    self._naming.started(each.program, each.at)
+                elif isinstance(each, Parallel):
+                    for branch in each.branches:
+                        self._started(branch)
 
     # ---- teach points
 

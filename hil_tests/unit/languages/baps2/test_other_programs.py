@@ -1,0 +1,56 @@
+"""What a program needs of other files: programs it starts or calls, files it includes (rho 3 releases part 2, L2476-2494, 5841-5873)."""
+
+import json
+import pathlib
+
+import pytest
+
+from gateway.commands.program import main
+from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.baps2.memory import Memory
+from hil_tests.unit.languages.baps2.running import body, faults_of
+from hil_tests.unit.languages.baps2.words import WORDS
+
+SUBROUTINE = "SUBROUTINE SUBX (VALUE INTEGER : K)\nBEGIN\nSUB_END\n"
+
+
+def test_a_program_that_is_not_there_is_a_warning_where_it_is_named_first() -> None:
+    text = body("START GONE\nGONE(1, 2)\nPARALLEL\nSTART OTHER\nALSO\nSTART P\nSTOP LOST\nPARALLEL_END", "EXTERNAL : GONE, HERE")
+    assert faults_of(text, HERE=body("HALT")) == [("program-missing", 2), ("program-missing", 7)]
+
+
+def test_start_of_an_external_subroutine_is_a_warning() -> None:
+    assert faults_of(body("START SUBX\nSUBX(1)", "EXTERNAL : SUBX"), SUBX=SUBROUTINE) == [("subroutine-started", 4)]
+
+
+def test_what_a_program_was_checked_with_is_read_again_when_it_changes() -> None:
+    memory = Memory({"P.QLL": body("B\nSTART LATER\nX = 1", "EXTERNAL E : X\n;;INCLUDE INC").encode(), "INC.QLL": b"INTEGER : N\n"})
+    library = Library(WORDS, memory)
+
+    def faults(name: str, text: str) -> list[str]:
+        memory.files[f"{name}.QLL"] = text.encode()
+        library.forget(name)
+        return [fault.id for fault in library.unit("P")[1]]
+
+    assert [fault.id for fault in library.unit("P")[1]] == ["import-missing", "name-unknown", "program-missing"]
+    assert faults("E", body("HALT", "PUBLIC INTEGER : X")) == ["name-unknown", "program-missing"]
+    assert faults("LATER", body("HALT")) == ["name-unknown"]
+    assert faults("INC", "INTEGER : N\nEXTERNAL : B\n") == ["program-missing"]
+    assert faults("B", "PROGRAM B\n;;INCLUDE BODY\nPROGRAM_END\n") == []
+    assert faults("E", body("HALT", "PUBLIC BINARY : X")) == []
+    assert faults("BODY", "BEGIN\nHALT\n") == []
+    assert faults("E", body("HALT", "PUBLIC TEXT : X")) == ["type"]
+
+
+def test_check_names_the_included_file_with_its_path(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "main.qll").write_text(body("X = 1", ";;INCLUDE HEAD"))
+    (tmp_path / "head.qll").write_text("INTEGER : X\nEXTERNAL : GONE\nREAL : X\n")
+    assert main(["check", str(tmp_path / "main.qll"), "--json"]) == 1
+    rows = json.loads(capsys.readouterr().out)
+    head = str(tmp_path / "head.qll")
+    assert [(row["file"], row["line"], row["severity"], row["id"]) for row in rows] == [
+        (head, 2, "warning", "program-missing"),
+        (head, 3, "error", "declared-twice"),
+    ]
+    main(["check", str(tmp_path / "main.qll")])
+    assert f"{head}:2:12: warning: program GONE is not there" in capsys.readouterr().out
