@@ -8,7 +8,7 @@ import contextlib
 import difflib
 import json
 import pathlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from drivers.ports.base import runtime_dir
 from gateway.assembly.data_block_signals import place_of
@@ -49,6 +49,7 @@ from protocols.modbus.view import ExceptionCode, Kind
 
 LONGEST = 4096
 CLIENTS = 64  # connected at once; one more is told so and sent away
+MOST_ALIKE, ALIKE = 250, 3  # names compared with one that is unknown; of more those that begin with so many of its characters
 STOP = f"{PREFIX}{STOP_PROCESS}"  # is written and never read
 ASKING = ("get", "names", "status", "axes", "job", "ticket", "alive")  # requests that change nothing
 # of op "process", not while another tool has control
@@ -80,6 +81,7 @@ class Variables(Part):
         self._tools, self._contacts, self._host, self._joined, self._status = tools, contacts, host, joined, status
         self._addresses, self._operands = addresses, addresses.operands
         self._clients = 0
+        self._turn = asyncio.Lock()
         self._failed = ""
         self._server: asyncio.Server | None = None
 
@@ -105,9 +107,12 @@ class Variables(Part):
                     writer.write(json.dumps({"error": f"{CLIENTS} tools are connected; end one of them"}).encode() + b"\n")
                     return
                 while line := await _request(reader):
-                    writer.write(self._reply(line, writer) + b"\n")
+                    async with self._turn:
+                        writer.write(self._reply(line, writer) + b"\n")
+                        await asyncio.sleep(
+                            0
+                        )  # one request of all tools a turn: what is here already would be answered before anything else
                     await writer.drain()
-                    await asyncio.sleep(0)  # one request a turn: a line that is here already would be answered before anything else
         finally:
             self._clients -= 1
             self._tools.closed(writer)
@@ -261,9 +266,7 @@ class Variables(Part):
         try:
             return {"address": text, "place": name, "value": self._values.read(name), **name_unit(self._run.cell, name)}
         except KeyError:
-            close = difflib.get_close_matches(name, self._values.names(), n=1)
-            hint = f", did you mean {close[0]}?" if close else ""
-            return {"error": f"{name}: no such name{hint}; axisgate var lists them"}
+            return {"error": f"{name}: no such name{_meant(name, self._values.names())}; axisgate var lists them"}
 
     def _phg(self) -> Parameters:
         """Variables of the PHG 2000; KeyError: this cell has none."""
@@ -345,6 +348,13 @@ async def _request(reader: asyncio.StreamReader) -> bytes:
             await reader.readexactly(fault.consumed)
         except asyncio.IncompleteReadError as fault:
             return fault.partial if not long else b""
+
+
+def _meant(name: str, names: Sequence[str]) -> str:
+    """The name that may have been meant; comparing all of a large cell takes longer than a turn may last."""
+    alike = names if len(names) <= MOST_ALIKE else [each for each in names if each[:ALIKE] == name[:ALIKE]][:MOST_ALIKE]
+    close = difflib.get_close_matches(name, alike, n=1)
+    return f", did you mean {close[0]}?" if close else ""
 
 
 def _looks(request: dict[str, object]) -> bool:

@@ -8,6 +8,7 @@ from protocols.base.machine import Damage, Machine, Ns
 
 E = TypeVar("E")
 KEPT = 512  # pieces of what came or went, a few characters each
+KEPT_CHARACTERS = 16_384  # of all pieces: those of a flooded line are long, and a page asks for them all at once
 Piece = tuple[int, Ns, str, bytes | Damage]  # number, stamp, side (A: the partner, B: axisgate), characters
 
 
@@ -18,8 +19,9 @@ class Tap(Generic[E]):
         """`said` hears every good character at once."""
         self._said = said
         self._machine = machine
-        self._kept: deque[Piece] = deque(maxlen=KEPT)
+        self._kept: deque[Piece] = deque()
         self._number = 0
+        self._characters = 0  # kept
         self._latest: Ns = 0
 
     def since(self, number: int) -> list[Piece]:
@@ -57,6 +59,18 @@ class Tap(Generic[E]):
     def _keep(self, now: Ns, side: str, what: bytes | Damage) -> None:
         self._number += 1
         self._latest = max(now, self._latest)
+        if len(self._kept) == KEPT:
+            self._forget()
         self._kept.append((self._number, self._latest, side, what))
+        self._characters += _size(what)
+        while self._characters > KEPT_CHARACTERS and len(self._kept) > 1:
+            self._forget()
         if isinstance(what, bytes):
             self._said(self._latest, side, what)
+
+    def _forget(self) -> None:
+        self._characters -= _size(self._kept.popleft()[3])
+
+
+def _size(what: bytes | Damage) -> int:
+    return len(what) if isinstance(what, bytes) else 1
