@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from gateway.commands.program_cell import IN_CELLS, add_to, run_in_cell
 from gateway.commands.program_files import OF_FILES, add_files_to, run_on_files
+from gateway.commands.program_pic import PicTraceFault, event_line, pic_trace
 from gateway.files.pic_program import check_pic
 from gateway.files.program_memory import baps2_words, folder_memory, read_feed
 from gateway.pure.languages.baps2.dry_run import DryRun
@@ -20,6 +21,7 @@ from gateway.runtime.exit_codes import Exit
 EXAMPLES = """examples:
   axisgate program check memory/QUICKST.QLL memory/MAIN.QLL      every fault with file, line and column
   axisgate program trace memory QUICKST --feed feed.toml --json  what the program does, event by event, in virtual time
+  axisgate program trace memory LOCK.QLS --feed pic.toml         a PIC program, with inputs set at their times
   axisgate program list memory                                   all programs of a memory folder
   axisgate program points memory PICK                            points as the PKT file has them
   axisgate program run palletiser PALLET --sim                   in a simulated cell: drives on, program, drives off
@@ -105,7 +107,24 @@ def _placed(fault: SourceFault, path: pathlib.Path) -> SourceFault:
     return replace(fault, position=fault.position._replace(file=str(path.parent / spelled)))
 
 
+def _trace_pic(options: argparse.Namespace, name: str) -> int:
+    try:
+        run = pic_trace(options.folder, name, options.feed)
+    except PicTraceFault as fault:
+        for each in fault.faults or ():
+            print(each, file=sys.stderr)
+        print(f"axisgate program: {fault}", file=sys.stderr)
+        return Exit.FINDING if fault.faults is not None else Exit.INVALID
+    for event in run.trace:
+        print(event_line(event, options.json))
+    return Exit.OK
+
+
 def _trace(options: argparse.Namespace) -> int:
+    stem = options.program.upper().removesuffix(".QLS")
+    store = folder_memory(options.folder)
+    if store.text(f"{stem}.QLS") is not None and (stem != options.program.upper() or store.text(f"{stem}.QLL") is None):
+        return _trace_pic(options, stem)
     try:
         feed = read_feed(options.feed) if options.feed else Feed()
     except FeedFault as fault:
