@@ -16,6 +16,7 @@ from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, s
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 
 IN_CELLS = ("run", "start", "stop", "status")
+WAYS = {"ended": "ended after {seconds:.2f} s", "breakpoint": "is halted at the breakpoint {place}"}
 POLL_S = 0.05
 COMES_S = 30.0  # the interpreter reads and checks all programs first
 
@@ -174,7 +175,7 @@ def _rest(client: ToolClient, cell: Cell) -> None:
 def _told(client: ToolClient, name: str, answer: Row, seconds: float) -> Row:
     rows = {str(row["name"]): float(str(row["actual"])) for row in client.axes()}
     places = ", ".join(f"{axis} {place:.3f}" for axis, place in rows.items())
-    words = f"ended after {seconds:.2f} s" if answer["how"] == "ended" else str(answer["how"])
+    words = WAYS.get(str(answer["how"]), str(answer["how"])).format(seconds=seconds, **answer)
     if answer["code"] or (answer["text"] and answer["how"] != "ended"):  # the controls have messages without a number, too
         what = f"{answer['code']} {answer['text']}" if answer["code"] else str(answer["text"])
         words = f"{answer['how']}: {answer['place']}: {what}".replace(": :", ":")

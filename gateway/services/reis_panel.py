@@ -151,7 +151,7 @@ class ReisPanel:
             case "level":
                 programs.orders.append({"do": "key", "key": order.text.upper()})
             case "macro":
-                return programs.start(self._named(order.text), mover, now)
+                return programs.start(self._named(order.text), mover)
             case "look":
                 programs.orders.append({"do": "look", "name": order.text})
         return ""

@@ -31,6 +31,7 @@ ORDERS: dict[str, Words] = {
     "POST /api/program/test": ("started program {name} in test", "Programm {name} im Test gestartet"),
     "POST /api/program/breakpoints": ("set the breakpoints of {name}: {lines}", "Haltepunkte von {name} gesetzt: {lines}"),
     "POST /api/program/step": ("test of process {run}: {how}", "Test von Prozess {run}: {how}"),
+    "POST /api/program/single": ("single step of program {name}: {how}", "Einzelschritt von Programm {name}: {how}"),
     "POST /api/program/movement": ("test with movement: {on}", "Test mit Bewegung: {on}"),
     "POST /api/program/variable": ("set {name} of {program} to {value}", "{name} von {program} auf {value} gesetzt"),
     "POST /api/program/teach": ("taught point {point} of {name}", "Punkt {point} von {name} geteacht"),

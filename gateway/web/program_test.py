@@ -41,6 +41,13 @@ class TestStep(Body):
     how: Literal["run", "into", "over", "out", "hold"]
 
 
+class SingleStep(Body):
+    """One step of a program of a Reis; name "": of the one that is selected."""
+
+    name: Annotated[str, Field(max_length=128, pattern=r"^[^\x00-\x1f]*$")] = ""
+    how: Literal["into", "over", "out"]
+
+
 class Movement(Body):
     """WITH or WITHOUT movement, for all kinematics."""
 
@@ -103,6 +110,10 @@ class ProgramTests:
         body: TestStep = call.body
         return await self._order(call, "step", run=body.run, how=body.how)
 
+    async def single(self, call: Call) -> Row:
+        body: SingleStep = call.body
+        return await self._hands.start_program(call.person.key, body.name, do="step", how=body.how)
+
     async def movement(self, call: Call) -> Row:
         body: Movement = call.body
         return await self._order(call, "movement", on=body.on)
@@ -146,6 +157,7 @@ def program_test_endpoints(tests: ProgramTests) -> list[Endpoint]:
         row("POST", "/api/program/test", o, "start a program in test", tests.start, TestStart, True),
         row("POST", "/api/program/breakpoints", o, "set all breakpoints of a program", tests.breakpoints, Breakpoints, True),
         row("POST", "/api/program/step", o, "step a process of the test, let it go on, or hold it", tests.step, TestStep, True),
+        row("POST", "/api/program/single", o, "execute one step of a program of a Reis", tests.single, SingleStep, True),
         row("POST", "/api/program/movement", s, "test with or without movement", tests.movement, Movement, True),
         row("POST", "/api/program/variable", s, "set a variable of a process that is held", tests.variable, Variable, True),
         row("POST", "/api/program/teach", s, "store the actual position as a point", tests.teach, Teach, True),

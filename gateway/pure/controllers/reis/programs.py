@@ -17,12 +17,14 @@ from gateway.pure.image.records.cell import AxisFlag, CellState, Motion
 from gateway.pure.image.records.interpreter import Channels, Fact
 from gateway.pure.languages.robotstar.arm import TOOL, Arm
 from gateway.pure.languages.robotstar.cell_run import LEFT
-from gateway.pure.languages.robotstar.robot import MODES
+from gateway.pure.languages.robotstar.robot import MODES, Stride
 from gateway.pure.languages.robotstar.values import Structure
 from protocols.base.machine import Ns
 
 GONE = "the interpreter ended, and the program with it"
 RESULTS = 64
+MOST_BREAKS = 100  # breakpoints of a program
+STRIDES = tuple(each.value for each in Stride if each is not Stride.MODE)
 MOUSE_NS: Ns = 20_000_000  # a mouse may say as much as it likes; so often it is heard
 HAND = ""
 AT_REST = (Motion.IDLE, Motion.STOPPED)
@@ -59,9 +61,6 @@ class ReisSide(Protocol):
 
     def acknowledged(self) -> None:
         """It is acknowledged."""
-
-
-MOST_BREAKS = 100  # breakpoints of a program
 
 
 @dataclass(slots=True)
@@ -227,15 +226,16 @@ class ReisPrograms:
         """The next START at the pendant moves as this command source; 0: as the one of the cell."""
         self._mover = source or self.door
 
-    def start(self, name: str, source: int, now: Ns) -> str:
-        """START, of the program selected (name "") or of another one; "" or why it is refused."""
-        wrong = self._refusal(name)
-        if wrong:
+    def start(self, name: str, source: int, how: str = "") -> str:
+        """START, of the program selected (name "") or of another one; how: of a single step; "" or why it is refused."""
+        in_auto = "single steps are made in Test 1 to 6, not in AUTO" if how and self.mode == "auto" else ""
+        if wrong := self._refusal(name) or in_auto:
             return wrong
         self._runs += 1
         self.run, self._name = self._runs, name or self._name
         if source or not self._mover:
             self._mover = source or self.door
+        self.orders.append({"do": "stride", "how": how or Stride.MODE.value})
         self.orders.append({"do": "start", "run": self.run, "program": self._name})
         return ""
 
@@ -274,7 +274,7 @@ class ReisPrograms:
         executer = self.mode == "test5"
         if key == ("exec" if executer else "start"):
             if pressed:
-                self._wrong_start(self.start("", 0, now))
+                self._wrong_start(self.start("", 0))
             elif self.run and self.mode and (MODES[self.mode].single or self.keys.middle):
                 self.stop(now)  # dead man
         elif pressed and key == "stop":
@@ -334,7 +334,7 @@ class ReisPrograms:
             if levels[CHANGE] and not self._seen[CHANGE] and not self.run:
                 self.orders.append({"do": "change"})
             if levels[BEGIN] and not self._seen[BEGIN]:
-                self._wrong_start(self.start("", 0, now))
+                self._wrong_start(self.start("", 0))
             if self.side.marker(*END) and self.run:
                 self.stop(now)
         self._seen = levels
@@ -387,9 +387,8 @@ class ReisPrograms:
         return []
 
     def answer(self, request: Mapping[str, object], source: int) -> dict[str, object]:
-        """`do`: list, start and stop (`name`), state (`run`).  `source`: command source a program moves as, 0: the PLC's."""
+        """`do`: list, start and stop (`name`), step (`name`, `how`), state (`run`).  `source`: that a program moves as, 0: the PLC's."""
         name = str(request.get("name", "")).upper()
-        now = 0
         match request.get("do"):
             case "list":
                 name, value, words = self.looked
@@ -403,13 +402,18 @@ class ReisPrograms:
             case "outcome":
                 return {"over": True}
             case "start":
-                wrong = self.start(name, source, now)
-                return {"error": f"{name}: {wrong}"} if wrong else {"run": self.run}
+                return self._started(name, source)
+            case "step":
+                return self._started(name, source, str(request.get("how")))
             case "stop":
-                return self._stopped(name, now)
+                return self._stopped(name)
             case "state":
                 return self._outcome(request.get("run"))
-        return {"error": f"do {request.get('do')!r}; list, start, stop, state, breakpoints, value are known"}
+        return {"error": f"do {request.get('do')!r}; list, start, stop, step, state, breakpoints, value are known"}
+
+    def _started(self, name: str, source: int, how: str = "") -> dict[str, object]:
+        wrong = self.start(name, source, how) if how in ("", *STRIDES) else f"how = {how!r}; {', '.join(STRIDES)} are known"
+        return {"error": f"{name or self._name}: {wrong}"} if wrong else {"run": self.run}
 
     def _breakpoints(self, name: str, lines: object) -> dict[str, object]:
         """The program stops in front of these lines."""
@@ -421,12 +425,12 @@ class ReisPrograms:
         self.orders.append({"do": "breaks", "program": name, "lines": " ".join(str(line) for line in lines)})
         return {"ticket": 0}
 
-    def _stopped(self, name: str, now: Ns) -> dict[str, object]:
+    def _stopped(self, name: str) -> dict[str, object]:
         """A program that is stopped already is given up: START begins it at its first step."""
         if not self._name or name != self._name:
             return {"error": f"{name}: no such process"}
         if self.run:
-            self.stop(now)
+            self.stop(0)
         else:
             self.orders.append({"do": "forget"})
         return {"ok": True}

@@ -15,6 +15,8 @@ from gateway.pure.languages.robotstar.path import Target
 from gateway.pure.languages.robotstar.program import Program
 from gateway.pure.languages.robotstar.robot import CYCLE, Message, Mode, Robot, State
 
+BREAKPOINT = "breakpoint"  # how a program stopped in front of a step with one
+
 
 class NoDrive:
     """Of a robot whose positions go to the planner; only virtual time asks it."""
@@ -37,14 +39,15 @@ class NoDrive:
 
 @dataclass(slots=True)
 class CellRobot(Robot):
-    """Call `advance` once a turn; how: what it stopped for, "ended" (STOP, END), "stopped" or "aborted"."""
+    """Call `advance` once a turn; how: what it stopped for, "ended" (STOP, END, a single step), "breakpoint", "stopped" or
+    "aborted"."""
 
     ahead: Ahead = field(kw_only=True)
     places: Callable[[], tuple[float, ...]] = field(kw_only=True)  # set values of the cell's axes
     how: str = ""
     fault: Message | None = None
     _blocked: bool = False  # the step in force waits for the positions before
-    _halting: bool = False  # the program ends where the last position is over
+    _halting: str = ""  # how the program ends where the last position is over
     _put: Go | None = None  # prepared
 
     @property
@@ -66,7 +69,7 @@ class CellRobot(Robot):
 
     def _drop(self) -> None:
         self.ahead.forget()
-        self._blocked = self._halting = False
+        self._blocked, self._halting = False, ""
         self._put, self.how, self.fault = None, "", None
 
     def set_mode(self, mode: Mode) -> None:
@@ -102,8 +105,8 @@ class CellRobot(Robot):
                 return now + CYCLE
             self._blocked = False
             if self._halting:
-                self._halting = False
-                self._stops_itself()
+                how, self._halting = self._halting, ""
+                self._stops_itself(how)
                 return None
         return Robot.advance(self, now)
 
@@ -114,15 +117,16 @@ class CellRobot(Robot):
             self._blocked = True
         return 0 if self._blocked or self._halting else left
 
-    def _halted(self) -> None:
+    def _halted(self, *, at_breakpoint: bool) -> None:
+        how = BREAKPOINT if at_breakpoint else "ended"
         if self.ahead.busy:
-            self._halting = True
+            self._halting = how
         else:
-            self._stops_itself()
+            self._stops_itself(how)
 
-    def _stops_itself(self) -> None:
-        self.how = "ended"
-        Robot._halted(self)
+    def _stops_itself(self, how: str) -> None:
+        self.how = how
+        Robot._halted(self, at_breakpoint=how == BREAKPOINT)
 
     def _failed(self, fault: StepFault) -> None:
         if self.ahead.busy:
@@ -151,7 +155,7 @@ class CellRobot(Robot):
 
     def _way(self, request: Go, now: Ns) -> Ns | None:
         if request is not self._put:
-            if not self.ahead.room() or (self.mode.single and self.ahead.busy):
+            if not self.ahead.room() or (self.single and self.ahead.busy):
                 return now + CYCLE
             try:
                 self.ahead.put(request, self.machine.world.planned(), self.places())
@@ -161,7 +165,7 @@ class CellRobot(Robot):
                     return now + CYCLE
                 return None
             self._put = request
-        if self.mode.single and self.ahead.busy:
+        if self.single and self.ahead.busy:
             return now + CYCLE
         self._put = None
         self.machine.answered()
@@ -172,7 +176,7 @@ class CellRobot(Robot):
         """Nothing is prepared before something has happened in the cell."""
         request = self.machine.request
         asks = request is not None and not isinstance(request, Go)
-        halts = self._blocked or self._halting or self.mode.single
+        halts = self._blocked or bool(self._halting) or self.single
         return halts or asks or self.ahead.full or self.state is not State.RUNNING
 
     # ---- what shows ------------------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from gateway.pure.languages.robotstar import kept
 from gateway.pure.languages.robotstar.access import scalar, variable
 from gateway.pure.languages.robotstar.ahead import Ahead, Block
 from gateway.pure.languages.robotstar.arm import Arm, tool_values
-from gateway.pure.languages.robotstar.cell_robot import CellRobot, NoDrive
+from gateway.pure.languages.robotstar.cell_robot import BREAKPOINT, CellRobot, NoDrive
 from gateway.pure.languages.robotstar.cell_world import CellWorld
 from gateway.pure.languages.robotstar.checker import check
 from gateway.pure.languages.robotstar.faults import StepFault
@@ -23,7 +23,7 @@ from gateway.pure.languages.robotstar.memory import Memory
 from gateway.pure.languages.robotstar.mouse import Mouse
 from gateway.pure.languages.robotstar.operands import OperandFault, Ref, operand
 from gateway.pure.languages.robotstar.program import Program
-from gateway.pure.languages.robotstar.robot import MODES, Message, State
+from gateway.pure.languages.robotstar.robot import MODES, Message, State, Stride
 from gateway.pure.languages.robotstar.steps import build
 from gateway.pure.languages.robotstar.system import DEFAULTS, KEPT, System
 from gateway.pure.languages.robotstar.values import Array, Cell, Names, Structure, flat
@@ -208,6 +208,8 @@ class CellRun:
             case "mode":
                 self.mode = MODES[str(order["mode"])]
                 self.robot.set_mode(self.mode)
+            case "stride" if not self.runs:
+                self.robot.stride = Stride(str(order["how"]))
             case "key":
                 self.robot.key(order["key"] == "F2")
             case "ack":
@@ -334,7 +336,7 @@ class CellRun:
             self.port.tell("tool", values=" ".join(f"{value:.10g}" for value in tool_values(self._tool)))
         if self.runs:
             name = self.selected.key if self.selected is not None else ""
-            self.ahead.hand_on(self, name, self.port.view.set, one=self.mode.single)
+            self.ahead.hand_on(self, name, self.port.view.set, one=self.robot.single)
             if self.robot.waits:
                 self.ahead.settle()
         else:
@@ -372,4 +374,6 @@ class CellRun:
         row = ProcessRow(
             self.run, program or self.selected.key, self.selected.kind, state, step, waits, done=done if name == program else 0
         )
-        return [row if self.runs else replace(row, waits="")]
+        if self.runs:
+            return [row]
+        return [replace(row, waits="", state="held" if self.robot.how == BREAKPOINT else row.state)]

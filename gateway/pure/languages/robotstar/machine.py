@@ -117,6 +117,10 @@ class Halted(Exception):
     """The program stops itself: STOP, or END of a main program in a test mode."""
 
 
+class AtBreakpoint(Halted):
+    """It stops in front of a step with a breakpoint."""
+
+
 @dataclass(slots=True)
 class Machine:
     """State of the interpreter.  `build` makes the steps' functions of a program."""
@@ -238,7 +242,7 @@ class Machine:
     def _held(self, op: Op) -> Op:
         def held() -> int:
             if not self.passes:
-                raise Halted
+                raise AtBreakpoint
             self.passes = False
             try:
                 return op()

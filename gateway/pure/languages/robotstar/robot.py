@@ -7,12 +7,21 @@ from typing import Protocol
 
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.robotstar.faults import StepFault
-from gateway.pure.languages.robotstar.machine import BitWait, Frame, Go, Halted, KeyTest, Machine, Wait
+from gateway.pure.languages.robotstar.machine import AtBreakpoint, BitWait, Frame, Go, Halted, KeyTest, Machine, Wait
 from gateway.pure.languages.robotstar.path import Target
 from gateway.pure.languages.robotstar.program import Program
 
 CYCLE: Ns = 10_000_000  # interpolation cycle (L2893)
 BUDGET = 1_000  # steps in a cycle
+
+
+class Stride(Enum):
+    """How far a START goes.  The value is the order of page and tools."""
+
+    MODE = "run"  # as the mode has it
+    INTO = "into"  # one step, of a sub-program or macro too
+    OVER = "over"  # one step, a call or macro to its end
+    OUT = "out"  # to the step behind the call in force
 
 
 class State(Enum):
@@ -88,9 +97,10 @@ class Robot:
     say: Callable[[Message], None]
     state: State = State.STOPPED
     failure: Message | None = None  # the error that is not acknowledged
+    stride: Stride = Stride.MODE  # of the START in force, or of the next one
     _left: Ns | None = None  # of the request in force
     _asked_at: Ns = 0
-    _macro_depth: int = 0  # of a macro that counts as one step; 0: none
+    _macro_depth: int = 0  # of a macro or call that counts as one step; 0: none
     _round_began: tuple[Frame | None, Ns] = (None, -1)
     _key: bool | None = None
     _request: object = field(default=None)
@@ -121,6 +131,11 @@ class Robot:
         self._request = None
         self._left, self._macro_depth, self._key = None, 0, None
 
+    @property
+    def single(self) -> bool:
+        """Each step needs a START of its own."""
+        return self.mode.single or self.stride is not Stride.MODE
+
     def start(self, now: Ns) -> str:
         """START; "" or why it is refused."""
         if not self.acknowledged:
@@ -129,9 +144,13 @@ class Robot:
             return "no program is selected"
         if self.state in (State.RUNNING, State.WAITING):
             return ""
-        self.state, self._asked_at, self.machine.idle = State.RUNNING, now, False
         frame = self.machine.frame
-        self.machine.passes = frame.at in self.machine.breaks.get(frame.program.key, ())
+        if self.stride is Stride.OUT and len(self.machine.stack) == 1:
+            return f"{frame.program.name} was called by no program"
+        self.state, self._asked_at, self.machine.idle = State.RUNNING, now, False
+        if self.stride is not Stride.MODE:
+            self._macro_depth = len(self.machine.stack) - 1 if self.stride is Stride.OUT else 0
+        self.machine.passes = self.machine.request is None and frame.at in self.machine.breaks.get(frame.program.key, ())
         return ""
 
     def stop(self, now: Ns) -> None:
@@ -180,10 +199,10 @@ class Robot:
 
     def _steps(self, budget: int, now: Ns) -> int:
         machine = self.machine
-        single = self.mode.single
+        single = self.single
         frame = machine.frame
         assert frame is not None
-        if single and not self._macro_depth and not self.mode.into_macros and self._at_macro(frame):
+        if single and not self._macro_depth and self._as_one(frame):
             self._macro_depth = len(machine.stack)
         try:
             first = frame.at == 0 and len(machine.stack) == 1
@@ -191,8 +210,8 @@ class Robot:
                 return 0
             left = machine.run(1 if single else budget)
             budget = budget - 1 + left if single else left
-        except Halted:
-            self._halted()
+        except Halted as halt:
+            self._halted(at_breakpoint=isinstance(halt, AtBreakpoint))
             return budget
         except StepFault as fault:
             self._failed(fault)
@@ -201,14 +220,23 @@ class Robot:
             self._step_done(now)
         return budget
 
-    def _halted(self) -> None:
+    def _halted(self, *, at_breakpoint: bool) -> None:
         """The program has stopped itself."""
+        del at_breakpoint
         self._macro_depth = 0
         self.state = State.STOPPED
 
-    def _at_macro(self, frame: Frame) -> bool:
+    def _as_one(self, frame: Frame) -> bool:
+        """Whether the step under the cursor is executed with all that it calls."""
         step = frame.program.steps[frame.at] if frame.at < len(frame.program.steps) else None
-        return step is not None and step.macro and step.valid
+        if step is None or not step.valid:
+            return False
+        match self.stride:
+            case Stride.MODE:
+                return step.macro and not self.mode.into_macros
+            case Stride.OVER:
+                return step.macro or step.word == "CALL"
+        return False
 
     def _may_begin(self, frame: Frame, now: Ns) -> bool:
         """A round of AUTO takes at least a cycle."""
@@ -220,7 +248,7 @@ class Robot:
     def _step_done(self, now: Ns) -> None:
         """In single-step modes START is needed for each step."""
         del now
-        if not self.mode.single or self.state is State.STOPPED:
+        if not self.single or self.state is State.STOPPED:
             return
         if self._macro_depth and len(self.machine.stack) > self._macro_depth:
             return

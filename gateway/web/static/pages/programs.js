@@ -171,9 +171,10 @@ export function mount(root, { t, cell, get, me, post, unable }) {
   const wanted = h("input", { type: "text", id: "variable", maxlength: "64", autocomplete: "off", "aria-label": t("variable"), placeholder: "I_N, V1.X, _SPS[6]" });
   const answer = h("dl", { id: "value", class: "facts" });
   const ask = async (event) => { event?.preventDefault(); const name = wanted.value.trim(); if (name) await get(`/api/program/value?name=${encodeURIComponent(name)}`).catch(() => {}); };
-  const single = h("section", { class: "card w5", id: "single", hidden: true }, h("h2", {}, t("Variables")),
+  const strides = [["into", "Step"], ["over", "Step over calls"], ["out", "Step out"]].map(([how, words]) => h("button", { type: "button", "data-stride": how, onclick: () => ordered("step", { name: processes.length ? "" : shown, how }) }, t(words)));
+  const single = h("section", { class: "card w5", id: "single", hidden: true }, h("h2", {}, t("Single step")), h("div", { class: "bar" }, strides), h("h2", {}, t("Variables")),
     h("form", { class: "bar", onsubmit: ask }, wanted, h("button", { type: "submit" }, t("Show"))), answer,
-    h("p", { class: "soft small" }, t("A breakpoint stops the program in front of its step; START continues. Single steps are Test 1, 3 and 6 on the page Pendant.")));
+    h("p", { class: "soft small" }, t("A breakpoint stops the program in front of its step; Start continues. Single steps need one of the modes Test 1 to 6 (page Pendant). A step over calls executes a sub-program or macro to its end.")));
   const looking = setInterval(() => { if (!document.hidden && !single.hidden) ask(); }, LOOK_MS);
   function one(value) {
     const name = wanted.value.trim().toUpperCase();
@@ -200,6 +201,7 @@ export function mount(root, { t, cell, get, me, post, unable }) {
       breaks = page.breaks || null;
       single.hidden = !breaks;
       one(page.value);
+      for (const each of strides) grey(each, unable("operator") || (processes.some((row) => row.run) ? t("The program runs.") : ""));
       if (watched && !processes.some((row) => row.run === watched)) watched = 0;
       if (!watched && subject()) { watched = subject().run; look(); }
       draw(page);

@@ -63,13 +63,13 @@ def test_a_breakpoint_stops_in_front_of_its_step_in_every_round() -> None:
     assert answer({"do": "outcome", "ticket": 0}, 0) == {"over": True}
     assert answer({"do": "list"}, 0)["breaks"] == {"P": [7, 99]}
     for count in (0, 1, 2):
-        assert cell.run()[0] == "ended"
+        assert cell.run() == ("breakpoint", 0, "", "P step 7")
         row = cell.language.rows()[0]
-        assert (row.state, row.line, cell.value("I1")) == ("stopped", 7, str(count))
+        assert (row.state, row.line, cell.value("I1")) == ("held", 7, str(count))
     assert cell.where() == pytest.approx((884, 0, 591), abs=0.05), "the position before is reached"
     files = [Source(*each) for each in cell.files.items()]
     cell.language.replaced(Memory.read(files, words(), Faults()))
-    assert cell.run()[0] == "ended" and cell.language.rows()[0].line == 7, "also once the memory was read anew"
+    assert cell.run()[0] == "breakpoint" and cell.language.rows()[0].line == 7, "also once the memory was read anew"
     assert answer({"do": "breakpoints", "name": "P", "lines": []}, 0) == {"ticket": 0}
     run_ = cell.start()
     cell.bench.run(0.5)
@@ -87,7 +87,63 @@ def test_a_breakpoint_at_a_step_that_waits_for_a_position_is_passed_once() -> No
     cell = ReisCell(main(body))
     assert cell.hosted.answer({"do": "breakpoints", "name": "P", "lines": [6, 7]}, 0) == {"ticket": 0}
     stops = []
-    for _ in range(3):
-        assert cell.run()[0] == "ended"
+    for how in ("breakpoint", "breakpoint", "ended"):
+        assert cell.run()[0] == how
         stops.append((cell.language.rows()[0].line, round(cell.where()[1])))
     assert stops == [(6, 0), (7, 0), (11, 60)], cell.told
+
+
+def test_a_step_that_was_interrupted_at_its_breakpoint_does_not_pass_the_next_one() -> None:
+    cell = ReisCell(main("WAIT 2\nWAIT 0.1\nSTOP"))
+    assert cell.hosted.answer({"do": "breakpoints", "name": "P", "lines": [3, 4]}, 0) == {"ticket": 0}
+    assert cell.run()[3] == "P step 3"
+    run_ = cell.start()
+    cell.bench.run(0.5)
+    cell.stop()
+    assert cell.ends(run_)[0] == "stopped"
+    assert cell.run() == ("breakpoint", 0, "", "P step 4")
+
+
+STEPPED = {
+    "P.MPR": f'MPR "P"\nTOOL T\nMOVE_MODE #LINEAR\nPATH_SPEED 300\n{at(884, 0, 591)}\nCALL "S"\nM\nCOPY 9, I1\nSTOP\nEND\n',
+    "S.SPR": f'SPR "S"\nCOPY 2, I1\n{at(884, 60, 591)}\nEND\n',
+    "M.MAC": 'MAC "M"\nCOPY 3, I1\nCOPY 4, I1\nEND\n',
+    "V.MPR": 'MPR "V"\nVAR I1\nEND\n',
+}
+
+
+def stepped(cell: ReisCell, how: str) -> tuple[str, int]:
+    """One step as the page and tools order it; where the program is behind it."""
+    answer = cell.hosted.answer({"do": "step", "name": "", "how": how}, 0)
+    assert isinstance(answer.get("run"), int), answer
+    assert cell.ends(int(str(answer["run"])))[:3] == ("ended", 0, ""), cell.told
+    row = cell.language.rows()[0]
+    return row.program, row.line
+
+
+@pytest.mark.parametrize("mode", [1, 2, 4, 6])
+def test_a_single_step_of_the_page_in_any_test_mode(mode: int) -> None:
+    cell = ReisCell(STEPPED)
+    refused = cell.hosted.answer({"do": "step", "name": "P", "how": "into"}, 0)
+    assert refused == {"error": "P: single steps are made in Test 1 to 6, not in AUTO"}
+    cell.bench.permit(23, value=False)
+    cell.control.put("reis.mode", float(mode))
+    cell.bench.run(0.1)
+    assert "how = 'run'" in str(cell.hosted.answer({"do": "step", "name": "P", "how": "run"}, 0))
+    assert "run" in cell.hosted.answer({"do": "step", "name": "P", "how": "into"}, 0)
+    cell.bench.run(0.1)
+    assert [stepped(cell, "into") for _ in range(4)] == [("P", 3), ("P", 4), ("P", 5), ("P", 6)]
+    assert cell.where() == pytest.approx((884, 0, 591), abs=0.05)
+    out = cell.hosted.answer({"do": "step", "name": "", "how": "out"}, 0)
+    cell.bench.run(0.1)
+    assert "P was called by no program" in cell.hosted.results[int(str(out["run"]))][2]
+    assert stepped(cell, "into") == ("S", 1)
+    assert stepped(cell, "into") == ("S", 2)
+    assert stepped(cell, "out") == ("P", 7)
+    assert cell.where() == pytest.approx((884, 60, 591), abs=0.05)
+    assert stepped(cell, "into") == ("M", 1)
+    assert stepped(cell, "out") == ("P", 8) and cell.value("I1") == "4"
+    cell.hosted.select("P", 6)
+    assert stepped(cell, "over") == ("P", 7) and cell.value("I1") == "2"
+    assert stepped(cell, "over") == ("P", 8) and cell.value("I1") == "4"
+    assert cell.run()[0] == "ended" and cell.language.rows()[0].line == (10 if mode in (2, 4) else 9), "START is the mode's again"
