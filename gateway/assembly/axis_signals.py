@@ -1,7 +1,9 @@
 """Enabling inputs and status outputs of the axes: their numbers in this cell, and inputs the cell takes as 1."""
 
+import re
 from dataclasses import replace
 
+from gateway.assembly.data_block_signals import signals_of
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cycle.enabling_inputs import RcNumbers
 from gateway.pure.image.records.cell import Permit
@@ -26,10 +28,28 @@ OUTPUT_SIGNALS = {
 }
 
 
+SINGLE = re.compile("KIN_([0-9]+)_(FEED_ALLOW|FEED_HOLD_N)_RCI")  # feed inputs of one kinematic (AX-1787)
+SINGLE_PERMITS = {"FEED_ALLOW": Permit.FEED, "FEED_HOLD_N": Permit.RUN}
+
+
 def rc_numbers(cell: Cell) -> RcNumbers:
     """AX-002's numbers as this cell has them; moving the first axis' bit moves the row."""
     moved = {name.upper(): bit for name, bit in cell.signals.items()}
-    return replace(RcNumbers(), **{field: moved[name] for name, field in {**INPUT_SIGNALS, **OUTPUT_SIGNALS}.items() if name in moved})
+    own = {field: moved[name] for name, field in {**INPUT_SIGNALS, **OUTPUT_SIGNALS}.items() if name in moved}
+    return replace(RcNumbers(), **own, kinematics=single_inputs(cell))
+
+
+def single_inputs(cell: Cell) -> tuple[tuple[int, int, int], ...]:
+    """Feed inputs of single kinematics that the cell has: number of the kinematic, bit of Permit, RC input."""
+    if not cell.rc_inputs.wired:
+        return ()
+    signals, found = signals_of(cell), []
+    for name in cell.rc_inputs.wired:
+        signal = signals.named(name)
+        row = SINGLE.fullmatch(signal.name) if signal is not None else None
+        if signal is not None and row is not None:
+            found.append((int(row[1]), int(SINGLE_PERMITS[row[2]]), signal.at.number))
+    return tuple(found)
 
 
 def assumed_permits(cell: Cell) -> Permit:

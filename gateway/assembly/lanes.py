@@ -7,7 +7,19 @@ from gateway.pure.cycle.lane_masks import masks_of
 
 def lane_masks(cell: Cell) -> list[int]:
     """Axes (bit n-1 = axis n) of each, as the cycle has them."""
-    return masks_of(kinematic_by_axis(cell), one=bool(cell.belt) or cell.alter is not None)
+    return masks_of(kinematic_by_axis(cell), one=not move_apart(cell))
+
+
+def move_apart(cell: Cell) -> bool:
+    """Its kinematics have a lane each."""
+    return len(cell.robot) > 1 and all(robot.model for robot in cell.robot) and not cell.belt and cell.alter is None
+
+
+def robot_axes(cell: Cell) -> dict[str, int]:
+    """Axes (bit n-1 = axis n) of each robot with a name."""
+    numbers = kinematic_by_axis(cell)
+    masks = [sum(1 << n for n, own in enumerate(numbers) if own == number) for number in range(1, len(cell.robot) + 1)]
+    return {robot.name: mask for robot, mask in zip(cell.robot, masks, strict=True) if robot.name and mask}
 
 
 def lanes_of_cell(cell: Cell) -> int:

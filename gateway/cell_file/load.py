@@ -160,6 +160,10 @@ class _Loader:
             kind: frozenset(str(each.get("name")) for each in _tables(self.raw.get(kind)))
             for kind in ("line", "bus", "axis", "modbus", "telegram")
         }
+        robots = self.raw.get("robot")
+        known["robot"] = frozenset(
+            str(each["name"]) for each in ([robots] if isinstance(robots, dict) else _tables(robots)) if each.get("name")
+        )
         blocks = frozenset(str(each.get("number")) for each in _tables(self.raw.get("db")))
         params = self.raw.get("rho3")
         given = frozenset(key for key, value in params.items() if value) if isinstance(params, dict) else frozenset()

@@ -1,6 +1,7 @@
 """Data blocks: places, types, names, ranges, who writes which word, and the bits of the handshakes."""
 
 from gateway.assembly.data_block_signals import flag_operand, number_of, operand, parsed, place_of, rc_place
+from gateway.assembly.lanes import move_apart
 from gateway.checks.context import Context, near, number
 from gateway.checks.controller import names_of, phg_fault
 from gateway.pure.cell.cell import Axis, Db, Entry, Handshake
@@ -173,7 +174,7 @@ def _of_modbus(check: Context, block: Db) -> None:
 
 def names(check: Context) -> None:
     """Every to and from is a known name of the right kind and direction."""
-    suggestions = spelled(sorted(check.known["axis"]), sorted(check.known["line"]))
+    suggestions = spelled(sorted(check.known["axis"]), sorted(check.known["line"]), sorted(check.known["robot"]))
     for block in check.cell.db:
         for entry in block.entries:
             place = rc_place(entry.signal, check.signals)
@@ -188,7 +189,8 @@ def names(check: Context) -> None:
                 continue
             if found is None:
                 hint = phg_fault(check.cell, entry.signal) or (
-                    near(entry.signal, suggestions) or f"known are {', '.join(spelled(['AXIS'], ['LINE']))} and the signals of the RC list"
+                    near(entry.signal, suggestions)
+                    or f"known are {', '.join(spelled(['AXIS'], ['LINE'], ['ROBOT']))} and the signals of the RC list"
                 )
                 check.fault(_key(block, entry), entry.signal, f"unknown name; {hint}")
                 continue
@@ -207,9 +209,10 @@ def _of_control(check: Context, entry: Entry) -> bool:
 def _kind(check: Context, block: Db, entry: Entry, found: Found) -> None:
     key = _key(block, entry)
     if found.which and found.which != "*":
-        kind = "axis" if "AXIS" in found.name.pattern else "line"
-        if check.unknown(key, found.which, kind):
+        if check.unknown(key, found.which, found.kind):
             return
+        if found.kind == "robot" and entry.to and not move_apart(check.cell):
+            check.fault(key, entry.signal, "the kinematics of this cell do not move for themselves (AX-920); use cell.override")
     if not (found.name.to if entry.to else found.name.from_):
         way = "read (from = ..)" if entry.to else "written (to = ..)"
         check.fault(key, entry.signal, f"this name is only {way}")

@@ -81,8 +81,8 @@ def _registers(check: Context, door: Modbus, key: str) -> None:
         if why:
             check.fault(where, table.from_, why)
             continue
-        axis = table.from_.split(".")[1] if table.from_.startswith("axis.") else "*"
-        if not table.from_.startswith(PREFIX) and (found is None or (axis != "*" and axis not in axes)):
+        there = found is not None and (found.which in ("", "*") or found.which in check.known[found.kind])
+        if not table.from_.startswith(PREFIX) and not there:
             check.fault(
                 where, table.from_, near(table.from_, spelled(axes, [])) or "no such value; `axisgate var` lists those of a running cell"
             )

@@ -5,7 +5,8 @@ import re
 from collections.abc import Iterator
 
 from gateway.assembly.axis_scaling import scaling_of
-from gateway.assembly.data_block_signals import place_of
+from gateway.assembly.axis_signals import SINGLE, single_inputs
+from gateway.assembly.data_block_signals import place_of, signals_of
 from gateway.checks.blocks import counts_of, split_unit
 from gateway.checks.context import number
 from gateway.checks.playable import not_playable
@@ -16,7 +17,7 @@ from gateway.pure.cell.cell import Axis, Cell, Db, Entry, Line, Notice
 from gateway.pure.cell.simulated_ports import unused_ports
 from gateway.pure.controllers.rho3.signals.drives import AXES as SIGNALLED
 from gateway.pure.cycle.enabling_inputs import SIGNAL_AXES
-from gateway.pure.image.addresses import DataWord
+from gateway.pure.image.addresses import DataWord, Direction, RcBit
 from gateway.pure.image.names import Kind, lookup
 from gateway.pure.lines.line_profiles import link_profile
 from gateway.pure.reports.transfer_times import cycle_us, job_ms, sdo_us, silence_s
@@ -203,6 +204,28 @@ def enabling(cell: Cell) -> Iterator[Notice]:
         yield Notice("warning", "rc_inputs", text)
 
 
+def feed_of_kinematics(cell: Cell) -> Iterator[Notice]:
+    """Feed inputs of single kinematics: without a writer they read 0, without `wired` they are not read (AX-1787)."""
+    signals = signals_of(cell)
+    named = {text for text in _written(cell) if (signal := signals.named(text)) is not None and SINGLE.fullmatch(signal.name)}
+    wired = {signal.name for name in cell.rc_inputs.wired if (signal := signals.named(name)) is not None}
+    written = {signal.name for text in named if (signal := signals.named(text)) is not None}
+    if unread := sorted(written - wired):
+        yield Notice("warning", "rc_inputs", f"{', '.join(unread)} written and not read: name them in [rc_inputs] wired")
+    for kinematic, _, place in single_inputs(cell) if not not_playable(cell) else ():
+        signal = signals.at(RcBit(Direction.INPUT, place))
+        if signal is not None and place // 8 not in cell.rc_inputs.owner and signal.name not in written:
+            yield Notice("warning", "rc_inputs", f"{signal.name} has no writer: it reads 0 and kinematic {kinematic} will not move")
+
+
+def _written(cell: Cell) -> set[str]:
+    """What entries of data blocks, contacts and routes write."""
+    written = {entry.to for block in cell.db for entry in block.entries if entry.to} | {
+        io.signal for io in cell.io if io.device.input is not None
+    }
+    return written | {route.to for route in cell.route}
+
+
 def counting(cell: Cell) -> Iterator[Notice]:
     """Endless axes go round, the 32 bits of their drives' set values do not (AX-568)."""
     for axis in cell.axis:
@@ -277,6 +300,7 @@ NOTES = (
     evidence,
     lag,
     enabling,
+    feed_of_kinematics,
     bus_whole,
     counting,
     serials,

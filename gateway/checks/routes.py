@@ -221,10 +221,9 @@ def _name(check: Context, key: str, text: str, name: str) -> None:
         return
     if found is None or not found.name.from_ or name.startswith("move."):
         check.fault(key, text, f"no value that can be read; {_near_value(check, name)}")
-    elif found.which not in ("", "*") and found.which not in check.known["axis"]:
-        check.fault(
-            key, text, f"no such axis; {near(found.which, check.known['axis']) or 'there is ' + ', '.join(sorted(check.known['axis']))}"
-        )
+    elif found.which not in ("", "*") and found.which not in (known := check.known[found.kind]):
+        there = near(found.which, known) or "there is " + (", ".join(sorted(known)) or "none")
+        check.fault(key, text, f"no such {found.kind}; {there}")
 
 
 def _near_value(check: Context, name: str) -> str:

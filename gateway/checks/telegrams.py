@@ -13,7 +13,7 @@ from protocols.telegrams.fields import TEXTS, Field, Kind
 from protocols.telegrams.judge import Finding, incoming_faults, outgoing_faults, same_block
 from protocols.telegrams.layout import Incoming
 
-RESERVED = ("cell", "axis", "line", "move", "telegram")  # first words of axisgate's own names
+RESERVED = ("cell", "axis", "line", "move", "robot", "telegram")  # first words of axisgate's own names
 
 
 def _key(telegram: Telegram, key: str = "", index: int | None = None) -> str:
@@ -158,7 +158,7 @@ def _readable(check: Context, key: str, name: str, own: set[str]) -> None:
         hint = near(name, {*own, *spelled(sorted(check.known["axis"]), [])}) or f"known are {', '.join(sorted(own)) or 'no own names'}"
         check.fault(key, name, f"no such value to read; {hint}")
     elif found.which not in ("", "*"):
-        check.unknown(key, found.which, "axis")
+        check.unknown(key, found.which, found.kind)
 
 
 def _kinds(check: Context, telegram: Telegram, index: int) -> None:

@@ -4,6 +4,7 @@ import json
 import time
 from typing import Any, Protocol
 
+from gateway.assembly.lanes import robot_axes
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cycle.enabling_inputs import PERMITS
 from gateway.pure.image.reasons import Reason, text
@@ -53,6 +54,7 @@ class Regions:
         self.inputs = InputImage()
         self.outputs = bytes(RC_BYTES)
         self.facts = [(axis.name, axis.unit, to_si(1.0, axis.unit)) for axis in plan.cell.axis]
+        self._robots = robot_axes(plan.cell)
         self._seen = [-1, -1, -1]
 
     def look(self) -> None:
@@ -95,6 +97,9 @@ class Regions:
             "motion": int(state.motion),
             "override": round(state.override * 100.0, 1),
             "missing": missing,
+            "withheld": [
+                [name, [each for each, permit in PERMITS if state.withheld(mask) & permit]] for name, mask in self._robots.items()
+            ],
             "travel": bool(state.permits & Permit.TRAVEL),
             "stop_cause": state.stop_cause,
             "stop_text": [text(Reason(state.stop_cause), language) for language in ("en", "de")] if state.stop_cause else ["", ""],

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+from gateway.assembly.lanes import robot_axes
 from gateway.pure.cell.cell import Cell
 from gateway.pure.image.records.cell import AxisFlag
 from gateway.services.shared_image import SharedImage
@@ -16,7 +17,7 @@ class CellValues:
     def __init__(self, cell: Cell, image: SharedImage, directory: ValueDirectory) -> None:
         self._image, self._directory = image, directory
         self._axes = {axis.name: (n, 1000.0 if axis.unit == "mm" else 57.29577951308232) for n, axis in enumerate(cell.axis)}
-        self._count = len(cell.axis)
+        self._count, self._robots = len(cell.axis), robot_axes(cell)
         self.life = 0
         self.refusals: dict[
             int, tuple[int, str, int]
@@ -27,7 +28,7 @@ class CellValues:
         single = ["ready", "drives_on", "emergency_stop", "error", "life", "override", "motion"]
         fields = ["actual", "set", "lag", "speed", "torque", "enabled", "referenced", "in_position", "fault"]
         axes = [f"axis.{name}.{field}" for name in (*self._axes, "*") for field in fields if name != "*" or field in _FLAGS]
-        return [f"cell.{name}" for name in single] + ["error.first.code"] + axes
+        return [f"cell.{name}" for name in single] + ["error.first.code"] + axes + [f"robot.{name}.override" for name in self._robots]
 
     def read(self, name: str, reader: Reader | None) -> Value:
         return self.get(name, reader)
@@ -50,6 +51,8 @@ class CellValues:
                 return float(all(axis.flags & flag for axis in self._image.state.axes[: self._count]))
             case ["axis", axis, key]:
                 return self._axis(axis, key)
+            case ["robot", robot, "override"] if robot in self._robots:
+                return self._image.state.override_of(self._robots[robot]) * 100.0
             case ["move", key] if reader is not None:
                 return float(reader.move_bit(key))
         raise KeyError(name)

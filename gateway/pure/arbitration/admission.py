@@ -64,10 +64,14 @@ class Admission:
                 f"{axis.name} {kind} {value:.3g} {axis.unit} looks like KG read as IEEE (travel {travel:g} {axis.unit})",
             )
 
-    def check_axes(self, job: Job) -> None:
-        """The command names axes of the cell, none of them disabled at the interface."""
+    def check_named(self, job: Job) -> None:
+        """The command names axes of the cell."""
         if job.mask == 0 or job.mask & ~self.every_axis:
             raise Refusal(Reason.MASK, f"{job.mask:04X}h; this cell has {len(self._axes)} axes: 0001h..{self.every_axis:04X}h")
+
+    def check_axes(self, job: Job) -> None:
+        """The command names axes of the cell, none of them disabled at the interface."""
+        self.check_named(job)
         if job.mask & self.barred and job.code != Code.DISABLE:
             raise Refusal(Reason.DRIVES_OFF, f"{names_of(self._axes, job.mask & self.barred)} disabled at the interface")
 
@@ -90,8 +94,8 @@ class Admission:
 
     def check_travel(self, cell: CellState, mask: int, *, referenced: bool = True) -> None:
         """Feed and travel are enabled and the axes are on; `referenced`: they are referenced, too."""
-        if not cell.permits & Permit.FEED:
-            raise Refusal(Reason.FEED_NOT_ALLOWED)
+        if not cell.permits & ~cell.withheld(mask) & Permit.FEED:
+            raise Refusal(Reason.FEED_NOT_ALLOWED, names_of(self._axes, mask) if cell.permits & Permit.FEED else "")
         if not cell.permits & Permit.TRAVEL:
             raise Refusal(Reason.TRAVEL_NOT_ALLOWED)
         for flag, reason in ((AxisFlag.ENABLED, Reason.DRIVES_OFF), (AxisFlag.REFERENCED, Reason.NOT_REFERENCED)):

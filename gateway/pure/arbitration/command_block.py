@@ -34,6 +34,7 @@ class Code(IntEnum):
     REQUEST_CONTROL = 11
     RELEASE_CONTROL = 12
     PROGRAM = 13  # W1: number of a program of the cell (AX-322)
+    AXES_OVERRIDE = 14  # OVERRIDE of the kinematics with the axes in W1 alone (AX-1787)
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +164,8 @@ class CommandBlock:
                 return [1]
             case Code.OVERRIDE:
                 return [2]
+            case Code.AXES_OVERRIDE:
+                return [1, 2]
         return []
 
     def _command(self) -> Command:

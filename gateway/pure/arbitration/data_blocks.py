@@ -13,8 +13,9 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from gateway.pure.arbitration.block_keys import block_name
+from gateway.pure.arbitration.block_overrides import BlockOverrides
 from gateway.pure.arbitration.command_block import Code, Command
-from gateway.pure.arbitration.command_numbers import NUMBER, OVERRIDE, PARITY, SPEED, START, MoveNumbers
+from gateway.pure.arbitration.command_numbers import NUMBER, PARITY, SPEED, START, MoveNumbers
 from gateway.pure.arbitration.handshakes import Asked, Handshaking, Pattern
 from gateway.pure.image.reasons import CommandState
 from protocols.base.errors import ProtocolError
@@ -179,7 +180,7 @@ class DataBlocks:
         self._primed: set[str] = set()
         self._numbers = MoveNumbers({slot.name for block in blocks if block.from_plc for slot in block.slots})
         self._since = {block.number: bytearray(2 * block.words) for block in blocks}  # 1: written since the link began
-        self._refuse, self._owed = refuse, False  # drives were asked on before their override was known
+        self._refuse, self.overrides = refuse, BlockOverrides(self._numbers, len(self._axes))
         self._move = CommandState.NONE
         self._answered = False  # the start bit has fallen: done and refused are taken back
         self._leaving = False  # drives-on fell: give control back as soon as the axes rest
@@ -189,7 +190,8 @@ class DataBlocks:
         """Start of services or return of the link: the next telegram only sets the state of the bits (AX-141)."""
         self._primed.clear()
         self._numbers.clear()
-        self._asked, self._owed = Asked(), False
+        self._asked = Asked()
+        self.overrides.restart()
         if self._pattern is not None:
             self._pattern.restart()
         for since in self._since.values():
@@ -279,9 +281,9 @@ class DataBlocks:
             self._command(Command(Code.ENABLE, all_axes))
         self._override(levels, fresh=on == 1)
         if self._edge("axis.*.reference", levels) == 1:
-            self._give(Command(Code.REFERENCE, all_axes), self._numbers.refused(OVERRIDE))
+            self._give(Command(Code.REFERENCE, all_axes), self.overrides.refused)
         if self._edge("cell.resume", levels) == 1:
-            self._give(Command(Code.RESUME), self._numbers.refused(OVERRIDE))
+            self._give(Command(Code.RESUME), self.overrides.refused)
         if self._pattern is not None:
             self._ask(self._pattern, levels, asked)
             return
@@ -333,28 +335,12 @@ class DataBlocks:
         return (now > before) - (now < before)
 
     def _override(self, levels: Mapping[str, float], *, fresh: bool) -> None:
-        """A level, but taken only when it changed or the drives were just asked on: it must not fight the other command sources."""
-        name = OVERRIDE
-        before = self._levels.get(name)
-        now = levels.get(name, before)
-        if not self._numbers.declared(name):
-            if fresh:
-                self._command(Command(Code.OVERRIDE, velocity=1.0))  # this block has no override: full programmed speed
-            return
-        self._owed |= fresh
-        fault = self._numbers.missing([name])
-        if fault:
-            if fresh and self._numbers.seen(name):
-                self._refuse(Code.OVERRIDE, fault)
-            return  # what stands stays; what would move is refused until a good one is written
-        if now is None:
-            return
-        primed = name in self._primed
-        self._levels[name] = now
-        self._primed.add(name)
-        if fresh or ((self._owed or (primed and now != before)) and self._value("cell.control")):
-            self._owed = False
-            self._command(Command(Code.OVERRIDE, velocity=now / 100.0))
+        found = self.overrides.take(levels, fresh=fresh, control=bool(self._value("cell.control")))
+        if isinstance(found, str):
+            self._refuse(Code.OVERRIDE, found)
+        else:
+            for command in found:
+                self._command(command)
 
     def _start(self, position: tuple[Mapping[str, float], float] | None = None) -> None:
         """The selected position, or the targets of the same telegram, or the latest ones written before it."""
@@ -367,7 +353,7 @@ class DataBlocks:
     def _begin(self, command: Command, needed: Sequence[str]) -> None:
         """A move or program: refused whole while one of its numbers is refused or not written."""
         self._answered = False
-        fault = self._numbers.missing([*needed, OVERRIDE])
+        fault = self._numbers.missing([*needed, *self.overrides.names])
         if not fault:
             self._command(command)
             return

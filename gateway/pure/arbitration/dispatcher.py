@@ -26,7 +26,7 @@ ENABLE_PATIENCE = ms(5_000)  # brake, power and enabling of six drives take well
 RESET_PATIENCE = ms(2_000)
 
 Planner = Callable[[Sequence[float], Sequence[float], int, float, float, int], bytes]  # start, target (SI), mask, v, a, job -> piece
-ABOUT_AXES = (Code.ENABLE, Code.DISABLE, Code.REFERENCE, Code.PTP_ABSOLUTE, Code.PTP_RELATIVE)
+ABOUT_AXES = (Code.ENABLE, Code.DISABLE, Code.REFERENCE, Code.PTP_ABSOLUTE, Code.PTP_RELATIVE, Code.AXES_OVERRIDE)
 NO_PROGRAMS: Mapping[int, ProgramFacts] = {}
 
 
@@ -294,7 +294,9 @@ class CommandDispatcher:
             case Code.FAULT_RESET:
                 job.until = now + RESET_PATIENCE
                 self._order(Order.RESET, job.id)
-            case Code.OVERRIDE:
+            case Code.OVERRIDE | Code.AXES_OVERRIDE:
+                if code is Code.AXES_OVERRIDE:
+                    self.admission.check_named(job)
                 if not 0.0 <= command.velocity <= 1.0:
                     raise Refusal(Reason.RATE, f"override {command.velocity:.2%}; 0..100 %")
                 self._order(Order.OVERRIDE, job.id, mask=_named(job.span), value=self.overrides.ordered(job.span, command.velocity))

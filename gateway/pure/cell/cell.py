@@ -72,10 +72,12 @@ def byte_number(key: object) -> object:
 
 @dataclass(frozen=True, slots=True)
 class RcInputs:
-    """[rc_inputs]: RC input byte (PIC byte = N div 8) -> the command source that owns it; enabling inputs taken as 1."""
+    """[rc_inputs]: RC input byte (PIC byte = N div 8) -> the command source that owns it; enabling inputs taken as 1; feed inputs of
+    single kinematics that this cell has (AX-1787)."""
 
     owner: Mapping[Annotated[int, Spelled(byte_number)], Name] = field(default_factory=dict)
     assume: tuple[str, ...] = ()
+    wired: tuple[str, ...] = ()
 
 
 PLANNED_KINEMATICS = ("identity", "portal", "scara", "arm6", "urdf")

@@ -16,7 +16,7 @@ from gateway.pure.cycle.axis_loops import PYTHON, AxisLoops
 from gateway.pure.cycle.belts import CoreBelts
 from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
 from gateway.pure.cycle.endless import CoreEndless
-from gateway.pure.cycle.lane import give_back, held_together, lanes_with, leading, whole_of
+from gateway.pure.cycle.lane import give_back, held_together, lanes_with, leading, whole_of, withhold
 from gateway.pure.cycle.lanes import LaneParts, make_lanes, merged
 from gateway.pure.cycle.publish import Publisher
 from gateway.pure.image.reasons import Reason
@@ -83,7 +83,7 @@ class CycleLogic:
         self._drive_axes, self._watch_axes = loops.drive_axes, loops.watch_axes
         self._publisher = Publisher(self.state, self.outputs, numbers, period_s, loops)
         self._finish = finish_without_services
-        self._enabling_inputs = EnablingInputs(numbers, assumed)
+        self._enabling_inputs = EnablingInputs(numbers, assumed, [axis.kinematic for axis in axes])
         self._permits = 0
         self._enabling: list[tuple[int, int]] = []  # job, mask, of each that waits for its axes
         self._reset = False
@@ -130,6 +130,8 @@ class CycleLogic:
         view = self._enabling_inputs.judge(inputs, services_ns, now)
         if view.permits != self._permits:
             self._permits, self.state.permits = view.permits, EVERY[view.permits]
+        if (single := self._enabling_inputs.single) is not None and (lost := withhold(self.lanes, single, inputs, services_ns, now)):
+            self._stop(Reason.INPUT_LOST, lost)
         if view.taken & CHAIN and self._settled:
             self._emergency()
         if view.taken & CONTROL:
@@ -175,7 +177,7 @@ class CycleLogic:
         """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""
         for lane in self.lanes:
             ordered = lane.ramp.step(lane.override) * lane.factor
-            value = ordered if self._permits & FLOW == FLOW else 0.0
+            value = ordered if self._permits & FLOW & ~lane.withheld == FLOW else 0.0
             if value != lane.mover.override:
                 lane.mover.set_override(value)
 

@@ -1,12 +1,13 @@
 """Enabling inputs as the cycle judges them: standing, taken away by a living command source, or lost with it (AX-002, AX-143)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from operator import itemgetter
 
+from gateway.pure.cycle.single_inputs import SingleInputs, is_held
 from gateway.pure.image.records.cell import ALL_PERMITS, RC_BYTES, InputImage, Permit, Quality
-from protocols.base.machine import Ns, ms
+from protocols.base.machine import Ns
 
-INPUTS_HOLD = ms(4_000)  # enabling inputs outlive a services restart by this much (AX-143)
 NO_PERMIT = Permit(0)
 ALL, BAD = int(ALL_PERMITS), int(Quality.BAD)
 
@@ -27,6 +28,7 @@ class RcNumbers:
     emergency: int = 67
     in_position: int = 192  # + n-1
     referenced: int = 216  # + n-1
+    kinematics: tuple[tuple[int, int, int], ...] = ()  # feed inputs of single kinematics: its number, bit of Permit, RC input (AX-1787)
 
 
 AS_SHIPPED = RcNumbers()
@@ -58,9 +60,10 @@ class PermitView:
 class EnablingInputs:
     """Remembers only the state of the cycle before."""
 
-    def __init__(self, numbers: RcNumbers, assumed: Permit) -> None:
-        """`assumed`: inputs that are not wired here and count as 1 ([rc_inputs] assume)."""
+    def __init__(self, numbers: RcNumbers, assumed: Permit, kinematics: Sequence[int] = ()) -> None:
+        """`assumed`: inputs that are not wired here and count as 1 ([rc_inputs] assume); kinematics: number of the robot of each axis."""
         self._numbers = numbers
+        self.single = SingleInputs(numbers.kinematics, kinematics) if numbers.kinematics else None
         self._before = 0
         self._steady: PermitView | None = None  # the judgement while the bytes stay as they are
         self._seen: tuple[bool, object, object] | None = None
@@ -76,7 +79,7 @@ class EnablingInputs:
 
     def judge(self, inputs: InputImage, services_ns: Ns, now: Ns) -> PermitView:
         """`services_ns`: last sign of life of the writer of the inputs."""
-        held = services_ns != 0 and now - services_ns < INPUTS_HOLD
+        held = is_held(services_ns, now)
         seen = (held, self._look(inputs.values), self._look(inputs.quality))
         if seen == self._seen and self._steady is not None:
             return self._steady

@@ -10,10 +10,12 @@ from collections.abc import Iterable, Sequence
 
 from gateway.pure.cycle.homing import Homings
 from gateway.pure.cycle.mover import Mover
+from gateway.pure.cycle.single_inputs import SingleInputs
 from gateway.pure.image.reasons import Reason
-from gateway.pure.image.records.cell import CellState, LaneState, Motion, Order, OrderRecord
+from gateway.pure.image.records.cell import CellState, InputImage, LaneState, Motion, Order, OrderRecord
 from motion.execution.stepper import State
 from motion.timing.override_ramp import OverrideRamp
+from protocols.base.machine import Ns
 
 MOTIONS = {
     State.IDLE: Motion.IDLE,
@@ -25,6 +27,8 @@ MOTIONS = {
 
 class Lane:
     """`state`: what a cell of these axes alone would publish; with one lane it is the cell's own."""
+
+    withheld = 0  # bits of Permit that feed inputs of its kinematics alone withhold (AX-1787)
 
     def __init__(self, own: int, state: CellState, homings: Homings, mover: Mover, ramp: OverrideRamp) -> None:
         self.homings, self.mover, self.state = homings, mover, state
@@ -95,10 +99,10 @@ class Lane:
             whole.fail(state.failed_job, state.failed_reason)
         for name in SHOWN:
             setattr(shown, name, getattr(state, name))
-        shown.holds, shown.own, shown.override = self.holds, self.own, self.override
+        shown.holds, shown.own, shown.override, shown.withheld = self.holds, self.own, self.override, self.withheld
 
 
-SHOWN = [name for name in LaneState.__slots__ if name not in ("holds", "own", "override")]
+SHOWN = [name for name in LaneState.__slots__ if name not in ("holds", "own", "override", "withheld")]
 
 
 def whole_of(lanes: list[Lane], state: CellState) -> None:
@@ -149,3 +153,11 @@ def give_back(lanes: Sequence[Lane]) -> None:
                     other.hold(other.own)
                     other.mover.accept()
             lane.hold(lane.own)
+
+
+def withhold(lanes: Sequence[Lane], single: SingleInputs, inputs: InputImage, services_ns: Ns, now: Ns) -> int:
+    """Feed inputs of single kinematics hold their lanes; axes of those with an input that has just been lost."""
+    just_lost = single.judge(inputs, services_ns, now)
+    for lane in lanes:
+        lane.withheld = single.withheld(lane.holds or lane.own)
+    return just_lost

@@ -82,7 +82,7 @@ class CoreOutputs:
         if mask := self.masks.get(kinematic, 0):
             failed = _failed_in(state, mask)
             fresh, self._failed_of[kinematic] = failed != self._failed_of.get(kinematic, 0), failed
-            motion = state.motion_of(mask)
+            motion, permits = state.motion_of(mask), permits & ~state.withheld(mask)
         found = (
             (state.emergency, Stop.EMERGENCY),
             (not permits & Permit.RUN, Stop.FEED_HOLD),

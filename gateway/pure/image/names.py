@@ -1,6 +1,7 @@
 """The names a data-block entry, a contact or a Modbus register may use, and what kind of value each is.
 
-One row a name; AXIS stands for the name of an axis or `*` (all axes: a bit is 1 when it is 1 on every axis), LINE for a line.
+One row a name; AXIS stands for the name of an axis or `*` (all axes: a bit is 1 when it is 1 on every axis), LINE for a line,
+ROBOT for a robot.
 """
 
 from collections.abc import Iterable
@@ -39,6 +40,7 @@ NAMES = (
     Name("cell.stop", Kind.BIT, to=True),
     Name("cell.resume", Kind.BIT, to=True),
     Name("cell.override", Kind.PERCENT, to=True, from_=True),
+    Name("robot.ROBOT.override", Kind.PERCENT, to=True, from_=True),
     Name("axis.AXIS.reference", Kind.BIT, to=True),
     Name("move.start", Kind.BIT, to=True),
     Name("move.number", Kind.NUMBER, to=True),
@@ -63,19 +65,24 @@ NAMES = (
     Name("move.refused", Kind.BIT, from_=True),
     Name("error.first.code", Kind.NUMBER, from_=True),
 )
-PLACES = {"AXIS": "axis", "LINE": "line"}
+PLACES = {"AXIS": "axis", "LINE": "line", "ROBOT": "robot"}
 
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A name that fits: its row, and which axis or line it speaks of ("" for none, "*" for all axes)."""
+    """A name that fits: its row, and which axis, line or robot it speaks of ("" for none, "*" for all axes)."""
 
     name: Name
     which: str = ""
 
+    @property
+    def kind(self) -> str:
+        """Tables of the cell file that `which` is one of: axis, line or robot."""
+        return next((table for place, table in PLACES.items() if place in self.name.pattern), "axis")
+
 
 def lookup(text: str) -> Found | None:
-    """The row `text` fits; whether the axis or line exists is the caller's question."""
+    """The row `text` fits; whether the axis, line or robot exists is the caller's question."""
     parts = text.split(".")
     for name in NAMES:
         pattern = name.pattern.split(".")
@@ -85,15 +92,17 @@ def lookup(text: str) -> Found | None:
     return None
 
 
-def spelled(axes: Iterable[str], lines: Iterable[str]) -> list[str]:
-    """Every name with the axes and lines of a cell put in: what a hint may suggest."""
-    axis_names, line_names = [*axes, "*"], list(lines)
+def spelled(axes: Iterable[str], lines: Iterable[str], robots: Iterable[str] = ()) -> list[str]:
+    """Every name with the axes, lines and robots of a cell put in: what a hint may suggest."""
+    axis_names, line_names, robot_names = [*axes, "*"], list(lines), list(robots)
     names: list[str] = []
     for name in NAMES:
         if "AXIS" in name.pattern:
             names += [name.pattern.replace("AXIS", axis) for axis in axis_names]
         elif "LINE" in name.pattern:
             names += [name.pattern.replace("LINE", line) for line in line_names]
+        elif "ROBOT" in name.pattern:
+            names += [name.pattern.replace("ROBOT", robot) for robot in robot_names]
         else:
             names.append(name.pattern)
     return names

@@ -91,7 +91,10 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.NOT_REFERENCED: ("axis is not referenced: {0}", "Achse ist nicht referenziert: {0}"),
     Reason.TARGET_LIMIT: ("target outside the limits: {0}", "Ziel ausserhalb der Grenzen: {0}"),
     Reason.FORMAT_SUSPICION: ("number format: {0}", "Zahlenformat: {0}"),
-    Reason.FEED_NOT_ALLOWED: ("feed is not allowed (RC input 26 feed allow): {0}", "Vorschub nicht freigegeben (RC-Eingang 26): {0}"),
+    Reason.FEED_NOT_ALLOWED: (
+        "feed is not allowed (RC input 26 feed allow, or that of the kinematic): {0}",
+        "Vorschub nicht freigegeben (RC-Eingang 26 oder der der Kinematik): {0}",
+    ),
     Reason.BUSY: ("a move is running: {0}", "eine Bewegung laeuft: {0}"),
     Reason.EMERGENCY_STOP: (
         "emergency stop is latched: close the chain (RC input 24), then fault reset",

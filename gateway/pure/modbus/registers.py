@@ -29,7 +29,7 @@ def type_of(name: str) -> str:
     """REAL for what is measured, else one register; variables of the PHG by their base type."""
     if name.startswith(PREFIX):
         return register_type(name)
-    return "REAL" if name.rpartition(".")[2] in MEASURED or name == "cell.override" else "UINT16"
+    return "REAL" if name.rpartition(".")[2] in MEASURED or name.endswith(".override") else "UINT16"
 
 
 def place(at: int, name: str, type_: str, axes: Sequence[str]) -> list[Placed]:

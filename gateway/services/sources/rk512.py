@@ -9,6 +9,7 @@ from collections.abc import Mapping
 
 from gateway.assembly.axis_signals import rc_numbers
 from gateway.assembly.data_block_signals import flags_of, inputs_of
+from gateway.assembly.lanes import robot_axes
 from gateway.assembly.line_dialects import rk512_dialect
 from gateway.pure.arbitration.block_keys import block_key
 from gateway.pure.arbitration.command_block import COMMAND_WORDS, STATUS_WORDS, Code, Command
@@ -103,6 +104,7 @@ class Rk512Source(SerialSource):
             *compile_pattern(cell), refuse,
         )  # fmt: skip
         door.forced = self._image.forces.words
+        door.overrides.robots = robot_axes(cell)
         return door
 
     # ---- life --------------------------------------------------------------------------------------------------------

@@ -49,14 +49,15 @@ export function age(ms) {
 export function errors(box, head, t, language) {
   const i = language === "de" ? 1 : 0;
   const list = head.errors.map((error) => ({ code: error.code, text: error.say?.[i] || error.text, do: error.do?.[i], cause: error.cause?.[i], reset: error.reset?.[i] }));
-  const words = JSON.stringify([list, head.missing, head.stop_text[i], head.ready, i]);
+  const missing = [...head.missing.map((each) => t(`permit ${each}`)), ...head.withheld.filter(([, which]) => which.length).map(([robot, which]) => `${robot}: ${which.map((each) => t(`permit ${each}`)).join(", ")}`)];
+  const words = JSON.stringify([list, missing, head.stop_text[i], head.ready, i]);
   if (box.dataset.words === words) return;
   box.dataset.words = words;
   const rows = list.map((error, n) => h("div", { class: n ? "later" : "first" },
     h("strong", {}, `${error.code}  ${error.text}`), error.do ? h("p", {}, `${t("What to do")}: ${error.do}`) : null, !n && error.cause ? h("p", { class: "small" }, `${t("Cause")}: ${error.cause}`) : null, !n && error.reset ? h("p", { class: "small" }, `${t("Goes away")}: ${error.reset}`) : null));
   if (!rows.length && head.stop_text[i]) rows.push(h("div", { class: "later" }, h("strong", {}, head.stop_text[i])));
   if (!rows.length) rows.push(h("p", { class: "none" }, t("No error is pending.")));
-  if (head.missing.length) rows.push(h("p", { class: "soft" }, `${t("Enabling inputs missing")}: ${head.missing.map((each) => t(`permit ${each}`)).join(", ")}`));
+  if (missing.length) rows.push(h("p", { class: "soft" }, `${t("Enabling inputs missing")}: ${missing.join(", ")}`));
   box.replaceChildren(...rows);
 }
 

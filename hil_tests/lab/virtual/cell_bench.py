@@ -7,6 +7,7 @@ from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.cia402.slave import Cia402Slave
 from drivers.emulator.servodyn.slave import ServodynSlave
 from gateway.assembly.axes import axis_facts, core_axes, make_planner
+from gateway.assembly.axis_signals import rc_numbers
 from gateway.assembly.plant import bus_settings
 from gateway.cell_file.load import load_cell
 from gateway.pure.arbitration.command_block import Code, Command
@@ -67,7 +68,8 @@ class CellBench:
     def _new_core(self) -> CycleLogic:
         period, step = self.period_ns / 1e9, self.cell.cell.override_step
         axes = core_axes(self.cell, self.period_ns / 1e6)
-        return CycleLogic(axes, period, self.generation, finish_without_services=self.finish, override_step=step)
+        numbers = rc_numbers(self.cell)
+        return CycleLogic(axes, period, self.generation, numbers=numbers, finish_without_services=self.finish, override_step=step)
 
     def permit(self, *bits: int, value: bool = True) -> None:
         """RC inputs as a living command source writes them."""

@@ -19,7 +19,7 @@ MOST_AXES = MAX_AXES  # of one cell (AX-572)
 EVERY_AXIS = (1 << MOST_AXES) - 1
 RC_BYTES = 128  # PIC image: 1024 bits (rho3 0.2)
 NEVER = 0  # a stamp that says: not yet
-SPARE = 8  # bytes behind a lane: they make it as long as two axes and a byte
+SPARE = 7  # bytes behind a lane: they make it as long as two axes and a byte
 
 
 class Motion(IntEnum):
@@ -178,6 +178,10 @@ class CellState:
             return EVERY_AXIS if self.motion is Motion.STOPPED else 0
         return functools.reduce(operator.or_, (lane.holds for lane in self.lanes if lane.holds & mask and lane.motion is Motion.STOPPED), 0)
 
+    def withheld(self, mask: int) -> int:
+        """Permit bits that feed inputs of the kinematics with some of these axes withhold."""
+        return functools.reduce(operator.or_, (lane.withheld for lane in self.lanes if lane.own & mask), 0)
+
     def override_of(self, mask: int) -> float:
         """The lowest of these lanes, as ordered."""
         return min((lane.override for lane in self.lanes if lane.holds & mask), default=self.override)
@@ -208,7 +212,8 @@ class LaneState:
     reason_4: U16 = 0
     stop_cause: U16 = 0
     path_stop: U16 = 0
-    drive_axis: Annotated[int, Code(f"B{SPARE}x")] = 0
+    drive_axis: U8 = 0
+    withheld: Annotated[int, Code(f"B{SPARE}x")] = 0  # Permit bits that inputs of its kinematic alone withhold (AX-1787)
 
 
 def _failure(state: CellState | LaneState, job: int) -> int:

@@ -192,4 +192,4 @@ def test_no_signal_name_or_number_stands_twice() -> None:
     assert len({signal.at for signal in signals}) == len(signals)
     ours = [signal for signal in signals if signal.source == "axisgate" and signal.at.direction is IN]
     assert {signal.at.number for signal in ours if not signal.lines} == {24, 25, 26, 27, 28}  # AX-002
-    assert {signal.lines for signal in ours if signal.lines} == {"AX-503", "AX-509", "AX-531"}
+    assert {signal.lines for signal in ours if signal.lines} == {"AX-503", "AX-509", "AX-531", "AX-1787"}

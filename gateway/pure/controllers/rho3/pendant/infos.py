@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 from enum import Enum
 
 from gateway.pure.controllers.rho3.pendant.modes import Mode
+from gateway.pure.image.records.cell import Permit
 
 
 class Condition(Enum):
@@ -112,6 +113,7 @@ def infos(mode: Mode, holding: Collection[Condition], kinematics: Sequence[int] 
     return texts or [NOTHING]
 
 
+SINGLE = ((C.FEED_HOLD, Permit.RUN), (C.NO_FEED_ALLOW, Permit.FEED))  # also of one kinematic (AX-1787)
 # Signal of the interface (configs/signals/rho3.toml), and whether the condition holds while it is 0.
 SIGNALS: tuple[tuple[Condition, str, bool], ...] = (
     (C.NO_CONTROL_ALLOW, "CTRL_ALLOW_RCI", True),
@@ -130,9 +132,12 @@ SIGNALS: tuple[tuple[Condition, str, bool], ...] = (
 )
 
 
-def conditions_of(signal: Callable[[str], bool], *, referenced: bool, in_position: bool, test: bool = True) -> set[Condition]:
-    """Conditions that follow from RC inputs (by symbol) and from the axes."""
+def conditions_of(
+    signal: Callable[[str], bool], *, referenced: bool, in_position: bool, test: bool = True, withheld: int = 0
+) -> set[Condition]:
+    """Conditions that follow from RC inputs (by symbol) and from the axes; withheld: bits of Permit that some kinematic lacks."""
     holding = {condition for condition, name, while_off in SIGNALS if signal(name) != while_off}
+    holding |= {condition for condition, permit in SINGLE if withheld & permit}
     if not referenced:
         holding.add(C.NOT_REFERENCED)
     if not in_position:

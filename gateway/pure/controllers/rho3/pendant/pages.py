@@ -43,6 +43,9 @@ class Source(Protocol):
     def manual(self) -> Sequence[int]:
         """Numbers of the kinematics in manual."""
 
+    def concerned(self) -> Sequence[int]:
+        """Numbers of the kinematics that INFO names."""
+
     def fast_inputs(self) -> Sequence[str]:
         """Servo boards with high-speed inputs: number and the state of each."""
 

@@ -157,7 +157,7 @@ class Panel:
 
     # ---- INFO ------------------------------------------------------------------------------------------------------------
     def _open_info(self) -> None:
-        self._info = infos(self.level, self._source.conditions(), self._source.manual())
+        self._info = infos(self.level, self._source.conditions(), self._source.concerned())
         self._display.hold(Layer.INFO)
 
     def _in_info(self, key: str) -> None:

@@ -10,7 +10,7 @@ from gateway.pure.controllers.rho3.pendant.user_memory import PointFile
 from gateway.pure.controllers.rho3.signals.codes import code_text
 from gateway.pure.controllers.rho3.signals.control_state import ControlState
 from gateway.pure.controllers.rho3.signals.errors import RHO3
-from gateway.pure.image.records.cell import AxisFlag
+from gateway.pure.image.records.cell import EVERY_AXIS, AxisFlag
 from gateway.pure.image.records.interpreter import Fact
 from motion.program.factors import Factors
 
@@ -65,7 +65,13 @@ class PanelView:
             referenced=all(axis.flags & AxisFlag.REFERENCED for axis in axes),
             in_position=all(axis.flags & AxisFlag.IN_POSITION for axis in axes),
             test=bits.get(TEST_MN, 0) > 0 and control.image.input(bits[TEST_MN]),
+            withheld=control.cell.withheld(EVERY_AXIS),
         )
+
+    def concerned(self) -> Sequence[int]:
+        """Kinematics in manual, and those that their own feed inputs hold."""
+        held = {number for number, lane in enumerate(self._control.cell.lanes, 1) if lane.withheld}
+        return sorted(held | set(self.manual()))
 
     def order_memory(self, what: str) -> str:
         """Modes 9.6, 9.7 and 9.8; why it is refused at once."""

@@ -7,6 +7,7 @@ import pytest
 from gateway.pure.controllers.rho3.pendant.infos import SIGNALS, Condition, conditions_of, infos
 from gateway.pure.controllers.rho3.pendant.modes import Mode, select, spoken, up
 from gateway.pure.controllers.rho3.pendant.operation import PhgError, PhgMode, operation
+from gateway.pure.image.records.cell import Permit
 
 ALL_GOOD = {name: while_off for _, name, while_off in SIGNALS}  # allowances 1, disabling signals 0
 
@@ -101,6 +102,11 @@ def test_every_text_fits_the_panel() -> None:
 def test_axes_and_test_bit_give_conditions() -> None:
     found = conditions_of(ALL_GOOD.__getitem__, referenced=False, in_position=False, test=False)
     assert found == {Condition.NOT_REFERENCED, Condition.NOT_IN_POSITION, Condition.NO_TEST_BIT}
+
+
+def test_a_feed_input_of_one_kinematic_is_a_condition_as_that_of_all() -> None:
+    found = conditions_of(ALL_GOOD.__getitem__, referenced=True, in_position=True, withheld=Permit.RUN | Permit.FEED)
+    assert found == {Condition.FEED_HOLD, Condition.NO_FEED_ALLOW}
 
 
 @pytest.mark.requirement("RHO-PHG-17", by="gateway.pure.controllers.rho3.pendant.operation:operation")

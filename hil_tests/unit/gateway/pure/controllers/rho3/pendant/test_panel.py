@@ -44,6 +44,9 @@ class Control:
     def automatic(self) -> Sequence[bool]:
         return self.auto
 
+    def concerned(self) -> Sequence[int]:
+        return self.manual()
+
     def manual(self) -> Sequence[int]:
         return [number for number, auto in enumerate(self.auto, 1) if not auto]
 
