@@ -10,7 +10,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import cast
 
 from gateway.commands.catalogue import GROUP, first_line
-from gateway.tools.usage_language import usage_errors, usage_text
+from gateway.tools.usage_language import complain, help_text, usage_text, users_language
 
 Command = Callable[[list[str]], int]
 INVALID, ENVIRONMENT = 2, 3  # exit codes: command line, cell or file invalid; environment
@@ -33,10 +33,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         command = load(known[name])
     except ModuleNotFoundError as missing:
-        print(f"axisgate {name}: {usage_text(reason(known[name], missing))}", file=sys.stderr)
+        complain(name, reason(known[name], missing))
         return ENVIRONMENT
     try:
-        with usage_errors():
+        with users_language():
             return command(rest)
     except BrokenPipeError:  # `| head` has seen enough
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115  nothing is flushed into the closed pipe at the end
@@ -69,8 +69,9 @@ def reason(entry: EntryPoint, missing: ModuleNotFoundError) -> str:
 
 def overview(known: Mapping[str, EntryPoint]) -> str:
     width = max((len(name) for name in known), default=0)
-    lines = [f"  {name:<{width}}  {first_line(entry)}" for name, entry in sorted(known.items())]
-    return "\n".join(["usage: axisgate COMMAND ...   (help for a command: axisgate COMMAND -h; axisgate --version)", "", *lines])
+    lines = [f"  {name:<{width}}  {help_text(first_line(entry))}" for name, entry in sorted(known.items())]
+    head = help_text("usage: axisgate COMMAND ...   (help for a command: axisgate COMMAND -h; axisgate --version)")
+    return "\n".join([head, "", *lines])
 
 
 if __name__ == "__main__":

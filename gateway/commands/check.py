@@ -17,9 +17,9 @@ from gateway.pure.reports.sentences import Sentence, in_language
 from gateway.runtime.exit_codes import Exit
 
 EXAMPLES = """examples:
-  axisgate check cell.toml            all faults, warnings and notes of a file
+  axisgate check cell.toml            all errors, warnings and notes of a file
   axisgate check demo                 a shipped cell by its name: demo, s5-rk512, rho3-servodyn
-  axisgate check cell.toml --json     the same for a program
+  axisgate check cell.toml --json     the same as JSON
 exit code: 0 valid, 1 valid but --strict found a warning, 2 file or command line invalid"""
 TEXTS = read_texts("check")
 COLOURS = {"error": "\033[31m", "warning": "\033[33m", "note": "\033[36m"}
@@ -32,7 +32,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("cell", metavar="CELL", help="cell file, or the name of a shipped one")
     parser.add_argument("--json", action="store_true", help="one JSON object on standard output")
     parser.add_argument("--strict", action="store_true", help="exit 1 when there are warnings")
-    parser.add_argument("--language", choices=LANGUAGES, help="of the report (default: the system's)")
+    parser.add_argument("--language", choices=LANGUAGES, help="language of the report (default: the system's)")
     options = parser.parse_args(argv)
     language = language_of(options.language, dict(os.environ))
     try:

@@ -11,8 +11,8 @@ from gateway.tools.conformance import compare_reports, list_suites, new_case, ne
 from gateway.tools.conformance.run import Stop
 
 EXAMPLES = """examples:
-  axisgate conformance run 3964r --port /dev/ttyUSB0 --report out        test the station at this port
-  axisgate conformance run rk512 --bench station.toml --json > r.json    all of it for a program
+  axisgate conformance run 3964r --port /dev/ttyUSB0 --report out        tests the station at this port
+  axisgate conformance run rk512 --bench station.toml --json > r.json    the whole result as JSON
   axisgate conformance run rk512 --bench station.toml --failed-from r.json
 exit code: 0 only PASS, WARN, N/A or waived, 1 a FAIL, 2 command line or files, 3 ERROR, or INCONC without FAIL"""
 USAGE, ENVIRONMENT = 2, 3
@@ -43,29 +43,29 @@ def _parser() -> argparse.ArgumentParser:
     def tool(name: str, help_text: str, run: Callable[[argparse.Namespace], int]) -> argparse.ArgumentParser:
         found = tools.add_parser(name, help=help_text, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter)
         found.set_defaults(run=run)
-        found.add_argument("--language", choices=("en", "de"), help="of report and summaries (default: from the environment)")
+        found.add_argument("--language", choices=("en", "de"), help="language of report and summaries (default: the system's)")
         return found
 
-    listed = tool("list", "the suites, or the cases of one", list_suites)
+    listed = tool("list", "list the suites, or the cases of one", list_suites)
     listed.add_argument("suite", nargs="?", metavar="SUITE")
     listed.add_argument("--json", action="store_true", help="all fields of each case")
     _run_options(tool("run", "test a device", run_suite))
-    pics = tool("new-pics", "write a PICS: asks the device and you", new_pics)
+    pics = tool("new-pics", "write a PICS from questions to the device and to you", new_pics)
     pics.add_argument("suite", metavar="SUITE")
     _device(pics)
-    pics.add_argument("--output", type=pathlib.Path, metavar="FILE", help="where it is written (default: standard output)")
+    pics.add_argument("--output", type=pathlib.Path, metavar="FILE", help="file to write (default: standard output)")
     new = tool("new", "print the skeleton of a case", new_case)
     new.add_argument("suite", metavar="SUITE")
-    new.add_argument("id", metavar="ID", help="such as 3964R_RCV_BV_21")
-    mutants = tool("mutants", "play a suite against faulty devices: how many does it find?", play_mutants)
+    new.add_argument("id", metavar="ID", help="id of the new case, such as 3964R_RCV_BV_21")
+    mutants = tool("mutants", "run a suite against faulty devices and count those it detects", play_mutants)
     mutants.add_argument("suite", metavar="SUITE")
     mutants.add_argument("--json", action="store_true")
-    compared = tool("compare", "two reports: which verdicts differ", compare_reports)
+    compared = tool("compare", "compare the verdicts of two reports", compare_reports)
     compared.add_argument("a", type=pathlib.Path, metavar="A", help="folder or JSON of the older report")
-    compared.add_argument("b", type=pathlib.Path, metavar="B")
+    compared.add_argument("b", type=pathlib.Path, metavar="B", help="folder or JSON of the newer report")
     compared.add_argument("--json", action="store_true")
-    checked = tool("verify", "find any changed byte of a report folder", verify_folder)
-    checked.add_argument("folder", type=pathlib.Path, metavar="DIR")
+    checked = tool("verify", "verify that no byte of a report folder has changed", verify_folder)
+    checked.add_argument("folder", type=pathlib.Path, metavar="DIR", help="folder of the report")
     checked.add_argument("--json", action="store_true")
     return parser
 
@@ -80,13 +80,13 @@ def _device(tool: argparse.ArgumentParser) -> None:
 
 
 def _run_options(tool: argparse.ArgumentParser) -> None:
-    tool.add_argument("suite", metavar="SUITE", help="axisgate conformance list names them")
+    tool.add_argument("suite", metavar="SUITE", help="suite to run; axisgate conformance list shows all")
     _device(tool)
-    tool.add_argument("--pics", type=pathlib.Path, metavar="FILE", help="what the maker states of the device (new-pics writes one)")
-    tool.add_argument("--report", type=pathlib.Path, metavar="DIR", help="write page, JSON, JUnit and traces there")
+    tool.add_argument("--pics", type=pathlib.Path, metavar="FILE", help="what the maker states about the device (new-pics writes one)")
+    tool.add_argument("--report", type=pathlib.Path, metavar="DIR", help="folder for page, JSON, JUnit and traces")
     tool.add_argument("--json", action="store_true", help="one JSON object on standard output, progress on standard error")
     tool.add_argument("--only", action="append", default=[], metavar="ID|GROUP|GLOB", help="these cases only (may be repeated)")
-    tool.add_argument("--failed-from", type=pathlib.Path, metavar="JSON", help="only what did not pass in that report")
-    tool.add_argument("--waivers", type=pathlib.Path, metavar="FILE", help="[[waiver]] id, reason, who, until")
-    tool.add_argument("--seed", type=int, metavar="N", help="shuffle the cases, and choose random data, by this number")
-    tool.add_argument("--dry-run", action="store_true", help="say what would be run; open and send nothing")
+    tool.add_argument("--failed-from", type=pathlib.Path, metavar="JSON", help="only the cases that did not pass in that report")
+    tool.add_argument("--waivers", type=pathlib.Path, metavar="FILE", help="file of waivers: [[waiver]] with id, reason, who, until")
+    tool.add_argument("--seed", type=int, metavar="N", help="seed for the order of the cases and for random data")
+    tool.add_argument("--dry-run", action="store_true", help="list what would run; open and send nothing")

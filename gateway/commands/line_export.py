@@ -1,7 +1,4 @@
-"""`axisgate line export TRACE -o FILE`: a line record or journal as pcapng for Wireshark, or as a journal (form of the test vectors).
-
-`main` takes what follows the word export; gateway.commands.line passes it on.
-"""
+"""`axisgate line export TRACE -o FILE`: a line record or journal as pcapng for Wireshark, or as a journal (form of the test vectors)."""
 
 import argparse
 import datetime
@@ -19,9 +16,9 @@ from protocols.base.errors import DecodeError
 from protocols.base.machine import ms
 
 EXAMPLES = """examples:
-  axisgate line export line-plc1.rec -o plc1.pcapng             what `axisgate run CELL --sim --record FOLDER` kept of a line
-  axisgate line export line-plc1.rec -o plc1.txt                as a journal: what the station at side B heard and said
-  tshark -X lua_script:axisgate_3964r.lua -r plc1.pcapng        the dissector lies in configs/wireshark
+  axisgate line export line-plc1.rec -o plc1.pcapng             a line that `axisgate run CELL --sim --record FOLDER` recorded
+  axisgate line export line-plc1.rec -o plc1.txt                as a journal: what the station at side B received and sent
+  tshark -X lua_script:axisgate_3964r.lua -r plc1.pcapng        the dissector is in configs/wireshark
 """
 BETWEEN_NS = ms(10_000)  # between the dialogues of one file: longer than any answer is waited for
 
@@ -32,7 +29,12 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("trace", type=pathlib.Path, help="record of a line (.rec), or a journal (dialogue file)")
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True, help="FILE.pcapng, or FILE.txt for a journal")
-    parser.add_argument("--side", choices=("A", "B"), default="B", help="journal: whose ears and mouth (default B: axisgate's end)")
+    parser.add_argument(
+        "--side",
+        choices=("A", "B"),
+        default="B",
+        help="journal: the side whose received and sent bytes are written (default B: axisgate's end)",
+    )
     parser.add_argument("--start", type=datetime.datetime.fromisoformat, help="wall-clock time of the first character, 2026-11-20T08:00:00")
     parser.add_argument("--no-check", action="store_true", help="procedure 3964: blocks have no check character")
     arguments = parser.parse_args(argv)

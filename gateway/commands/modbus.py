@@ -14,7 +14,7 @@ from protocols.modbus.probing import Verdict, cases
 EXAMPLES = """examples:
   axisgate modbus probe 10.0.0.7                                reads only; nothing is changed in the device
   axisgate modbus probe 10.0.0.7:1502 --unit 3 --report cw4     writes cw4.json and cw4.html
-  axisgate modbus probe 10.0.0.7 --find 21.5 --last 499         where is the 21.5 its display shows?
+  axisgate modbus probe 10.0.0.7 --find 21.5 --last 499         which registers hold the 21.5 that its display shows?
 exit code: 0 no FAIL (with --find: found), 1 at least one (not found), 2 command line, 3 no connection"""
 DEFAULT_PORT = 502
 
@@ -31,15 +31,17 @@ def main(argv: list[str]) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     tool.add_argument("server", help="host or host:port (port 502 unless given)")
-    tool.add_argument("--unit", type=int, default=1, help="unit id to ask (default 1)")
-    tool.add_argument("--missing-unit", type=int, default=247, help="a unit id that is not there (default 247)")
+    tool.add_argument("--unit", type=int, default=1, help="unit id of the server (default 1)")
+    tool.add_argument("--missing-unit", type=int, default=247, help="a unit id that does not exist (default 247)")
     tool.add_argument("--register", type=int, default=0, help="a register that can be read, base 0 (default 0)")
     tool.add_argument("--coil", type=int, default=0, help="a coil and discrete input that can be read, base 0 (default 0)")
-    tool.add_argument("--write", action="store_true", help="also bad writes to --register and --coil: a careless server may carry them out")
-    tool.add_argument("--wait", type=float, default=1.0, metavar="S", help="for an answer (default 1 s)")
+    tool.add_argument(
+        "--write", action="store_true", help="also send invalid writes to --register and --coil; a careless server may carry them out"
+    )
+    tool.add_argument("--wait", type=float, default=1.0, metavar="S", help="longest wait for an answer (default 1 s)")
     tool.add_argument("--report", metavar="NAME", help="write NAME.json and NAME.html")
-    tool.add_argument("--json", action="store_true", help="the report on standard output")
-    tool.add_argument("--find", type=float, metavar="VALUE", help="look for this value in the registers, every type and order")
+    tool.add_argument("--json", action="store_true", help="print the report as JSON")
+    tool.add_argument("--find", type=float, metavar="VALUE", help="search the registers for this value, in every type and byte order")
     tool.add_argument("--first", type=int, default=0, help="with --find: first register, base 0 (default 0)")
     tool.add_argument("--last", type=int, default=999, help="with --find: last register (default 999)")
     arguments = parser.parse_args(argv)

@@ -25,13 +25,13 @@ EXAMPLES = """examples:
   axisgate program list memory                                   all programs of a memory folder
   axisgate program points memory PICK                            points as the PKT file has them
   axisgate program run palletiser PALLET --sim                   in a simulated cell: drives on, program, drives off
-  axisgate program run cell.toml PALLET                          in the running cell, until it is over; Ctrl-C stops it
+  axisgate program run cell.toml PALLET                          in the running cell, until it ends; Ctrl-C stops it
   axisgate program start cell.toml PALLET                        as the panel does: it moves if the PLC has control
   axisgate program stop cell.toml PALLET
   axisgate program put cell.toml NEW.QLL --force                 into the memory of a cell, also of a running one
-  axisgate program get cell.toml PALLET --to saved               its source, points and data out of it
+  axisgate program get cell.toml PALLET --to saved               copies its source, points and data out of it
   axisgate program compile memory PALLET                         writes PALLET.IRD, or PALLET.ERR with the faults
-exit code: 0 done; 1 a program has errors, was refused or ended with one; 2 a file, folder or program is not there, or the feed is invalid;
+exit code: 0 done; 1 a program has errors, was refused or ended with one; 2 a file, folder or program is missing, or the feed is invalid;
 3 no such run"""
 
 
@@ -41,18 +41,18 @@ def main(argv: list[str]) -> int:
         "axisgate program", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     tools = parser.add_subparsers(dest="tool", required=True)
-    check = tools.add_parser("check", help="checks programs; the folder of a file is its memory")
+    check = tools.add_parser("check", help="check programs; the folder of a file is its memory")
     check.add_argument("files", nargs="+", metavar="FILE", type=pathlib.Path)
     check.add_argument("--json", action="store_true", help="a JSON list of faults")
-    trace = tools.add_parser("trace", help="runs a program dry and prints its events")
+    trace = tools.add_parser("trace", help="dry-run a program and print its events")
     trace.add_argument("folder", metavar="FOLDER", type=pathlib.Path, help="the memory folder")
     trace.add_argument("program", metavar="PROGRAM")
     trace.add_argument("--feed", metavar="FILE", type=pathlib.Path, help="inputs, points, device data and files of the run (TOML)")
-    trace.add_argument("--json", action="store_true", help="one JSON object an event, each on its line")
-    listed = tools.add_parser("list", help="lists the programs of a memory folder")
+    trace.add_argument("--json", action="store_true", help="one JSON object per event and line")
+    listed = tools.add_parser("list", help="list the programs of a memory folder")
     listed.add_argument("folder", metavar="FOLDER", type=pathlib.Path, nargs="?", default=pathlib.Path())
     listed.add_argument("--json", action="store_true", help="a JSON list of programs")
-    points = tools.add_parser("points", help="lists the points of a program as its PKT file has them")
+    points = tools.add_parser("points", help="list the points of a program as its PKT file has them")
     points.add_argument("folder", metavar="FOLDER", type=pathlib.Path, help="the memory folder")
     points.add_argument("program", metavar="PROGRAM")
     points.add_argument("--json", action="store_true", help="a JSON object: name and components")

@@ -24,10 +24,10 @@ COMES_S = 30.0  # the interpreter reads and checks all programs first
 def add_to(tools: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """The tools that need a cell."""
     helps = {
-        "run": "runs a program in a cell until it is over",
-        "start": "starts a program in the running cell, as the panel does",
-        "stop": "stops a process of the running cell",
-        "status": "programs and processes of the running cell",
+        "run": "run a program in a cell until it ends",
+        "start": "start a program in the running cell, as the panel does",
+        "stop": "stop a process of the running cell",
+        "status": "show programs and processes of the running cell",
     }
     for word, text in helps.items():
         parser = tools.add_parser(word, help=text)

@@ -23,15 +23,17 @@ class FileFault(Exception):
 
 def add_files_to(tools: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Their options."""
-    put = tools.add_parser("put", help="copies files into the memory of a cell; a running cell takes them at the next start of a program")
+    put = tools.add_parser("put", help="copy files into the memory of a cell; a running cell uses them from the next start of a program")
     put.add_argument("cell", metavar="CELL", help="cell file, or the name of a shipped one")
     put.add_argument("files", nargs="+", metavar="FILE", type=pathlib.Path)
-    put.add_argument("--force", action="store_true", help="replace files that are there already")
-    get = tools.add_parser("get", help="copies files out of the memory of a cell")
+    put.add_argument("--force", action="store_true", help="replace existing files")
+    get = tools.add_parser("get", help="copy files out of the memory of a cell")
     get.add_argument("cell", metavar="CELL")
-    get.add_argument("names", nargs="*", metavar="NAME", help="file or program; all without one")
-    get.add_argument("--to", metavar="FOLDER", type=pathlib.Path, default=pathlib.Path(), help="where to; nothing is replaced there")
-    translate = tools.add_parser("compile", help="translates programs: writes NAME.IRD, or NAME.ERR with its faults")
+    get.add_argument("names", nargs="*", metavar="NAME", help="file or program (default: all)")
+    get.add_argument(
+        "--to", metavar="FOLDER", type=pathlib.Path, default=pathlib.Path(), help="target folder; existing files are not replaced"
+    )
+    translate = tools.add_parser("compile", help="translate programs: write NAME.IRD, or NAME.ERR with the faults")
     translate.add_argument("folder", metavar="FOLDER", type=pathlib.Path, help="the memory folder")
     translate.add_argument("programs", nargs="+", metavar="PROGRAM")
     for each in (put, get, translate):

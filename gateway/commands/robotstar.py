@@ -26,8 +26,8 @@ from gateway.runtime.exit_codes import Exit
 
 DIRECTORY = {"list": (), "protect": ("program", "letters"), "delete": ("program",), "rename": ("program", "to"), "copy": ("program", "to")}
 WORDS = {
-    "program": "its name, with .MPR, .SPR .. where several have it",
-    "letters": "locked ones of L delete, A execute, E edit, S structure, U rename; - for none",
+    "program": "name of the program, with .MPR, .SPR .. if several have it",
+    "letters": "letters to lock: L delete, A execute, E edit, S structure, U rename; - for none",
     "to": "the new name",
 }
 EXAMPLES = """examples:
@@ -62,31 +62,33 @@ def main(argv: list[str]) -> int:
 
 
 def _check_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", metavar="FOLDER", help="the memory: NAME.MPR, NAME.SPR, NAME.MAC, NAME.PAL, NAME.PLC, directories")
+    parser.add_argument(
+        "folder", metavar="FOLDER", help="folder of the memory: NAME.MPR, NAME.SPR, NAME.MAC, NAME.PAL, NAME.PLC, directories"
+    )
     parser.add_argument("--json", action="store_true")
 
 
 def _run_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", metavar="FOLDER", help="the memory")
-    parser.add_argument("--program", required=True, metavar="P", help="program that START begins with")
-    parser.add_argument("--virtual", action="store_true", required=True, help="virtual time, no processes, no hardware")
+    parser.add_argument("folder", metavar="FOLDER", help="folder of the memory")
+    parser.add_argument("--program", required=True, metavar="P", help="program that START runs")
+    parser.add_argument("--virtual", action="store_true", required=True, help="in virtual time, without processes and hardware")
     parser.add_argument("--mode", choices=sorted(MODES), default="auto")
     parser.add_argument("--plc", metavar="P", help="start program of the integrated PLC; without it no PLC runs")
     parser.add_argument("--robot", metavar="R", help="robot file: positions outside the limits of its axes are refused")
     parser.add_argument("--until", type=_seconds, metavar="S", help="end of the virtual time (default 600)")
-    parser.add_argument("--at", action="append", default=[], metavar='"S WHAT"', help='order at a time: "1.5 E0.6=1", "2 START", "3 F2"')
+    parser.add_argument("--at", action="append", default=[], metavar='"S WHAT"', help='event at a time: "1.5 E0.6=1", "2 START", "3 F2"')
     parser.add_argument("--json", action="store_true")
 
 
 def _import_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("listing", type=Path, metavar="LISTING", help="text of a printed listing")
+    parser.add_argument("listing", type=Path, metavar="LISTING", help="text file of a printed listing")
     parser.add_argument("--points", type=Path, metavar="CSV", help="name,X,Y,Z,A,B,C[,Frame,A7..] of the positions")
-    parser.add_argument("--to", type=Path, metavar="FOLDER", help="writes the programs there; otherwise they are printed")
+    parser.add_argument("--to", type=Path, metavar="FOLDER", help="write the programs there (default: print them)")
     parser.add_argument("--json", action="store_true")
 
 
 def _directory_options(parser: argparse.ArgumentParser, more: tuple[str, ...]) -> None:
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="the memory")
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder of the memory")
     for name in more:
         parser.add_argument(name, metavar=name.upper(), help=WORDS[name])
     parser.add_argument("--json", action="store_true")

@@ -20,7 +20,7 @@ OPTIONS = ("tap", "seconds", "report", "tolerance")
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Those of a shadow."""
-    group = parser.add_argument_group("shadow", "beside a working old controller: listens on taps, sends nothing, compares")
+    group = parser.add_argument_group("shadow", "beside a working old controller: listen on taps, send nothing, compare")
     group.add_argument(
         "--shadow", action="store_true", help="compare axisgate's status with that of the old controller; no output is opened"
     )

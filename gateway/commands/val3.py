@@ -41,7 +41,7 @@ def main(argv: list[str]) -> int:
         "axisgate val3", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     commands = parser.add_subparsers(dest="command", required=True)
-    check = commands.add_parser("check", help="faults of an application, file and line of each")
+    check = commands.add_parser("check", help="check an application: file and line of each fault")
     run = commands.add_parser(
         "run", help="run an application in virtual time", formatter_class=argparse.RawDescriptionHelpFormatter, epilog=EXAMPLES
     )
@@ -51,9 +51,7 @@ def main(argv: list[str]) -> int:
         which = each.add_mutually_exclusive_group()
         which.add_argument("--robot", help=f"arm: a file of configs/robots or a path (default {ROBOT})")
         which.add_argument("--cell", help="cell whose robot is the arm")
-        each.add_argument(
-            "--strict-priorities", action="store_true", help="one priority for each operator, as the tables of the manual say"
-        )
+        each.add_argument("--strict-priorities", action="store_true", help="give each operator its own priority, as in the manual's tables")
         each.add_argument("--json", action="store_true", help="JSON on standard output")
     run.add_argument("--virtual", action="store_true", required=True, help="in virtual time, without processes")
     run.add_argument("--line-us", type=float, default=1.0, metavar="US", help="virtual time of a program line (default 1)")
@@ -62,9 +60,9 @@ def main(argv: list[str]) -> int:
     run.add_argument(
         "--at", nargs=2, action="append", default=[], metavar=("S", "WHAT=VALUE"), help="an event from outside; may be repeated"
     )
-    val3_import.arguments(commands.add_parser("import", help="a cell of a flash card: its channels, inputs, outputs, application"))
-    coded = commands.add_parser("password", help="the VAL 3 password that libLoad takes, of the password of a ZIP library")
-    coded.add_argument("secret", metavar="SECRET", help="- reads it from standard input")
+    val3_import.arguments(commands.add_parser("import", help="make a cell from a flash card: channels, inputs, outputs, application"))
+    coded = commands.add_parser("password", help="print the VAL 3 password for libLoad, made from the password of a ZIP library")
+    coded.add_argument("secret", metavar="SECRET", help="the password; - reads it from standard input")
     coded.add_argument("--json", action="store_true", help="JSON on standard output")
     options = parser.parse_args(argv)
     commands_by_name: dict[str, Callable[[argparse.Namespace], int]] = {

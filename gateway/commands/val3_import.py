@@ -25,7 +25,7 @@ CELLS = {"rx": "cs8", "rs": "scara"}  # family of arms -> shipped cell whose dri
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Of `axisgate val3 import`."""
     parser.add_argument("card", metavar="CARD", type=pathlib.Path, help="copy of the flash card: the folder with usr in it, or its .zip")
-    parser.add_argument("--application", metavar="NAME", help="where the card has several and none of them starts by itself")
+    parser.add_argument("--application", metavar="NAME", help="application to run, if the card has several and none has autostart")
     parser.add_argument("--out", metavar="FILE", type=pathlib.Path, help="cell file to write, never overwritten (default NAME.toml)")
     parser.add_argument("--json", action="store_true", help="file, application and doubts as JSON")
 

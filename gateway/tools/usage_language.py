@@ -1,5 +1,5 @@
-"""Faults of a command line in the user's language (AX-1795): what argparse and the commands say in English has its German in
-`configs/texts/usage.toml`.
+"""What the commands say of the command line and of their faults, in the user's language (AX-1795): what argparse and the commands say in
+English has its German in `configs/texts/usage.toml`, their help in `help.toml`.
 """
 
 import argparse
@@ -10,28 +10,41 @@ from collections.abc import Iterator, Mapping
 
 from gateway.files.texts import spoken
 from gateway.pure.lines.texts import language_of
+from gateway.tools.help_language import german_help, in_german_usage
 
 INVALID = 2  # as argparse ends
-USAGE = "usage: "
 
 
 def usage_text(sentence: str, environment: Mapping[str, str] | None = None) -> str:
-    """A sentence about the command line, in the user's language."""
+    """A sentence about the command line or a fault of a command, in the user's language."""
     return spoken("usage").german(sentence) if _language(environment) == "de" else sentence
 
 
+def help_text(sentence: str) -> str:
+    """A sentence of the help, in the user's language."""
+    return spoken("help").german(sentence) if _language() == "de" else sentence
+
+
+def complain(command: str, fault: object) -> None:
+    """Report on standard error why a command cannot do what it was given."""
+    print(f"axisgate {command}: {usage_text(str(fault))}", file=sys.stderr)
+
+
 @contextlib.contextmanager
-def usage_errors() -> Iterator[None]:
-    """Every parser reports faults in the user's language.  `error` is the method that argparse lets others replace."""
+def users_language() -> Iterator[None]:
+    """Every parser reports faults and prints its help in the user's language, by the two methods that argparse lets others replace."""
     if _language() != "de":
         yield
         return
-    before = argparse.ArgumentParser.error
-    setattr(argparse.ArgumentParser, "error", _error)  # noqa: B010 a method cannot be assigned to
+    parser = argparse.ArgumentParser
+    before = parser.error, parser.format_help
+    setattr(parser, "error", _error)  # noqa: B010 a method cannot be assigned to
+    setattr(parser, "format_help", german_help(parser.format_help))  # noqa: B010
     try:
         yield
     finally:
-        setattr(argparse.ArgumentParser, "error", before)  # noqa: B010
+        setattr(parser, "error", before[0])  # noqa: B010
+        setattr(parser, "format_help", before[1])  # noqa: B010
 
 
 def _language(environment: Mapping[str, str] | None = None) -> str:
@@ -39,6 +52,5 @@ def _language(environment: Mapping[str, str] | None = None) -> str:
 
 
 def _error(parser: argparse.ArgumentParser, message: str) -> None:
-    usage = parser.format_usage().removeprefix(USAGE).replace("\n ", "\n  ")  # the prefix is longer by one
-    sys.stderr.write(f"Aufruf: {usage}")
+    sys.stderr.write(in_german_usage(parser.format_usage()))
     parser.exit(INVALID, f"{parser.prog}: Fehler: {spoken('usage').german(message)}\n")

@@ -20,7 +20,8 @@ PROBE_EXAMPLES = """examples:
   axisgate line probe sim:bad-partner
   axisgate line probe COM5 --profile siemens-cp341 --report cw4     writes cw4.json and cw4.html
   axisgate line probe /dev/ttyUSB0 --only receive --only send.silent
-Blocks of the probe begin with 55h and change nothing in an RK512 station; SEND is tried with --write only.  Not at a machine that moves.
+Blocks of the probe begin with 55h and change nothing in an RK512 station; SEND is tried with --write only.
+Do not use it at a machine that moves.
 exit code: 0 no FAIL, 1 at least one, 2 command line, 3 port"""
 DIAGNOSE_EXAMPLES = """examples:
   axisgate line diagnose /dev/ttyUSB0 --priority low
@@ -40,14 +41,14 @@ exit code: 0 done, 1 refused or no answer, 2 command line, 3 port"""
 MONITOR_EXAMPLES = """examples:
   axisgate line monitor /dev/ttyUSB0                                one wire: what its sender transmits
   axisgate line monitor --tap /dev/ttyUSB0,/dev/ttyUSB1 --json      both wires, two receive-only adapters
-  axisgate line monitor --tap COM5,COM6 --save line.rec             and keeps what it hears, for learn and export
+  axisgate line monitor --tap COM5,COM6 --save line.rec             and saves the recording for learn and export
   axisgate line monitor --record line.rec                           a recording instead of a line"""
 LEARN_EXAMPLES = """examples:
   axisgate line learn line.rec                                      the draft on standard output
   axisgate learn line line.rec -o cell.toml                         the same command by its other name
   axisgate learn line --tap /dev/ttyUSB0,/dev/ttyUSB1 --seconds 3600 --save line.rec -o cell.toml
   axisgate learn line --tap COM5,COM6                               live, until Ctrl-C; listens only
-A is the tap in the wire the PLC sends on, B the one in the other; learn has nothing to send with.
+A is the tap in the wire the PLC sends on, B the one in the other; learn never sends.
 exit code: 0 done, 2 command line or nothing to learn from, 3 port"""
 
 
@@ -113,28 +114,32 @@ def _priority_argument(tool: argparse.ArgumentParser, default: str) -> None:
 
 
 def _language_argument(tool: argparse.ArgumentParser) -> None:
-    tool.add_argument("--language", choices=LANGUAGES, help="of verdicts, findings and report (default: as the system speaks)")
+    tool.add_argument("--language", choices=LANGUAGES, help="language of verdicts, findings and report (default: the system's)")
 
 
 def _probe_arguments(tool: argparse.ArgumentParser) -> None:
     _line_arguments(tool, port_optional=True)
-    tool.add_argument("--station-priority", choices=("high", "low"), help="of the station under test (default high, as old CPs are set)")
-    tool.add_argument("--layer", choices=("rk512", "raw"), help="what rides on 3964R (default rk512)")
+    tool.add_argument(
+        "--station-priority", choices=("high", "low"), help="priority of the station under test (default high, as old CPs are set)"
+    )
+    tool.add_argument("--layer", choices=("rk512", "raw"), help="layer above 3964R (default rk512)")
     tool.add_argument(
         "--stimulus", default="auto", choices=("auto", "operator", "fetch", "none"), help="how the station is made to send (auto: FETCH)"
     )
-    tool.add_argument("--active", action="store_true", help="stimulated, the station sends RK512 commands: wrong reactions are tried on it")
+    tool.add_argument(
+        "--active", action="store_true", help="when stimulated, the station sends RK512 commands; test it with wrong reactions"
+    )
     tool.add_argument("--db", type=_block, default=10, help="a data block that exists (default 10)")
-    tool.add_argument("--words", type=int, default=64, help="words it has (default 64)")
+    tool.add_argument("--words", type=int, default=64, help="number of its words (default 64)")
     tool.add_argument("--missing-db", type=_block, default=99, help="a data block that does not exist (default 99)")
-    tool.add_argument("--write", action="store_true", help="allow SEND into --db; what was read is written back")
+    tool.add_argument("--write", action="store_true", help="allow SEND into --db; the words read before are written back")
     tool.add_argument("--only", action="append", default=[], metavar="NAME", help="a test or a group; may be given several times")
-    tool.add_argument("--list", action="store_true", help="only the list of the tests")
-    tool.add_argument("--report", metavar="NAME", default="", help="writes NAME.json and NAME.html (default probe-TIME)")
-    tool.add_argument("--no-report", action="store_true", help="writes no files")
+    tool.add_argument("--list", action="store_true", help="list the tests and end")
+    tool.add_argument("--report", metavar="NAME", default="", help="write NAME.json and NAME.html (default probe-TIME)")
+    tool.add_argument("--no-report", action="store_true", help="write no files")
     tool.add_argument("--device", type=pathlib.Path, metavar="FILE", help="device file (TOML) with [device], [link], [stimulus]")
     _language_argument(tool)
-    tool.add_argument("--json", action="store_true", help="the report on standard output")
+    tool.add_argument("--json", action="store_true", help="print the report as JSON")
 
 
 def _diagnose_arguments(tool: argparse.ArgumentParser) -> None:
@@ -158,19 +163,19 @@ def _job_arguments(tool: argparse.ArgumentParser) -> None:
 
 def _send_arguments(tool: argparse.ArgumentParser) -> None:
     _line_arguments(tool)
-    tool.add_argument("address", metavar="DB10.DW2", help="first data word")
+    tool.add_argument("address", metavar="DB10.DW2", help="first data word, such as DB10.DW2")
     tool.add_argument("values", nargs="+", metavar="VALUE", help="1200, 0A1F (KH), 12,34 (KY), AB (KC), 1200.5 (KG, REAL)")
     tool.add_argument(
-        "--type", required=True, metavar="KF,KH,...", help="number types; the last one holds for the rest; there is no default"
+        "--type", required=True, metavar="KF,KH,...", help="number types; the last one is used for the rest; there is no default"
     )
     _job_arguments(tool)
 
 
 def _fetch_arguments(tool: argparse.ArgumentParser) -> None:
     _line_arguments(tool)
-    tool.add_argument("address", metavar="DB11.DW0", help="first data word")
+    tool.add_argument("address", metavar="DB11.DW0", help="first data word, such as DB10.DW2")
     tool.add_argument("--count", type=int, default=1, help="values, not words: a KG or REAL takes two words (default 1)")
-    tool.add_argument("--type", default="KH", metavar="KF,KH,...", help="number types; the last one holds for the rest (default KH)")
+    tool.add_argument("--type", default="KH", metavar="KF,KH,...", help="number types; the last one is used for the rest (default KH)")
     _job_arguments(tool)
 
 
@@ -186,13 +191,13 @@ def _listening_arguments(tool: argparse.ArgumentParser) -> None:
     tool.add_argument("--seconds", type=_seconds, help="end after so long (default: until Ctrl-C)")
     tool.add_argument("--plain", action="store_true", help="procedure 3964: blocks without check")
     tool.add_argument(
-        "--save", type=pathlib.Path, metavar="FILE", help="keep what is heard as a record for learn, export and monitor --record"
+        "--save", type=pathlib.Path, metavar="FILE", help="save what is received as a record for learn, export and monitor --record"
     )
 
 
 def _learn_arguments(tool: argparse.ArgumentParser) -> None:
     tool.add_argument("trace", type=pathlib.Path, nargs="?", metavar="TRACE", help="record of a line, or journal")
     tool.add_argument("--tap", metavar="A,B", help="live instead: two receive-only ports, A in the wire the PLC sends on, B in the other")
-    tool.add_argument("--format", default="9600 8E1", metavar='"9600 8E1"', help="of the taps (default 9600 8E1)")
+    tool.add_argument("--format", default="9600 8E1", metavar='"9600 8E1"', help="format of the taps (default 9600 8E1)")
     _listening_arguments(tool)
     tool.add_argument("-o", "--output", type=pathlib.Path, metavar="FILE", help="write the draft there")
