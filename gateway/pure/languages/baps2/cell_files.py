@@ -43,10 +43,10 @@ class CellFiles:
         for _ in range(min(PIECES, len(self._out))):
             self._port.tell("memory", **self._out.popleft())
 
-    def points(self, file: str, points: Mapping[str, tuple[float, ...]], point: str = "", *, select: bool) -> None:
-        """A point file for modes 4.1 and 4.2; select: for their next selection, by special function 16."""
+    def points(self, file: str, points: Mapping[str, tuple[float, ...]], point: str = "", *, size: int, select: bool) -> None:
+        """A point file for modes 4.1 and 4.2; size: components of its points; select: for their next selection, by special function 16."""
         rows = tuple(" ".join((name, *(f"{value:.10g}" for value in values))) for name, values in points.items())
-        self._pieces(rows, part="points", file=file, point=point, select=select)
+        self._pieces(rows, part="points", file=file, point=point, size=size, select=select)
 
     def _look(self, files: Mapping[str, bytes]) -> None:
         if self._keys:

@@ -207,7 +207,9 @@ class CellRun(CellMotion):
             self.pendant.reading = SAID_ANEW
             return
         if order["do"] == "points":
-            self.pendant.files.points(file := str(order["file"]), self._offered(file.removesuffix(".PKT")), select=False)
+            file = str(order["file"])
+            program = file.removesuffix(".PKT")
+            self.pendant.files.points(file, self._offered(program), size=self.test.cell.components(program), select=False)
             return
         answer = self.test.hear(order, now)
         if answer is not None:
@@ -224,7 +226,7 @@ class CellRun(CellMotion):
 
     def point_selected(self, program: str, point: str, points: Mapping[str, tuple[float, ...]]) -> None:
         """Special function 16: the pendant offers this file, and this point first."""
-        self.pendant.files.points(f"{program}.PKT", points, point, select=True)
+        self.pendant.files.points(f"{program}.PKT", points, point, size=self.test.cell.components(program), select=True)
 
     @property
     def test(self) -> CellDebugger:

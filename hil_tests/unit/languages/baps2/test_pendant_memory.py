@@ -145,13 +145,13 @@ def test_special_function_16_says_what_is_wrong_with_a_selection(file: str, poin
 @pytest.mark.requirement("RHO-PHG-16", by="gateway.pure.controllers.rho3.pendant.user_memory:UserMemory.enter")
 def test_mode_4_1_opens_the_selected_file_at_its_point_and_the_selection_is_used_up() -> None:
     cell = selecting("TEST.PKT", "STARTPOS")
-    assert pressed(cell, *DEFINE)[:3] == ["4.1 TEST.PKT", "STARTPOS", "ROW[1]"]
-    assert pressed(cell, "ENTER")[2] == "10 20.5 30 45", "its components"
+    assert pressed(cell, *DEFINE)[:3] == ["4.1 TEST.PKT", "STARTPOS.1", "10"]
+    assert pressed(cell, "DOWN")[1:3] == ["STARTPOS.2", "20.5"]
     assert pressed(cell, "LEFT", *DEFINE)[:3] == ["4.1 Define", "EMPTY.PKT", "TEST.PKT"], "it was for one selection"
-    assert pressed(cell, "DOWN", "ENTER")[:3] == ["4.1 TEST.PKT", "HOME", "STARTPOS"], "opened by the operator"
+    assert pressed(cell, "DOWN", "ENTER")[:3] == ["4.1 TEST.PKT", "HOME.1", "0"], "opened by the operator"
 
 
 def test_an_empty_name_selects_the_first_point_and_a_mode_without_points_leaves_the_selection_alone() -> None:
     cell = selecting("TEST.PKT", " ")
     assert pressed(cell, "MODE", "0", ".", "7", ".", "1", "ENTER")[0].startswith("7.1")
-    assert pressed(cell, *DEFINE)[:2] == ["4.1 TEST.PKT", "HOME"]
+    assert pressed(cell, *DEFINE)[:2] == ["4.1 TEST.PKT", "HOME.1"]

@@ -1,4 +1,4 @@
-"""Modes 4.2 and 9.4.2 of the pendant: Teach in with its question (L4768-4844, 8117-8194), printing of point files."""
+"""Modes 4.1, 4.2 and 9.4.2 of the pendant: Define, Teach in, printing of point files (L4768-4844, 8117-8194, 9912-10070)."""
 
 import pathlib
 
@@ -48,6 +48,31 @@ def test_teach_in_needs_manual() -> None:
     cell = teaching(manual=False)
     assert pressed(cell, *TEACH, "DOWN", "ENTER")[2] == "kin. in automatic"
     assert "DEPOT" not in (cell.memory.text("P.PKT") or "")
+
+
+DEFINE = ("MODE", "0", ".", "4", ".", "1", "ENTER", "ENTER")
+
+
+def test_a_component_gets_a_number_and_the_point_file_has_it() -> None:
+    cell = teaching(manual=False)
+    assert pressed(cell, *DEFINE, "DOWN")[:3] == ["4.1 P.PKT", "HOME.2", "2"]
+    assert pressed(cell, "-", "1", "2", ".", "5")[3] == "=-12.5"
+    assert pressed(cell, "ENTER")[1:3] == ["HOME.2", "-12.5"]
+    assert cell.memory.text("P.PKT") == "HOME = (1, -12.5, 3, 4) ; as taught in 1994\n"
+    assert pressed(cell, "1", ".", ".", "ENTER")[2] == "no number"
+
+
+def test_a_point_that_is_not_defined_is_stored_when_all_components_are_there() -> None:
+    cell = teaching()
+    before = cell.memory.text("P.PKT")
+    pressed(cell, *DEFINE, "UP", "4", "0", "ENTER")
+    assert pressed(cell, "UP", "3", "0", "ENTER")[1:3] == ["DEPOT.3", "30"]
+    assert pressed(cell, "UP")[1:3] == ["DEPOT.2", "-"]
+    assert pressed(cell, "LEFT", *DEFINE, "UP")[1:3] == ["DEPOT.4", "-"], "forgotten with the mode"
+    assert cell.memory.text("P.PKT") == before
+    for number in "4321":
+        pressed(cell, number, "ENTER", "UP")
+    assert cell.memory.text("P.PKT") == f"{before}DEPOT = (1, 2, 3, 4)\n"
 
 
 def test_a_point_file_is_printed_as_it_is(tmp_path: pathlib.Path) -> None:

@@ -43,6 +43,7 @@ _TEXTS: dict[str, tuple[str, str]] = {
     "phg_no_parameter": ("no parameter", "kein Parameter"),
     "phg_not_manual": ("kin. in automatic", "Kin. in Automatik"),
     "phg_taught": ("taught", "gelernt"),
+    "phg_no_value": ("no number", "keine Zahl"),
     "phg_overwrite": ("pnt. overwr.:ENTER", "Pkt ueberschr.:ENTER"),
     "phg_not_here": ("no function here", "hier ohne Funktion"),
     "phg_done": ("done", "ausgefuehrt"),

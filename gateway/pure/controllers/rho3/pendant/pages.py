@@ -13,6 +13,7 @@ from gateway.pure.controllers.rho3.pendant.user_memory import PointFile
 from gateway.pure.image.records.interpreter import Fact
 from motion.program.factors import Factors
 
+DEFINE: Mode = (4, 1)
 TEACH: Mode = (4, 2)
 FACTOR_MODES: dict[Mode, str] = {(11, 4): "velocity", (11, 5): "acceleration", (11, 6): "deceleration"}
 
@@ -76,6 +77,12 @@ class Source(Protocol):
     def teach(self, file: str, point: str) -> str:
         """The actual position becomes this point; why it is refused at once."""
 
+    def define(self, shown: PointFile, point: str, place: int, size: int, value: float) -> str:
+        """A component of a point gets a number; why it is refused at once."""
+
+    def component(self, shown: PointFile, point: str, place: int, size: int) -> str:
+        """Its value; - for none."""
+
     def taught(self, file: str, point: str) -> str | None:
         """What became of it: empty, why it was refused, None: this point was not taught last."""
 
@@ -105,19 +112,19 @@ def _nothing(row: int) -> str:
     return ""
 
 
-def _no_number(text: str) -> str:
+def _no_number(text: str, row: int) -> str:
     return ""
 
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """`choose(row)` is ENTER on a row, `put(text)` ENTER behind a number where `edits`; they return what is to be said."""
+    """`choose(row)` is ENTER on a row, `put(text, row)` ENTER behind a number where `edits`; they return what is to be said."""
 
     title: str
     rows: tuple[str, ...] = ()
     choose: Callable[[int], str] = _nothing
     edits: bool = False
-    put: Callable[[str], str] = _no_number
+    put: Callable[[str, int], str] = _no_number
     asks: Callable[[int], str] = _nothing  # a question in front of `choose`; a second ENTER is yes
     secret: bool = False  # what is put is not shown, and any key behind the question begins it
     note: Callable[[int], str] = _nothing  # what became of the last choice in a row
@@ -207,7 +214,7 @@ def _parameters(title: str, mode: Mode, source: Source, language: str) -> Page:
     def opened(row: int) -> str:
         return found[row % len(found)][1]
 
-    def enter(password: str) -> str:
+    def enter(password: str, _: int) -> str:
         return "" if source.unlock(password) else say("phg_enter_password", language)
 
     names = tuple(name for name, _ in found)
@@ -238,17 +245,39 @@ def _tested(title: str, mode: Mode, source: Source, language: str) -> Page:
 
 
 def _points(title: str, mode: Mode, source: Source, language: str) -> Page:
-    """4.1, 4.2: ENTER opens a file; then 4.1 shows the components of a point, 4.2 stores the actual position in it (L4768-4844)."""
+    """4.1, 4.2: ENTER opens a file; then 4.1 takes numbers for the components of points, 4.2 stores the actual position (L4768-4844)."""
     shown, files = source.point_file(), source.point_files()
     if shown is not None:
         points = shown.points
         head = f"{spoken(mode)} {shown.name}"
         if mode == TEACH and points:
             return _teaching(head, shown, source, language)
-        return Page(head, tuple(name for name, _ in points), lambda row: points[row % len(points)][1] or "-" if points else "")
+        return _defining(head, shown, source, language)
     return Page(
         title, tuple(files) or (say("phg_no_points", language),), lambda row: source.open_points(files[row % len(files)]) if files else ""
     )
+
+
+def _defining(head: str, shown: PointFile, source: Source, language: str) -> Page:
+    """A row for each component, its value below it; a number and ENTER store it (L9912-10070)."""
+    places = range(len(shown.points))
+    rows = [(shown.points[at][0], place, shown.components(at)) for at in places for place in range(shown.components(at))]
+
+    def note(row: int) -> str:
+        name, place, size = rows[row % len(rows)]
+        outcome = source.taught(shown.name, name)
+        return outcome or source.component(shown, name, place, size)
+
+    def put(text: str, row: int) -> str:
+        name, place, size = rows[row % len(rows)]
+        try:
+            number = float(text)
+        except ValueError:
+            return say("phg_no_value", language)
+        return source.define(shown, name, place, size, number)
+
+    shown_rows = tuple(f"{name[: COLUMNS - 3]}.{place + 1}" for name, place, _ in rows)
+    return Page(head, shown_rows, edits=bool(rows), put=put if rows else _no_number, note=note)
 
 
 def _teaching(head: str, shown: PointFile, source: Source, language: str) -> Page:
@@ -286,7 +315,7 @@ def _print(title: str, mode: Mode, source: Source, language: str) -> Page:
 def _factor(title: str, which: str, source: Source, language: str) -> Page:
     """V, A, D: 1.0 is 100 % (L2671-2681)."""
 
-    def put(text: str) -> str:
+    def put(text: str, _: int) -> str:
         try:
             value = float(text)
         except ValueError:
@@ -300,6 +329,6 @@ def _factor(title: str, which: str, source: Source, language: str) -> Page:
 
 
 ORDERING: dict[Mode, Callable[[str, Mode, Source, str], Page]] = {
-    (4, 1): _points, TEACH: _points, (5, 9): _tested, (5, 10): _tested,
+    DEFINE: _points, TEACH: _points, (5, 9): _tested, (5, 10): _tested,
     (7, 8, 2): _parameters, (9, 4, 2): _print, (9, 6): _eeprom, (9, 7): _eeprom, (9, 8): _card, (10, 1): _start, (10, 2): _stop,
 }  # fmt: skip

@@ -119,7 +119,7 @@ class Panel:
             self.enter(up(self.level))
         elif key in ("UP", "DOWN"):
             self._scroll(1 if key == "DOWN" else -1)
-        elif key in DIGITS:
+        elif key in DIGITS or (key == "-" and page_of(self.level, self._source, self._language).edits):
             self._entry, self._value = key, page_of(self.level, self._source, self._language).edits
         elif key == "ENTER":
             self._choose(asked)
@@ -138,7 +138,7 @@ class Panel:
         if key == "ENTER":
             entry, self._entry = self._entry, None
             if self._value:
-                self._notice = Notice(page_of(self.level, self._source, self._language).put(entry))
+                self._notice = Notice(page_of(self.level, self._source, self._language).put(entry, self._top))
             else:
                 self.go(entry)
         elif key == "DELETE":

@@ -17,11 +17,17 @@ MOST_LINES, LISTS = 999, 256
 
 @dataclass(frozen=True, slots=True)
 class PointFile:
-    """Points of a PKT file as modes 4.1 and 4.2 offer them: name and components of each; top: the one that is offered first."""
+    """Points of a PKT file as modes 4.1 and 4.2 offer them: name and components of each; top: the one that is offered first; size:
+    components of one that is not defined."""
 
     name: str
     points: tuple[tuple[str, str], ...] = ()
     top: int = 0
+    size: int = 0
+
+    def components(self, place: int) -> int:
+        """Of a point."""
+        return len(self.points[place][1].split()) or self.size
 
 
 @dataclass(slots=True)
@@ -33,6 +39,7 @@ class UserMemory:
     keys: KeyTable = field(default_factory=KeyTable)
     ordered: tuple[str, int] = ("", 0)  # of mode 9.4.2, 9.6 or 9.7: print, save or load, ticket
     taught: tuple[str, str, int] = ("", "", 0)  # file, point, ticket of mode 4.2
+    typed: dict[tuple[str, str], dict[int, float]] = field(default_factory=dict)  # file, point -> components that wait for the others
     selected: PointFile | None = None  # by special function 16, for the next selection of a mode (L10776-10833)
     opened: PointFile | None = None  # in the mode that is selected
     unlocked: bool = False  # the password was entered in mode 7.8.2, until it is left
@@ -78,7 +85,7 @@ class UserMemory:
             return
         names = [name for name, _ in self._points]
         top = names.index(str(said["point"])) if said["point"] in names else 0
-        found = PointFile(str(said["file"]), tuple(self._points), top)
+        found = PointFile(str(said["file"]), tuple(self._points), top, int(said["size"]))
         if said["select"]:
             self.selected = found
         else:
@@ -87,5 +94,6 @@ class UserMemory:
     def enter(self, *, points: bool) -> int:
         """A mode is selected; points: it offers point files.  The row it begins with; a selection is used up by it."""
         self.ordered, self.taught, self.unlocked = ("", 0), ("", "", 0), False
+        self.typed.clear()
         self.opened, self.selected = (self.selected, None) if points else (None, self.selected)
         return self.opened.top if self.opened is not None else 0

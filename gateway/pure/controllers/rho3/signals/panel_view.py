@@ -6,6 +6,7 @@ from gateway.pure.controllers.rho3.functions.messages import say
 from gateway.pure.controllers.rho3.functions.processes import ProcessTable
 from gateway.pure.controllers.rho3.pendant.infos import Condition, conditions_of
 from gateway.pure.controllers.rho3.pendant.modes import Mode
+from gateway.pure.controllers.rho3.pendant.pages import DEFINE, TEACH
 from gateway.pure.controllers.rho3.pendant.user_memory import PointFile
 from gateway.pure.controllers.rho3.signals.codes import code_text
 from gateway.pure.controllers.rho3.signals.control_state import ControlState
@@ -15,7 +16,7 @@ from gateway.pure.image.records.interpreter import Fact
 from motion.program.factors import Factors
 
 TEST_MN = "TEST_MN_RCI"
-POINT_MODES: tuple[Mode, ...] = ((4, 1), (4, 2), (9, 4, 2))
+POINT_MODES: tuple[Mode, ...] = (DEFINE, TEACH, (9, 4, 2))
 NO_PRINTER, PRINTER_DISABLED = "Interface: n.avail.", "DISPRINT_RCI"
 
 
@@ -89,7 +90,9 @@ class PanelView:
         return control.hosted.answers.get(ticket) if control.hosted is not None and ordered == what else None
 
     def entered(self, mode: Mode) -> int:
-        return self._control.memory.enter(points=mode in POINT_MODES)
+        row = self._control.memory.enter(points=mode in POINT_MODES)
+        shown = self._control.memory.opened
+        return row if mode != DEFINE or shown is None else sum(shown.components(place) for place in range(row))
 
     def point_files(self) -> Sequence[str]:
         return [each.name for each in self._control.memory.files if each.name.endswith(".PKT")]
@@ -118,6 +121,29 @@ class PanelView:
             return say("phg_not_manual", control.setup.functions.language)
         control.memory.taught = file, point, control.hosted.order("teach", program=program, point=point, kinematic=0)
         return self.open_points(file)  # as it is then
+
+    def define(self, shown: PointFile, point: str, place: int, size: int, value: float) -> str:
+        """Mode 4.1; a point that is not defined is stored when all of its components are there."""
+        control = self._control
+        if control.hosted is None:
+            return "Option not found"
+        if Condition.DEFINE_DISABLED in self.conditions():
+            return Condition.DEFINE_DISABLED.value
+        typed = control.memory.typed.setdefault((shown.name, point), {})
+        typed[place] = value
+        values = [self.component(shown, point, each, size) for each in range(size)]
+        if "-" in values:
+            return ""
+        del control.memory.typed[shown.name, point]
+        order = control.hosted.order("define", program=shown.name.removesuffix(".PKT"), point=point, value=" ".join(values))
+        control.memory.taught = shown.name, point, order
+        return self.open_points(shown.name)
+
+    def component(self, shown: PointFile, point: str, place: int, size: int) -> str:
+        """As it was typed, else as it is stored."""
+        typed = self._control.memory.typed.get((shown.name, point), {})
+        values = dict(shown.points).get(point, "").split()
+        return f"{typed[place]:.10g}" if place in typed else values[place] if place < len(values) else "-"
 
     def taught(self, file: str, point: str) -> str | None:
         """What became of it."""
