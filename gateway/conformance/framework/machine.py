@@ -25,9 +25,18 @@ class Guarded:
 
     def __init__(self, device: Machine[object], name: str) -> None:
         self.device, self._name = device, name
+        self._on, self._woken = True, -1
         self.stimulate = self._optional("stimulate")
         self.hold = self._optional("hold")
-        self.power = self._optional("power")
+        switch = self._optional("power")
+        self.power = None if switch is None else self._switching(switch)
+
+    def _switching(self, switch: Callable[..., None]) -> Callable[..., None]:
+        def switched(on: bool, now: Ns) -> None:
+            self._on = on
+            switch(on, now)
+
+        return switched
 
     def _optional(self, name: str) -> Callable[..., None] | None:
         found = getattr(self.device, name, None)
@@ -60,11 +69,13 @@ class Guarded:
         return self._events(lambda: self.device.sent(now), "sent")
 
     def wake(self, now: Ns) -> Sequence[object]:
+        self._woken = now
         return self._events(lambda: self.device.wake(now), "wake")
 
     def deadline(self) -> Ns | None:
+        """Without supply none that a wake left as it was: no timer runs there."""
         due = self._call(self.device.deadline, "deadline")
-        return due if isinstance(due, int) else None
+        return due if isinstance(due, int) and (self._on or due > self._woken) else None
 
     def take_output(self) -> bytes:
         said = self._call(self.device.take_output, "take_output")

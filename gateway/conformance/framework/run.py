@@ -248,13 +248,14 @@ class Runner:
 
 
 def ordered(purposes: Sequence[Purpose[Tester]], seed: int | None) -> list[Purpose[Tester]]:
-    """Purposes that others start from come first; the rest as written, or shuffled."""
+    """Purposes that others start from come first; the rest as written, or shuffled; those that switch the supply last: a device that
+    loses its settings with it would fail in all others."""
     needed = {before for purpose in purposes for before in purpose.preamble}
     first = [purpose for purpose in purposes if purpose.id in needed]
     rest = [purpose for purpose in purposes if purpose.id not in needed]
     if seed is not None:
         random.Random(seed).shuffle(rest)
-    return first + rest
+    return first + sorted(rest, key=lambda purpose: "power" in purpose.condition)
 
 
 def _words(error: PortError) -> str:

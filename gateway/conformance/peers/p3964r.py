@@ -4,6 +4,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from gateway.conformance.peers.p3964r_lasting import (
+    DeafAfterGap,
+    FewerAttempts,
+    HastyRepeats,
+    LongCheck,
+    NakBringsAgain,
+    PatientAtLast,
+    Prolongs,
+    ShortAfterStx,
+    ThirdConflict,
+    other_after_power,
+)
 from gateway.conformance.peers.p3964r_receivers import (
     AnswersInside,
     AnswersNak,
@@ -139,6 +151,10 @@ def _with(receiver: type[Receiver] | None = None, sender: type[Sender] | None = 
     return lambda: Built(RHO3, priority, receiver=receiver, sender=sender)
 
 
+def _changed(**changes: Any) -> Maker:
+    return lambda: other_after_power(lambda: Built(replace(RHO3, **changes)))
+
+
 MUTANTS = (
     _mutant("silent", "never answers", [f"{R}BV_01"], lambda: Silent(RHO3, LOW)),
     _mutant("no-nak", "never sends NAK", [f"{R}BI_01", f"{R}TI_01", f"{S}BI_01"], lambda: NoNak(RHO3, LOW)),
@@ -258,6 +274,20 @@ MUTANTS = (
     _mutant("twice-after-conflict", "a job that gave way is sent twice", [f"{C}BO_02"], _with(sender=TwiceAfterConflict)),
     _mutant("reaction-check", "the check of its reactions is wrong", [f"{S}BV_06"], lambda: Built(says=wrong_reaction_check)),
     _mutant("echoes", "each character comes back", [f"{R}BV_01"], Echoes),
+    _mutant("long-check", "does not look at the check of a long block", [f"{R}BI_11"], _with(LongCheck)),
+    _mutant("deaf-after-gap", "deaf for 1 s after a block that broke off", [f"{R}RC_02"], lambda: DeafAfterGap(RHO3, LOW)),
+    _mutant("hasty-repeats", "a repeated block waits 200 ms", [f"{S}TI_06"], _with(sender=HastyRepeats)),
+    _mutant("patient-at-last", "the last repeat of a block waits 2.5 s", [f"{S}TI_06"], _with(sender=PatientAtLast)),
+    _mutant("short-after-stx", "loses a character after a repeated STX", [f"{S}BI_11"], _with(sender=ShortAfterStx)),
+    _mutant("nak-brings-again", "NAK in idle brings its last block again", [f"{S}BO_04"], lambda: NakBringsAgain(RHO3, LOW)),
+    _mutant("prolongs", "our STX prolongs its QVZ", [f"{C}TI_01"], _with(sender=Prolongs, priority=HIGH), HIGH),
+    _mutant("fewer-attempts", "a job that gave way has fewer attempts", [f"{C}RC_01"], _with(sender=FewerAttempts)),
+    _mutant("third-conflict", "each third conflict loses the job", [f"{C}ST_01"], _with(sender=ThirdConflict)),
+    _mutant("zvz-after-power", "ZVZ 500 ms after a power failure", ["3964R_SUP_BV_01"], _changed(char_delay=ms(500))),
+    _mutant("qvz-after-power", "QVZ 250 ms after a power failure", ["3964R_SUP_BV_02"], _changed(ack_delay=ms(250))),
+    _mutant(
+        "high-after-power", "has priority after a power failure", ["3964R_SUP_BV_02"], lambda: other_after_power(lambda: Built(RHO3, HIGH))
+    ),
 )
 
 

@@ -30,7 +30,9 @@ from gateway.conformance.peers.rk512_memories import (
     Memory,
     NotWritten,
     OffByOne,
+    Once,
     ReadsBeyond,
+    Rotates,
     Swapped,
     WordsForBytes,
     WritesBeyond,
@@ -105,6 +107,10 @@ def _only_fetch(change: Change) -> Change:
 
 def _only_send(change: Change) -> Change:
     return lambda command, said: change(command, said) if command[2:3] == b"A" and not said[3] else said
+
+
+def _last_of_63(command: bytes, said: bytes) -> bytes:
+    return said[:-2] + b"\0\0" if len(said) == 4 + 2 * 63 else said
 
 
 def _mutant(name: str, what: str, expects: Sequence[str], make: Maker) -> Mutant:
@@ -256,6 +262,9 @@ MUTANTS = (
     _mutant("refuses-reaction", "answers the reaction to its FETCH with NAK", ["RK512_ACT_BV_01"], RefusesReaction),
     _mutant("check-counts-once", "the check of its blocks counts a doubled DLE once", [f"{P}BV_05"], lambda: Built(says=check_counts_once)),
     _mutant("long-check", "the check of its long blocks is wrong", [f"{P}BV_02"], lambda: Built(says=wrong_long_check)),
+    _mutant("rotates", "longer jobs from odd words begin with the second word", [f"{P}ST_03"], _memory(Rotates)),
+    _mutant("63-words", "the last of 63 words is 0", [f"{P}ST_03"], _passive(_only_fetch(_last_of_63))),
+    _mutant("once", "the same data are not written again, wherever", [f"{P}BV_19"], _memory(Once)),
     _mutant("small-letters", "takes commands in small letters", [f"{P}BI_20"], SmallLetters),
 )
 

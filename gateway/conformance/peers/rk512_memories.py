@@ -24,6 +24,24 @@ class Memory(Blocks):
         return super().write(*self._where(db, word), data)
 
 
+class Rotates(Blocks):
+    """A job of more than one word from an odd word on begins with its second word."""
+
+    def read(self, db: int, word: int, words: int) -> bytes | ErrorNumber:
+        found = super().read(db, word, words)
+        return found if isinstance(found, ErrorNumber) or words == 1 or word % 2 == 0 else found[2:] + found[:2]
+
+
+class Once(Blocks):
+    """Data equal to those of the last write are not written."""
+
+    _last = b""
+
+    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
+        same, self._last = data == self._last, data
+        return None if same else super().write(db, word, data)
+
+
 class NotWritten(Blocks):
     def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
         there = self.read(db, word, len(data) // 2)

@@ -20,6 +20,7 @@ from protocols.p3964r.profiles import PROFILES, RHO3, Priority, Profile
 
 BLOCKS = (10, 1, 5, 11, 16, 2, 100)  # that are looked for where the bench names none
 MISSING = (99, 255, 200, 77)
+LOOKS = 3  # at a word, until there is a reaction
 OPERATOR_WAIT, PERIOD = ms(30_000), ms(15_000)
 Say = Callable[[str], None]
 
@@ -142,12 +143,16 @@ class LineSession:
         return True
 
     def _try(self, db: int, word: int, words: int) -> bool | None:
-        """None: no reaction at all."""
-        try:
-            found = ask(self.tester, fetch(db, word, words))
-        except Ended:
-            return None
-        return found.number == 0 and len(found.data) == 2 * words
+        """None: no reaction at all.  Asked again where it stumbles: a size that is found out too small accuses it of serving more."""
+        for _ in range(LOOKS):
+            try:
+                found = ask(self.tester, fetch(db, word, words))
+            except Ended:
+                with contextlib.suppress(Ended):
+                    self.tester.settle()
+                continue
+            return found.number == 0 and len(found.data) == 2 * words
+        return None
 
     def _look_at_blocks(self) -> None:
         setup = self.setup

@@ -54,10 +54,11 @@ def _generic(*parts: object) -> Sequence[Purpose[Tester]]:
 
 
 def _p3964r() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.p3964r import conflicts, failures, receive_times, repeats, send, sequence, supply
+    from gateway.conformance.suites.p3964r import conflicts, failures, lasting, receive_times, repeats, send, sequence, supply
 
     return _generic(
-        *(receive_times.RCV, send.REACTS, failures.SND, repeats.SND, conflicts.CON, repeats.CON, sequence.SEQ, repeats.SEQ, supply.SUP)
+        *(receive_times.RCV, lasting.RCV, send.REACTS, failures.SND, repeats.SND, lasting.SND, conflicts.CON, repeats.CON, lasting.CON),
+        *(sequence.SEQ, repeats.SEQ, supply.SUP),
     )
 
 

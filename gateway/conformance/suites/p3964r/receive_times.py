@@ -139,7 +139,10 @@ def after_gap(t: LineTester) -> None:
         got = t.answer(t.profile.char_delay * 3 + ms(500))
         if got not in (Char.NAK, None):
             t.fail("a block that broke off", got, "NAK (15h)")
-        t.good(PAYLOAD, f"a good block after one that broke off behind {part.hex(' ') or 'DLE'}")
+        after = f"one that broke off behind {part.hex(' ') or 'DLE'}"
+        t.open()  # judged: one that does not hear STX for a while is found here
+        t.say(wire_block(PAYLOAD, t.profile.block_check))
+        t.expect(Char.DLE, t.profile.ack_delay, f"a good block after {after}")
 
 
 @RCV.case("RC_03", "garbage on an idle line does not lock the station", "Unsinn auf ruhender Leitung sperrt den Teilnehmer nicht")

@@ -1,10 +1,12 @@
 """The supply of a 3964R station fails and returns: nothing of the time before is left, and it works again."""
 
 from gateway.conformance.suites.line import LineTester
+from gateway.conformance.suites.p3964r.conflicts import first as conflict
 from gateway.conformance.suites.p3964r.receive import PAYLOAD
-from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Ended, Fail
 from protocols.base.machine import ms
+from protocols.p3964r.characters import Char
 
 SUP = Purposes[LineTester]("3964R_SUP", "station", "power failure", condition=("power",), preamble=("3964R_RCV_BV_01",))
 MOMENTS = (b"", b"U", b"U\x10", b"U\x10\x03")
@@ -56,3 +58,39 @@ def sending(t: LineTester) -> None:
     t.take(acknowledge=False)
     t.power.cycle()
     works_again(t, "a power failure while it sends")
+
+
+# ---- settings that the supply must not change
+@SUP.case(
+    "BV_01",
+    "after a power failure the character delay is as before",
+    "nach einem Netzausfall ist die Zeichenverzugszeit wie zuvor",
+    preamble=("3964R_RCV_BV_01", "3964R_RCV_TI_01"),
+    beside=Particulars(limits="ZVZ of the profile, 20 ms and one character to either side"),
+)
+def keeps_delay(t: LineTester) -> None:
+    with t.given():
+        t.power.cycle()
+        works_again(t, "a power failure")
+    t.connect()
+    t.expect_at(Char.NAK, t.profile.char_delay, "a power failure, its DLE and silence")
+
+
+@SUP.case(
+    "BV_02",
+    "after a power failure the acknowledgement delay and the priority are as before",
+    "nach einem Netzausfall sind Quittungsverzugszeit und Priorität wie zuvor",
+    condition=("sends",),
+    preamble=("3964R_RCV_BV_01", "3964R_SND_TI_01", "3964R_CON_BV_01"),
+    beside=Particulars(limits="QVZ of the profile, 20 ms and one character to either side"),
+)
+def keeps_wait(t: LineTester) -> None:
+    with t.given():
+        t.power.cycle()
+        works_again(t, "a power failure")
+    if not t.profile.silence_ends:
+        t.starts_sending()
+        t.expect_at(Char.STX, t.profile.ack_delay + t.profile.retry_pause, "a power failure, STX and silence")
+        t.take()
+        t.settle()
+    conflict(t)

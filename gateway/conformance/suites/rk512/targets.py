@@ -23,9 +23,11 @@ from gateway.conformance.suites.rk512.telegrams import (
     db_of,
     header,
     number_words,
+    read,
     refused,
     room,
     saved,
+    write,
 )
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable
@@ -125,6 +127,58 @@ def _rest(t: LineTester, db: int, content: bytes) -> None:
         said = ask(t, bytes((0xFF, 0, SEND, DB)) + content[at : at + 128])
         if said.number or said.data:
             raise Fail(f"piece of a long SEND to DB{db}: {said.words()}", "FF 00 00 00", said.words())
+
+
+# ---- amounts and places
+@PAS.case(
+    "ST_03",
+    "FETCH of every amount, from even and odd words, brings what single words bring",
+    "FETCH jeder Anzahl, ab geraden und ungeraden Wörtern, bringt dasselbe wie einzelne Wörter",
+    preamble=(BASIC, "RK512_PAS_BV_02"),
+)
+def every_amount(t: LineTester) -> None:
+    """Where the bench allows it, in a block whose words all differ."""
+    if not t.setup.write:
+        _amounts(t, t.setup.db)
+        return
+    words = t.setup.words
+    with borrowed(t, words) as db:
+        for at in range(0, words, t.setup.job):
+            write(t, db, at, pattern(words)[2 * at : 2 * (at + t.setup.job)])
+        _amounts(t, db)
+
+
+def _amounts(t: LineTester, db: int) -> None:
+    """The first, the middle and the last word of each job are compared with the word alone."""
+    single: dict[int, bytes] = {}
+    for amount in range(2, min(t.setup.job, t.setup.words, 64) + 1):
+        start = amount * 7 % (t.setup.words - amount + 1)
+        got = read(t, db, start, amount)
+        for at in sorted({0, amount // 2, amount - 1}):
+            word, part = start + at, got[2 * at : 2 * at + 2]
+            if word not in single:
+                single[word] = read(t, db, word, 1)
+            if part != single[word]:
+                what = f"FETCH DB{db}.DW{start}, {amount} words: DW{word} alone is not the same"
+                raise Fail(what, single[word].hex(" ").upper(), part.hex(" ").upper())
+
+
+@PAS.case(
+    "BV_19",
+    "the same data sent to two places are at both",
+    "dieselben Daten, an zwei Stellen gesendet, stehen an beiden",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, READ_BACK),
+)
+def two_places(t: LineTester) -> None:
+    words = room(t, 4)
+    if words < 4:
+        raise NotApplicable(f"the block has {words} words for this bench")
+    with borrowed(t, 4) as db:
+        write(t, db, 0, pattern(4, 0x2102))
+        for word in (0, 2):
+            write(t, db, word, b"\x5a\x3c\x69\x96")
+        compared(read(t, db, 0, 4), b"\x5a\x3c\x69\x96" * 2, f"DB{db}.DW0, 4 words after two SENDs of the same data")
 
 
 # ---- coordination flags

@@ -1,0 +1,92 @@
+"""Devices in Python whose timers or supply are written plainly: what they leave out is not an error of the tester."""
+
+from collections.abc import Sequence
+
+from gateway.conformance.framework.bench_file import Bench
+from gateway.conformance.framework.machine import Guarded
+from gateway.conformance.framework.result import Result
+from gateway.conformance.framework.run import Runner, ordered
+from gateway.conformance.peers.score import with_preambles
+from gateway.conformance.peers.stations import Built, fresh_link, link_of
+from gateway.conformance.suites.opening import Opened
+from gateway.conformance.suites.registry import SUITES
+from gateway.links.serial.tool_wire import ToolPort
+from gateway.pure.conformance.verdict import Verdict
+from protocols.base.machine import Ns
+from protocols.p3964r.profiles import RHO3, Priority
+
+
+class Plain(Built):
+    """Off it does not wake, and its deadline stays where it was."""
+
+    _off = False
+
+    def power(self, on: bool, now: Ns) -> None:
+        if on:
+            fresh_link(self, self.priority)
+        self._off = not on
+
+    def wake(self, now: Ns) -> Sequence[object]:
+        return [] if self._off else super().wake(now)
+
+
+class StandsStill(Built):
+    """Its deadline is never over, from the first STX on."""
+
+    _heard = False
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        self._heard = True
+        return super().receive(data, now)
+
+    def deadline(self) -> Ns | None:
+        return 0 if self._heard else super().deadline()
+
+
+class Ticks(Built):
+    """Looks at its line every 20 us."""
+
+    _next: Ns = 0
+
+    def wake(self, now: Ns) -> Sequence[object]:
+        self._next = now + 20_000
+        due = self.link.deadline()
+        return super().wake(now) if due is not None and due <= now else []
+
+    def deadline(self) -> Ns | None:
+        return self._next
+
+
+def _played(device: Built, only: Sequence[str]) -> dict[str, Result]:
+    bench = Bench(None, "machine:own", link=link_of(RHO3, Priority.LOW))
+    suite = SUITES["3964r"]
+
+    def no_port(url: str, line_format: str) -> ToolPort:
+        raise AssertionError(url)
+
+    session = suite.session(Opened(bench, {}, no_port, make=lambda: Guarded(device, "own")))
+    results = Runner(session, with_preambles(suite.purposes(), only)).run()
+    return {result.purpose.id: result for result in results}
+
+
+def test_a_machine_without_supply_may_leave_its_deadline_where_it_is() -> None:
+    results = _played(Plain(), ("3964R_SUP_*",))
+    assert {name: result.reason for name, result in results.items() if result.verdict is not Verdict.PASS} == {}
+
+
+def test_a_deadline_that_stands_still_is_a_fail_of_the_device_and_the_run_goes_on() -> None:
+    results = _played(StandsStill(), ("3964R_RCV_BV_01", "3964R_RCV_BV_02"))
+    assert {result.verdict for result in results.values()} == {Verdict.FAIL, Verdict.INCONC}
+    assert "stands still" in results["3964R_RCV_BV_01"].reason
+
+
+def test_a_machine_that_ticks_often_stands_not_still() -> None:
+    """Some 150 000 times within one wait."""
+    results = _played(Ticks(), ("3964R_RCV_TI_07",))
+    assert {result.verdict for result in results.values()} == {Verdict.PASS}
+
+
+def test_cases_that_switch_the_supply_come_last() -> None:
+    for seed in (None, 1, 2):
+        switching = ["power" in purpose.condition for purpose in ordered(SUITES["3964r"].purposes(), seed)]
+        assert switching == sorted(switching)
