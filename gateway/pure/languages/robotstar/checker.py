@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.access import of_one_group
+from gateway.pure.languages.robotstar.circles import wrong_circles
 from gateway.pure.languages.robotstar.control_steps import BYTES
 from gateway.pure.languages.robotstar.faults import (
     INDEX_NOT_FOUND,
@@ -84,6 +85,8 @@ def _program(checking: _Check, program: Program) -> None:
     if program.kind == "MAC" and program.steps and program.name.upper() in checking.memory.words.words:
         text = f"{program.name} is a command of the control: a macro of this name is never called"
         checking.late(program, program.steps[0], "rsv.macro_name", text)
+    for step, wrong in wrong_circles(program):
+        checking.late(program, step, "rsv.circle", wrong)
     tool, began = False, 0
     for step in program.steps:
         if not step.valid or step.word == "C":

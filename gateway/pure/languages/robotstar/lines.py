@@ -104,7 +104,7 @@ def _centre(start: Point, via: Point, end: Point) -> tuple[tuple[float, float, f
     across = _cross(one, other)
     square = _dot(across, across)
     if square < 1e-9:
-        raise StepFault("start, auxiliary and end point of a circle are in one line", 0, "path")
+        raise StepFault("circle: start, auxiliary and end point lie on a straight line", 0, "path")
     first, second = _cross(across, one), _cross(other, across)
     centre = tuple(s + (_dot(other, other) * a + _dot(one, one) * b) / (2 * square) for s, a, b in zip(start, first, second, strict=True))
     length = math.sqrt(square)

@@ -4,10 +4,12 @@ mm, mm/s, %, s, degrees: the manual's units.  Every value is taken step by step,
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from gateway.pure.languages.robotstar.faults import StepFault, path_fault
+from motion.paths.arc import FLAT, NEAR_M
+from motion.paths.base import cross, norm, sub
 
 CARTESIAN = ("X", "Y", "Z", "A", "B", "C")
 CIRCLES = ("ZIRK_MIN_ORI", "ZIRK_BAHN_ORI")
@@ -78,6 +80,7 @@ class PathState:
     pallet: Target = field(default_factory=Target)  # PALLET #ON
     relation: object = None  # the vector of CALC_REL that waits for its position
     auxiliary: bool = False  # a circle's auxiliary point has been given, its end is missing
+    arc: tuple[Target, Target] = (Target(), Target())  # start and auxiliary point of that circle
     weight: float = 100.0  # of the orientation at the last position
     rounded: bool = False  # the last position is approximated
 
@@ -95,7 +98,7 @@ class PathState:
     def set_mode(self, mode: str) -> None:
         """MOVE_MODE; a circle must be complete (L310)."""
         if mode != self.mode and self.auxiliary:
-            raise StepFault(f"circle without its end point before #{mode}: an even number of positions is needed", 0, "path")
+            raise StepFault(circle_open(mode), 0, "path")
         self.mode = mode
 
     def shifted(self, target: Target) -> Target:
@@ -111,8 +114,12 @@ class PathState:
         else:
             seconds = self._path_seconds(way, turn)
             self._check(way, turn, approximates)
+        if circle:
+            self._check_circle(target)
         self._check_weight(circle)
         self.auxiliary = circle and not self.auxiliary
+        if self.auxiliary:
+            self.arc = actual, target
         self.rounded = approximates and self.values["FLYBY"] == 1 and self.mode not in ("PTP", "SPLINE")
         self.values["PATH_TIME"], self.values["_IORI_WEIGHT"] = 0.0, 100
         return seconds
@@ -148,6 +155,16 @@ class PathState:
             text = "only the orientation moves" if turns else "there is no way"
             raise path_fault(624 if turns else 623, f"approximation to a following path where {text}")
 
+    def _check_circle(self, target: Target) -> None:
+        """A circle goes through three positions of the tool; a start whose axes alone are known is the planner's matter."""
+        start, via = self.arc
+        if not target.pose:
+            raise StepFault(
+                f"circle: {'the end' if self.auxiliary else 'an auxiliary'} point is a position of the tool, not of the axes", 0, "path"
+            )
+        if self.auxiliary and start.pose and via.pose and (wrong := no_circle(start.pose, via.pose, target.pose)):
+            raise StepFault(wrong, 0, "path")
+
     def _check_weight(self, circle: bool) -> None:
         """Path error 903; the weight of an auxiliary point is _IORI_CIRCHP."""
         if self.mode == "PTP":
@@ -157,6 +174,23 @@ class PathState:
         if self.weight != 100 and weight != 100:
             raise path_fault(903, "weighted orientation for two successive points")
         self.weight = weight
+
+
+def circle_open(mode: str) -> str:
+    """Another mode in front of a circle's end (L310)."""
+    return f"circle without its end point before #{mode}: an even number of positions is needed"
+
+
+def no_circle(start: Sequence[float], via: Sequence[float], end: Sequence[float]) -> str:
+    """Why three points make no circle, "" where they do.  X Y Z in mm."""
+    points = {"start": start[:3], "auxiliary": via[:3], "end": end[:3]}
+    for one, other in (("start", "auxiliary"), ("auxiliary", "end"), ("start", "end")):
+        if not math.dist(points[one], points[other]) >= NEAR_M * 1000:
+            return f"circle: {one} and {other} point are the same"
+    begin, middle, last = ((point[0], point[1], point[2]) for point in points.values())
+    first, second = sub(middle, begin), sub(last, begin)
+    flat = norm(cross(first, second)) < FLAT * norm(first) * norm(second)
+    return "circle: start, auxiliary and end point lie on a straight line" if flat else ""
 
 
 def ramped(way: float, speed: float, accel: float) -> float:

@@ -228,7 +228,11 @@ def test_the_same_input_gives_the_same_events() -> None:
 @pytest.mark.parametrize("last, count", [("POSITION", 3), ("MOVE_MODE #PTP", 1)])
 def test_a_circle_needs_an_even_number_of_positions(last: str, count: int) -> None:
     del last
-    body = "TOOL T\nMOVE_MODE #ZIRK_BAHN_ORI\n" + "\n".join(AT.format(100 * n) for n in range(1, count + 1)) + "\nMOVE_MODE #PTP"
+    body = (
+        "TOOL T\nMOVE_MODE #ZIRK_BAHN_ORI\n"
+        + "\n".join(f"POSITION #N, X:{100 * n}, Y:{n * n}, Z:0, A:0, B:0, C:0" for n in range(1, count + 1))
+        + "\nMOVE_MODE #PTP"
+    )
     assert "an even number of positions" in str(run({"P.MPR": body}).texts()[0])
 
 
