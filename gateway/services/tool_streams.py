@@ -1,16 +1,27 @@
 """Streams of blocks that a commissioning tool writes itself: statements of the text form in, answers by block out (AX-970)."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.image.reasons import Reason
-from gateway.pure.image.records.planner import TEXT_BYTES, BlockRecord, PlannerState, Say
+from gateway.pure.image.records.planner import BLOCKS, TEXT_BYTES, BlockRecord, PlannerState, Say
 
 AHEAD = 512  # blocks said and not over
+KEPT = 64  # records of the ring that orders to the cell and to streams have for themselves
 ORDERS = ("hold", "go", "retrace", "flush", "cut", "single", "step", "end_here")
 MOVES = ("ptp", "linear", "circular", "spline", "move", "move_file")
 THEN = {"": None, "finish": Say.FINISH, "end": Say.END}
+
+
+@dataclass(slots=True)
+class _Stream:
+    """blocks, records: said of it."""
+
+    job: Job
+    blocks: int = 0
+    records: int = 0
 
 
 class ToolStreams:
@@ -19,11 +30,11 @@ class ToolStreams:
     def __init__(self, office: CommandDispatcher, statements: list[BlockRecord]) -> None:
         """statements: what goes to the planner behind its orders."""
         self._office, self._statements = office, statements
-        self._said: dict[int, int] = {}  # job -> blocks
+        self._streams: dict[int, _Stream] = {}
 
     def begin(self, job: Job) -> None:
         """Nothing is said of it yet; those that are over are forgotten."""
-        self._said = {job.id: 0}
+        self._streams = {number: each for number, each in self._streams.items() if each.job.open} | {job.id: _Stream(job)}
 
     def say(self, job: Job, lines: Sequence[str], then: str) -> None:
         """Statements; then: "finish", nothing follows for the time being, "end", nothing follows.  ValueError: none of them is taken."""
@@ -35,21 +46,37 @@ class ToolStreams:
         if long:
             raise ValueError(f"statement {long} has more than {TEXT_BYTES} bytes")
         blocks = sum(line.split()[:1] != [] and line.split()[0] in MOVES for line in lines)
-        waiting = self._said.get(job.id, 0) - self._state(job).passed
+        stream, state = self._streams.setdefault(job.id, _Stream(job)), self._state(job)
+        waiting = stream.blocks - state.passed
         if waiting + blocks > AHEAD:
             raise ValueError(f"{waiting} blocks wait, {AHEAD} may: say more when some of them are over")
-        self._said[job.id] = self._said.get(job.id, 0) + blocks
-        self._statements += [BlockRecord(Say.LINE, job.id, line) for line in lines]
         mark = THEN[then]
+        if self._floods(stream, len(lines) + (mark is not None), state.heard):
+            return
+        stream.blocks += blocks
+        self._add(stream, *(BlockRecord(Say.LINE, job.id, line) for line in lines))
         if mark is not None:
-            self._statements.append(BlockRecord(mark, job.id))
+            self._add(stream, BlockRecord(mark, job.id))
+
+    def _floods(self, stream: "_Stream", count: int, heard: int) -> bool:
+        """More statements than the ring has room for beside those of the other lanes: the stream ends, and no other (AX-1788)."""
+        planner = self._office.planner
+        most = BLOCKS // (1 + (0 if planner is None else len(planner.others))) - KEPT
+        if stream.records - heard + count <= most:
+            return False
+        self._add(stream, BlockRecord(Say.LOST, stream.job.id, f"{count} {most}"))
+        return True
+
+    def _add(self, stream: "_Stream", *records: BlockRecord) -> None:
+        stream.records += len(records)
+        self._statements += records
 
     # ---- orders ------------------------------------------------------------------------------------------------------------
     def order(self, job: Job, what: str, block: int | None, *, on: bool) -> None:
         """One of ORDERS (AX-1080).  block: of "cut"; on: of "single".  ValueError, Refusal: nothing is done."""
         if not job.open:
             raise ValueError(f"the stream is over: {job.state.name.lower()} {job.detail}".rstrip())
-        state, said = self._state(job), self._said.get(job.id, 0)
+        state, stream = self._state(job), self._streams.setdefault(job.id, _Stream(job))
         if state.bound and what in ("hold", "retrace", "flush", "cut", "end_here"):
             raise ValueError(f"{what}: block {state.block} rides on {state.bound}, which cannot wait: stop ends the stream")
         match what:
@@ -60,28 +87,29 @@ class ToolStreams:
             case "flush" | "end_here":
                 self._office.hold_move(job)  # the axes brake at once, the planner drops what waits
                 job.reason, job.detail = Reason.NONE, ""
-                self._statements += [BlockRecord(Say.FLUSH, job.id), *([BlockRecord(Say.END, job.id)] if what == "end_here" else [])]
+                self._add(stream, BlockRecord(Say.FLUSH, job.id), *([BlockRecord(Say.END, job.id)] if what == "end_here" else []))
             case "cut":
-                self._cut(job, state, said, block)
+                self._cut(stream, state, block)
             case "single":
                 self._forward(what, state)
-                self._statements.append(BlockRecord(Say.SINGLE, job.id, "on" if on else "off"))
+                self._add(stream, BlockRecord(Say.SINGLE, job.id, "on" if on else "off"))
             case "step":
                 self._forward(what, state)
-                if not state.withheld and state.passed >= said:
+                if not state.withheld and state.passed >= stream.blocks:
                     raise ValueError("step: no block waits; say the next one first")
-                self._statements.append(BlockRecord(Say.STEP, job.id))
+                self._add(stream, BlockRecord(Say.STEP, job.id))
             case _:
                 raise ValueError(f"do {what!r}; begin, say, look, {', '.join(ORDERS)} are known")
 
-    def _cut(self, job: Job, state: PlannerState, said: int, block: int | None) -> None:
+    def _cut(self, stream: _Stream, state: PlannerState, block: int | None) -> None:
+        said = stream.blocks
         if block is None or not 0 <= block <= said:
             raise ValueError(f"cut behind block {block}; the stream has blocks 1 .. {said}" if said else "cut: the stream has no block")
         under_way = max(state.block, min(state.passed + 1, said))
         if block < under_way:
             raise ValueError(f"cut behind block {block}: the axes are in block {under_way}; cut behind that one, or flush")
         self._forward("cut", state)
-        self._statements.append(BlockRecord(Say.CUT, job.id, str(block)))
+        self._add(stream, BlockRecord(Say.CUT, stream.job.id, str(block)))
 
     @staticmethod
     def _forward(what: str, state: PlannerState) -> None:
@@ -101,7 +129,7 @@ class ToolStreams:
             for block, met, places in state.answers
         ]
         return {
-            "said": self._said.get(job.id, 0),
+            "said": self._streams[job.id].blocks if job.id in self._streams else 0,
             "passed": state.passed,
             "block": state.block,
             "share": state.share,

@@ -47,6 +47,7 @@ class Job:
     held: bool = False  # the next part is handed on whole, and is not known to its end yet
     skipping: str = ""  # label everything is left out up to
     cut_behind: int = 0  # block behind which numbers are missing: what comes does not belong to its part
+    heard: int = 0  # statements and orders that have been read
     off: int = 0  # axes (bit n-1 = axis n) that are not commanded on, as the program was ordered
 
     @property

@@ -98,9 +98,11 @@ class Programs(HandingOn):
         self.workpiece.reached(self.state.block)
         self._tool.reached(self.state.block)
         systems, tool = self.workpiece.shown, self._tool.shown
-        said = self.generation, types, self._placed, systems, tool
-        if (self.state.cycle, self.state.types, self.state.placed, self.state.systems, self.state.tool) != said:
-            self.state = replace(self.state, cycle=self.generation, types=types, placed=self._placed, systems=systems, tool=tool)
+        said = self.generation, types, self._placed, systems, tool, self._job.heard
+        shown = self.state
+        if (shown.cycle, shown.types, shown.placed, shown.systems, shown.tool, shown.heard) != said:
+            heard = self._job.heard
+            self.state = replace(shown, cycle=self.generation, types=types, placed=self._placed, systems=systems, tool=tool, heard=heard)
 
     def follows(self, before: PlannerState) -> None:
         """The planner before this one said this last: belts stay as programs have set them, as long as its cycle runs (AX-394)."""
@@ -134,6 +136,7 @@ class Programs(HandingOn):
             self._job.streams = self._job.trial.streams = record.say is not Say.RUN
         if record.job != self.state.job:
             return
+        self._job.heard += record.say is not Say.STREAM
         try:
             yield from self._obey(record)
         except MotionError as error:
@@ -154,6 +157,9 @@ class Programs(HandingOn):
             self._job.factors = Factors(order.velocity, order.acceleration, order.acceleration)
             self._job.number = self._job.trial.program = order.number
             self._job.lines = enumerate(self.cell.text_of(order.number).splitlines(), 1)
+            return
+        if record.say is Say.LOST:
+            self.lost(*map(int, record.text.split()))
             return
         if record.say in (Say.STREAM, Say.WHOLE) or (self._job.whole is not None and record.say in (Say.LINE, Say.END)):
             self._collect(record)
@@ -419,10 +425,11 @@ class Programs(HandingOn):
         except MotionError as error:
             self._fail(error)
 
-    def lost(self, count: int) -> None:
+    def lost(self, count: int, most: int = BLOCKS) -> None:
         """So many statements did not come: what follows them is not what was meant, and a stream is over."""
         if self.state.job and self._job.streams and not self._job.ended:
-            self._fail(MotionError(f"{count} statements of the stream are lost: more than {BLOCKS} came ahead of the planner"))
+            words = f"{count} statements of the stream are lost: more than {most} came ahead of the planner"
+            self._fail(BlockError(words, block=len(self._job.line_of) + 1))
 
     def _drop(self) -> None:
         self._job.over()

@@ -47,7 +47,8 @@ class Lanes:
             lambda number: masks[number],
         )
         self._held: list[PieceRecord] = []
-        self.lines: deque[BlockRecord] = deque()  # of streams, to be said one a turn
+        self.lines: deque[BlockRecord] = deque()  # of streams, to be said
+        self.taken = 1  # of them in a turn
         bench.each = self._turn
         self.office.planner = self.programs.state
         bench.run(0.3)
@@ -55,7 +56,7 @@ class Lanes:
     def _turn(self) -> None:
         core, count = self.bench.core, len(self.cell.axis)
         records = [run_record(order) for order in self.office.take_programs()]
-        if self.lines:
+        for _ in range(min(self.taken, len(self.lines))):
             records.append(unpack_block(pack_block(self.lines.popleft())))
         while self.programs.prepare(core.state, count):
             pass

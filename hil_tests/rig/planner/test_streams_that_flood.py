@@ -31,7 +31,7 @@ def test_what_runs_round_the_ring_ends_the_stream_with_the_number_of_what_is_los
     for _ in range(BLOCKS // 64 + 1):
         planner.turn()
     said = planner.programs.state.fault
-    assert (said == "") if not beyond else (said.startswith(f"{beyond} statements of the stream are lost")), said
+    assert (said == "") if not beyond else (said.startswith(f"block 1: {beyond} statements of the stream are lost")), said
     planner.journal.close()
     for fd in fds.values():
         os.close(fd)

@@ -100,7 +100,7 @@ def test_two_plcs_run_different_programs_of_two_arms_at_once(tmp_path: pathlib.P
         record = run.run.record()
     made = Driven(run.cell, replace(record, rows=tuple(row for row in record.rows if row.stamp_ns >= since)), run.run.p5_ms / 1e3)
     moving = np.abs(np.diff(made.sets, axis=0)) > 1e-7
-    arm, scara = moving[:, :6].any(axis=1), moving[:, 6:].any(axis=1)
+    arm, scara = np.asarray(moving[:, :6].any(axis=1)), np.asarray(moving[:, 6:].any(axis=1))
     stamps = [row.stamp_ns for row in record.rows if row.stamp_ns >= since][1:]
     held = np.array([held_ns[0] <= stamp < held_ns[1] for stamp in stamps])
     assert int(held.sum()) > 20 and not scara[held].any() and arm[held].all(), "a feed hold of the SCARA holds no axis of the arm"

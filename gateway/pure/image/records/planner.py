@@ -36,6 +36,7 @@ class Say(IntEnum):
     CUT = 10  # blocks behind this one are dropped; text: its number
     SINGLE = 11  # blocks wait for STEP; text: on, off
     STEP = 12  # the next one of them
+    LOST = 13  # statements of this stream that its sender could not hand over; text: how many, and how many may wait
 
 
 @dataclass(frozen=True, slots=True)
@@ -349,6 +350,7 @@ class PlannerState:
     bound: str = ""  # what the part under way leads along beside its path: it can only be ended
     back: bool = False  # the axes are behind the furthest place that they have been at
     order_fault: str = ""  # why the last order to the stream could not be executed
+    heard: int = 0  # statements and orders of the stream that have been read
     others: tuple["PlannerState", ...] = ()  # of the lanes behind the first one, in a cell of several
 
     @property
