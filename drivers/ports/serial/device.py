@@ -166,7 +166,8 @@ class SerialPort(DescriptorPort):
         settings[0] = settings[0] & ~(termios.IGNPAR | termios.IGNBRK | termios.BRKINT) | termios.PARMRK | check
         settings[6][termios.VMIN], settings[6][termios.VTIME] = 1, 0  # nothing waits: EAGAIN; pyserial's VMIN 0 reads like a hang-up
         termios.tcsetattr(self._fd, termios.TCSANOW, settings)
-        termios.tcflush(self._fd, termios.TCIOFLUSH)
+        # what a program before us wrote on a pty is in the hands of its far end, which has not read it yet
+        termios.tcflush(self._fd, termios.TCIFLUSH if is_pty(self._fd) else termios.TCIOFLUSH)
 
     def _transmitting(self) -> int:
         """1 while the last character is in the shift register, as far as the driver tells."""

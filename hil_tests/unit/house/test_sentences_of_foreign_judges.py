@@ -48,6 +48,9 @@ SENTENCES: dict[str, tuple[str, ...]] = {
         f"{TTYS}::test_a_real_uart_is_silent_and_not_gone",
         f"{TTYS}::test_the_tools_at_a_real_uart_do_not_call_it_gone",
     ),
+    "the last DLE of a tool is lost when the next tool opens a tty that a program serves": (
+        "unit/drivers/ports/test_tty_of_a_program.py::test_the_last_characters_of_one_user_are_not_lost_when_the_next_one_opens_it",
+    ),
     "probe --write announces words behind a refused FETCH and sends none": (f"{TOOLS}::test_nothing_is_written_that_was_not_read",),
     "probe --write sends into a block that should be missing": (f"{TOOLS}::test_a_missing_block_that_is_there_is_not_written_into",),
     "FF of a foreign pty is taken for a mark": (
