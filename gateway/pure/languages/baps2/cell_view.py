@@ -30,7 +30,6 @@ class CellView(Control):
         super().__init__(library, memory, Feed(p5=p5, belts={}))
         self.port, self.robots, self.setup = port, tuple(robots), setup
         self.belts = CellBelts(setup.belts, port)
-        self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its robot
 
     def robot(self, number: int) -> CellRobot:
         """By its number; a runtime error where the cell has none."""
@@ -50,7 +49,8 @@ class CellView(Control):
         """A kinematic, at the position of its axes."""
         lane = self.lanes.get(kinematic)
         if lane is None:
-            lane = self.lanes[kinematic] = Lane(self.robot_of(kinematic).own(self.port.view.set))
+            lane = self._renamed(kinematic) or Lane(self.robot_of(kinematic).own(self.port.view.set))
+            self.lanes[kinematic] = lane
         return lane
 
     def _presets(self, robot: int) -> Presets:

@@ -39,6 +39,7 @@ class Control(Plant):
         self.scheduler = Scheduler(self, BUDGET, 1)
         self.tasks: dict[int, Task] = {}
         self.lanes: dict[str, Lane] = {}
+        self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its number
         self.outputs: dict[int, int | float] = {}
         self.filing = Filing({**memory.files, **feed.files})
         memory.files = self.filing.files
@@ -75,8 +76,10 @@ class Control(Plant):
         self.tasks[process.number] = task
         if starter is not None:
             starter.main.children.append(task)
-        for kinematic in unit.program.head.kinematics:
-            self.lane(kinematic, size_of(unit, kinematic))
+        for kinematic, number in (unit.program.head.kinematics or {"": 1}).items():
+            self._numbers.setdefault(kinematic, number)
+            if kinematic:
+                self.lane(kinematic, size_of(unit, kinematic))
         self.event(task, "start", unit.program.main.at.line, kind=kind)
         self._warn(task, unit)
         if unit.make is not None:
@@ -131,10 +134,17 @@ class Control(Plant):
 
     def lane(self, kinematic: str, size: int = 0) -> Lane:
         """A kinematic; its start position is known or zero."""
-        lane = self.lanes.setdefault(kinematic, Lane())
+        lane = self.lanes.get(kinematic)
+        if lane is None:
+            lane = self.lanes[kinematic] = self._renamed(kinematic) or Lane()
         if not lane.position:
             lane.position = lane.planned = self.feed.start.get(kinematic.upper() or UNNAMED, (0.0,) * size)
         return lane
+
+    def _renamed(self, kinematic: str) -> Lane | None:
+        """The kinematic of this number where another program names it otherwise: its workpiece system and position are the same."""
+        number = self._numbers.get(kinematic)
+        return next((lane for name, lane in self.lanes.items() if number is not None and self._numbers.get(name) == number), None)
 
     def _advance(self) -> bool:
         """Lets all that is prepared act up to now; whether anything did."""

@@ -249,7 +249,9 @@ class StatementReader:
             token = self._stream.name("the name of a speed, an acceleration or a factor")
             self._stream.expect_sign("=", f"behind WITH {token.text}")
             found.append((token.key, self._expressions.sum()))
-            if not self._stream.sign(","):
+            comma = self._stream.sign(",")
+            another = self._stream.token.kind is Kind.NAME and self._stream.ahead().text == "="
+            if not another and (not comma or self._stream.is_word(("VIA", "TO", "UNTIL", "LINEAR", "PTP", "CIRCULAR"))):
                 return found
 
     def _legs(self) -> tuple[Leg, ...]:

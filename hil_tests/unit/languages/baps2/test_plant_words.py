@@ -1,0 +1,45 @@
+"""What programmers of a plant write: one kinematic under two names, several values behind WITH (rho 3 releases L1858-1880, L8884)."""
+
+from hil_tests.lab.virtual.baps2_bench import HEAD, ProgramCell, one
+from hil_tests.unit.languages.baps2.running import run, short
+
+SET = """;;KINEMATICS : (1=ROB)
+;;ROB.WC_NAMES = X,Y,Z,A,B,C
+PROGRAM P
+EXTERNAL : Q
+ROB.WC_FRAME : F
+BEGIN
+F = WC_FRAME(100,0,0,0,0,0)
+ROB.WC_SYSTEM = F
+START Q
+MOVE TO (20,0,0,0,0,0)
+PROGRAM_END
+"""
+OTHER = ";;KINEMATICS : (1=ARM)\n;;ARM.WC_NAMES = X,Y,Z,A,B,C\nPROGRAM Q\nBEGIN\nMOVE TO (10,0,0,0,0,0)\nPROGRAM_END\n"
+
+
+def test_a_kinematic_that_another_program_names_otherwise_is_the_same_one() -> None:
+    events = run(SET, Q=OTHER)
+    moves = [(each["t"], each["target"]) for each in events if each["event"] == "move"]
+    assert moves == [(0.0, [120.0, 0.0, 0.0, 0.0, 0.0, 0.0]), (0.0, [110.0, 0.0, 0.0, 0.0, 0.0, 0.0])], "in the system that P has set"
+    assert short(events, "moving", "moved") == [(0.0, "moving", 1), (1.0, "moved", 1), (1.0, "moving", 2), (2.0, "moved", 2)]
+    plain = "PROGRAM Q\nBEGIN\nMOVE TO (10,0,0,0,0,0)\nPROGRAM_END\n"
+    moved = [each["target"] for each in run(SET, Q=plain) if each["event"] == "move"]
+    assert [110.0, 0.0, 0.0, 0.0, 0.0, 0.0] in moved, "a program that names none moves kinematic 1"
+
+
+def test_in_a_cell_too() -> None:
+    frame = "PORTAL.WC_FRAME : F"
+    body = "F = WC_FRAME(100, 0, 0, 0, 0, 0)\nPORTAL.WC_SYSTEM = F\n"
+    other = HEAD.replace("PORTAL", "LADER") + "PROGRAM Q\nBEGIN\nMOVE PTP TO (20, 60, 40, 12)\nPROGRAM_END\n"
+    cell = ProgramCell(one(body, frame) | {"Q.QLL": other})
+    assert cell.run("P")[:2] == ("ended", 0)
+    assert cell.run("Q")[:2] == ("ended", 0)
+    assert cell.at() == (120, 60, 40, 12)
+
+
+def test_values_behind_with_need_no_comma_and_may_have_one_more() -> None:
+    head = ";;KINEMATICS : (1=ROB)\n;;ROB.WC_NAMES = X\nPROGRAM P\nBEGIN\n"
+    for way in ("WITH R = 0 V = 50 TO (1)", "WITH V = 50, A = 100, TO (1)", "WITH V_PTP = 0.5 R_PTP = 1 PTP VIA (1)", "WITH V = 50 (1)"):
+        events = run(f"{head}MOVE ROB {way}\nPROGRAM_END\n")
+        assert [each["target"] for each in events if each["event"] == "move"] == [[1.0]]
