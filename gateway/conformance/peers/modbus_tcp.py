@@ -113,6 +113,20 @@ class ByFunction(Device):
         return super().lost(now)
 
 
+class AnyProtocol(Device):
+    """Of the protocol identifier these bits do not count."""
+
+    def __init__(self, bits: int) -> None:
+        super().__init__(False)
+        self._counts = 0xFFFF ^ bits
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        if len(data) < HEADER.size:
+            return super().receive(data, now)
+        seen = int.from_bytes(data[2:4], "big") & self._counts
+        return super().receive(data[:2] + seen.to_bytes(2, "big") + data[4:], now)
+
+
 class LocksUp(Device):
     """A frame of another protocol ends its service."""
 
@@ -187,6 +201,8 @@ MORE: tuple[Row, ...] = (
     ("answers-foreign", "answers a frame that cannot be", ("TCP_BI_02", "TCP_BI_03"), lambda rtu: AnswersForeign(False)),
     ("by-function", "takes the length of a request from its function", ("LEN_BI_03", "LEN_BI_04"), lambda rtu: ByFunction(False)),
     ("locks-up", "a frame of another protocol ends its service", ("TCP_BI_01",), lambda rtu: LocksUp(False)),
+    ("any-protocol", "answers frames of any protocol", ("TCP_BI_01",), lambda rtu: AnyProtocol(0xFFFF)),
+    ("low-protocol", "the high byte of the protocol identifier does not count", ("TCP_BI_01",), lambda rtu: AnyProtocol(0xFF00)),
     ("bare-refusal", "refuses a short request without a header", ("FUN_BI_03",), lambda rtu: BareRefusal(False)),
     ("forgets", "what a client wrote is gone with its connection", ("EFF_CA_01",), lambda rtu: ForgetsWithTheClient(False)),
     ("hangs-at-count", "a wrong byte count ends its service for a while", ("FUN_BI_71",), lambda rtu: HangsAtCount(False)),

@@ -3,7 +3,7 @@
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (110, 110),
     "rk512": (74, 74),
-    "modbus-tcp": (83, 83),
+    "modbus-tcp": (85, 85),
     "modbus-rtu": (76, 76),
     "cia402": (87, 87),
     "canopen-301": (128, 128),

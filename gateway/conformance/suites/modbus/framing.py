@@ -105,16 +105,18 @@ def pieces(t: ModbusTester) -> None:
     "BI_01",
     "another protocol identifier is not answered",
     "eine andere Protokollkennung wird nicht beantwortet",
-    clause="TCP guide, 4.3.2.2",
+    clause="TCP guide, 4.4.2.2",
 )
 def foreign(t: ModbusTester) -> None:
+    """The guide: such an indication is discarded (AX-1771)."""
     pdu = readable_request(t)
-    t.quiet()
-    t.send(ANSWER.pack(0x3001, 1, len(pdu) + 1, t.setup.unit) + pdu)
-    found = t.answer_frame()
-    if found:
-        raise Warn("answers what is no Modbus", "silence, or close", t.words(found))
-    _served(t, "a frame of another protocol")
+    for protocol in (0x0001, 0x0100, 0xFFFF):
+        t.quiet()
+        t.send(ANSWER.pack(0x3001, protocol, len(pdu) + 1, t.setup.unit) + pdu)
+        found = t.answer_frame()
+        if found:
+            raise Fail(f"protocol identifier {protocol:04X}h is answered: it is no Modbus", "silence, or close", t.words(found))
+        _served(t, f"a frame with the protocol identifier {protocol:04X}h")
 
 
 def _length(number: int, what: str, de: str, frame: bytes) -> None:
