@@ -153,7 +153,8 @@ class Reader:
 
     @staticmethod
     def _numbers(text: str) -> tuple[int, ...]:
-        parts = [part.strip() for part in text.split(",")]
+        """Sizes and keys of arrays: files of real controllers have sizes "3 3" and keys "0,0" (AX-1758)."""
+        parts = [one for part in text.split(",") for one in part.split() or [""]]
         return tuple(int(part) for part in parts) if all(p.isascii() and p.isdecimal() and len(p) < 9 for p in parts) else ()
 
     # ---- programs --------------------------------------------------------------------------------------------------------

@@ -66,7 +66,7 @@ def _data(own: Instance, declared: Declaration, container: Container, tag: str, 
         values = list(container.items())
     else:
         grid = container if isinstance(container, Grid) else Grid((len(container),), container)
-        head["size"] = ",".join(map(str, grid.dims))
+        head["size"] = " ".join(map(str, grid.dims))
         values = [(_key(at, grid.dims), value) for at, value in enumerate(grid.flat)]
     inner = "".join(_value(own, declared.type, key, value, indent + "  ") for key, value in values)
     return f"{indent}<{tag}{_attributes(head)}>\n{inner}{indent}</{tag}>\n"
@@ -163,4 +163,4 @@ def _local(each: Declaration) -> dict[str, object]:
     made: dict[str, object] = {"name": each.name, "type": each.type_name + each.family.capitalize()}
     if each.dims == 0:
         return {**made, "xsi:type": "collection"}
-    return {**made, "xsi:type": "array", "size": ",".join(map(str, each.sizes))}
+    return {**made, "xsi:type": "array", "size": " ".join(map(str, each.sizes))}

@@ -26,9 +26,7 @@ def f_to_string(form: str, value: float) -> str:
     if "." in text:
         kept = text.rstrip("0")
         kept = kept[:-1] if kept.endswith(".") else kept
-        text = kept.ljust(len(text))
-        if len(kept) == len(text) or size == 0:
-            text = kept if size == 0 else text
+        text = kept.ljust(len(text))  # blanks whatever the size (L2068)
     return cut(text.rjust(size))
 
 

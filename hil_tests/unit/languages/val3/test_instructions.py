@@ -92,6 +92,11 @@ def test_numbers_as_text() -> None:
     assert texts(*(f"toString({each})" for each in calls)) == ["3.1416", "       3", "  3.1416", "  2.7   ", "3", "1234.12"]
 
 
+def test_zeros_of_a_fraction_are_blanks_without_a_size_too() -> None:
+    calls = ['".4",2.5', '"0.1",10', '".2",-0.001', '"1.2",90', '"",2.4']
+    assert texts(*(f"toString({each})" for each in calls)) == ["2.5   ", "10  ", "0   ", "90   ", "2"]
+
+
 @pytest.mark.requirement("VAL-STR-03", "VAL-STR-04", by=S + "f_to_num")
 def test_numbers_from_text() -> None:
     code = 's[0]=toNum("10 20 30",i,b)\nn[0]=i\ns[1]=toNum("a10 20 30",i,b)\nn[1]=sel(b,1,0)\ns[2]=toNum("10 end",i,b)'

@@ -165,3 +165,26 @@ def test_add_ons_load_with_a_warning_and_stop_with_250() -> None:
         parts = data("i", "num")
         found = played(project("app", {"start.pgx": pgx("start", code), "stop.pgx": pgx("stop", "")}, parts), "app")["tasks"]
         assert isinstance(found, dict) and found["app~"]["status"] == 250, code
+
+
+def test_sizes_of_tables_as_controllers_write_them() -> None:
+    """Sizes with a blank, keys with a comma: s7.9 and s8.8 (AX-1758)."""
+    own = (
+        '    <Data name="n" access="private" xsi:type="array" type="num" size="3 2"><Value key="2,1" value="7" /></Data>\n'
+        + data("m", "num")
+        + data("k", "num", size="3")
+    )
+    locals_ = '<Locals><Local name="l_n" type="num" xsi:type="array" size="1 30" /></Locals>'
+    code = '  l_n[0,29]=n[2,1]\n  k[0]=size(n,1)\n  k[1]=size(n,2)\n  k[2]=size(l_n,2)\n  m=l_n[0,29]+libSave("copy")'
+    files = project("demo", {"start.pgx": pgx("start", code, locals_=locals_), "stop.pgx": pgx("stop", "")}, own)
+    disk = Disk({path: text.encode() for path, text in files.items()})
+    made = Machine(disk)
+    loaded = made.instance("demo", "demo", "")
+    assert loaded is not None, made.log
+    going = Run(made, loaded, 10**9, [])
+    going.go()
+    found: Any = going.result()["globals"]
+    assert (found["m"], found["k"]) == (7, [3, 2, 30]), made.log
+    saved = made.disk.files
+    assert b'size="3 2"' in saved["copy/copy.dtx"] and b'key="2,1"' in saved["copy/copy.dtx"]
+    assert b'size="1 30"' in saved["copy/start.pgx"]
