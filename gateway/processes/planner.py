@@ -127,12 +127,16 @@ class PlannerProcess:
         state = CellState() if payload is None else unpack_cell_state(payload)
         records = heard(self.blocks, self.lines)
         self._look_for_gaps()
-        while time.monotonic_ns() - now < WORKING_NS and self.programs.prepare(state, self.count):
+
+        def spare() -> bool:
+            return time.monotonic_ns() - now < WORKING_NS
+
+        while spare() and self.programs.prepare(state, self.count):
             pass
-        while time.monotonic_ns() - now < WORKING_NS and self.programs.work():
+        while spare() and self.programs.work():
             pass
         waiting = 0 if taken is None else max(self.pieces.published - unpack_taken(taken), 0)
-        pieces = self.programs.turn(records, state, self.count, waiting)
+        pieces = self.programs.turn(records, state, self.count, waiting, spare)
         said = self.programs.state
         self._tell(said)
         self.region.write(pack_planner(said), now)  # a fault's words are there before the cycle hears of it

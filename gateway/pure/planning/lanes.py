@@ -11,7 +11,7 @@ from gateway.pure.image.records.cell import CellState
 from gateway.pure.image.records.planner import BlockRecord, PieceRecord, PlannerState, Say, run_of
 from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.streams import StreamPrograms
-from gateway.pure.planning.turn import follow, standing
+from gateway.pure.planning.turn import busy, follow, standing
 
 REMEMBERED = 64  # jobs whose lane is known: one that ends says so within a few turns
 
@@ -49,18 +49,20 @@ class LanePrograms:
             lane.follows(said)
         self._share_systems()
 
-    def turn(self, records: Sequence[BlockRecord], state: CellState, count: int, waiting: int = 0) -> list[PieceRecord]:
+    def turn(
+        self, records: Sequence[BlockRecord], state: CellState, count: int, waiting: int = 0, spare: Callable[[], bool] = busy
+    ) -> list[PieceRecord]:
         """records: new ones; state: the cycle's, of a cell with `count` axes; waiting: records in the ring of pieces that the cycle has not
-        taken.  What is due for that ring."""
+        taken; spare: whether there is time for a law that begins in this turn.  What is due for that ring."""
         if len(self.lanes) == 1:
-            return follow(self.lanes[0], records, state, count, waiting=waiting)
+            return follow(self.lanes[0], records, state, count, waiting=waiting, spare=spare)
         heard: list[list[BlockRecord]] = [[] for _ in self.lanes]
         for record in records:
             heard[self._lane(record)].append(record)
         made: list[PieceRecord] = []
         for number, lane in enumerate(self.lanes):
             own = state.lanes[number] if number < len(state.lanes) else None
-            made += follow(lane, heard[number], state, count, own, waiting + len(made))
+            made += follow(lane, heard[number], state, count, own, waiting + len(made), spare)
         return made
 
     def lost(self, count: int) -> None:

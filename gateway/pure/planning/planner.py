@@ -80,10 +80,15 @@ class Programs(HandingOn):
                 self._go_on()
             elif self._job.held:
                 self._next()
+        return self.go_on()
+
+    def go_on(self) -> list[PieceRecord]:
+        """What is due in this turn: once more where a law was made in what is left of it."""
         self._plan()
         self._show()
-        out = [record for record in self._out if record.job <= view.taken]  # a cycle that has not heard of the job would drop its fault
-        self._out = [record for record in self._out if record.job > view.taken]
+        taken = self._seen.taken
+        out = [record for record in self._out if record.job <= taken]  # a cycle that has not heard of the job would drop its fault
+        self._out = [record for record in self._out if record.job > taken]
         return out
 
     def handed_on(self, number: int) -> None:

@@ -145,7 +145,8 @@ class Val3Cell:
             pass
         axes = len(self.cell.axis)
         self._pieces += [
-            packed_piece(each, piece_size(axes)) for each in follow(self.planning, records, state, axes, waiting=len(self._pieces))
+            packed_piece(each, piece_size(axes))
+            for each in follow(self.planning, records, state, axes, waiting=len(self._pieces), spare=lambda: True)
         ]
         bench.office.planner = unpack_planner(pack_planner(self.planning.state))
         for _ in range(min(2, len(self._pieces))):

@@ -70,7 +70,7 @@ class StreamMover:
     _dropping: bool = field(init=False, default=False)
     _tools: dict[Pose, str] = field(init=False, default_factory=dict)  # of the stream
     _refused: str = field(init=False, default="")
-    _again: Ns = field(init=False, default=0)
+    _again: Ns = field(init=False, default=0)  # 0: at once
     _before: tuple[float, ...] = field(init=False, default=())
     _still: int = field(init=False, default=0)
 
@@ -154,11 +154,27 @@ class StreamMover:
         if stretch is not None:
             while self._handed and self._handed[0].index <= stretch.passed:
                 self._done = max(self._handed.popleft().number, self._done)
-        if self.allowed and now >= self._again and not self._dropping and not self.held:
-            stretch = self._ready(here)
-            while stretch is not None and self._waiting and len(self._handed) < AHEAD and self._fits(stretch, self._waiting[0]):
-                self._hand_on(stretch, self._waiting.popleft())
+        if now >= self._again:
+            self._again = 0
+        self._go(here)
         self._end_altered()
+        self._finish()
+
+    def hand_on(self) -> None:
+        """Between two system cycles: what the tasks have given since.  Alterable moves and what connects wait for the cycle."""
+        if self._waiting and not self._waiting[0].alterable and self.left is None:
+            self._go(self._before)
+        self._finish()
+
+    def _go(self, here: tuple[float, ...]) -> None:
+        if self._again or not self.allowed or self._dropping or self.held:
+            return
+        stretch = self._ready(here)
+        while stretch is not None and self._waiting and len(self._handed) < AHEAD and self._fits(stretch, self._waiting[0]):
+            self._hand_on(stretch, self._waiting.popleft())
+
+    def _finish(self) -> None:
+        stretch = self._path.held_by(self)
         if stretch is not None and self._finishing and not self._waiting:
             self._path.finish(stretch)
 

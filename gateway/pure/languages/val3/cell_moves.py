@@ -137,6 +137,10 @@ class CellMoves(Moves):
         """alterStopTime, s."""
         return self.change.stop_time()
 
+    def hand_on(self) -> None:
+        """At the end of a turn: its moves go to the planner, not a system cycle later."""
+        self.mover.hand_on()
+
     def correct(self, now: Ns) -> None:
         """At the end of a turn: the correction for the cycle."""
         self.change.correct(now)

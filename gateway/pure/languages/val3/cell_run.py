@@ -211,7 +211,8 @@ class CellRun:
         machine.sio.now = machine.clock
         machine.sio.settle()
         self._late(machine, target)
-        machine.run(min(target, machine.clock + SLICE_NS))
+        machine.run(min(target, machine.clock + SLICE_NS), target)  # inputs stay as they are in this turn: who waits is not asked again
+        moves.hand_on()
         moves.correct(now)
         self._show(machine)
         if machine.ended:

@@ -178,13 +178,13 @@ class Machine(Controller):
             self._run_stop()
 
     # ---- time ------------------------------------------------------------------------------------------------------------
-    def run(self, until: Ns) -> None:
-        """Up to a moment, or the end of the application."""
+    def run(self, until: Ns, leap: Ns = 0) -> None:
+        """Up to a moment, or the end of the application.  leap: how far time goes on where all tasks wait, beyond `until` too."""
         while not self.ended and not self.halted and self.clock < until:
             if self.clock >= self.next_tick:
                 self._tick()
                 continue
-            self._slice(min(until, self.next_tick))
+            self._slice(min(until, self.next_tick), min(max(until, leap), self.next_tick))
 
     @property
     def stuck(self) -> bool:
@@ -239,13 +239,13 @@ class Machine(Controller):
         while task.due <= began:
             task.due += task.period
 
-    def _slice(self, until: Ns) -> None:
-        """Lines of the asynchronous task whose turn it is; time goes on where all of them wait."""
+    def _slice(self, until: Ns, leap: Ns) -> None:
+        """Lines of the asynchronous task whose turn it is; where all of them wait, time goes on up to `leap`."""
         asynchronous = [task for task in self.tasks if not task.period]
         if not asynchronous or self._quiet > len(self.tasks):
             wakes = [task.wake for task in asynchronous if task.wake is not None and task.status == RUNNING]
             wakes += [task.deadline for task in asynchronous if task.deadline is not None and task.status == RUNNING]
-            self.clock = min([until, *(moment for moment in wakes if moment > self.clock)])
+            self.clock = min([leap, *(moment for moment in wakes if moment > self.clock)])
             self._quiet = 0
             return
         if self._at >= len(self.tasks):

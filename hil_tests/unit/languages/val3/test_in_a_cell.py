@@ -61,6 +61,18 @@ def test_power_waits_for_drives_that_start_later_than_the_application() -> None:
     cell.until(lambda: cell.value("nOne") == 1.0, 3.0)
 
 
+def test_a_move_at_rest_is_in_the_fourth_cycle_behind_its_input() -> None:
+    """The turn that runs movej hands it on, and the planner makes its law in the turn that takes it."""
+    cell = cell_of("movej(jA,tHand,mStop)\nwaitEndMove()\nnOne=1\nwait(diPart)\nmovej(jB,tHand,mStop)\nwaitEndMove()")
+    cell.start()
+    cell.until(lambda: cell.language.own is not None and cell.value("nOne") == 1.0)
+    cell.bench.run(0.05)
+    rest, before = cell.places[-1], len(cell.places)
+    cell.put(PART)
+    cell.until(lambda: cell.places[-1] != rest, 1.0)
+    assert len(cell.places) - before <= 4
+
+
 def test_with_blending_the_arm_waits_at_leave_for_the_next_move() -> None:
     code = "movej(jA,tHand,mBlend)\ndelay(1.5)\njNow=herej()\nnOne=jNow.j1\nmovej(jC,tHand,mBlend)\nwaitEndMove()\nnTwo=1"
     cell = cell_of(code + "\nwait(diPart)")

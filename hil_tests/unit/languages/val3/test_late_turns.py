@@ -79,3 +79,15 @@ def test_each_turn_on_the_grid_has_one_cycle() -> None:
         late.turns(1)
         counts.append(late.numbers[0])
     assert [b - a for a, b in itertools.pairwise(counts)] == [1] * 19
+
+
+def test_tasks_that_wait_are_not_asked_again_in_one_turn() -> None:
+    """Inputs stay as they are in a turn: its time is over as soon as all tasks wait."""
+    app = App("late", datum("b", "bool"), {"start": 'taskCreate "t",10,waits()\nwait(b)', "waits": "wait(b)"})
+    run = CellRun(replace(SETUP, name="late", folder="late"), VirtualPort(1), lambda: Disk(app.files()))
+    run.read()
+    run.start_run("late", 1, 0)
+    for cycle in range(1, 6):
+        assert not run.turn(cycle * CYCLE), f"cycle {cycle}: there is time to make up"
+        assert run.machine is not None
+        assert run.machine.clock == cycle * CYCLE
