@@ -190,14 +190,10 @@ class CellRun(CellMotion):
         self.scheduler.fail(task.process, numbered(error), now)
 
     def file_changed(self, name: str) -> None:
-        """A file of the memory was replaced from outside."""
-        program, _, kind = name.rpartition(".")
+        """The PIC has its program there, too."""
         if self.pic is not None:
             self.pic.file_changed(name)
-        if kind == "PKT":
-            self.teach_points.forget(program)
-        else:
-            self.library.forget(program)
+        super().file_changed(name)
 
     def hear(self, order: Mapping[str, Fact], now: Ns) -> None:
         """What the control has for the test system, and for the PIC."""

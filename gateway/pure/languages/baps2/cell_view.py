@@ -4,14 +4,14 @@ from collections.abc import Sequence
 
 from gateway.pure.image.records.interpreter import FAST, FIRST_FAST, FIRST_MULTI, FIRST_REAL, MULTI, REALS
 from gateway.pure.languages.baps2.cell_belts import CellBelts, CellSetup
-from gateway.pure.languages.baps2.control import Control, size_of
+from gateway.pure.languages.baps2.control import Control
 from gateway.pure.languages.baps2.errors import TEXTS, fault
 from gateway.pure.languages.baps2.feed import Feed
 from gateway.pure.languages.baps2.frames import to_workpiece
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.robots import CellRobot
-from gateway.pure.languages.baps2.tasks import Lane, Task
+from gateway.pure.languages.baps2.tasks import Lane, Task, size_of
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.base.requests import Ns, RuntimeFault

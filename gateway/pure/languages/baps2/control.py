@@ -14,7 +14,7 @@ from gateway.pure.languages.baps2.outside import Outside
 from gateway.pure.languages.baps2.plant import Plant
 from gateway.pure.languages.baps2.semaphores import Semaphores
 from gateway.pure.languages.baps2.special import Specials
-from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Task
+from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Task, size_of
 from gateway.pure.languages.baps2.teach_points import TeachPoints
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
@@ -213,6 +213,14 @@ class Control(Plant):
     def keep(self, program: str, name: str, value: tuple[float, ...]) -> None:
         """A teach point was assigned to: it stays when the program ends, and is kept in the point file."""
         self.teach_points.keep(program, name, value)
+
+    def file_changed(self, name: str) -> None:
+        """A file of the memory was replaced or deleted: it is read again at the next start of a program."""
+        program, _, kind = name.rpartition(".")
+        if kind == "PKT":
+            self.teach_points.forget(program)
+        else:
+            self.library.forget(program)
 
     def shared(self, program: str) -> Shared:
         """The PUBLIC variables of a program, made when first asked for; they stay when it ends."""
@@ -440,10 +448,3 @@ class Control(Plant):
     def _synchronise(self, kinematic: str, channel: int) -> None:
         for lane in [self.lane(kinematic)] if channel else self.lanes.values():
             lane.belt, lane.belt_way = channel, 0.0
-
-
-def size_of(unit: Unit, kinematic: str) -> int:
-    """Components of a kinematic's points as the program names them; 0: it names none."""
-    head = unit.program.head
-    tables = (head.joint_names, head.world_names)
-    return max((len(table.get(key, ())) for table in tables for key in (kinematic, "")), default=0)

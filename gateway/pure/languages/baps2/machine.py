@@ -94,6 +94,9 @@ class Machine(Protocol):
     def taught(self, program: str, name: str) -> tuple[float, ...] | None:
         """A point at the start of a program."""
 
+    def file_changed(self, name: str) -> None:
+        """A file of the memory was replaced or deleted."""
+
     def shared(self, program: str) -> Shared:
         """The PUBLIC variables of a program."""
 

@@ -10,6 +10,7 @@ from gateway.pure.languages.baps2.typing import signal_place
 from gateway.pure.languages.baps2.units import Device, Incomplete
 from gateway.pure.languages.base.requests import PENDING, Request, RuntimeFault
 
+LONGEST_BLOCK, WRONG_LENGTH = 138, -8  # characters that 3964R sends in one WRITE (L1938, AX-169)
 NO_INTERFACE = -1
 PANEL = "PHG"  # is always there
 NAME_LETTERS = 8
@@ -95,6 +96,9 @@ class Outside:
         data = task.held.pop(name, b"") + b"".join(forms.encode(base, value, binary=device.binary) for base, value in request.items)
         if request.open:
             task.held[name] = data
+            return None
+        if device.binary and len(data) > LONGEST_BLOCK:
+            self._device_fault(task, name, WRONG_LENGTH, fault(212, f"{name}: Incorrect character string length"))
             return None
         task.conditions[name] = 0
         self._machine.event(task, "write", task.process.line, device=name, hex=data.hex())

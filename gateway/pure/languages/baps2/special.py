@@ -272,7 +272,7 @@ class Specials:
         if files.is_open(one) or files.is_open(other):
             return -5
         files.files[other] = files.files[one]
-        self._machine.library.forget(other.partition(".")[0])
+        self._machine.file_changed(other)
         return 0
 
     def _delete(self, task: Task, source: str, target: str) -> int:
@@ -282,7 +282,7 @@ class Specials:
         if name is None or name not in self._machine.filing.files:
             return -2
         del self._machine.filing.files[name]
-        self._machine.library.forget(name.partition(".")[0])
+        self._machine.file_changed(name)
         return 0
 
     def _start(self, task: Task, source: str, target: str) -> int:

@@ -155,3 +155,10 @@ def between(block: Block, now: int, block_ns: int) -> tuple[float, ...]:
         return block.start
     part = min(1.0, (now - block.began) / block_ns)
     return tuple(a + (b - a) * part for a, b in zip(block.start, block.target, strict=True))
+
+
+def size_of(unit: Unit, kinematic: str) -> int:
+    """Components of a kinematic's points as the program names them; 0: it names none."""
+    head = unit.program.head
+    tables = (head.joint_names, head.world_names)
+    return max((len(table.get(key, ())) for table in tables for key in (kinematic, "")), default=0)

@@ -1,7 +1,8 @@
-"""What programmers of a plant write: one kinematic under two names, several values behind WITH (rho 3 releases L1858-1880, L8884)."""
+"""What programmers of a plant write: one kinematic under two names, several values behind WITH, another point file for another product, one
+WRITE of much (rho 3 releases L1858-1880, 1938, 5795-5912, 8884)."""
 
 from hil_tests.lab.virtual.baps2_bench import HEAD, ProgramCell, one
-from hil_tests.unit.languages.baps2.running import run, short
+from hil_tests.unit.languages.baps2.running import run, short, written
 
 SET = """;;KINEMATICS : (1=ROB)
 ;;ROB.WC_NAMES = X,Y,Z,A,B,C
@@ -43,3 +44,36 @@ def test_values_behind_with_need_no_comma_and_may_have_one_more() -> None:
     for way in ("WITH R = 0 V = 50 TO (1)", "WITH V = 50, A = 100, TO (1)", "WITH V_PTP = 0.5 R_PTP = 1 PTP VIA (1)", "WITH V = 50 (1)"):
         events = run(f"{head}MOVE ROB {way}\nPROGRAM_END\n")
         assert [each["target"] for each in events if each["event"] == "move"] == [[1.0]]
+
+
+COPYING = """PROGRAM P
+EXTERNAL : Q
+SPC_FCT : 4 = COMMAND (VALUE INTEGER : C TEXT : S, T INTEGER : R)
+INTEGER : R
+TEXT : A, B
+BEGIN
+START Q
+WAIT 2
+A = 'BIG.PKT' B = 'Q.PKT'
+COMMAND(2, A, B, R)
+START Q
+WAIT 2
+COMMAND(3, B, B, R)
+START Q
+WAIT 2
+PROGRAM_END
+"""
+
+
+def test_a_point_file_that_a_program_copies_or_deletes_counts_at_the_next_start() -> None:
+    other = ";;KINEMATICS : (1=ROB)\n;;ROB.WC_NAMES = X\nPROGRAM Q\nDEF POINT : SPOT\nBEGIN\nMOVE TO SPOT\nPROGRAM_END\n"
+    events = run(COPYING, **{"Q": other, "Q.PKT": "SPOT = (5)\n", "BIG.PKT": "SPOT = (9)\n"})
+    assert [each["target"] for each in events if each["event"] == "move"] == [[5.0], [9.0]]
+    assert short(events, "error") == [(4.0, "error", 200)]
+
+
+def test_a_write_by_3964r_of_more_than_a_block_is_condition_8() -> None:
+    text = ";;SER_IO_STOP {0}\nPROGRAM P\nBEGIN\nWRITE V24_1, 'AB', 'CD'\nWRITE PHG, CONDITION(V24_1)\nPROGRAM_END\n"
+    feed = "[devices.V24_1]\nprotocol = 8\n"
+    assert written(run(text.format("-"), feed)) == ["-8"], "two TEXTs of 80 characters"
+    assert short(run(text.format("+"), feed), "error") == [(0.0, "error", 212)]
