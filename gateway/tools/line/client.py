@@ -112,7 +112,7 @@ class Client:
 
     def ask(self, telegram: bytes) -> bytes:
         """One command telegram; the reaction to it, without error number."""
-        job = self.link.send(telegram, self.wire.now())
+        job = self._job = self.link.send(telegram, self.wire.now())
         self.traffic.append(Traffic(True, telegram, self.wire.now()))
         self._run(lambda: self._over(job) or self._crowded(), None)
         failed = next((event for event in self._told if isinstance(event, SendFailed)), None)
@@ -199,6 +199,7 @@ class Client:
         return True
 
     _sent_owed: bool = False
+    _job: int = 0
 
     def _sent_due(self) -> Ns | None:
         return self.wire.drained() if self._sent_owed else None
@@ -216,7 +217,8 @@ class Client:
             if isinstance(event, BlockReceived) and _is_command(event.data):
                 self.traffic.append(Traffic(False, event.data, now))  # RK512 lets it send its own while we wait (serial-protocols 2.6)
             elif isinstance(event, BlockReceived):
-                self._blocks.append(event.data)
+                if not 0 < self.link.overtaken_by <= self._job:  # else its partner wished to send it before it had our command (AX-242)
+                    self._blocks.append(event.data)
             elif isinstance(event, BlockSent):
                 self._blocks.clear()  # what came before our command was taken is no answer to it: a reaction repeated
             elif isinstance(event, BlockRefused) and len(self._told) > 10_000:

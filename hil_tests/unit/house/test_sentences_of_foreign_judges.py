@@ -26,6 +26,9 @@ SENTENCES: dict[str, tuple[str, ...]] = {
         "properties/test_rk512_broken_dialogues.py::test_each_reaction_answers_its_own_command",
         "requirements/rk512/test_station.py::test_a_new_command_withdraws_the_reaction_under_way",
     ),
+    "a tool takes the reaction that a partner without priority kept for the answer to its command": (
+        "unit/gateway/conformance/serial/test_transfer.py::test_a_reaction_somebody_left_untaken_is_not_the_answer_to_the_next_command",
+    ),
     "with no pause all later answers are shifted by one": (
         "properties/test_rk512_broken_dialogues.py::test_each_reaction_answers_its_own_command",
     ),

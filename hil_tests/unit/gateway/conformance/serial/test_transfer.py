@@ -117,6 +117,26 @@ def test_a_command_or_a_repeated_reaction_is_not_taken_for_the_answer() -> None:
         assert line.fetch(10, 0, 1) == b"\x12\x34"
 
 
+@pytest.mark.parametrize("char", [CHAR, 1000])
+def test_a_reaction_somebody_left_untaken_is_not_the_answer_to_the_next_command(char: Ns) -> None:
+    """A partner without priority keeps it, gives way to our command and sends it then: every later tool had got the one before."""
+    station = make("good", RHO3, Priority.LOW)
+    station.blocks.content[10][0:4] = b"\x12\x34\x56\x78"
+    wire = VirtualWire(station, char)
+
+    def left(reaction: bytes) -> None:
+        def kept(now: Ns) -> None:
+            station.link.send(reaction, now)
+
+        wire.act(kept)
+
+    for old in (bytes(4) + b"\x99\x99", bytes(4)):
+        left(old)
+        assert Client(wire, RHO3, Priority.HIGH).fetch(10, 0, 1) == b"\x12\x34"
+    left(bytes(4) + b"\x99\x99")
+    assert Client(wire, RHO3, Priority.HIGH).send(10, 1, b"\x00\x01") == 1
+
+
 def test_a_reaction_that_came_and_was_not_taken_is_not_missing() -> None:
     bad = wire_block(bytes(4) + b"\x12\x34")[:-1]
     without = refused(Scripted(scripted((b"\x02", b"\x10"), (b"", b"\x10\x02"), (b"\x10", bad))))
