@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from gateway.assembly.program_memory import memory_folder
+from gateway.files.texts import read_texts
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell
@@ -16,6 +17,7 @@ from gateway.pure.controllers.reis.pendant.phg import Phg
 from gateway.pure.controllers.reis.pendant.unit import MOVEMENT, UNIT
 from gateway.pure.controllers.reis.pendant.view import Order, View
 from gateway.pure.image.reasons import CommandState, text
+from gateway.pure.reports.spoken import Spoken
 from gateway.services.reis_memory import ReisMemory
 from protocols.base.machine import Ns, ms
 
@@ -38,8 +40,13 @@ class ReisPanel:
         self._turns = turns
         self.memory = None if folder is None else ReisMemory(folder)
         self.phg = Phg(codes, language)
+        self._spoken = Spoken(read_texts("robotstar").pairs() if language == "de" else ())
         self._held: dict[str, Ns] = {}  # key -> when it is released
         self._source = 0  # who pressed last
+
+    def _says(self, words: str) -> None:
+        """In the language of the cell."""
+        self.phg.says(self._spoken.german(words))
 
     # ---- one cycle ---------------------------------------------------------------------------------------------------------
     def look(self, now: Ns) -> None:
@@ -48,7 +55,7 @@ class ReisPanel:
             self._release(key)
         programs = self._control.robot.programs
         if programs is not None and programs.refused:
-            self.phg.says(programs.refused)
+            self._says(programs.refused)
             programs.refused = ""
         while self.memory is not None and (answer := self.memory.take()) is not None:
             if answer.folders:
@@ -56,7 +63,7 @@ class ReisPanel:
             if answer.rows:
                 self.phg.opened(answer.path, answer.rows, answer.step)
             if answer.words:
-                self.phg.says(answer.words)
+                self._says(answer.words)
 
     def judge_reset(self, now: Ns) -> str:
         """No reset is chosen here: QUIT acknowledges, and the drives are the command sources'."""
@@ -111,7 +118,7 @@ class ReisPanel:
         orders, self.phg.orders = self.phg.orders, []
         refused = [wrong for order in orders if (wrong := self._obey(order, now))]
         for wrong in refused:
-            self.phg.says(wrong)
+            self._says(wrong)
         return bool(orders) and not refused
 
     def _release(self, key: str) -> None:
@@ -209,7 +216,7 @@ class ReisPanel:
         mode = ("auto" if control.automatic else "") if programs is None else programs.mode
         return View(
             cell.override * 100.0, mode, programs.selected if programs is not None else "", str(row.get("program", "")),
-            int(str(row.get("line", 0))), str(row.get("state", "")), str(row.get("waits", "")), message, tuple(axes),
+            int(str(row.get("line", 0))), str(row.get("state", "")), str(row.get("waits", "")), self._spoken.german(message), tuple(axes),
             programs.tcp([place for _, place, _ in axes]) if programs is not None else (),
             tuple(round(place * turns * RESOLUTION) for (_, place, _), turns in zip(axes, self._turns, strict=False)),
             control.io.content(Area.INPUT), control.io.content(Area.OUTPUT), control.flag_bytes(), bool(status["synchronous"]), hand.coord,

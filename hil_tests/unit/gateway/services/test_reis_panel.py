@@ -21,13 +21,13 @@ BODY = (
 class Operator:
     """A cell, its memory on disk and the pendant."""
 
-    def __init__(self, folder: pathlib.Path) -> None:
+    def __init__(self, folder: pathlib.Path, language: str = "en") -> None:
         files = {"P.MPR": f'MPR "P"\n{BODY}\nEND\n'} | main("STOP", "SUB/Q")
         for name, text in files.items():
             (folder / name).parent.mkdir(exist_ok=True)
             (folder / name).write_text(text)
         self.cell = ReisCell(files)
-        self.panel = ReisPanel(self.cell.control, self.cell.bench.office, Codes(), "en", (1.0,) * 6, folder)
+        self.panel = ReisPanel(self.cell.control, self.cell.bench.office, Codes(), language, (1.0,) * 6, folder)
         self.cell.bench.permit(AUTO, value=False)
 
     def asks(self, source: int = DOOR, **request: object) -> list[str]:
@@ -133,6 +133,19 @@ def test_a_start_that_is_refused_says_why_on_the_display(tmp_path: pathlib.Path)
     operator.keys("START")
     assert "START is refused: operating mode HAND" in " ".join(operator.shows().split())
     assert "START" not in operator.keys("DOWN"), "until the next key"
+
+
+def test_in_a_german_cell_the_display_is_german(tmp_path: pathlib.Path) -> None:
+    operator = Operator(tmp_path, "de")
+    operator.shows("P            MPR")
+    operator.keys("DOWN ENTER")
+    operator.shows('MPR "P"')
+    operator.keys("START")
+    assert "START abgelehnt: Betriebsart HAND: AUTO" in " ".join(operator.shows().split())
+    operator.keys("DIR")
+    memory = operator.panel.memory
+    assert memory is not None and memory.ask("open", "X")
+    assert "es gibt kein Programm X" in operator.shows("es gibt kein Programm X")
 
 
 def test_override_modes_and_messages_go_the_way_of_everybody(tmp_path: pathlib.Path) -> None:
