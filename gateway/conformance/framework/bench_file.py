@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import cast
 
 from drivers.ports.open import tcp_address
+from drivers.ports.serial.line_format import parse_format
 from gateway.conformance.framework.bench_rules import rule_faults
 from protocols.p3964r.profiles import PROFILES
 
@@ -65,6 +66,21 @@ class Bench:
 
 def _text(value: object) -> str:
     return "" if isinstance(value, str) and value else "a text"
+
+
+def _url(value: object) -> str:
+    if _text(value):
+        return _text(value)
+    wanted = "tcp://host:port with a port number 1 to 65535"
+    return wanted if str(value).startswith("tcp://") and _address(value) else ""
+
+
+def _format(value: object) -> str:
+    try:
+        parse_format(value if isinstance(value, str) else "")
+    except ValueError as error:
+        return str(error).partition('": ')[2].removesuffix(" expected").replace(" expected, e.g.", ", such as")
+    return ""
 
 
 def _flag(value: object) -> str:
@@ -151,18 +167,11 @@ TIME_KEYS: dict[str, Check] = {name: _number(0, 3_600_000) for names in TIMES.va
 
 
 def _times(value: object) -> str:
-    if not isinstance(value, dict):
-        return f"a table; keys: {', '.join(TIME_KEYS)}"
-    for key, one in value.items():
-        if key not in TIME_KEYS:
-            return f"a table; it has no key {key}{_near(key, TIME_KEYS)}"
-        if wanted := TIME_KEYS[key](one):
-            return f"{wanted} at {key}"
-    return ""
+    return "" if isinstance(value, dict) else f"a table; keys: {', '.join(TIME_KEYS)}"
 
 
 KEYS: dict[str, dict[str, Check]] = {
-    "port": {"url": _text, "format": _text, "marks": _flag},
+    "port": {"url": _url, "format": _format, "marks": _flag},
     "link": {
         "profile": _one_of(*PROFILES),
         "priority": _one_of("high", "low"),
@@ -232,17 +241,19 @@ def _near(name: str, names: object) -> str:
 def read_toml(path: pathlib.Path) -> dict[str, object]:
     """BadFile where it cannot be read."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise BadFile([f"{path}: cannot be read ({error.strerror or error}); check the path"]) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise BadFile([f"{path}: is not TOML ({error}); one key = value a line, texts in quotes"]) from error
 
 
-def load_bench(path: pathlib.Path) -> Bench:
-    """BadFile lists every fault."""
+def load_bench(path: pathlib.Path, items: Mapping[str, str] | None = None) -> Bench:
+    """BadFile lists every fault.  items: of the PICS, key -> kind, where they are known."""
     found = read_toml(path)
-    faults = [f"{path}: {fault}" for fault in _faults(found)]
+    stated = found.get("pics")
+    of_pics = pics_faults(stated, items) if items is not None and isinstance(stated, dict) else []
+    faults = [f"{path}: {fault}" for fault in (*_faults(found), *of_pics)]
     if faults:
         raise BadFile(faults)
     return _bench(path, found)
@@ -260,7 +271,7 @@ def _faults(found: Table) -> list[str]:
     port = found.get("port")
     if not isinstance(port, dict) or "url" not in port:
         faults.append('port.url: is missing; such as url = "/dev/ttyUSB0", "pty:/path", "tcp://host:port" or "machine:FILE.py:FACTORY"')
-    return faults or rule_faults(found)
+    return faults + rule_faults({name: value for name, value in found.items() if isinstance(value, dict)})
 
 
 def _section(section: str, table: Table) -> list[str]:
@@ -269,16 +280,25 @@ def _section(section: str, table: Table) -> list[str]:
     if section in FREE:
         wanted = _argv(table["start"]) if section == "device" and "start" in table else ""
         return [f"device.start: {wanted} expected, found {table['start']!r}"] if wanted else []
+    faults = _key_faults(section, table, KEYS[section])
+    times = table.get("times")
+    return faults + _key_faults("link.times", times, TIME_KEYS) if section == "link" and isinstance(times, dict) else faults
+
+
+def _key_faults(section: str, table: Table, keys: Mapping[str, Check]) -> list[str]:
     faults = []
     for key, value in table.items():
-        if key not in KEYS[section]:
-            faults.append(f"{section}.{key}: no such key; there are {', '.join(KEYS[section])}{_near(key, KEYS[section])}")
-        elif wanted := KEYS[section][key](value):
+        if key not in keys:
+            faults.append(f"{section}.{key}: no such key; there are {', '.join(keys)}{_near(key, keys)}")
+        elif wanted := keys[key](value):
             faults.append(f"{section}.{key}: {wanted} expected, found {value!r}")
     return faults
 
 
 def _known_fault(key: str, value: object) -> str:
+    most = 255 if DATA_WORD.match(key) else 65535
+    if any(int(number) > most for number in re.findall(r"\d+", key)):
+        return f'known."{key}": numbers 0 to {most} expected'
     if DATA_WORD.match(key):
         good = isinstance(value, str) and re.fullmatch(r"(?:[0-9A-Fa-f]{2}\s*)+", value) is not None
         return "" if good else f'known."{key}": hexadecimal bytes such as "0A03" expected, found {value!r}'

@@ -18,7 +18,7 @@ NEEDED = {  # kind of [stimulus] -> keys that act with it
 
 
 def rule_faults(found: Table) -> list[str]:
-    """Of a file whose single keys are right."""
+    """Beside those of single keys: of a value that is wrong nothing is concluded."""
     return [*_port(_table(found, "port")), *_stimulus(_table(found, "stimulus")), *_power(found)]
 
 
@@ -27,7 +27,7 @@ def _table(found: Table, name: str) -> Table:
 
 
 def _port(port: Table) -> list[str]:
-    if "marks" in port and not str(port["url"]).startswith(("pty:", "line:")):
+    if "marks" in port and not str(port.get("url", "pty:")).startswith(("pty:", "line:")):
         return ['port.marks: acts at a pty only (url = "pty:/path"); a serial interface marks by itself; remove it']
     return []
 
@@ -36,7 +36,9 @@ def _stimulus(table: Table) -> list[str]:
     kind = table.get("kind")
     if kind is None:
         return ["stimulus.kind: is missing; one of operator, periodic, fetch, modbus, output, command, none expected"] if table else []
-    acting = NEEDED[str(kind)]
+    acting = NEEDED.get(str(kind))
+    if acting is None:
+        return []
     faults = [
         f'stimulus.{key}: does not act with kind = "{kind}"; {", ".join(sorted(acting)) or "no key"} does; remove it'
         for key in table
@@ -70,6 +72,6 @@ def _power(found: Table) -> list[str]:
     ]
     if "limit_ms" in table and "relay" in table:
         faults.append("power.limit_ms: acts with a command or a prompt only; remove it")
-    if str(_table(found, "port")["url"]).startswith(("machine:", "sim")):
+    if str(_table(found, "port").get("url", "")).startswith(("machine:", "sim")):
         faults.append("power: a machine in virtual time is switched by its own power(on, now); remove [power]")
     return faults

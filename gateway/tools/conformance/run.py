@@ -6,7 +6,6 @@ import datetime
 import difflib
 import json
 import os
-import pathlib
 import signal
 import subprocess
 import sys
@@ -16,7 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from drivers.ports.base import PortError
 from gateway.conformance.framework.base import Tester
-from gateway.conformance.framework.bench_file import BadFile, Bench, Waiver, load_bench, load_pics, load_waivers, pics_faults
+from gateway.conformance.framework.bench_file import BadFile, Bench, Waiver, load_bench, load_pics, load_waivers
 from gateway.conformance.framework.result import Result
 from gateway.conformance.framework.run import Runner, Session, ordered
 from gateway.conformance.framework.witness import Witness
@@ -52,29 +51,32 @@ def language(arguments: argparse.Namespace, bench: Bench | None = None) -> str:
     return language_of(arguments.language or (str(stated) if stated in ("en", "de") else None), dict(os.environ))
 
 
-def bench_of(arguments: argparse.Namespace) -> Bench:
+def bench_of(arguments: argparse.Namespace, items: Mapping[str, str] | None = None) -> Bench:
     if (arguments.bench is None) == (arguments.port is None):
         raise Stop("one of --bench FILE and --port URL expected")
-    bench = load_bench(arguments.bench) if arguments.bench is not None else Bench(None, arguments.port)
-    with contextlib.suppress(KeyError):
-        from drivers.ports.serial.line_format import parse_format
-
-        parse_format(bench.format)  # ValueError names what is wrong
-    return bench
+    return load_bench(arguments.bench, items) if arguments.bench is not None else Bench(None, arguments.port)
 
 
-def pics_of(suite: Suite, bench: Bench, path: pathlib.Path | None) -> dict[str, object]:
-    """Stated by the bench, then by the file."""
-    faults = [f"{bench.path}: {fault}" for fault in pics_faults(bench.pics, suite.pics_keys)]
-    stated = dict(bench.pics)
-    if path is not None:
-        try:
-            stated |= load_pics(path, suite.pics_keys)
-        except BadFile as bad:
-            faults += bad.faults
+def files_of(suite: Suite, arguments: argparse.Namespace) -> tuple[Bench, dict[str, object], dict[str, Waiver]]:
+    """Bench, PICS (stated by the bench, then by the file) and waivers; BadFile lists the faults of all three."""
+    faults: list[str] = []
+    bench, stated, waivers = Bench(None, ""), dict[str, object](), dict[str, Waiver]()
+    ids = frozenset(purpose.id for purpose in suite.purposes())
+    try:
+        bench = bench_of(arguments, suite.pics_keys)
+    except BadFile as bad:
+        faults += bad.faults
+    try:
+        stated = dict(bench.pics) | (load_pics(arguments.pics, suite.pics_keys) if arguments.pics is not None else {})
+    except BadFile as bad:
+        faults += bad.faults
+    try:
+        waivers = load_waivers(arguments.waivers, ids, datetime.date.today()) if arguments.waivers is not None else {}
+    except BadFile as bad:
+        faults += bad.faults
     if faults:
         raise BadFile(faults)
-    return stated
+    return bench, stated, waivers
 
 
 def chosen(suite: Suite, arguments: argparse.Namespace) -> list[Purpose[Tester]]:
@@ -98,11 +100,8 @@ def chosen(suite: Suite, arguments: argparse.Namespace) -> list[Purpose[Tester]]
 
 def run_suite(arguments: argparse.Namespace) -> int:
     suite = suite_named(arguments.suite)
-    bench = bench_of(arguments)
-    stated = pics_of(suite, bench, arguments.pics)
+    bench, stated, waivers = files_of(suite, arguments)
     purposes = chosen(suite, arguments)
-    ids = frozenset(purpose.id for purpose in suite.purposes())
-    waivers = load_waivers(arguments.waivers, ids, datetime.date.today()) if arguments.waivers is not None else {}
     make = factory_of(bench, suite.frames, suite.sim)
     if arguments.dry_run:
         return _dry(suite, bench, stated, purposes, arguments)

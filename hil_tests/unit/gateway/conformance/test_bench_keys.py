@@ -14,6 +14,7 @@ import pytest
 
 from drivers.ports.serial.line_format import parse_format
 from drivers.ports.serial.pty import PtyPort
+from gateway.commands.conformance import main
 from gateway.conformance.framework.bench_file import BadFile, Bench, load_bench
 from gateway.conformance.framework.power import switch_of
 from gateway.conformance.peers.powered import Powered
@@ -160,3 +161,38 @@ def test_a_device_that_hangs_is_revived_by_its_supply() -> None:
     verdicts = [result.verdict for result in results]
     assert fails(results) and Verdict.INCONC not in verdicts
     assert verdicts.count(Verdict.PASS) > 50
+
+
+def test_faults_of_all_files_come_in_one_run(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each key of [link] times, rules beside single keys, PICS and waivers; a byte order mark of an editor is none."""
+    files = {name: tmp_path / f"{name}.toml" for name in ("bench", "pics", "waivers")}
+    files["bench"].write_text(
+        '\ufeff[port]\nurl = "tcp://host:99999"\nformat = "9600 9X7"\n'
+        '[link]\ntimes = { qvz_ms = -5, zvz_ms = "a", connect_attempts = 0, zvs = 1 }\n'
+        '[known]\n"input:99999" = 1\n"DB300.DW1" = "0A"\n[power]\non = ["a"]\n[pics]\nrk512 = "maybe"\n',
+        encoding="utf-8",
+    )
+    files["pics"].write_text("[pics]\npassive = 3\n")
+    files["waivers"].write_text('[[waiver]]\nid = "3964R_RCV_BV_99"\nreason = "x"\nwho = "x"\nuntil = 2099-01-01\n')
+    options = [str(part) for name, path in files.items() for part in (f"--{name}", path)]
+    assert main(["run", "3964r", *options]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    wanted = {
+        "bench": (
+            "port.url: tcp://host:port with a port number 1 to 65535 expected, found 'tcp://host:99999'",
+            "port.format: baud rate, data bits 5..8, parity N|E|O, stop bits 1|2, such as \"9600 8E1\" expected, found '9600 9X7'",
+            "link.times.qvz_ms: a number 0 to 3.6e+06",
+            "link.times.zvz_ms: a number",
+            "link.times.connect_attempts: a whole number 1 to 255",
+            "link.times.zvs: no such key",
+            'known."input:99999": numbers 0 to 65535',
+            'known."DB300.DW1": numbers 0 to 255',
+            "power.off: is missing",
+            "pics.rk512: true or false",
+        ),
+        "pics": ("pics.passive: true or false",),
+        "waivers": ("waiver 1: id 3964R_RCV_BV_99",),
+    }
+    for name, texts in wanted.items():
+        for text in texts:
+            assert any(f"{files[name]}: {text}" in line for line in lines), (text, lines)
