@@ -26,7 +26,8 @@ def f_disable_power(own: Instance) -> Waiting:
     machine.robot.disable()
     if not machine.current_is_synchronous:
         yield machine.now
-    while machine.robot.powered:
+    moves = machine.moves_or_none
+    while machine.robot.powered or not (moves is None or moves.resting):
         yield None
     return None
 

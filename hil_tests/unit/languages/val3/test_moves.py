@@ -135,6 +135,19 @@ def test_power_by_program() -> None:
     assert (data["n"], data["i"], data["j"]) == (1, 1, 1)
 
 
+def test_power_off_in_motion_stops_on_the_path_before_the_next_line() -> None:
+    """L4167-4169: at once, and the next line finds the arm at rest."""
+    code = (
+        "m.blend=off\nmovej(q[0],t,m)\nwait(getMoveId()>0.5)\na[0]=clock()\ndisablePower()\na[1]=clock()-a[0]\na[2]=herej().j1\ndelay(0.5)\n"
+        "a[3]=herej().j1\nenablePower()\nwaitEndMove()\na[4]=herej().j1"
+    )
+    data, _ = made(code)
+    found = data["a"]
+    assert isinstance(found, list)
+    taken, stopped, later, end = found[1:5]
+    assert taken > 0.008 and stopped == later < 29 and end == pytest.approx(30)
+
+
 def test_a_first_move_without_way_is_done_at_once() -> None:
     for before in ("", "movej(q[1],t,m)\nwaitEndMove()\nresetMotion()\nq[2]=q[1]\n"):
         data, _ = made(before + ("q[2]=herej()\n" if not before else "") + "movej(q[2],t,m)\nwaitEndMove()\nn=1")
