@@ -12,6 +12,7 @@ from gateway.pure.lines.texts import LANGUAGES, language_of
 from gateway.pure.reports.sentences import in_language
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.new_cell.assessment import ASKED, TEXTS, Asked, BadAnswer, Reason, Verdict, assess, judge, verdict
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate assess                                        asks ten questions
@@ -36,17 +37,17 @@ def main(argv: list[str]) -> int:
     given = dict(pair.partition("=")[::2] for pair in options.answer)
     unknown = sorted(set(given) - {asked.key for asked in ASKED})
     if unknown:
-        print(f"axisgate assess: {', '.join(unknown)}: no such question; {', '.join(asked.key for asked in ASKED)}", file=sys.stderr)
+        complain("assess", f"{', '.join(unknown)}: no such question; {', '.join(asked.key for asked in ASKED)}")
         return Exit.INVALID
     try:
         reasons = assess({asked.key: given[asked.key] if asked.key in given else ask(asked, language) for asked in ASKED})
         if options.html:
             options.html.write_text(page(reasons, language), encoding="utf-8")
     except BadAnswer as error:
-        print(f"axisgate assess: {error}; give it by --answer {str(error).partition(' ')[0].rstrip(':')}=...", file=sys.stderr)
+        complain("assess", f"{error}; give it by --answer {str(error).partition(' ')[0].rstrip(':')}=...")
         return Exit.INVALID
     except OSError as error:
-        print(f"axisgate assess: {options.html}: {error.strerror}", file=sys.stderr)
+        complain("assess", f"{options.html}: {error.strerror}")
         return Exit.ENVIRONMENT
     print(as_json(reasons) if options.json else "\n".join(table(reasons, language)))
     return Exit.FINDING if verdict(reasons) is Verdict.NO else Exit.OK

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import sys
 import time
 
 from gateway.assembly import axis_zeros as zeros
@@ -14,6 +13,7 @@ from gateway.tools.cell_argument import load
 from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.drives.first_enable import percent
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate axis try cell.toml X                     on the running cell: pre-checks, then both ways
@@ -49,10 +49,10 @@ def main(argv: list[str]) -> int:
             with running(arguments.name or slug_of(cell)) as client:
                 found = _try(client, cell, axis) if arguments.what == "try" else _zero(client, cell, axis, arguments.at, arguments.who)
     except KeyError as error:
-        print(f"axisgate axis: {error.args[0]}", file=sys.stderr)
+        complain("axis", error.args[0])
         return USAGE
     except ToolError as error:
-        print(f"axisgate axis: {error.args[0]}", file=sys.stderr)
+        complain("axis", error.args[0])
         return FINDING if isinstance(error, NotReady) else ENVIRONMENT
     print(json.dumps(found, indent=1) if arguments.json else found["sentence"])
     return DONE if found["good"] else FINDING

@@ -3,11 +3,11 @@
 import argparse
 import json
 import pathlib
-import sys
 
 from gateway.recording import backup
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import DONE, ENVIRONMENT
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate backup cell.toml --to cell-2026-11-21.zip           everything that makes this cell
@@ -36,7 +36,7 @@ def main(argv: list[str]) -> int:
     try:
         manifest = backup.make(cell, options.to, secrets=options.secrets)
     except (OSError, backup.BackupError) as error:
-        print(f"axisgate backup: {error}", file=sys.stderr)
+        complain("backup", error)
         return ENVIRONMENT
     if options.json:
         rows = [{"name": part.name, "role": part.role, "size": part.size, "sha256": part.sha256} for part in manifest.parts]

@@ -15,6 +15,7 @@ from gateway.pure.cell.faults import CellFaults, Fault
 from gateway.pure.lines.texts import LANGUAGES, language_of
 from gateway.pure.reports.sentences import Sentence, in_language
 from gateway.runtime.exit_codes import Exit
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate check cell.toml            all errors, warnings and notes of a file
@@ -42,7 +43,7 @@ def main(argv: list[str]) -> int:
         print(json.dumps(as_json(options.cell, found.faults), indent=1) if options.json else "\n".join(rows))
         return Exit.INVALID
     except (ConfigNotFound, OSError) as error:
-        print(f"axisgate check: {spoken('usage').german(str(error)) if language == 'de' else error}", file=sys.stderr)
+        complain("check", error)
         return Exit.INVALID
     print(json.dumps(valid_json(cell), indent=1) if options.json else "\n".join(valid(options.cell, cell, language)))
     return Exit.FINDING if options.strict and cell.warnings else Exit.OK

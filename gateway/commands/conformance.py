@@ -2,13 +2,13 @@
 
 import argparse
 import pathlib
-import sys
 from collections.abc import Callable
 
 from gateway.conformance.framework.bench_file import BadFile
 from gateway.conformance.reporting.folder import BadReport
 from gateway.tools.conformance import compare_reports, list_suites, new_case, new_pics, play_mutants, run_suite, verify_folder
 from gateway.tools.conformance.run import Stop
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate conformance run 3964r --port /dev/ttyUSB0 --report out        tests the station at this port
@@ -25,12 +25,12 @@ def main(argv: list[str]) -> int:
         return run(arguments)
     except (BadFile, BadReport, Stop, ValueError) as error:
         for line in str(error).splitlines():
-            print(f"axisgate conformance: {line}", file=sys.stderr)
+            complain("conformance", line)
         return USAGE
     except BrokenPipeError:  # `| head` has seen enough: __main__ ends quietly
         raise
     except OSError as error:
-        print(f"axisgate conformance: {error.args[-1] if error.args else error}", file=sys.stderr)
+        complain("conformance", error.args[-1] if error.args else error)
         return ENVIRONMENT
 
 

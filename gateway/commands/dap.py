@@ -6,6 +6,7 @@ import sys
 
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.editor.dap import Adapter
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate dap                    what an editor starts; it speaks on standard input and output
@@ -35,7 +36,7 @@ def main(argv: list[str]) -> int:
     except BrokenPipeError:
         return Exit.OK  # the editor is gone
     except OSError as error:
-        print(f"axisgate dap: {error.strerror or error}", file=sys.stderr)
+        complain("dap", error.strerror or error)
         return Exit.INVALID
     return Exit.OK
 

@@ -11,11 +11,11 @@ import pathlib
 import resource
 import socket
 import subprocess
-import sys
 from collections.abc import Iterable
 
 from gateway.pure.reports.doctor import CanState, Finding, PortState, RealTime, can_interface, can_state, real_time, serial_port
 from gateway.runtime.exit_codes import Exit
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate doctor                                   everything that is plugged in
@@ -62,7 +62,7 @@ def _hour(options: argparse.Namespace) -> int:
     if isinstance(cell, int):
         return cell
     if not 0 < options.seconds <= 86_400:
-        print(f"axisgate doctor: --seconds {options.seconds:g}: up to 86400", file=sys.stderr)
+        complain("doctor", f"--seconds {options.seconds:g}: up to 86400")
         return Exit.INVALID
     return hour(cell, options.seconds, as_json=options.json)
 

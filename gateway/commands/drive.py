@@ -16,6 +16,7 @@ from gateway.tools.cell_argument import load
 from gateway.tools.client import UNHURRIED_MS, ToolError, running, simulated
 from gateway.tools.command_support import BANNER, DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.drives.first_enable import TEXT, confirm, unconfirmed
+from gateway.tools.usage_language import complain
 
 if TYPE_CHECKING:
     from gateway.tools.drives.loss_test import Stop
@@ -63,7 +64,7 @@ def main(argv: list[str]) -> int:
             return _commission(cell, arguments)
         return _loss_test_running(cell, arguments) if arguments.running else _loss_test(cell, arguments)
     except (PortError, ToolError, ManualError) as error:
-        print(f"axisgate drive {arguments.what}: {error}", file=sys.stderr)
+        complain(f"drive {arguments.what}", error)
         return ENVIRONMENT
 
 
@@ -76,12 +77,12 @@ def _scan_place(arguments: argparse.Namespace) -> int:
         return cell
     buses = [bus for bus in cell.bus if BUS_PROTOCOLS[bus.protocol].nodes]
     if not buses:
-        print(f"axisgate drive scan: {arguments.place} has no CANopen bus; SERVODYN boosters answer no scan", file=sys.stderr)
+        complain("drive scan", f"{arguments.place} has no CANopen bus; SERVODYN boosters answer no scan")
         return USAGE
     simulated = [bus.name for bus in buses if bus.simulated and not arguments.port]
     if simulated:
         words = f'bus {simulated[0]} has port = "sim"; name one: axisgate drive scan {arguments.place} --port socketcan:can0'
-        print(f"axisgate drive scan: {words}", file=sys.stderr)
+        complain("drive scan", words)
         return USAGE
     return max(_scan(arguments.port or bus.port, arguments) for bus in buses)
 
@@ -116,7 +117,7 @@ def _commission(cell: Cell, arguments: argparse.Namespace) -> int:
     axes = {axis.name: axis for axis in cell.axis if DRIVE_FAMILIES[axis.drive.type].objects}
     axis = axes.get(arguments.axis or "")
     if axis is None:
-        print(f"axisgate drive commission: name a CiA 402 axis of the cell: {', '.join(axes) or 'it has none'}", file=sys.stderr)
+        complain("drive commission", f"name a CiA 402 axis of the cell: {', '.join(axes) or 'it has none'}")
         return USAGE
     bus = _bus_of(cell, axis.drive.bus)
     if arguments.sim or (arguments.port is None and bus.simulated):
@@ -185,7 +186,7 @@ def _loss_test(cell: Cell, arguments: argparse.Namespace) -> int:
     wanted = arguments.lose or losstest.losses_of(cell)
     impossible = [loss for loss in wanted if loss not in losstest.losses_of(cell)]
     if impossible:
-        print(f"axisgate drive loss-test: this cell's drives watch {' and '.join(losstest.losses_of(cell))} only", file=sys.stderr)
+        complain("drive loss-test", f"this cell's drives watch {' and '.join(losstest.losses_of(cell))} only")
         return USAGE
     print(BANNER, file=sys.stderr)
     stops: list[losstest.Stop] = []
@@ -220,7 +221,7 @@ def _loss_test_running(cell: Cell, arguments: argparse.Namespace) -> int:
     from gateway.tools.drives import loss_test_on_bus as losstest_bus
 
     if arguments.lose not in (None, ["gateway"]):
-        print("axisgate drive loss-test --running: the loss of the gateway only; the others: without --running", file=sys.stderr)
+        complain("drive loss-test --running", "the loss of the gateway only; the others: without --running")
         return USAGE
     losstest_bus.drives_of(cell)
     run = arguments.name or slug_of(cell)
@@ -237,7 +238,7 @@ def _loss_test_running(cell: Cell, arguments: argparse.Namespace) -> int:
             line = stopdate.write(pathlib.Path(cell.file), datetime.date.today())
             print(f"{cell.file}:{line}: last_stop_test is of today", file=sys.stderr)
         except stopdate.NotWritten as error:
-            print(f"axisgate drive loss-test: last_stop_test is not written: {error}", file=sys.stderr)
+            complain("drive loss-test", f"last_stop_test is not written: {error}")
     return DONE if good else FINDING
 
 
@@ -247,6 +248,6 @@ def _agreed(cell: Cell, speed: float) -> bool:
         f"{BANNER}\nAll axes of {cell.cell.name} move over 80 % of their travel at {speed:g} %, then the gateway is ended.", file=sys.stderr
     )
     if not sys.stdin.isatty():
-        print("axisgate drive loss-test: not agreed; start it at a terminal", file=sys.stderr)
+        complain("drive loss-test", "not agreed; start it at a terminal")
         return False
     return input(f'Type "{AGREED}": ').strip().upper() == AGREED

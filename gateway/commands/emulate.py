@@ -16,6 +16,7 @@ from gateway.registry import BUS_PROTOCOLS
 from gateway.simulation.drives import process as emulator
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import BANNER, ENVIRONMENT
+from gateway.tools.usage_language import complain
 
 LOCAL = ("broker:", "socketcan:vcan")  # buses without metal
 EXAMPLES = """examples:
@@ -41,13 +42,10 @@ def main(argv: list[str]) -> int:
     buses = [bus for bus in cell.bus if bus.protocol in DRIVE_PROTOCOLS and arguments.drives in (None, bus.name)]
     if len(buses) != 1:
         known = ", ".join(bus.name for bus in cell.bus if bus.protocol in DRIVE_PROTOCOLS)
-        print(
-            f"axisgate emulate: --drives NAME: one drive bus of {known or 'none'}",
-            file=sys.stderr,
-        )
+        complain("emulate", f"--drives NAME: one drive bus of {known or 'none'}")
         return ENVIRONMENT
     if words := look_first(cell, buses[0], arguments.bus, beside=arguments.beside):
-        print(f"axisgate emulate: {words}", file=sys.stderr)
+        complain("emulate", words)
         return ENVIRONMENT
     print(BANNER, flush=True)
     kept = ["--record", str(arguments.record)] if arguments.record else []

@@ -6,7 +6,6 @@ import json
 import os
 import pathlib
 import re
-import sys
 
 from gateway.cell_file.explain import Explainer, Line, address, decision_lines, parameter_of_any_cell, word
 from gateway.cell_file.load import load_cell
@@ -17,6 +16,7 @@ from gateway.pure.cell.faults import CellFaults
 from gateway.pure.image.error_entries import Entry, number_of
 from gateway.pure.lines.texts import LANGUAGES, language_of
 from gateway.runtime.exit_codes import Exit
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate explain axis.1 --cell cell.toml                all values of the first axis and where each comes from
@@ -50,13 +50,13 @@ def main(argv: list[str]) -> int:
         spoken = language_of(options.language or (cell.cell.language if cell else None), os.environ)
         lines = explain(options.key, cell, path, spoken)
     except CellFaults as found:
-        print(f"axisgate explain: {path} has {len(found.faults)} faults; axisgate check {path} names them", file=sys.stderr)
+        complain("explain", f"{path} has {len(found.faults)} faults; axisgate check {path} names them")
         return Exit.INVALID
     except (ConfigNotFound, OSError) as error:
-        print(f"axisgate explain: {error}", file=sys.stderr)
+        complain("explain", error)
         return Exit.INVALID
     if not lines:
-        print(f"axisgate explain: {options.key}: {unknown(options.key, cell)}", file=sys.stderr)
+        complain("explain", f"{options.key}: {unknown(options.key, cell)}")
         return Exit.INVALID
     print(json.dumps([dataclasses.asdict(line) for line in lines], indent=1) if options.json else "\n".join(table(lines)))
     return Exit.OK

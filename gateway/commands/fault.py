@@ -2,11 +2,11 @@
 
 import argparse
 import json
-import sys
 
 from drivers.ports.base import PortError, runtime_dir
 from gateway.simulation.drives.control import BadCommandError, EmulatorControl
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.tools.usage_language import complain
 
 PREFIX, SUFFIX = "emulator-", ".sock"
 EXAMPLES = """examples:
@@ -29,13 +29,13 @@ def main(argv: list[str]) -> int:
     try:
         values = dict(pair(text) for text in arguments.arguments)
     except ValueError as error:
-        print(f"axisgate fault: {error}", file=sys.stderr)
+        complain("fault", error)
         return USAGE
     running = emulators()
     wanted = [name for name in running if arguments.emulator in (None, name)]
     if len(wanted) != 1:
         what = "choose one with --emulator" if running else "start one with: axisgate run demo --sim"
-        print(f"axisgate fault: which emulator? running: {', '.join(running) or 'none'}; {what}", file=sys.stderr)
+        complain("fault", f"which emulator? running: {', '.join(running) or 'none'}; {what}")
         return ENVIRONMENT
     return order(wanted[0], arguments.what, values)
 
@@ -44,15 +44,15 @@ def order(name: str, what: str, values: dict[str, object]) -> int:
     try:
         control = EmulatorControl(name)
     except PortError as error:
-        print(f"axisgate fault: {error}", file=sys.stderr)
+        complain("fault", error)
         return ENVIRONMENT
     try:
         print(json.dumps(control.ask(what, **values), indent=1))
     except BadCommandError as error:
-        print(f"axisgate fault: {error}", file=sys.stderr)
+        complain("fault", error)
         return FINDING
     except PortError as error:
-        print(f"axisgate fault: {error}", file=sys.stderr)
+        complain("fault", error)
         return ENVIRONMENT
     finally:
         control.close()

@@ -10,6 +10,7 @@ from gateway.cell_file.load import load_cell
 from gateway.pure.cell.faults import CellFaults
 from gateway.pure.controllers.rho3.parameter_list.cell_file import Report, import_list
 from gateway.runtime.exit_codes import Exit
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate import p-list plist.txt                     the cell file on standard output, the report on standard error
@@ -30,11 +31,11 @@ def main(argv: list[str]) -> int:
     try:
         text = _read(options.file)
     except OSError as error:
-        print(f"axisgate import: {options.file}: {error.strerror or error}", file=sys.stderr)
+        complain("import", f"{options.file}: {error.strerror or error}")
         return Exit.INVALID
     cell, report = import_list(text, options.output.stem if options.output else options.file.stem)
     if not report.taken:
-        print(f"axisgate import: {options.file}: no machine parameter was recognised in {len(text.splitlines())} lines", file=sys.stderr)
+        complain("import", f"{options.file}: no machine parameter was recognised in {len(text.splitlines())} lines")
         return Exit.INVALID
     faults = check(cell)
     if options.output:

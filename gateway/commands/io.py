@@ -14,6 +14,7 @@ from gateway.commands.var import SUFFIX
 from gateway.pure.buses.contacts import WATCHDOG
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate io list cell.toml            every contact: signal, value, quality
@@ -68,10 +69,7 @@ def main(argv: list[str]) -> int:
     unknown = [name for name in arguments.only if name not in [io.name for io in cell.io]]
     if unknown or not cell.io:
         there = ", ".join(io.name for io in cell.io)
-        print(
-            f"axisgate io: {', '.join(unknown)}: no such contact; " * bool(unknown) + f"the cell has {there or 'no [[io]]'}",
-            file=sys.stderr,
-        )
+        complain("io", f"{', '.join(unknown)}: no such contact; " * bool(unknown) + f"the cell has {there or 'no [[io]]'}")
         return USAGE
     name = arguments.name or slug_of(cell)
     desk = IoConsole(name)
@@ -81,7 +79,7 @@ def main(argv: list[str]) -> int:
             return _list(rows, as_json=arguments.json)
         return _test(desk, rows, _nobody if arguments.yes else _person, as_json=arguments.json)
     except OSError as error:
-        print(f"axisgate io: run {name!r} does not answer ({error}); start it with: axisgate run {arguments.cell}", file=sys.stderr)
+        complain("io", f"run {name!r} does not answer ({error}); start it with: axisgate run {arguments.cell}")
         return ENVIRONMENT
 
 
@@ -109,7 +107,7 @@ def _list(rows: list[Row], *, as_json: bool) -> int:
 def _test(desk: IoConsole, rows: list[Row], ask: Ask, *, as_json: bool) -> int:
     """Walks along; every output is given free again whatever happens."""
     if ask is not _nobody and ask(WARNING) != "yes":
-        print("axisgate io: nothing was switched", file=sys.stderr)
+        complain("io", "nothing was switched")
         return FINDING
     results = [_input(desk, row, ask) if row["way"] == "input" else _output(desk, row, ask) for row in rows]
     if as_json:

@@ -31,6 +31,7 @@ from gateway.tools.line.diagnose import gather
 from gateway.tools.line.learn import NoTrace, characters, learned, of_line, text_of
 from gateway.tools.line.ports import open_port, open_wire
 from gateway.tools.line.transfer import BadInput, decoded, encoded, kinds, place, reachable, words_needed
+from gateway.tools.usage_language import complain
 from protocols.base.errors import ProtocolError
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.profiles import PROFILES, Priority, Profile
@@ -76,7 +77,7 @@ def _of_port(error: PortError) -> str:
 
 
 def _fault(tool: str, text: str, code: int) -> int:
-    print(f"axisgate line {tool}: {text}", file=sys.stderr)
+    complain(f"line {tool}", text)
     return code
 
 
@@ -333,7 +334,7 @@ def _listen(arguments: argparse.Namespace, names: list[str], tell: Callable[[Lin
             out = stack.enter_context(_record(arguments.save))
             keep = Recorder(out, "tap", parse_format(arguments.format), time.monotonic_ns())
         monitor = Monitor(ports, time.monotonic_ns, tell, not arguments.plain, keep)
-        print(f"axisgate line {arguments.tool}: listening at {' and '.join(names)}, Ctrl-C ends it", file=sys.stderr, flush=True)
+        complain(f"line {arguments.tool}", f"listening at {' and '.join(names)}, Ctrl-C ends it")
         monitor.run(None if arguments.seconds is None else ms(1000 * arguments.seconds), lambda silence: _quiet(arguments.tool, silence))
 
 
@@ -352,7 +353,7 @@ def _record(path: pathlib.Path) -> Iterator[TextIO]:
 
 def _quiet(tool: str, silence: Ns) -> None:
     words = "is the partner on, the tap in the right wire, and the format right?"
-    print(f"axisgate line {tool}: nothing heard for {silence / 1e9:.3g} s: {words}", file=sys.stderr, flush=True)
+    complain(f"line {tool}", f"nothing heard for {silence / 1e9:.3g} s: {words}")
 
 
 def run_learn(arguments: argparse.Namespace) -> int:

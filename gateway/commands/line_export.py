@@ -3,7 +3,6 @@
 import argparse
 import datetime
 import pathlib
-import sys
 import time
 
 from drivers.ports.serial.line_format import parse_record
@@ -11,6 +10,7 @@ from gateway.pure.lines.pcapng import pcapng
 from gateway.pure.lines.trace import Item, of_dialogue, of_runs, to_dialogue
 from gateway.pure.lines.turns import turns
 from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE, of_file
+from gateway.tools.usage_language import complain
 from protocols.base.dialogue import parse, write
 from protocols.base.errors import DecodeError
 from protocols.base.machine import ms
@@ -54,10 +54,10 @@ def main(argv: list[str]) -> int:
             )
             print(f"{arguments.output}: {len(dialogue.entries)} entries")
     except OSError as error:
-        print(f"axisgate line export: {of_file(error)}", file=sys.stderr)
+        complain("line export", of_file(error))
         return ENVIRONMENT
     except (DecodeError, KeyError) as error:
-        print(f"axisgate line export: {error}", file=sys.stderr)
+        complain("line export", error)
         return USAGE
     return DONE
 

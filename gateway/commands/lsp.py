@@ -2,9 +2,9 @@
 
 import argparse
 import logging
-import sys
 
 from gateway.runtime.exit_codes import Exit
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate lsp                    what an editor starts; it speaks on standard input and output
@@ -26,14 +26,14 @@ def main(argv: list[str]) -> int:
         try:
             logging.basicConfig(filename=options.log, level=logging.DEBUG, format="%(asctime)s %(name)s %(message)s")
         except OSError as error:
-            print(f"axisgate lsp: {options.log}: {error.strerror}", file=sys.stderr)
+            complain("lsp", f"{options.log}: {error.strerror}")
             return Exit.INVALID
     try:
         from gateway.tools.editor.server import made_server
     except ModuleNotFoundError as error:
         if error.name is None or error.name.partition(".")[0] not in ("pygls", "lsprotocol"):
             raise
-        print("axisgate lsp: pygls is not installed; type: pip install 'axisgate[editor]'", file=sys.stderr)
+        complain("lsp", "pygls is not installed; type: pip install 'axisgate[editor]'")
         return Exit.INVALID
     if options.tcp is None:
         made_server().start_io()

@@ -2,12 +2,12 @@
 
 import argparse
 import pathlib
-import sys
 
 from gateway.pure.reports.tables import FORMS, render
 from gateway.tools.address_map import SHEETS
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate map demo --modbus                                all registers, counted from 0 and from 1
@@ -36,7 +36,7 @@ def main(argv: list[str]) -> int:
         return cell
     sheets = [sheet for name in wanted for sheet in SHEETS[name](cell)]
     if not sheets:
-        print(f"axisgate map: {arguments.cell} has no {' and no '.join(wanted)}; axisgate map --wiring shows what it has", file=sys.stderr)
+        complain("map", f"{arguments.cell} has no {' and no '.join(wanted)}; axisgate map --wiring shows what it has")
         return FINDING
     text = render(cell.cell.name, sheets, "json" if arguments.json else arguments.format, FOOTER)
     if not arguments.output:
@@ -45,6 +45,6 @@ def main(argv: list[str]) -> int:
     try:
         pathlib.Path(arguments.output).write_text(text, encoding="utf-8", newline="")
     except OSError as error:
-        print(f"axisgate map: {arguments.output}: {error.strerror}; name another file with -o", file=sys.stderr)
+        complain("map", f"{arguments.output}: {error.strerror}; name another file with -o")
         return ENVIRONMENT
     return DONE

@@ -2,7 +2,6 @@
 
 import argparse
 import pathlib
-import sys
 import zipfile
 from collections.abc import Iterable
 
@@ -23,6 +22,7 @@ from gateway.tools.mapping_tables import (
     to_sequence,
     to_toml,
 )
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate mapping s5-rk512 blocks.csv               entries and routes of a cell, to be read in a spreadsheet
@@ -43,7 +43,7 @@ def main(argv: list[str]) -> int:
     arguments = parser.parse_args(argv)
     kind = arguments.target.suffix.lower()
     if kind not in (".csv", ".xlsx", ".seq", ".toml"):
-        print(f"axisgate mapping: {arguments.target}: ends in .csv, .xlsx, .seq or .toml", file=sys.stderr)
+        complain("mapping", f"{arguments.target}: ends in .csv, .xlsx, .seq or .toml")
         return USAGE
     try:
         rows = _read(arguments.source, arguments.encoding)
@@ -51,13 +51,13 @@ def main(argv: list[str]) -> int:
             return rows
         written = _write(arguments.target, rows, arguments.encoding)
     except MappingFault as fault:
-        print(f"axisgate mapping: {arguments.source}: {fault}", file=sys.stderr)
+        complain("mapping", f"{arguments.source}: {fault}")
         return USAGE
     except UnicodeError as fault:
-        print(f"axisgate mapping: {arguments.encoding} does not fit: {fault}; try --encoding {' or '.join(ENCODINGS)}", file=sys.stderr)
+        complain("mapping", f"{arguments.encoding} does not fit: {fault}; try --encoding {' or '.join(ENCODINGS)}")
         return USAGE
     except OSError as fault:
-        print(f"axisgate mapping: {fault}", file=sys.stderr)
+        complain("mapping", fault)
         return ENVIRONMENT
     print(f"{arguments.target}: {written} rows")
     return DONE if written else FINDING

@@ -9,6 +9,7 @@ import sys
 from drivers.ports.base import PortError
 from gateway.conformance.modbus.probe import Prober, Result, as_report, probe, search, summary, to_html
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.tools.usage_language import complain
 from protocols.modbus.probing import Verdict, cases
 
 EXAMPLES = """examples:
@@ -47,13 +48,13 @@ def main(argv: list[str]) -> int:
     arguments = parser.parse_args(argv)
     host, colon, port = arguments.server.rpartition(":") if ":" in arguments.server else (arguments.server, "", "")
     if (colon and not port.isdecimal()) or not 0 <= arguments.unit <= 255 or not 0 <= arguments.first <= arguments.last <= 0xFFFF:
-        print("axisgate modbus: host:port, unit 0..255, registers 0..65535 expected; axisgate modbus probe -h", file=sys.stderr)
+        complain("modbus", "host:port, unit 0..255, registers 0..65535 expected; axisgate modbus probe -h")
         return USAGE
     prober = Prober(host.strip("[]"), int(port) if colon else DEFAULT_PORT, arguments.wait)
     try:
         return _find(prober, arguments) if arguments.find is not None else _probe(prober, arguments)
     except PortError as error:
-        print(f"axisgate modbus: {error.args[-1]}", file=sys.stderr)
+        complain("modbus", error.args[-1])
         return ENVIRONMENT
 
 

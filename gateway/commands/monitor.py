@@ -9,6 +9,7 @@ from gateway.commands.var import runs_up
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.monitor.look import FILTERS, TABS, Look, NoRun
 from gateway.tools.monitor.tables import Table, as_json, plain
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate monitor                                  the cell that is up; ? shows the keys
@@ -28,7 +29,7 @@ def main(argv: list[str]) -> int:
     if name not in up:
         what = "name one of them" if len(up) > 1 else "start one with: axisgate run demo --sim"
         asked = f"no run {name!r} is up" if name else "which run"
-        print(f"axisgate monitor: {asked}; up are: {', '.join(up) or 'none'}; {what}", file=sys.stderr)
+        complain("monitor", f"{asked}; up are: {', '.join(up) or 'none'}; {what}")
         return ENVIRONMENT
     if arguments.pendant or arguments.press:
         return _pendant(name, arguments)
@@ -40,7 +41,7 @@ def main(argv: list[str]) -> int:
             return asyncio.run(_once(look, arguments.tab or ("all" if not arguments.search else "signals"), as_text=not arguments.json))
         return asyncio.run(_live(look, arguments.tab or "axes"))
     except NoRun as gone:
-        print(f"axisgate monitor: {gone}", file=sys.stderr)
+        complain("monitor", gone)
         return ENVIRONMENT
     except KeyboardInterrupt:
         return DONE
@@ -75,13 +76,13 @@ def _pendant(run: str, arguments: argparse.Namespace) -> int:
             return DONE
         shown = asyncio.run(once(run, arguments.press))
     except ValueError as error:
-        print(f"axisgate monitor: --press: {error}", file=sys.stderr)
+        complain("monitor", f"--press: {error}")
         return USAGE
     except PanelError as error:
-        print(f"axisgate monitor: {error}; next: axisgate monitor {run}", file=sys.stderr)
+        complain("monitor", f"{error}; next: axisgate monitor {run}")
         return FINDING
     except Gone as error:
-        print(f"axisgate monitor: {error}; axisgate run CELL --sim starts one", file=sys.stderr)
+        complain("monitor", f"{error}; axisgate run CELL --sim starts one")
         return ENVIRONMENT
     except KeyboardInterrupt:
         return DONE
@@ -114,7 +115,7 @@ async def _live(look: Look, tab: str) -> int:
     from gateway.tools.monitor.app import Monitor  # Textual, where there is a screen
 
     if tab == "all":
-        print("axisgate monitor: --tab all is for --once; next: axisgate monitor --once --tab all", file=sys.stderr)
+        complain("monitor", "--tab all is for --once; next: axisgate monitor --once --tab all")
         return USAGE
     await look.attach()
     await Monitor(look, tab).run_async()

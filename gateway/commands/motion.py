@@ -24,6 +24,7 @@ from gateway.tools.motion.dry_run import DryRun, sections_of
 from gateway.tools.motion.dry_run_team import Paper, team_findings, team_slowed, team_traces
 from gateway.tools.motion.plot import page, team_page
 from gateway.tools.progress import Progress
+from gateway.tools.usage_language import complain
 from motion.errors import MotionError
 from motion.geometry.units import to_si
 from motion.planner.path_checks import Slowed
@@ -116,7 +117,7 @@ def files_of(path: str, blocks: Sequence[Block], cell: Cell | None) -> Files:
 
 def refuse(error: Exception) -> int:
     """Said in one line."""
-    print(f"axisgate motion: {error}", file=sys.stderr)
+    complain("motion", error)
     return Exit.INVALID
 
 

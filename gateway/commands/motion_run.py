@@ -3,7 +3,6 @@
 import argparse
 import contextlib
 import json
-import sys
 import time
 
 from gateway.pure.cell.cell import Cell
@@ -12,6 +11,7 @@ from gateway.tools.cell_argument import load
 from gateway.tools.client import Row, ToolClient, ToolError, mask_of
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.motion.ready import client_of, reference
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate motion run scara 1 --sim                 a shipped cell: drives on, referenced, program 1, all emulated
@@ -41,7 +41,7 @@ def main(argv: list[str]) -> int:
     number = number_of(cell, options.program)
     if number is None:
         known = ", ".join(f"{each.number} {each.name}" for each in cell.program) or "none; name one in a [[program]] table"
-        print(f"axisgate motion run: {options.program}: no such program in {options.cell}; there is {known}", file=sys.stderr)
+        complain("motion run", f"{options.program}: no such program in {options.cell}; there is {known}")
         return USAGE
     try:
         with client_of(options, cell) as client:
@@ -56,7 +56,7 @@ def main(argv: list[str]) -> int:
 
 
 def _said(error: ToolError, code: int) -> int:
-    print(f"axisgate motion run: {error}", file=sys.stderr)
+    complain("motion run", error)
     return code
 
 

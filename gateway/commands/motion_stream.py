@@ -18,6 +18,7 @@ from gateway.tools.client import Row, ToolClient, ToolError
 from gateway.tools.client import mask_of as named_axes
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.motion.ready import client_of, reference
+from gateway.tools.usage_language import complain
 from motion.errors import MotionError
 
 EXAMPLES = """examples:
@@ -68,7 +69,7 @@ def main(argv: list[str]) -> int:
 
 
 def _said(error: object, code: int) -> int:
-    print(f"axisgate motion stream: {error}", file=sys.stderr)
+    complain("motion stream", error)
     return code
 
 

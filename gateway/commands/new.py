@@ -11,6 +11,7 @@ from gateway.pure.lines.texts import LANGUAGES, language_of
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.new_cell.cell_text import cell_text
 from gateway.tools.new_cell.questions import QUESTIONS, BadAnswer, Question, answered
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate new --from s5-rk512 hall3.toml                        asks five questions, Enter takes the value in brackets
@@ -36,13 +37,13 @@ def main(argv: list[str]) -> int:
         with options.file.open("x", encoding="utf-8") as file:
             file.write(text)
     except BadAnswer as error:
-        print(f"axisgate new: {error}; nothing was written", file=sys.stderr)
+        complain("new", f"{error}; nothing was written")
         return Exit.INVALID
     except FileExistsError:
-        print(f"axisgate new: {options.file} is there already and stays as it is; name another file", file=sys.stderr)
+        complain("new", f"{options.file} is there already and stays as it is; name another file")
         return Exit.INVALID
     except OSError as error:
-        print(f"axisgate new: {options.file}: {error.strerror}; nothing was written", file=sys.stderr)
+        complain("new", f"{options.file}: {error.strerror}; nothing was written")
         return Exit.ENVIRONMENT
     if options.json:
         print(json.dumps({"file": str(options.file), "from": options.kind, "answers": answers}))

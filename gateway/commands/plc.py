@@ -3,7 +3,6 @@
 import argparse
 import json
 import pathlib
-import sys
 import time
 import zlib
 from collections.abc import Collection
@@ -23,6 +22,7 @@ from gateway.runtime.exit_codes import Exit
 from gateway.tools.cell_argument import load
 from gateway.tools.client import Row, ToolClient, ToolError, running
 from gateway.tools.command_support import ENVIRONMENT
+from gateway.tools.usage_language import complain
 
 SUFFIX = ".PLC"
 ACTS_S = 0.3  # an order is carried out between two scans; a long program takes some time to be translated
@@ -52,9 +52,9 @@ def main(argv: list[str]) -> int:
     try:
         return {"check": check, "run": run, "import": import_list}.get(options.action, in_cell)(options)
     except (ProgramFileFault, OrderFault) as error:
-        print(f"axisgate plc: {error}", file=sys.stderr)
+        complain("plc", error)
     except OSError as error:
-        print(f"axisgate plc: {error.filename}: {error.strerror}", file=sys.stderr)
+        complain("plc", f"{error.filename}: {error.strerror}")
     return Exit.INVALID
 
 
@@ -102,7 +102,7 @@ def in_cell(options: argparse.Namespace) -> int:
     if isinstance(cell, int):
         return cell
     if cell.controller is None or cell.controller.plc is None:
-        print(f"axisgate plc: {options.cell} has no PLC: [controller.plc] with start = PROGRAM gives it one", file=sys.stderr)
+        complain("plc", f"{options.cell} has no PLC: [controller.plc] with start = PROGRAM gives it one")
         return Exit.INVALID
     try:
         with running(options.name or slug_of(cell)) as client:
@@ -115,7 +115,7 @@ def in_cell(options: argparse.Namespace) -> int:
                 time.sleep(ACTS_S)
             answer = client.ask("plc", do="status")
     except ToolError as error:
-        print(f"axisgate plc: {error}", file=sys.stderr)
+        complain("plc", error)
         return ENVIRONMENT
     print(json.dumps(answer, indent=1) if options.json else sentence(answer))
     return Exit.OK

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import sys
 
 from gateway.assembly.run import slug_of
 from gateway.pure.cell.cell import Cell, CheckPosition
@@ -11,6 +10,7 @@ from gateway.tools.cell_argument import load
 from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.drives.first_enable import percent
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate positions cell.toml                  asks you to bring the axes to each mark by hand, then reads them
@@ -33,10 +33,7 @@ def main(argv: list[str]) -> int:
     if isinstance(cell, int):
         return cell
     if not cell.check_position:
-        print(
-            f"axisgate positions: {arguments.cell} has no [[check_position]]: name = ..., at = {{ X = 12.5 }}, tolerance = 0.2",
-            file=sys.stderr,
-        )
+        complain("positions", f"{arguments.cell} has no [[check_position]]: name = ..., at = {{ X = 12.5 }}, tolerance = 0.2")
         return USAGE
     try:
         if arguments.sim:
@@ -47,7 +44,7 @@ def main(argv: list[str]) -> int:
             with running(arguments.name or slug_of(cell)) as client:
                 rows = walk(client, cell, go=arguments.go)
     except (ToolError, EOFError) as error:
-        print(f"axisgate positions: {error}", file=sys.stderr)
+        complain("positions", error)
         return ENVIRONMENT
     print(json.dumps(rows, indent=1) if arguments.json else table(rows))
     return DONE if all(row["good"] for row in rows) else FINDING

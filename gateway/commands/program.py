@@ -17,6 +17,7 @@ from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory, decoded
 from gateway.pure.languages.base.faults import Faults, SourceFault
 from gateway.runtime.exit_codes import Exit
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate program check memory/QUICKST.QLL memory/MAIN.QLL      every fault with file, line and column
@@ -70,7 +71,7 @@ def main(argv: list[str]) -> int:
 
 
 def _invalid(text: str) -> int:
-    print(f"axisgate program: {text}", file=sys.stderr)
+    complain("program", text)
     return Exit.INVALID
 
 
@@ -113,7 +114,7 @@ def _trace_pic(options: argparse.Namespace, name: str) -> int:
     except PicTraceFault as fault:
         for each in fault.faults or ():
             print(each, file=sys.stderr)
-        print(f"axisgate program: {fault}", file=sys.stderr)
+        complain("program", fault)
         return Exit.FINDING if fault.faults is not None else Exit.INVALID
     for event in run.trace:
         print(event_line(event, options.json))
@@ -149,7 +150,7 @@ def _trace(options: argparse.Namespace) -> int:
 def _faulty(name: str, faults: Faults) -> int:
     for fault in faults:
         print(fault, file=sys.stderr)
-    print(f"axisgate program: {name} has {faults.errors} errors and does not run", file=sys.stderr)
+    complain("program", f"{name} has {faults.errors} errors and does not run")
     return Exit.FINDING
 
 

@@ -3,7 +3,6 @@
 import argparse
 import contextlib
 import json
-import sys
 import time
 from collections.abc import Iterator
 
@@ -14,6 +13,7 @@ from gateway.registry import CONTROLLERS, NO_PROGRAMS, language_in
 from gateway.tools.cell_argument import load
 from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.tools.usage_language import complain
 
 IN_CELLS = ("run", "start", "stop", "status")
 WAYS = {"ended": "ended after {seconds:.2f} s", "breakpoint": "is halted at the breakpoint {place}"}
@@ -59,7 +59,7 @@ def run_in_cell(options: argparse.Namespace) -> int:
 
 
 def _said(words: str, code: int) -> int:
-    print(f"axisgate program: {words}", file=sys.stderr)
+    complain("program", words)
     return code
 
 

@@ -13,6 +13,7 @@ from gateway.runtime.exit_codes import Exit
 from gateway.runtime.safe_file import write_whole
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import USAGE
+from gateway.tools.usage_language import complain
 
 OF_FILES = ("put", "get", "compile")
 
@@ -45,10 +46,10 @@ def run_on_files(options: argparse.Namespace) -> int:
     try:
         return _compile(options) if options.tool == "compile" else _with_cell(options)
     except FileFault as fault:
-        print(f"axisgate program: {fault}", file=sys.stderr)
+        complain("program", fault)
         return Exit.INVALID
     except OSError as error:
-        print(f"axisgate program: {error.filename}: {error.strerror}", file=sys.stderr)
+        complain("program", f"{error.filename}: {error.strerror}")
         return Exit.INVALID
 
 
@@ -58,7 +59,7 @@ def _with_cell(options: argparse.Namespace) -> int:
         return cell
     folder = memory_folder(cell)
     if folder is None:
-        print(f"axisgate program: {options.cell}: [controller] names no memory", file=sys.stderr)
+        complain("program", f"{options.cell}: [controller] names no memory")
         return USAGE
     return _put(folder, options) if options.tool == "put" else _get(folder, options)
 

@@ -18,6 +18,7 @@ from gateway.recording.file import RecordError, Writer
 from gateway.recording.recorder import Recorder, RecorderError, Rings, attached, head_of, status_of
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, interruptible
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate record cell.toml -o monday.axrec                 until Ctrl-C; the cell runs in another terminal
@@ -52,7 +53,7 @@ def main(argv: list[str]) -> int:
 
 
 def _said(error: object, code: int) -> int:
-    print(f"axisgate record: {error}", file=sys.stderr)
+    complain("record", error)
     return code
 
 

@@ -1,11 +1,11 @@
 """Restart processes of a run that stay down after too many failures, once the cause is removed."""
 
 import argparse
-import sys
 
 from drivers.ports.base import PortError
 from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE
 from gateway.tools.runs import alarms, asked, chosen, processes, runs
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate release hall3            every process that is down or is only tried now and then
@@ -27,7 +27,7 @@ def main(argv: list[str]) -> int:
         return ENVIRONMENT
     names = [str(row["name"]) for row in processes(status)]
     if arguments.process is not None and arguments.process not in names:
-        print(f"axisgate release: {arguments.process!r}: no such process; run {run!r} has {', '.join(names)}", file=sys.stderr)
+        complain("release", f"{arguments.process!r}: no such process; run {run!r} has {', '.join(names)}")
         return USAGE
     troubled = {words.partition(" ")[0] for words in alarms(status)} | {str(r["name"]) for r in processes(status) if r["state"] != "up"}
     wanted = [arguments.process] if arguments.process else [name for name in names if name in troubled]
@@ -35,7 +35,7 @@ def main(argv: list[str]) -> int:
         for name in wanted:
             asked(run, "release", process=name)
     except PortError as error:
-        print(f"axisgate release: {error}", file=sys.stderr)
+        complain("release", error)
         return ENVIRONMENT
     print(f"run {run!r}: {', '.join(wanted)} released" if wanted else f"run {run!r}: every process is up, nothing to release")
     return DONE

@@ -3,7 +3,6 @@
 import argparse
 import json
 import pathlib
-import sys
 from typing import Any
 
 from gateway.pure.cell.cell import Cell
@@ -14,6 +13,7 @@ from gateway.recording.replay import Verdict, recorded_cell, replay
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.progress import Progress
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate replay monday.axrec                              what the file holds
@@ -44,7 +44,7 @@ def main(argv: list[str]) -> int:
 
 
 def _said(error: object, code: int) -> int:
-    print(f"axisgate replay: {error}", file=sys.stderr)
+    complain("replay", error)
     return code
 
 

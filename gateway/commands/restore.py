@@ -3,12 +3,12 @@
 import argparse
 import json
 import pathlib
-import sys
 
 from drivers.ports.base import PortError, runtime_dir
 from gateway.recording import backup
 from gateway.runtime.supervisor_client import ask
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate restore cell.zip --to /etc/axisgate --dry-run    check it and say what would be done; changes nothing
@@ -33,21 +33,21 @@ def main(argv: list[str]) -> int:
         _tell(manifest, steps, as_json=options.json)
         running = runs_of(options.to / manifest.cell)
         if running:
-            print(f"axisgate restore: {running} is running this cell; stop it first", file=sys.stderr)
+            complain("restore", f"{running} is running this cell; stop it first")
             return ENVIRONMENT
         others = [step.part.name for step in steps if step.what == "replaced"]
         if others and not options.replace:
-            print(f"axisgate restore: {', '.join(others)}: other files stand there; --replace keeps them beside", file=sys.stderr)
+            complain("restore", f"{', '.join(others)}: other files stand there; --replace keeps them beside")
             return FINDING
         if options.dry_run:
             backup.try_out(options.file, manifest)
             return DONE
         kept = backup.restore(options.file, manifest, options.to)
     except backup.BackupError as error:
-        print(f"axisgate restore: {error}", file=sys.stderr)
+        complain("restore", error)
         return USAGE
     except (OSError, PortError) as error:
-        print(f"axisgate restore: {error}", file=sys.stderr)
+        complain("restore", error)
         return ENVIRONMENT if options.file.exists() else USAGE
     if not options.json:
         for path in kept:

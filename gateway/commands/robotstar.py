@@ -23,6 +23,7 @@ from gateway.pure.languages.robotstar.robot import MODES
 from gateway.pure.languages.robotstar.script import NS, OrderFault, orders
 from gateway.pure.languages.robotstar.virtual import VirtualCell
 from gateway.runtime.exit_codes import Exit
+from gateway.tools.usage_language import complain
 
 DIRECTORY = {"list": (), "protect": ("program", "letters"), "delete": ("program",), "rename": ("program", "to"), "copy": ("program", "to")}
 WORDS = {
@@ -54,10 +55,10 @@ def main(argv: list[str]) -> int:
     try:
         return {"check": _check, "run": _run, "import": _import, "list": _list}.get(options.part, _directory)(options)
     except Protected as fault:
-        print(f"axisgate robotstar: {fault}", file=sys.stderr)
+        complain("robotstar", fault)
         return Exit.FINDING
     except (FolderFault, OrderFault, PointFault, RobotFaults, FileNotFoundError) as fault:
-        print(f"axisgate robotstar: {fault}", file=sys.stderr)
+        complain("robotstar", fault)
         return Exit.INVALID
 
 

@@ -25,6 +25,7 @@ from gateway.runtime.state_folder import usable, warning
 from gateway.tools.cell_argument import load_apart
 from gateway.tools.command_support import BANNER, DONE, ENVIRONMENT, USAGE
 from gateway.tools.drives.first_enable import TEXT, confirm, needed
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate run demo --sim                       the demo's cell, everything simulated
@@ -67,7 +68,7 @@ def main(argv: list[str]) -> int:
         return _listening(arguments, cell)
     refusal = why_not(cell, p5=arguments.p5)
     if refusal:
-        print(f"axisgate run: {refusal}", file=sys.stderr)
+        complain("run", refusal)
         return USAGE if refusal.startswith("--p5") else ENVIRONMENT
     axes = needed(cell, simulated=arguments.sim)
     if axes and not arguments.json:
@@ -117,7 +118,7 @@ def _start(arguments: argparse.Namespace, cell: Cell) -> int:
             say_at_start(f"page: {'https' if plan.web.tls_certificate else 'http'}://{plan.web.bind}/")
         return Supervisor(plan).run()
     except PortError as error:
-        print(f"axisgate run: {error}", file=sys.stderr)
+        complain("run", error)
         return ENVIRONMENT
 
 
@@ -141,12 +142,12 @@ def page_port_free(web: Web) -> None:
 
 def _listening(arguments: argparse.Namespace, cell: Cell) -> int:
     if words := why_not(cell, p5=arguments.p5):
-        print(f"axisgate run: {words}", file=sys.stderr)
+        complain("run", words)
         return USAGE if words.startswith("--p5") else ENVIRONMENT
     try:
         return shadow.run_shadow(arguments, cell)
     except PortError as error:
-        print(f"axisgate run: {error}", file=sys.stderr)
+        complain("run", error)
         return ENVIRONMENT
 
 

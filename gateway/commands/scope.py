@@ -18,6 +18,7 @@ from gateway.scope.recording import load as reopen
 from gateway.tools.cell_argument import load
 from gateway.tools.client import ToolError, simulated
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate scope record demo --channels axis.A1.set,axis.A1.actual,axis.A1.lag --for 5 -o move.scope
@@ -72,7 +73,7 @@ def _record_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _said(error: object, code: int) -> int:
-    print(f"axisgate scope: {error}", file=sys.stderr)
+    complain("scope", error)
     return code
 
 

@@ -14,6 +14,7 @@ from gateway.pure.shadow.report import as_html, as_text, report
 from gateway.shadow.log_writer import kept
 from gateway.shadow.plan import BUSES, LINES, left_out, parse_taps, plan_shadow, why_not_shadow
 from gateway.tools.command_support import BANNER, DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.tools.usage_language import complain
 
 OPTIONS = ("tap", "seconds", "report", "tolerance")
 
@@ -89,5 +90,5 @@ def run_shadow(arguments: argparse.Namespace, cell: Cell) -> int:
 
 
 def _said(error: str, code: int) -> int:
-    print(f"axisgate run --shadow: {error}", file=sys.stderr)
+    complain("run --shadow", error)
     return code

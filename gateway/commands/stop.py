@@ -1,11 +1,11 @@
 """Stop a run in order, as Ctrl-C does: every process ends; drives that are on stop by their own supervision."""
 
 import argparse
-import sys
 
 from drivers.ports.base import PortError
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING
 from gateway.tools.runs import asked, chosen, ended
+from gateway.tools.usage_language import complain
 
 ENDS_S = 30.0
 EXAMPLES = """examples:
@@ -25,10 +25,10 @@ def main(argv: list[str]) -> int:
     try:
         asked(run, "stop")
     except PortError as error:
-        print(f"axisgate stop: {error}", file=sys.stderr)
+        complain("stop", error)
         return ENVIRONMENT
     if not ended(run, ENDS_S):
-        print(f"axisgate stop: run {run!r} has not ended within {ENDS_S:g} s; see its processes: axisgate status {run}", file=sys.stderr)
+        complain("stop", f"run {run!r} has not ended within {ENDS_S:g} s; see its processes: axisgate status {run}")
         return FINDING
     print(f"run {run!r} has ended")
     return DONE

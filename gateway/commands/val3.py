@@ -20,6 +20,7 @@ from gateway.pure.languages.val3.sealed import SHORTEST_SECRET, public_of
 from gateway.pure.languages.val3.virtual import Run, declare_links, summary
 from gateway.pure.languages.val3.virtual_events import EventFault, event_of
 from gateway.runtime.exit_codes import Exit
+from gateway.tools.usage_language import complain
 from motion.errors import MotionError
 from motion.robot import Robot
 
@@ -72,7 +73,7 @@ def main(argv: list[str]) -> int:
     try:
         return commanded(options)
     except (DiskUnreadable, EventFault, ConfigNotFound, CellFaults, MotionError, OSError) as error:
-        print(f"axisgate val3: {error}", file=sys.stderr)
+        complain("val3", error)
         return Exit.INVALID
 
 
@@ -131,7 +132,7 @@ def _run(options: argparse.Namespace) -> int:
         why = (
             f"{' and '.join(missing)} missing: it serves as a library only" if missing else "it has faults; axisgate val3 check names them"
         )
-        print(f"axisgate val3: {name} is not started: {why}", file=sys.stderr)
+        complain("val3", f"{name} is not started: {why}")
         return Exit.FINDING
     machine.texts = val3_texts()
     if options.cell is not None:

@@ -3,11 +3,11 @@
 import argparse
 import json
 import socket
-import sys
 import time
 
 from drivers.ports.base import runtime_dir
 from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE
+from gateway.tools.usage_language import complain
 
 SUFFIX = "-services.sock"
 EXAMPLES = """examples:
@@ -31,7 +31,7 @@ def main(argv: list[str]) -> int:
     runs = [run for run in up if arguments.name in (None, run)]
     if len(runs) != 1:
         what = "choose one with --name" if len(up) > 1 else "start one with: axisgate run demo --sim"
-        print(f"axisgate var: which run? up are: {', '.join(up) or 'none'}; {what}", file=sys.stderr)
+        complain("var", f"which run? up are: {', '.join(up) or 'none'}; {what}")
         return ENVIRONMENT
     request = {"op": "names"} if not arguments.address else {"op": "get", "address": arguments.address}
     if arguments.value is not None and arguments.address:
@@ -42,7 +42,7 @@ def main(argv: list[str]) -> int:
             link.connect(str(runtime_dir() / f"{runs[0]}{SUFFIX}"))
             return converse(link, request, watch=arguments.watch, as_json=arguments.json)
     except OSError as error:
-        print(f"axisgate var: run {runs[0]!r} does not answer ({error}); its services may be starting again", file=sys.stderr)
+        complain("var", f"run {runs[0]!r} does not answer ({error}); its services may be starting again")
         return ENVIRONMENT
     except KeyboardInterrupt:
         return DONE
@@ -65,7 +65,7 @@ def converse(link: socket.socket, request: dict[str, str], *, watch: bool, as_js
         link.sendall(json.dumps(request).encode() + b"\n")
         answer = json.loads(receive_line(link))
         if "error" in answer:
-            print(f"axisgate var: {answer['error']}", file=sys.stderr)
+            complain("var", answer["error"])
             return USAGE
         shown = json.dumps(answer) if as_json else sentence(answer)
         if shown != last:

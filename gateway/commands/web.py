@@ -10,6 +10,7 @@ from gateway.pure.cell.web import Web
 from gateway.runtime.page_data import data_file
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING
+from gateway.tools.usage_language import complain
 from gateway.web.store import Role, Store, StoreError
 
 EXAMPLES = """examples:
@@ -108,5 +109,5 @@ def _tell(store: Store, arguments: argparse.Namespace) -> None:
 
 
 def _said(words: str, code: int) -> int:
-    print(f"axisgate web user: {words}", file=sys.stderr)
+    complain("web user", words)
     return code

@@ -2,11 +2,11 @@
 
 import contextlib
 import json
-import sys
 import time
 
 from drivers.ports.base import PortError, runtime_dir
 from gateway.runtime.supervisor_client import ask
+from gateway.tools.usage_language import complain
 
 ASK_S = 2.0
 SERVICES = "-services"
@@ -44,9 +44,9 @@ def chosen(command: str, name: str | None) -> str | None:
         return name
     if name is None and len(up) == 1:
         return up[0]
-    what = f"no run {name!r} is up" if name else "which run"
+    what = f"no run {name!r} is up;" if name else "which run?"
     next_step = f"name one: axisgate {command} {up[0]}" if up else "start one: axisgate run CELL"
-    print(f"axisgate {command}: {what}? up are: {', '.join(up) or 'none'}; {next_step}", file=sys.stderr)
+    complain(command, f"{what} up are: {', '.join(up) or 'none'}; {next_step}")
     return None
 
 

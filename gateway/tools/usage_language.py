@@ -10,14 +10,16 @@ from collections.abc import Iterator, Mapping
 
 from gateway.files.texts import spoken
 from gateway.pure.lines.texts import language_of
+from gateway.tools.command_support import of_file
 from gateway.tools.help_language import german_help, in_german_usage
 
 INVALID = 2  # as argparse ends
+FAULTS = ("usage", "command-faults")  # of configs/texts
 
 
 def usage_text(sentence: str, environment: Mapping[str, str] | None = None) -> str:
     """A sentence about the command line or a fault of a command, in the user's language."""
-    return spoken("usage").german(sentence) if _language(environment) == "de" else sentence
+    return spoken(*FAULTS).german(sentence) if _language(environment) == "de" else sentence
 
 
 def help_text(sentence: str) -> str:
@@ -27,7 +29,8 @@ def help_text(sentence: str) -> str:
 
 def complain(command: str, fault: object) -> None:
     """Report on standard error why a command cannot do what it was given."""
-    print(f"axisgate {command}: {usage_text(str(fault))}", file=sys.stderr)
+    words = of_file(fault) if isinstance(fault, Exception) else str(fault)
+    print(f"axisgate {command}: {usage_text(words)}", file=sys.stderr)
 
 
 @contextlib.contextmanager

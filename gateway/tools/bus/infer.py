@@ -4,7 +4,6 @@ import argparse
 import dataclasses
 import json
 import pathlib
-import sys
 
 from drivers.ports.can.wire import MAX_ID
 from gateway.pure.buses.candump import frames_of
@@ -15,6 +14,7 @@ from gateway.pure.buses.inference.roles import Inferred
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.bus.logs import BadLog, read_log
 from gateway.tools.command_support import of_file
+from gateway.tools.usage_language import complain
 from protocols.base.machine import Frame
 
 EXAMPLES = """examples:
@@ -37,10 +37,10 @@ def main(argv: list[str]) -> int:
     try:
         found = propose(frames(options.log))
     except (BadLog, OSError) as error:
-        print(f"axisgate bus infer: {of_file(error)}", file=sys.stderr)
+        complain("bus infer", of_file(error))
         return Exit.INVALID
     except NothingFound as error:
-        print(f"axisgate bus infer: {error}", file=sys.stderr)
+        complain("bus infer", error)
         return Exit.FINDING
     if options.output:
         options.output.write_text(as_dbc(found, options.log.name))

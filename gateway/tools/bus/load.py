@@ -3,7 +3,6 @@
 import argparse
 import json
 import pathlib
-import sys
 from collections.abc import Iterable, Sequence
 
 from drivers.ports.can.wire import RTR_FLAG
@@ -13,6 +12,7 @@ from gateway.pure.cell.cell import Bus, Cell
 from gateway.tools.bus.logs import READABLE, BadLog, read_log
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import DONE, FINDING, USAGE, of_file
+from gateway.tools.usage_language import complain
 from protocols.base.can_bits import frame_bits
 from protocols.base.machine import Frame, Ns
 
@@ -33,12 +33,12 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--json", action="store_true", help="print the figures as JSON")
     arguments = parser.parse_args(argv)
     if (arguments.cell is None) == (arguments.log is None):
-        print("axisgate bus load: name either a cell or --log FILE", file=sys.stderr)
+        complain("bus load", "name either a cell or --log FILE")
         return USAGE
     if arguments.log is not None:
         return _of_log(arguments)
     if pathlib.Path(arguments.cell).suffix in READABLE:
-        print(f"axisgate bus load: {arguments.cell} is a recording: --log {arguments.cell}", file=sys.stderr)
+        complain("bus load", f"{arguments.cell} is a recording: --log {arguments.cell}")
         return USAGE
     cell = load(arguments.cell)
     if isinstance(cell, int):
@@ -105,7 +105,7 @@ def _of_log(arguments: argparse.Namespace) -> int:
     try:
         total = measured(read_log(arguments.log), arguments.bitrate)
     except (OSError, BadLog) as error:
-        print(f"axisgate bus load: {of_file(error)}", file=sys.stderr)
+        complain("bus load", of_file(error))
         return USAGE
     if arguments.json:
         print(json.dumps(total, indent=1))

@@ -2,12 +2,12 @@
 
 import argparse
 import pathlib
-import sys
 
 from gateway.tools.bus.logs import WRITABLE, BadLog, FdFrame, LogWriter
 from gateway.tools.bus.monitor import Summary, live
 from gateway.tools.bus.ports import FORM, NoBus, open_bus
 from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE
+from gateway.tools.usage_language import complain
 
 EXAMPLES = f"""examples:
   axisgate bus log socketcan:can0 -o living.blf                 until Ctrl-C
@@ -29,10 +29,10 @@ def main(argv: list[str]) -> int:
     try:
         writer = LogWriter(arguments.output, arguments.bus)
     except BadLog as error:
-        print(f"axisgate bus log: {error}", file=sys.stderr)
+        complain("bus log", error)
         return USAGE
     except OSError as error:
-        print(f"axisgate bus log: {arguments.output}: {error.strerror}", file=sys.stderr)
+        complain("bus log", f"{arguments.output}: {error.strerror}")
         return ENVIRONMENT
     count = fd = 0
     summary = Summary()
@@ -45,7 +45,7 @@ def main(argv: list[str]) -> int:
                 writer.put(frame)
                 count += 1
     except NoBus as error:
-        print(f"axisgate bus log: {error}", file=sys.stderr)
+        complain("bus log", error)
         return ENVIRONMENT
     finally:
         writer.close()

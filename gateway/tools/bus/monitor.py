@@ -3,7 +3,6 @@
 import argparse
 import json
 import pathlib
-import sys
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -18,6 +17,7 @@ from gateway.tools.bus.load import measured
 from gateway.tools.bus.logs import BadLog, FdFrame, fd_frame_of, frame_of, read_log
 from gateway.tools.bus.ports import FORM, NoBus, open_bus
 from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE, of_file
+from gateway.tools.usage_language import complain
 from protocols.base.machine import Frame, Ns
 
 EXAMPLES = f"""examples:
@@ -106,7 +106,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--json", action="store_true", help="one JSON object a frame")
     arguments = parser.parse_args(argv)
     if (arguments.bus is None) == (arguments.source is None):
-        print("axisgate bus monitor: name either a bus or --from FILE", file=sys.stderr)
+        complain("bus monitor", "name either a bus or --from FILE")
         return USAGE
     try:
         decode = decoder(arguments.dbc, canopen=arguments.canopen)
@@ -116,12 +116,12 @@ def main(argv: list[str]) -> int:
             summary = Summary()
             return show(live(bus, arguments.seconds, summary), decode, arguments, summary)
     except NoBus as error:
-        print(f"axisgate bus monitor: {error}", file=sys.stderr)
+        complain("bus monitor", error)
         return ENVIRONMENT
     except BrokenPipeError:
         raise
     except (BadLog, OSError, ConfigNotFound, DatabaseError) as error:
-        print(f"axisgate bus monitor: {of_file(error)}", file=sys.stderr)
+        complain("bus monitor", of_file(error))
         return USAGE
 
 

@@ -2,7 +2,6 @@
 
 import argparse
 import pathlib
-import sys
 import time
 
 import can
@@ -10,6 +9,7 @@ import can
 from gateway.tools.bus.logs import READABLE, BadLog, message_of, read_log
 from gateway.tools.bus.ports import FORM, NoBus, open_bus
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.tools.usage_language import complain
 from protocols.base.machine import Frame
 
 EXAMPLES = f"""examples:
@@ -37,13 +37,13 @@ def main(argv: list[str]) -> int:
         with open_bus(arguments.bus, arguments.bitrate) as bus:
             sent, refused, late = play(frames, bus, arguments.speed)
     except (BadLog, ValueError) as error:
-        print(f"axisgate bus replay: {error}", file=sys.stderr)
+        complain("bus replay", error)
         return USAGE
     except NoBus as error:
-        print(f"axisgate bus replay: {error}", file=sys.stderr)
+        complain("bus replay", error)
         return ENVIRONMENT
     except OSError as error:
-        print(f"axisgate bus replay: {arguments.file}: {error.strerror or error}", file=sys.stderr)
+        complain("bus replay", f"{arguments.file}: {error.strerror or error}")
         return USAGE
     print(f"{sent} of {len(frames)} frames sent, {refused} refused, worst {late * 1e3:.2f} ms late")
     return FINDING if refused else DONE

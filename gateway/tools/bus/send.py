@@ -15,6 +15,7 @@ from gateway.links.canopen.sdo_client import bounded_upload
 from gateway.tools.bus.logs import message_of
 from gateway.tools.bus.ports import FORM, NoBus, open_bus
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.tools.usage_language import complain
 from protocols.base.machine import Frame
 from protocols.canopen.nmt import Command, command
 
@@ -49,13 +50,13 @@ def main(argv: list[str]) -> int:
         with open_bus(arguments.bus, arguments.bitrate, own=arguments.echo is not None) as bus:
             return act(bus, arguments)
     except NoBus as error:
-        print(f"axisgate bus send: {error}", file=sys.stderr)
+        complain("bus send", error)
         return ENVIRONMENT
     except ValueError as error:
-        print(f"axisgate bus send: {error}", file=sys.stderr)
+        complain("bus send", error)
         return USAGE
     except (SdoError, can.CanError) as error:
-        print(f"axisgate bus send: {error}", file=sys.stderr)
+        complain("bus send", error)
         return FINDING
 
 

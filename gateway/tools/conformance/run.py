@@ -27,6 +27,7 @@ from gateway.conformance.suites.scores import SCORES
 from gateway.links.serial.tool_wire import ToolPort
 from gateway.pure.conformance.purpose import Purpose, selected, unknown
 from gateway.pure.lines.texts import language_of
+from gateway.tools.usage_language import complain
 
 NOT_PASSED = ("FAIL", "ERROR", "INCONC")
 DEFAULT_SEED = 1
@@ -145,7 +146,7 @@ def _played(
             write_folder(arguments.report, found, results, language(arguments, bench))
             print(f"report: {arguments.report / 'report.html'}", file=sys.stderr if arguments.json else sys.stdout)
         except OSError as error:
-            print(f"axisgate conformance: the report cannot be written to {arguments.report}: {error.strerror or error}", file=sys.stderr)
+            complain("conformance", f"the report cannot be written to {arguments.report}: {error.strerror or error}")
             code = code or ENVIRONMENT
     if arguments.json:
         _print_json(found)

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import sys
 from collections.abc import Callable, Sequence
 
 from drivers.ports.base import PortError
@@ -11,6 +10,7 @@ from gateway.pure.cell.cell import Cell
 from gateway.pure.reports.latency import CLOCKS_MS, Measured, verdict
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.doctor.measure import NoEcho, can_echo, lateness, progress, serial_echo
+from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate doctor serial /dev/ttyUSB0               with a loop plug: how long the adapter keeps a character
@@ -97,5 +97,5 @@ def _measure(echoes: dict[str, tuple[Callable[[], Sequence[float]], float]], sec
 
 
 def _said(words: str, code: Exit) -> int:
-    print(f"axisgate doctor: {words}", file=sys.stderr)
+    complain("doctor", words)
     return code

@@ -47,6 +47,34 @@ def test_a_wrong_command_line_is_named_in_german(
     assert said.startswith(("Aufruf: axisgate", "axisgate: unbekannter Befehl")) and "usage" not in said
 
 
+@pytest.mark.parametrize(
+    ("words", "german"),
+    [
+        ("check nocell", "axisgate check: nocell: keine solche Datei; gesucht: "),
+        ("run demo --p5 99", "axisgate run: --p5 99: der Takt ist 2..32 ms (Antriebe am CAN, P5 der rho 3)\n"),
+        ("line fetch /dev/ttyNONE DB1.DW0", "axisgate line fetch: serieller Anschluss /dev/ttyNONE: fehlt; Adapter einstecken oder Pfad"),
+        ("line monitor --record /none", "axisgate line monitor: /none: Datei oder Ordner fehlt\n"),
+        (
+            "modbus probe 127.0.0.1:1 --wait 0.2",
+            "axisgate modbus: Modbus-Server 127.0.0.1:1: keine Verbindung (Verbindung abgelehnt); Adresse",
+        ),
+        ("program trace /none X", "axisgate program: /none: Datei oder Ordner fehlt\n"),
+        ("program put demo x.qll", "axisgate program: demo: [controller] nennt keinen Speicher (memory)\n"),
+        ("robotstar check /none", "axisgate robotstar: /none ist kein Ordner; den Ordner der Programme nennen"),
+        ("val3 check /none", "axisgate val3: /none: kein solcher Ordner, keine solche Datei; den Ordner einer Anwendung"),
+        ("conformance run 3964", "axisgate conformance: Prueffolge 3964 gibt es nicht; vorhanden: 3964r, "),
+        ("conformance verify /none", "axisgate conformance: /none/SHA256SUMS: nicht lesbar (Datei oder Ordner fehlt); ist das der Ordner"),
+        ("restore /none --to /tmp/x", "axisgate restore: /none: Datei oder Ordner fehlt\n"),
+    ],
+)
+def test_why_a_command_cannot_run_is_reported_in_german(
+    words: str, german: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("LC_ALL", GERMAN["LC_ALL"])
+    assert main(words.split()) in (2, 3)
+    assert capsys.readouterr().err.startswith(german)
+
+
 def test_in_english_argparse_reports_as_it_always_does(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setenv("LC_ALL", "C")
     with pytest.raises(SystemExit):
@@ -74,5 +102,5 @@ def test_every_fault_that_argparse_reports_has_its_german() -> None:
 
 
 def test_both_languages_name_the_same_things() -> None:
-    for english, german in read_texts("usage").pairs():
+    for english, german in [pair for name in ("usage", "command-faults") for pair in read_texts(name).pairs()]:
         assert set(FIELD.findall(german)) <= set(FIELD.findall(english)) and german.isascii(), english
