@@ -10,8 +10,10 @@ import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from gateway.pure.languages.robotstar.layout import steps_of
 from gateway.pure.languages.robotstar.path import CARTESIAN
 from gateway.pure.languages.robotstar.program import HEADS
+from gateway.pure.languages.robotstar.slips import command, parameters
 from gateway.pure.languages.robotstar.words import Words
 
 QUOTES = str.maketrans({"„": '"', "“": '"', "”": '"', "»": '"', "«": '"', "\u2013": "-", "\u00a0": " ", "\u2019": "'"})
@@ -88,7 +90,12 @@ def import_listing(text: str, words: Words, points: Mapping[str, str] | None = N
     """All programs of a listing.  `name` is that of a program without a head."""
     result = Imported()
     program: _Open | None = None
-    for number, line in enumerate(text.splitlines(), 1):
+
+    def tell(number: int, words_of_note: str) -> None:
+        result.notes.append(Note(number, words_of_note))
+
+    lines = steps_of(text, lambda spelt: bool(words.descriptor(spelt)), lambda spelt: spelt.upper() in words.words, tell)
+    for number, line in lines:
         printed, step = _step(number, line, words, points or {}, result.notes)
         if step is None:
             if printed and program is not None:
@@ -111,6 +118,7 @@ def import_listing(text: str, words: Words, points: Mapping[str, str] | None = N
         if words.words.get(word) == "END":
             _close(program, result, number)
     _close(program, result, len(text.splitlines()))
+    result.notes.sort(key=lambda note: note.line)
     return result
 
 
@@ -162,14 +170,19 @@ def _step(number: int, line: str, words: Words, points: Mapping[str, str], notes
     word = _repaired(number, spelt, words, notes, certain=bool(printed))
     if not word:
         return printed, None
+    fixed = parameters(word, rest, words)
+    if fixed != rest:
+        notes.append(Note(number, f"{rest.strip()} is read as {fixed.strip()}"))
+        rest = fixed
     return printed, f"{matched[1].strip()}{word}{_parameters(number, word, rest, words, points, notes)}"
 
 
 def _joined(word: str, rest: str, words: Words) -> tuple[str, str]:
     """A command that is printed in two words, as BAHN RADIUS (L1774), and what follows it."""
     second = _SECOND.match(rest)
-    if second and word.upper() not in words.words and f"{word}_{second[1]}".upper() in words.words:
-        return f"{word}_{second[1]}", rest[second.end() :]
+    for joint in "_", "":
+        if second and word.upper() not in words.words and f"{word}{joint}{second[1]}".upper() in words.words:
+            return f"{word}{joint}{second[1]}", rest[second.end() :]
     return word, rest
 
 
@@ -178,8 +191,9 @@ def _repaired(number: int, word: str, words: Words, notes: list[Note], certain: 
     if word.upper() in words.words or (word.startswith("_") and word.isupper()):
         return word
     bare = "".join(sign for sign in unicodedata.normalize("NFKD", word.upper()) if not unicodedata.combining(sign))
-    near = [bare] if bare in words.words else difflib.get_close_matches(bare, list(words.words), 1, ALIKE)
-    if near and (certain or near[0] == bare):
+    alike = command(bare, words)
+    near = [bare] if bare in words.words else [alike] if alike else difflib.get_close_matches(bare, list(words.words), 1, ALIKE)
+    if near and (certain or near[0] in (bare, alike)):
         notes.append(Note(number, f"{word} is read as {near[0]}"))
         return near[0]
     if certain or word.isupper():

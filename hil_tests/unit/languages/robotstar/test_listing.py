@@ -99,3 +99,77 @@ def test_no_text_is_an_exception(text: str) -> None:
     cell.run([], NS, "P")
     assert cell.end("P")["state"] in ("running", "waiting", "stopped", "error")
     import_listing(text, WORDS)
+
+
+MESSY = """ROBOTstar V            Programmlisting            Seite 1
+1   MPR "PAL"
+2   C Kartons, Stand O3/99, Grei-
+    fer zu
+3   W ERKZEUG T_GREIFER
+4   PTP_GESCHW 8O
+5   POSITION #N, X:1OOO.O Y:-25O.5; Z:1.234,5, A:l80, B:O, C:0
+6   BEWEG-ART #LlNEAR
+7   WARTE_BIT #EINGANG, Pegel 1, Byte: 0, Bit_Nr: 3, Max_Zeit: 5.O,
+    Marke: "1O"
+Seite 2
+8   WAIT 0,5
+9   ADD 1 I_N
+10  PALLET "P1". #0N
+11  COPY OFFH, I_N
+12  TEST_BIT #EINGANG, #=l, 1, 2B, "1O"
+13  U-PROG "SUB"
+14  OR 101B, I_N
+15  ST0P
+l6  ENDE
+"""
+
+
+def test_letters_signs_and_broken_lines_of_a_print_are_put_right_and_named() -> None:
+    found = import_listing(MESSY, WORDS)
+    assert [line.split(None, 1)[1] for line in found.files["PAL.MPR"].splitlines()] == [
+        'MPR "PAL"',
+        "C Kartons, Stand O3/99, Greifer zu",
+        "WERKZEUG T_GREIFER",
+        "PTP_GESCHW 80",
+        "POSITION #N, X:1000.0, Y:-250.5, Z:1234.5, A:180, B:0, C:0",
+        "BEWEG_ART #LINEAR",
+        'WARTE_BIT #EINGANG, Pegel: 1, Byte: 0, Bit_Nr: 3, Max_Zeit: 5.0, Marke: "1O"',
+        "WAIT 0.5",
+        "ADD 1, I_N",
+        'PALLET "P1", #ON',
+        "COPY 0FFH, I_N",
+        'TEST_BIT #EINGANG, #=1, 1, 28, "1O"',
+        'U_PROG "SUB"',
+        "OR 101B, I_N",
+        "STOP",
+        "ENDE",
+    ]
+    notes = [(note.line, note.text) for note in found.notes]
+    assert {line for line, _ in notes} == {1, 4, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 19, 20}
+    assert (
+        (6, "8O is read as 80") in notes and (10, 'Marke: "1O" belongs to the line before') in notes and (20, "l6 is read as 16") in notes
+    )
+    assert (17, "U-PROG is read as U_PROG") in notes and (19, "ST0P is read as STOP") in notes
+
+
+def test_two_columns_of_a_page_are_read_one_after_the_other() -> None:
+    page = '1 SPR "G"       |  5 LABEL "ZU"\n2 WAIT 1        |  6 WAIT 3\n3 C left        |  7 END\n4 C to the end  |\n'
+    other = "1 MPR M           4 WAIT 4\n2 WAIT 2          5 END\n3 WAIT 3\n"
+    found = import_listing(f"{page}\n{other}", WORDS)
+    steps = {name: [line.split(None, 1)[1] for line in text.splitlines()] for name, text in found.files.items()}
+    assert steps["G.SPR"] == ['SPR "G"', "WAIT 1", "C left", "C to the end", 'LABEL "ZU"', "WAIT 3", "END"]
+    assert steps["M.MPR"] == ['MPR "M"', "WAIT 2", "WAIT 3", "WAIT 4", "END"]
+    assert [(note.line, note.text) for note in found.notes] == [(line, "two columns are read one after the other") for line in (1, 6)]
+
+
+CLEAN = (
+    "COPY I1, R_B", "TOOL T1", "ADD _SPS[6], I_A[I1]", "OR 0FFH, I_N", "AND 1010B, I_N", "TEST_BIT #VARIABLE, #=0, I1, 2, A1", "WAIT R1",
+    'COPY "8O, l1", S_N', "COPY V1.X, P1.X", "RELATIVE _VNULL", "LABEL B8", "BRANCH B8", "C 8O l1 ; x. #0N", "POSITION #P, A1:1, A7:-2.5",
+    "TEST #VARIABLE, I1, #<=, 5, ENDE", "COPY_OFFSETS 2, V1, 3, V2, 2", "VAR_POS P1", "CALL 1O", "PROGRAM S_B",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("step", CLEAN)
+def test_a_step_without_a_slip_stays_as_it_is(step: str) -> None:
+    found = import_listing(f"1 MPR M\n2 {step}\n3 END\n", WORDS)
+    assert (found.files["M.MPR"].splitlines()[1].split(None, 1)[1], found.notes) == (step, [])

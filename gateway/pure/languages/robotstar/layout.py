@@ -1,0 +1,75 @@
+"""The lines of a printed page as steps: two columns one after the other, broken lines joined, misread step numbers put right."""
+
+import re
+from collections.abc import Callable, Iterable
+
+Line = tuple[int, str]  # number in the file, text
+Tell = Callable[[int, str], None]
+_TWO = re.compile(r"^(\s*S?\d+[.:)]?\s+\S.*?)(?:\s+[|¦]\s*|\s{3,})(S?\d+[.:)]?\s+\\?[^\W\d].*)$")
+_LEFT = re.compile(r"^(\s*S?\d+[.:)]?\s+.*?|\s+\S.*?)\s+[|¦]\s*$")
+_NUMBERED = re.compile(r"^\s*\W{0,2}\s*S?\d+\s*[.:)]?(\s|$)", re.IGNORECASE)
+_MISREAD = re.compile(r"^(\s*)(?=[\dOolI]*\d)([\dOolI]{1,4})(\s+[^\W\d])")
+_COMMENT = re.compile(r"^\s*S?\d+\s*[.:)]?\s+C\s", re.IGNORECASE)
+_DESCRIPTOR = re.compile(r"^\s*([A-Za-z]\w*(?:[- ]\w+)?)\s*:\s*\S")
+
+
+def steps_of(text: str, is_descriptor: Callable[[str], bool], is_command: Callable[[str], bool], tell: Tell) -> list[Line]:
+    """All lines in the order they are read."""
+    found: list[Line] = []
+    for number, line in _one_column(enumerate(text.splitlines(), 1), tell):
+        fixed = _MISREAD.sub(lambda match: match[1] + match[2].translate(_DIGITS) + match[3], line)
+        if fixed != line:
+            tell(number, f"{line.split()[0]} is read as {fixed.split()[0]}")
+        if found and _continues(found[-1][1], fixed, is_descriptor, is_command):
+            before, (first, line) = line, found.pop()
+            broken = line.rstrip().endswith("-") and not _NUMBERED.match(before)
+            joined = line.rstrip()[:-1] + before.strip() if broken and _COMMENT.match(line) else f"{line.rstrip()} {before.strip()}"
+            found.append((first, joined))
+            tell(number, f"{before.strip()} belongs to the line before")
+        else:
+            found.append((number, fixed))
+    return found
+
+
+_DIGITS = str.maketrans("OolI", "0011")
+
+
+def _one_column(lines: Iterable[Line], tell: Tell) -> list[Line]:
+    """A page in two columns: the right one follows the left one."""
+    found: list[Line] = []
+    right: list[Line] = []
+    for number, line in lines:
+        two = _TWO.match(line) if line.count("|") < 2 else None
+        if two and _follows(two, right):
+            if not right:
+                tell(number, "two columns are read one after the other")
+            found.append((number, two[1]))
+            right.append((number, two[2]))
+        elif right and (left := _LEFT.match(line)):
+            found.append((number, left[1]))
+        else:
+            if right and not line.strip():
+                found += right
+                right = []
+            found.append((number, line))
+    return found + right
+
+
+def _follows(two: "re.Match[str]", right: list[Line]) -> bool:
+    """The right column counts on by itself, behind the left one."""
+    left, own = (int(re.sub(r"\D.*", "", part.strip().lstrip("Ss"))) for part in (two[1], two[2]))
+    last = int(re.sub(r"\D.*", "", right[-1][1].strip().lstrip("Ss"))) if right else left
+    return own > left and own > last
+
+
+def _continues(before: str, line: str, is_descriptor: Callable[[str], bool], is_command: Callable[[str], bool]) -> bool:
+    """A line without a number behind a step with one that is not complete."""
+    if not _NUMBERED.match(before) or _NUMBERED.match(line) or not line.strip() or line.lstrip().startswith(("|", "`", "*", "#")):
+        return False
+    words = line.split()
+    if before.rstrip().endswith(","):
+        return not is_command(words[0])
+    if _COMMENT.match(before):
+        return before.rstrip().endswith("-")
+    given = _DESCRIPTOR.match(line)
+    return given is not None and is_descriptor(given[1]) and not is_command(given[1])
