@@ -93,7 +93,7 @@ class Client:
         telegrams = 0
         for at in range(0, len(data), MOST_BYTES):
             piece = data[at : at + MOST_BYTES]
-            reaction = self.ask(header(SEND, TYPE_DB, db, word + at // 2, len(piece) // 2) + piece)
+            reaction = self.ask(header(SEND, TYPE_DB, db, word + at // 2, len(piece) // 2) + piece, 0)
             if len(reaction) > 4:
                 raise Refused(said("the reaction to SEND brought {} data bytes, none expected", len(reaction) - 4))
             telegrams += 1
@@ -104,14 +104,14 @@ class Client:
         data = b""
         while len(data) < 2 * words:
             here = min(TELEGRAM_WORDS, words - len(data) // 2)
-            reaction = self.ask(header(FETCH, TYPE_DB, db, word + len(data) // 2, here))
+            reaction = self.ask(header(FETCH, TYPE_DB, db, word + len(data) // 2, here), 2 * here)
             if len(reaction) != 4 + 2 * here:
                 raise Refused(said("the reaction to FETCH of {} words brought {} bytes, expected {}", here, len(reaction) - 4, 2 * here))
             data += reaction[4:]
         return data
 
-    def ask(self, telegram: bytes) -> bytes:
-        """One command telegram; the reaction to it, without error number."""
+    def ask(self, telegram: bytes, size: int) -> bytes:
+        """One command telegram; the reaction to it, without error number.  size: bytes it brings."""
         job = self._job = self.link.send(telegram, self.wire.now())
         self.traffic.append(Traffic(True, telegram, self.wire.now()))
         self._run(lambda: self._over(job) or self._crowded(), None)
@@ -121,7 +121,10 @@ class Client:
         if not self._over(job):
             raise Refused(said("the partner sent {} blocks of its own and left no room for our job: it has priority", MOST_CONFLICTS))
         self._run(lambda: bool(self._blocks), self.wire.now() + self.reaction_wait)
-        reaction = self._blocks.pop(0) if self._blocks else None
+        if self._blocks and not self._fits(size):  # of a command before this tool was there, which its partner kept: ours follows
+            self._run(lambda: self._fits(size), self.wire.now() + self.profile.ack_delay)
+        reaction = self._blocks.pop() if self._blocks else None
+        self._blocks.clear()
         if reaction is None:
             raise Refused(self._no_reaction())
         self.traffic.append(Traffic(False, reaction, self.wire.now()))
@@ -130,6 +133,11 @@ class Client:
         if reaction[3]:
             raise Refused(said("the partner refuses: {:02X}h, {}", reaction[3], words_of(reaction[3])))
         return reaction
+
+    def _fits(self, size: int) -> bool:
+        """What came last may be the reaction to a command that gets so many bytes."""
+        last = self._blocks[-1]
+        return is_reaction(last) and (last[3] != 0 or len(last) == 4 + size)
 
     def _over(self, job: int) -> bool:
         return any(isinstance(event, BlockSent | SendFailed) and event.job == job for event in self._told)

@@ -28,6 +28,7 @@ SENTENCES: dict[str, tuple[str, ...]] = {
     ),
     "a tool takes the reaction that a partner without priority kept for the answer to its command": (
         "unit/gateway/conformance/serial/test_transfer.py::test_a_reaction_somebody_left_untaken_is_not_the_answer_to_the_next_command",
+        "unit/gateway/conformance/serial/test_transfer.py::test_a_reaction_kept_since_before_the_tool_was_there_is_passed_over_where_it_does_not_fit",
     ),
     "with no pause all later answers are shifted by one": (
         "properties/test_rk512_broken_dialogues.py::test_each_reaction_answers_its_own_command",

@@ -137,6 +137,20 @@ def test_a_reaction_somebody_left_untaken_is_not_the_answer_to_the_next_command(
     assert Client(wire, RHO3, Priority.HIGH).send(10, 1, b"\x00\x01") == 1
 
 
+@pytest.mark.parametrize("old", [bytes(4), bytes(4) + b"\x99" * 4])
+def test_a_reaction_kept_since_before_the_tool_was_there_is_passed_over_where_it_does_not_fit(old: bytes) -> None:
+    """The partner's STX came before the port was opened, so nothing tells that its block is older; ours follows."""
+    right = wire_block(bytes(4) + b"\x12\x34")
+    steps = [(b"\x02", b"\x10"), (b"", b"\x10\x02"), (b"\x10", wire_block(old)), (b"\x10", b"\x02"), (b"\x10", right)]
+    line = Client(VirtualWire(Scripted(scripted(*steps)), CHAR), RHO3, Priority.HIGH)
+    found: bytes | str
+    try:
+        found = line.fetch(10, 0, 1)
+    except Refused as fault:
+        found = str(fault)
+    assert found == b"\x12\x34"
+
+
 def test_a_reaction_that_came_and_was_not_taken_is_not_missing() -> None:
     bad = wire_block(bytes(4) + b"\x12\x34")[:-1]
     without = refused(Scripted(scripted((b"\x02", b"\x10"), (b"", b"\x10\x02"), (b"\x10", bad))))
