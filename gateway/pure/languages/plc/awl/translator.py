@@ -51,6 +51,15 @@ REASONS = {
     "AS": "there are no interrupts",
     "AF": "there are no interrupts",
     "CALL": "subprograms have no parameters",
+    **dict.fromkeys(("SU", "RU"), "bits are set and reset by the result alone; write O M0.0, ON M0.0 in front of S or R"),
+    **dict.fromkeys(("P", "PN"), "a bit is tested with U or UN"),
+    "E": "the integrated PLC has no data blocks",
+    "SAVE": "there is no bit BIE; keep the result in a marker",
+    **dict.fromkeys(("PUSH", "POP", "ENT", "LEAVE"), "there are two accumulators; TA exchanges them"),
+    **dict.fromkeys(("MCRA", "MCRD", "MCR(", ")MCR"), "there is no master control relay; put its condition into each chain"),
+    **dict.fromkeys(("LOOP", "JL"), "no jump counts or selects by a number; compare and jump"),
+    **dict.fromkeys(("SVW", "SVD", "SSI", "SSD"), "shifts fill with 0, also those of a negative number"),
+    **dict.fromkeys(("ITD", "DTR", "RND", "RND+", "RND-", "TRUNC", "+R", "-R", "*R", "/R"), "numbers have 32 bits, and none is real"),
     **dict.fromkeys(
         ("SPZ", "SPN", "SPP", "SPM", "SPO", "SPMZ", "SPPZ", "SPS", "SPU", "SPL", "SPBI", "SPBIN"), "there are no condition bits; compare"
     ),
