@@ -72,9 +72,15 @@ def pytest_configure(config: pytest.Config) -> None:
         plugins.register(Host(config), "axisgate-host")
 
 
-def pytest_collection_finish() -> None:
-    """What thousands of collected tests are made of lives to the end of the run: the collector need not walk over it each time."""
-    gc.freeze()
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """What thousands of collected tests are made of lives to the end of the run: the collector need not walk over it, then or later."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 @pytest.hookimpl(tryfirst=True)
