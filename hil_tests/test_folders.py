@@ -20,7 +20,6 @@ OWN_TIME = (  # in guests with a clock of their own: whole cells that a late cyc
         "canopen/test_cycle_ring.py",
         "canopen/test_demo_402.py",
         "canopen/test_durand.py",
-        "canopen/test_emergency_storm.py",
         "canopen/test_emulator_nodes.py",
         "canopen/test_first_enable.py",
         "canopen/test_judge_p402.py",
@@ -51,7 +50,16 @@ COMMANDS = (  # they start commands or call them and read files; no clock runs i
     *("trace/test_trace_guide.py", "trace/test_tshark.py", "val3_sio/test_guide.py", "web/test_store.py"),
 )
 BESIDE = (  # real processes that wait more than they compute, and whose times are long ones: they stood a machine six times too busy
-    *("bus_tools", "canopen/test_endless_upload.py", "doctor", "monitor", "northbound", "retain", "bench/test_bench_short.py"),
+    *(
+        "bus_tools",
+        "canopen/test_emergency_storm.py",
+        "canopen/test_endless_upload.py",
+        "doctor",
+        "monitor",
+        "northbound",
+        "retain",
+        "bench/test_bench_short.py",
+    ),
     *("bridge/test_cl300_bits.py", "bridge/test_couplers.py", "bridge/test_example_cells.py", "bridge/test_other_contacts.py"),
     *("bridge/test_pic_timer.py", "broker/test_broker.py", "broker/test_broker_python_can.py", "broker/test_wired_broker.py"),
     *(
