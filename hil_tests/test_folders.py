@@ -43,7 +43,7 @@ COMMANDS = (  # they start commands or call them and read files; no clock runs i
         "house/test_every_command.py",
         "house/test_matrix.py",
     ),
-    *("house/test_mutant.py", "house/test_pair.py", "house/test_places.py"),
+    *("house/test_mutant.py", "house/test_pair.py", "house/test_places.py", "house/test_small_runs.py"),
     *("line_tools/test_any_system.py", "line_tools/test_commands.py", "line_tools/test_export_is_there.py"),
     *("rho3can/test_bus_infer_command.py", "rho3can/test_import_command.py"),
     *("starting/test_make_check.py", "starting/test_new_and_assess.py"),

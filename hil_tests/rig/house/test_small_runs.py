@@ -1,0 +1,119 @@
+"""Whole runs of small modules: who plays what, beside whom, and what is played again although nothing spoilt it."""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import pytest
+
+from hil_tests.host import P5
+from hil_tests.rig.uml import guest
+from hil_tests.test_folders import ALONE
+
+BESIDE = """
+import pathlib
+def times(name):
+    with open(name, "a") as file: file.write("x")
+    return pathlib.Path(name).stat().st_size
+def test_that_fails_the_first_time(): assert times("first") >= 2
+def test_that_always_fails(): assert times('always') == 0
+def test_that_is_well(): pass
+"""
+AT_LAST = "import pathlib\ndef test_alone(): assert pathlib.Path('first').stat().st_size >= 2\n"
+NO_MATE = "import os, pathlib, time\nassert 'AXISGATE_TEST_MATE' not in os.environ, 'a test run started here would be a mate, too'\n"
+BY_US = """
+def test_mate():
+    until = time.monotonic() + 60
+    while not pathlib.Path('mate').exists():
+        assert time.monotonic() < until
+        time.sleep(0.05)
+"""
+STANDS_BEHIND = f"""
+def test_that_stands_behind_the_cells():
+    assert os.nice(0) >= min({os.nice(0)} + 5, 19) and os.getsid(0) != {os.getsid(0)}
+"""
+BY_MATE = "def test_mate(): pathlib.Path('mate').touch()\n"
+MEETS = """
+import pathlib, time
+def test_meets_the_other():
+    pathlib.Path({mine!r}).touch()
+    until = time.monotonic() + 60
+    while not pathlib.Path({other!r}).exists():
+        assert time.monotonic() < until
+        time.sleep(0.05)
+"""
+WRONG = "import time\ndef test_wrong(): assert 1 == 2\n"
+
+
+def test_a_wrong_one_is_not(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "rig").mkdir()
+    (tmp_path / "rig" / "test_right.py").write_text("def test_right(): pass\n")
+    (tmp_path / "rig" / "test_wrong.py").write_text(WRONG)
+    command, environment = whole_run(tmp_path, "rig")
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert "1 failed, 1 passed" in done.stdout and "assert 1 == 2" in done.stdout
+
+
+@pytest.mark.skipif(not guest.own_time() or os.cpu_count() == 1, reason="without a guest in a time of its own nothing is played beside it")
+def test_what_failed_beside_the_pure_tests_is_judged_alone(tmp_path: pathlib.Path) -> None:
+    texts = {"bus_tools/test_beside.py": BESIDE, ALONE[0]: AT_LAST}
+    texts |= {"completion/test_us.py": NO_MATE + BY_US + STANDS_BEHIND, "motion/test_mate.py": NO_MATE + BY_MATE}
+    for name, text in texts.items():
+        (file := tmp_path / "hil_tests/rig" / name).parent.mkdir(parents=True)
+        file.write_text(text)
+    command, environment = whole_run(tmp_path, "hil_tests")
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert "1 failed, 6 passed" in done.stdout and "test_that_always_fails" in done.stdout, done.stdout
+    assert done.stdout.count("hil_tests/rig/bus_tools/test_beside.py: failed beside others; again alone") == 1
+    assert len((tmp_path / "always").read_text()) >= 2, "beside them, then without them; more often where the machine was busy then, too"
+
+
+@pytest.mark.skipif(not guest.own_time() or os.cpu_count() == 1, reason="without a guest in a time of its own nothing is played beside it")
+def test_two_processes_share_what_is_played_beside_the_pure_tests(tmp_path: pathlib.Path) -> None:
+    """Each of two modules waits for the other: one process would never end them."""
+    folder = tmp_path / "hil_tests/rig/bus_tools"
+    folder.mkdir(parents=True)
+    for mine, other in (("one", "two"), ("two", "one")):
+        (folder / f"test_{mine}.py").write_text(MEETS.format(mine=mine, other=other))
+    command, environment = whole_run(tmp_path, "hil_tests")
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, "2 passed" in done.stdout, "again alone" in done.stdout) == (0, True, False), done.stdout
+
+
+@pytest.mark.skipif(os.cpu_count() == 1, reason="one processor plays one module at a time")
+def test_two_processes_share_what_is_named_nowhere_and_a_failure_there_is_judged_alone(tmp_path: pathlib.Path) -> None:
+    """Two modules wait for each other; the third fails beside them, and is well when it is played again."""
+    folder = tmp_path / "hil_tests/rig/named_nowhere"
+    folder.mkdir(parents=True)
+    for mine, other in (("one", "two"), ("two", "one")):
+        (folder / f"test_{mine}.py").write_text(MEETS.format(mine=mine, other=other))
+    (folder / "test_zealous.py").write_text(BESIDE.replace("def test_that_always_fails(): assert times('always') == 0\n", ""))
+    command, environment = whole_run(tmp_path, "hil_tests")
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, "4 passed" in done.stdout) == (0, True), done.stdout
+    assert done.stdout.count("hil_tests/rig/named_nowhere/test_zealous.py: failed beside others; again alone") == 1
+
+
+def test_a_selection_is_shared_by_two_processes_and_closes_with_one_line(tmp_path: pathlib.Path) -> None:
+    """As `make check` does it: a failure of either process fails the run, and its closing line has the sums."""
+    for name, text in {"a": NO_MATE + BY_US + WRONG, "m": "def test_between(): pass\n", "z": "import pathlib\n" + BY_MATE + WRONG}.items():
+        (file := tmp_path / f"hil_tests/unit/test_{name}.py").parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    command, environment = whole_run(tmp_path, "elsewhere")
+    command += ["--pair", "--durations=10", "hil_tests/unit"]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    lines = [line for line in done.stdout.splitlines() if re.search(r"(passed|failed|error).* in [0-9.]+s", line)]
+    assert done.returncode == 1 and len(lines) == 1 and lines == done.stdout.splitlines()[-1:], done.stdout
+    assert "2 failed, 3 passed" in lines[0]
+    assert "slowest 10 durations" in done.stdout
+
+
+def whole_run(folder: pathlib.Path, tests: str) -> tuple[list[str], dict[str, str]]:
+    """A project of its own with axisgate's way to run its tests: command and environment."""
+    (folder / "conftest.py").write_text("from hil_tests.conftest import pytest_addoption, pytest_configure\n")
+    (folder / "pytest.ini").write_text(f"[pytest]\ntestpaths = {tests}\nmarkers =\n    requirement\n    vcan\n    mbpoll\n    cref\n")
+    root = pathlib.Path(__file__).resolve().parents[3]
+    environment = {**{name: value for name, value in os.environ.items() if name != P5}, "PYTHONPATH": str(root)}
+    return [sys.executable, "-m", "pytest", "-v", "--color=no", "-p", "no:cacheprovider"], environment
