@@ -27,7 +27,7 @@ def f_disable_power(own: Instance) -> Waiting:
     if not machine.current_is_synchronous:
         yield machine.now
     moves = machine.moves_or_none
-    while machine.robot.powered or not (moves is None or moves.resting):
+    while machine.robot.powered or (moves is not None and moves.braking):
         yield None
     return None
 

@@ -90,6 +90,11 @@ class CellMoves(Moves):
         """The set values stand."""
         return self.mover.resting
 
+    @property
+    def braking(self) -> bool:
+        """Never: a cell stops its axes before it switches them off; later their set values follow the encoders, which do not stand."""
+        return False
+
     def settled(self, tool: Tool | None = None, accuracy_m: float = 0.0, turn: float | None = None, seconds: float | None = None) -> bool:
         """Position errors within bounds for a time (L5904-5939)."""
         now_s = self._now / 1e9

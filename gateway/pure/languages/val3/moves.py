@@ -101,6 +101,11 @@ class Moves:
         return self.arm.resting
 
     @property
+    def braking(self) -> bool:
+        """The arm moves without power: a virtual one loses it before its stop."""
+        return not self.arm.resting
+
+    @property
     def errors(self) -> tuple[float, ...]:
         """Position errors, deg and mm: the virtual arm has none."""
         return (0.0,) * len(self.units)
