@@ -235,7 +235,8 @@ class Bodies:
     def _jump(self, statement: Jump) -> None:
         number = self.function.numbers.get(statement.label)
         if number is None:
-            self.names.faults.error("label-missing", statement.at, f"label {statement.label} is not there")
+            hint = "a jump stays in its program, subroutine or branch of PARALLEL"
+            self.names.faults.error("label-missing", statement.at, f"label {statement.label} is not there", hint)
             return
         path = self.function.labels[statement.label]
         if path != tuple(self.function.path[: len(path)]):
