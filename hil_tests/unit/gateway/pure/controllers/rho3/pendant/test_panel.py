@@ -65,6 +65,12 @@ class Control:
     def teach(self, file: str, point: str) -> str:
         return ""
 
+    def define(self, shown: PointFile, point: str, place: int, size: int, value: float) -> str:
+        return ""
+
+    def component(self, shown: PointFile, point: str, place: int, size: int) -> str:
+        return "-"
+
     def taught(self, file: str, point: str) -> str | None:
         return None
 
