@@ -146,8 +146,8 @@ class CellRun(CellMotion):
         for name, number in (unit.program.head.kinematics or {"": 1}).items():
             if not 1 <= number <= len(self.robots):
                 raise fault(220, f"{name or 'kinematic'} = {number}; this cell has {len(self.robots)} with a model")
-            if self._numbers.setdefault(name, number) != number:
-                raise fault(220, f"{name} is {number} here and {self._numbers[name]} in another program")
+            if self.lanes.numbers.setdefault(name, number) != number:
+                raise fault(220, f"{name} is {number} here and {self.lanes.numbers[name]} in another program")
             moved = any(number in self._numbers_of(task) for task in self.tasks.values())
             if not moved:  # process start: factors of the kinematic are 1.0 again (L2707-2719)
                 preset = self._presets(number)
@@ -235,7 +235,7 @@ class CellRun(CellMotion):
 
     def robot_lane(self, number: int) -> Lane:
         """A robot by its number; a new one where no program has named it."""
-        return next((self.lanes[name] for name, each in self._numbers.items() if each == number and name in self.lanes), Lane())
+        return next((self.lanes[name] for name, each in self.lanes.numbers.items() if each == number and name in self.lanes), Lane())
 
     # ---- turns
 

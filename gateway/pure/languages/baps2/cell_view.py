@@ -39,7 +39,7 @@ class CellView(Control):
 
     def robot_of(self, kinematic: str) -> CellRobot:
         """As programs name it."""
-        return self.robots[self._numbers.get(kinematic, 1) - 1]
+        return self.robots[self.lanes.numbers.get(kinematic, 1) - 1]
 
     def lane_of(self, task: Task, number: object) -> tuple[str, Lane]:
         """A kinematic of the program by its number."""
@@ -49,7 +49,7 @@ class CellView(Control):
         """A kinematic, at the position of its axes."""
         lane = self.lanes.get(kinematic)
         if lane is None:
-            lane = self._renamed(kinematic) or Lane(self.robot_of(kinematic).own(self.port.view.set))
+            lane = self.lanes.renamed(kinematic) or Lane(self.robot_of(kinematic).own(self.port.view.set))
             self.lanes[kinematic] = lane
         return lane
 

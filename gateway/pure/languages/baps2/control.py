@@ -14,7 +14,7 @@ from gateway.pure.languages.baps2.outside import Outside
 from gateway.pure.languages.baps2.plant import Plant
 from gateway.pure.languages.baps2.semaphores import Semaphores
 from gateway.pure.languages.baps2.special import Specials
-from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Task, size_of
+from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Lanes, Output, Task, size_of
 from gateway.pure.languages.baps2.teach_points import TeachPoints
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
@@ -38,8 +38,7 @@ class Control(Plant):
         self.now = 0
         self.scheduler = Scheduler(self, BUDGET, 1)
         self.tasks: dict[int, Task] = {}
-        self.lanes: dict[str, Lane] = {}
-        self._numbers: dict[str, int] = {}  # kinematic as programs name it -> its number
+        self.lanes = Lanes()
         self.outputs: dict[int, int | float] = {}
         self.filing = Filing({**memory.files, **feed.files})
         memory.files = self.filing.files
@@ -77,7 +76,7 @@ class Control(Plant):
         if starter is not None:
             starter.main.children.append(task)
         for kinematic, number in (unit.program.head.kinematics or {"": 1}).items():
-            self._numbers.setdefault(kinematic, number)
+            self.lanes.numbers.setdefault(kinematic, number)
             if kinematic:
                 self.lane(kinematic, size_of(unit, kinematic))
         self.event(task, "start", unit.program.main.at.line, kind=kind)
@@ -136,15 +135,10 @@ class Control(Plant):
         """A kinematic; its start position is known or zero."""
         lane = self.lanes.get(kinematic)
         if lane is None:
-            lane = self.lanes[kinematic] = self._renamed(kinematic) or Lane()
+            lane = self.lanes[kinematic] = self.lanes.renamed(kinematic) or Lane()
         if not lane.position:
             lane.position = lane.planned = self.feed.start.get(kinematic.upper() or UNNAMED, (0.0,) * size)
         return lane
-
-    def _renamed(self, kinematic: str) -> Lane | None:
-        """The kinematic of this number where another program names it otherwise: its workpiece system and position are the same."""
-        number = self._numbers.get(kinematic)
-        return next((lane for name, lane in self.lanes.items() if number is not None and self._numbers.get(name) == number), None)
 
     def _advance(self) -> bool:
         """Lets all that is prepared act up to now; whether anything did."""

@@ -8,7 +8,7 @@ from gateway.pure.languages.baps2.feed import Feed
 from gateway.pure.languages.baps2.filing import Filing
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
-from gateway.pure.languages.baps2.tasks import Lane, Task
+from gateway.pure.languages.baps2.tasks import Lane, Lanes, Task
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.baps2.values import Shared
@@ -36,7 +36,7 @@ class Machine(Protocol):
     feed: Feed
     filing: Filing
     tasks: dict[int, Task]
-    lanes: dict[str, Lane]
+    lanes: Lanes
     outputs: dict[int, int | float]
     devices: dict[str, Device]
     now: int

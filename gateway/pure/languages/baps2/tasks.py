@@ -97,6 +97,19 @@ class Lane:
     referenced: bool = False
 
 
+class Lanes(dict[str, Lane]):
+    """Kinematics by the names that programs have for them.  numbers: name -> number of the kinematic."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.numbers: dict[str, int] = {}
+
+    def renamed(self, kinematic: str) -> Lane | None:
+        """The kinematic of this number where another program names it otherwise: its workpiece system and position are the same."""
+        number = self.numbers.get(kinematic)
+        return next((lane for name, lane in self.items() if number is not None and self.numbers.get(name) == number), None)
+
+
 @dataclass(slots=True, eq=False)
 class Task:
     """What the machine knows of a process.  `root`: the main process of branches."""
