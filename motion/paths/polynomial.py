@@ -26,6 +26,16 @@ def values(row: Row, u: float) -> tuple[float, float, float, float]:
     return f, f1, 2 * f2, 6 * f3
 
 
+def slopes(row: Row, u: float) -> tuple[float, float]:
+    """The first two derivatives at u, as of values()."""
+    f = f1 = f2 = 0.0
+    for coefficient in reversed(row):
+        f2 = f2 * u + f1
+        f1 = f1 * u + f
+        f = f * u + coefficient
+    return f1, 2 * f2
+
+
 def value(row: Row, u: float) -> float:
     """At u."""
     found = 0.0

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from motion.paths.base import Derivatives, dot, norm
 from motion.paths.corner import hermite
-from motion.paths.polynomial import Row, values
+from motion.paths.polynomial import Row, value
 
 TRUE = 2e-4  # of a slope (AX-380)
 LOW = 0.05  # of the largest slope nearby: a smaller one is met to TRUE of this
@@ -42,12 +42,15 @@ def tool_rows(
     inside = [(share * h, weight, rate(start + share * h)) for share, weight in GAUSS]
     rows = []
     for k in (0, 1):
-        total = h * sum(weight * slopes[k] for _, weight, slopes in inside)
-        first, last = ((each[k], each[k + 2]) for each in ends)
-        row = hermite(h, (made[k], *first), (made[k] + total, *last))
-        low = LOW * max(first[0], last[0], *(slopes[k] for _, _, slopes in inside))
-        if not anyhow and any(abs(_slope(row, u) - slopes[k]) > TRUE * max(slopes[k], low) + NOISE for u, _, slopes in inside):
-            return None
+        found = [slopes[k] for _, _, slopes in inside]
+        total = h * sum([weight * slope for (_, weight, _), slope in zip(inside, found, strict=True)])
+        (first, bend), (last, last_bend) = [(each[k], each[k + 2]) for each in ends]
+        row = hermite(h, (made[k], first, bend), (made[k] + total, last, last_bend))
+        low = LOW * max(first, last, *found)
+        if not anyhow:
+            for (u, _, _), slope in zip(inside, found, strict=True):
+                if abs(_slope(row, u) - slope) > TRUE * max(slope, low) + NOISE:
+                    return None
         rows.append(row)
     return rows[0], rows[1]
 
@@ -66,7 +69,7 @@ def divided(
             todo.append(0.5 * (here + there))
             continue
         yield todo.pop(), *tool
-        made = values(tool[0], there - here)[0], values(tool[1], there - here)[0]
+        made = value(tool[0], there - here), value(tool[1], there - here)
         here, before = there, behind
 
 

@@ -9,7 +9,7 @@ from motion.kinematics.portal import Portal
 from motion.paths.base import Curve
 from motion.paths.corner import Corner
 from motion.paths.joints import JointPath, joint_path
-from motion.paths.polynomial import Polynomial, Row, values, whole
+from motion.paths.polynomial import Polynomial, Row, slopes, whole
 from motion.paths.tool_path import FINEST, Rate, divided
 from motion.planner.additional_axes import about
 
@@ -53,9 +53,9 @@ def _divided(columns: list[Row], length: float) -> JointPath:
     moving = [row for row in columns if len(row) > 1]
 
     def rate(s: float) -> Rate:
-        table = [values(row, s) for row in moving]
-        slope = math.sqrt(sum(first * first for _, first, _, _ in table))
-        return Rate(slope, 0.0, sum(first * second for _, first, second, _ in table) / slope if slope > 0.0 else 0.0)
+        table = [slopes(row, s) for row in moving]
+        slope = math.sqrt(sum([first * first for first, _ in table]))
+        return Rate(slope, 0.0, sum([first * second for first, second in table]) / slope if slope > 0.0 else 0.0)
 
     knots, rows = [0.0], []
     for there, way, turn in divided(rate, 0.0, length, (0.0, 0.0), FINEST * length):

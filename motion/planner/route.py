@@ -336,7 +336,7 @@ class Route:
         """Every axis within its travel all along; looked at densely enough for quintics of a few degrees."""
         path = stretch.path
         lowest, highest = path.reach
-        if np.all(lowest >= self._low) and np.all(highest <= self._high):
+        if (lowest >= self._low).all() and (highest <= self._high).all():
             return
         s = path.looks(LOOKS * len(path.coefficients))
         q = path.at(s)[:, : self._machine.axes]

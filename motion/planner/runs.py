@@ -1,6 +1,7 @@
 """Stretches between two rests -> one path with its limits: what a time law is made from."""
 
 import math
+from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -45,7 +46,7 @@ class Run:
 
     def place(self, s: float) -> tuple[int, float]:
         """(block, share of its way that is made) at s; within a corner the block changes in the middle."""
-        index = max(int(np.searchsorted(self.starts, s, side="right")) - 1, 0)
+        index = max(bisect_right(self.starts, s) - 1, 0)
         return progress(self.stretches[index], s - self.starts[index])
 
 

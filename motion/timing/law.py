@@ -1,6 +1,7 @@
 """A law s(t): where on the path at which time.  Even time grid, quintic between its points."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from motion.errors import MotionError
 
 Array = NDArray[np.float64]
+Ends = Sequence[float] | tuple[Array, Array]
 CALM = 24  # points at the ends that are smoothed less and less
 LONGEST_S, POSSIBLE_S = 1000.0, 400.0  # no longer law is made: pieces hold so much of one at most (motion.planner.commit)
 
@@ -114,8 +116,9 @@ class Law:
     def place(self, t: float) -> float:
         """s at this time, as `at`: a planner asks for it in every turn, and arrays of one take ten times as long."""
         t, times = min(max(t, 0.0), self.duration), self._times
-        index = min(max(int(np.searchsorted(times, t, side="right")) - 1, 0), len(times) - 2)
-        return float(_within(times, self.s, self.speed, self.accel, t, index))
+        i = min(max(int(times.searchsorted(t, side="right")) - 1, 0), len(times) - 2)
+        knots, s, speed, accel = [row[i : i + 2].tolist() for row in (times, self.s, self.speed, self.accel)]
+        return float(_quintic(knots, s, speed, accel, t))
 
 
 def _hermite(knots: Array, value: Array, slope: Array, bend: Array, at: Array) -> Array:
@@ -126,11 +129,17 @@ def _hermite(knots: Array, value: Array, slope: Array, bend: Array, at: Array) -
 
 def _within(knots: Array, value: Array, slope: Array, bend: Array, at: Array | float, index: NDArray[np.intp] | int) -> Array | float:
     """In the intervals of these numbers."""
-    h = knots[index + 1] - knots[index]
-    u = (at - knots[index]) / h
-    a, b, c = value[index], slope[index] * h, 0.5 * bend[index] * h * h
-    gap = value[index + 1] - a - b - c
-    lean = slope[index + 1] * h - b - 2 * c
-    curl = bend[index + 1] * h * h - 2 * c
+    ends = [(row[index], row[index + 1]) for row in (knots, value, slope, bend)]
+    return _quintic(ends[0], ends[1], ends[2], ends[3], at)
+
+
+def _quintic(knots: Ends, value: Ends, slope: Ends, bend: Ends, at: Array | float) -> Array | float:
+    """Between two knots, or many pairs of them."""
+    h = knots[1] - knots[0]
+    u = (at - knots[0]) / h
+    a, b, c = value[0], slope[0] * h, 0.5 * bend[0] * h * h
+    gap = value[1] - a - b - c
+    lean = slope[1] * h - b - 2 * c
+    curl = bend[1] * h * h - 2 * c
     fifth = (-15 * gap + 7 * lean - curl) + u * (6 * gap - 3 * lean + 0.5 * curl)
     return a + u * (b + u * (c + u * ((10 * gap - 4 * lean + 0.5 * curl) + u * fifth)))

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from gateway.pure.image.records.planner import VOID, Part, PieceRecord, PlannerState, SwitchAt, switch_record
+from gateway.pure.image.records.planner import VOID, Part, PieceRecord, PlannerState, SwitchAt, restated, switch_record
 from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.chain import Chain
 from gateway.pure.planning.cycle_view import ALWAYS, CycleView
@@ -143,7 +143,7 @@ class HandingOn:
         was = state.block, state.share, state.passed, state.waiting, state.ended, state.warning
         if new or was != (block, share, passed, waiting, ended, warning):
             handed = state.handed + new
-            self.state = replace(
+            self.state = restated(
                 state, block=block, share=share, passed=passed, waiting=waiting, handed=handed, ended=ended, warning=warning
             )
         if self.state.ended and not (self._seen.moving or waits or new) and piece in (0, self._chain.last_id):

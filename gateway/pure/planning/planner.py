@@ -18,6 +18,7 @@ from gateway.pure.image.records.planner import (
     PieceRecord,
     PlannerState,
     Say,
+    restated,
     run_of,
 )
 from gateway.pure.planning.belt_statements import act_order, act_record, belts_after, sets_type
@@ -107,7 +108,7 @@ class Programs(HandingOn):
         shown = self.state
         if (shown.cycle, shown.types, shown.placed, shown.systems, shown.tool, shown.heard) != said:
             heard = self._job.heard
-            self.state = replace(shown, cycle=self.generation, types=types, placed=self._placed, systems=systems, tool=tool, heard=heard)
+            self.state = restated(shown, cycle=self.generation, types=types, placed=self._placed, systems=systems, tool=tool, heard=heard)
 
     def follows(self, before: PlannerState) -> None:
         """The planner before this one said this last: belts stay as programs have set them, as long as its cycle runs (AX-394)."""
