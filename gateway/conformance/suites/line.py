@@ -133,13 +133,22 @@ class LineTester(Tester):
         """The next character, at most so long after the last one on the line; None: silence."""
         return self._hear(self.mark + within)
 
+    def awaited(self, within: Ns) -> int | Damage | None:
+        """The next character, which is due by then.  A wait in which this host was held up goes on by as much: until its whole interval
+        is over nothing is said about the station, which may be on this host as well."""
+        start = self.mark
+        while (got := self._hear(start + within + self.uncertainty())) is None:
+            if self.wire.now() >= start + within + self.uncertainty():
+                return None
+        return got
+
     def fail(self, after: str, got: int | Damage | None, expected: str) -> None:
         raise Fail(f"after {after}: {named(got)}, expected {expected}", expected, named(got))
 
     def expect(self, char: int, within: Ns, after: str) -> Ns:
         """That character is next; how long it took since the last one on the line."""
         start = self.mark
-        got = self.answer(within + self.tolerance + self.uncertainty())
+        got = self.awaited(within + self.tolerance)
         if got != char:
             self.fail(after, got, f"{named(char)} within {within / 1e6:.0f} ms")
         return self.mark - start
@@ -182,7 +191,7 @@ class LineTester(Tester):
         """The characters of a block after our DLE, to its end and with its check; None: it broke off."""
         raw, data, escaped, odd = bytearray(), bytearray(), False, ""
         while len(raw) < MOST_BLOCK:
-            got = self.answer(self.profile.char_delay + self.tolerance + self.uncertainty())
+            got = self.awaited(self.profile.char_delay + self.tolerance)
             if not isinstance(got, int):
                 return None
             raw.append(got)
@@ -202,7 +211,7 @@ class LineTester(Tester):
         right = 0
         for byte in raw:
             right ^= byte
-        got = self.answer(self.profile.char_delay + self.tolerance + self.uncertainty())
+        got = self.awaited(self.profile.char_delay + self.tolerance)
         if not isinstance(got, int):
             return Block(bytes(data), odd or f"no block check, {right:02X}h expected", bytes(raw))
         raw.append(got)
@@ -242,7 +251,7 @@ class LineTester(Tester):
         for _ in range(TRIES):
             self.say(STX)
             start = self.mark
-            got = self.answer(self.profile.ack_delay + self.tolerance + self.uncertainty())
+            got = self.awaited(self.profile.ack_delay + self.tolerance)
             if got == Char.STX:
                 got = self.answer(max(ms(100), self.conflict_wait if self.slowest > ms(60) else 0))
                 if got == Char.DLE:
@@ -271,7 +280,7 @@ class LineTester(Tester):
         self.connect()
         self.say(wire)
         start = self.mark
-        got = self.answer(self.profile.ack_delay + self.tolerance + self.uncertainty())
+        got = self.awaited(self.profile.ack_delay + self.tolerance)
         if got is not None:
             self.timed(f"answer to {what}", self.mark - start, None, None)
         if got == Char.DLE and self.wire.simulated and self.mark < start:  # a real port reports when it read, not when it came

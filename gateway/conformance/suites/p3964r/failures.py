@@ -42,7 +42,7 @@ def answered(t: LineTester, answer: bytes | None, what: str) -> None:
             t.spoil()
         else:
             t.say(answer)
-        got = found = t.answer(t.profile.retry_pause + GAP)
+        got = found = t.awaited(t.profile.retry_pause + GAP)
     judge_count(t, f"connection attempts when STX is answered with {what}", count, attempts(t))
     gives_up(t, found)
 
@@ -162,7 +162,7 @@ def all_refused(t: LineTester) -> None:
         t.take(acknowledge=False)
         count += 1
         t.say(NAK)
-        got = t.answer(t.profile.retry_pause + GAP)
+        got = t.awaited(t.profile.retry_pause + GAP)
     judge_count(t, "block attempts", count, t.profile.block_attempts)
     gives_up(t, got)
 
@@ -178,11 +178,11 @@ def stx_after(t: LineTester) -> None:
     t.starts_sending()
     first = t.take(acknowledge=False)
     t.say(STX)
-    got = t.answer(t.profile.retry_pause + GAP)
+    got = t.awaited(t.profile.retry_pause + GAP)
     if got == Char.DLE:  # it takes our wish; its own job must come afterwards
         t.say(wire_block(t.harmless, t.profile.block_check))
         t.expect(Char.DLE, t.profile.ack_delay, "our block")
-        got = t.answer(t.profile.ack_delay + GAP)
+        got = t.awaited(t.profile.ack_delay + GAP)
     if got != Char.STX:
         t.fail("STX after the block", got, "STX (02h): the block was not acknowledged")
     same_block(t, first)
@@ -232,7 +232,7 @@ def _refused_to_the_end(t: LineTester) -> None:
         if got != Char.STX:
             break
         t.say(NAK)
-        got = t.answer(t.profile.retry_pause + GAP)
+        got = t.awaited(t.profile.retry_pause + GAP)
 
 
 @SND.case(

@@ -152,7 +152,7 @@ def all_attempts(t: LineTester) -> None:
         t.first_stx(t.profile.char_delay + t.profile.ack_delay + ms(500))
     count = 1
     t.say(NAK)
-    while t.answer(t.profile.retry_pause + GAP) == Char.STX and count < attempts(t) + 3:
+    while t.awaited(t.profile.retry_pause + GAP) == Char.STX and count < attempts(t) + 3:
         count += 1
         t.say(NAK)
     judge_count(t, "connection attempts of a job that gave way", count, attempts(t))

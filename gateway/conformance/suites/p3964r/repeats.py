@@ -125,7 +125,7 @@ def blocks_anew(t: LineTester) -> None:
 def _refuses(t: LineTester) -> int | Damage | None:
     t.take(acknowledge=False)
     t.say(NAK)
-    return t.answer(t.profile.retry_pause + GAP)
+    return t.awaited(t.profile.retry_pause + GAP)
 
 
 # ---- behind a conflict

@@ -2,16 +2,21 @@
 
 import itertools
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
 from gateway.conformance.framework import base
 from gateway.conformance.framework.result import Result
 from gateway.conformance.framework.run import Runner
+from gateway.conformance.peers.stations import Built
+from gateway.conformance.suites.line import LineSetup, LineTester
+from gateway.links.serial.tool_wire import Heard, VirtualWire
 from gateway.pure.conformance.purpose import Purpose
 from gateway.pure.conformance.verdict import Fail, Verdict
 from protocols.base.machine import Ns, ms
+from protocols.p3964r.characters import Char
+from protocols.p3964r.profiles import RHO3, Priority
 
 
 class Late(base.Tester):
@@ -102,3 +107,30 @@ def test_what_rests_on_a_case_whose_time_lies_across_its_limit_is_run() -> None:
     second = Purpose("X_TI_02", "receiver", "two", "zwei", "1", says(iter([""])), preamble=("X_TI_01",))
     results = Runner(Session(Late(ms(40))), [first, second]).run()
     assert [result.verdict for result in results] == [Verdict.INCONC, Verdict.PASS]
+
+
+class HeldUp(VirtualWire):
+    """A wire in real time whose host is held up within the wait for an answer."""
+
+    simulated = False
+
+    def hear(self, until: Ns) -> Heard | None:
+        heard = super().hear(until)
+        self.late_ns = ms(200)
+        return heard
+
+
+@pytest.mark.parametrize("pause, comes", [(ms(420), True), (ms(700), False)])
+def test_a_wait_in_which_the_host_was_late_goes_on_by_as_much(pause: Ns, comes: bool) -> None:
+    """By as much, and no longer."""
+    station = Built(replace(RHO3, retry_pause=pause))
+    wire = HeldUp(station, ms(1))
+    tester = LineTester(wire, LineSetup(RHO3, Priority.LOW, lambda t: wire.act(station.stimulate)))
+    tester.starts_sending()
+    wire.late_ns = 0
+    tester.say(b"\x15")
+    if comes:
+        assert tester.expect(Char.STX, ms(250), "NAK to STX") >= pause
+        return
+    with pytest.raises(Fail, match="after NAK to STX: nothing"):
+        tester.expect(Char.STX, ms(250), "NAK to STX")
