@@ -9,7 +9,7 @@ from gateway.cell_file.load import load_cell
 from gateway.commands.val3 import main
 from gateway.tools.client import running
 from hil_tests.lab.running.cell_running import COMES_UP_S, running_cell
-from hil_tests.rig.programs.test_val3_guide import PATIENCE_S, PLAYS, Disturbed, types, waits
+from hil_tests.rig.programs.test_val3_guide import PATIENCE_S, PLAYS, Disturbed, looks, types, waits
 from hil_tests.unit.languages.val3.apps import App, datum, value
 from hil_tests.unit.languages.val3.test_import import card
 from motion.geometry.units import to_si
@@ -56,7 +56,7 @@ def test_a_card_becomes_a_cell_that_moves(tmp_path: pathlib.Path) -> None:
         with running_cell(str(cell), f"glue-{play}", plc=False, p5_ms=None) as run:
             try:
                 types(run, "axisgate program start cs8 glue")
-                waits(run, lambda: types(run, "axisgate var dio.done --name cs8").strip().endswith("1"), "the path is done")
+                waits(run, lambda: looks(run, "axisgate var dio.done --name cs8").strip().endswith("1"), "the path is done")
             except Disturbed:
                 continue
             with running(run.name) as client:
