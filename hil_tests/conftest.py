@@ -20,9 +20,9 @@ from hil_tests.lab.virtual.bench import played
 from hil_tests.lanes import Lanes
 from hil_tests.matrix.marks import Marks
 from hil_tests.numbers import one_thread
-from hil_tests.pair import CLAIMS as MATES_CLAIMS
-from hil_tests.pair import MATE, RUNTIME, Mate, Pair
+from hil_tests.pair import CLAIMS as WORKERS_CLAIMS
 from hil_tests.pair import REPORTS as MATES_REPORTS
+from hil_tests.pair import RUNTIME, WORKER, Pair, Worker
 from hil_tests.purity import Purity
 from hil_tests.reports import Reporter
 from hil_tests.rig.uml.lane import CLAIMS, REPORTS, GuestLane
@@ -56,16 +56,16 @@ def pytest_configure(config: pytest.Config) -> None:
     if REPORTS in os.environ:  # inside the guest
         plugins.register(Reporter(config, pathlib.Path(os.environ[REPORTS]), dies=True), "axisgate-reporter")
         if CLAIMS in os.environ:  # beside another guest
-            plugins.register(Mate(pathlib.Path(os.environ[CLAIMS])), "axisgate-mate")
-    elif MATE in os.environ:  # the second process of the pure tests
-        mine = pathlib.Path(os.environ.pop(MATE))  # a test run that one of these tests starts is another matter
+            plugins.register(Worker(pathlib.Path(os.environ[CLAIMS])), "axisgate-worker")
+    elif WORKER in os.environ:  # the second process of the pure tests
+        mine = pathlib.Path(os.environ.pop(WORKER))  # a test run that one of these tests starts is another matter
         plugins.register(Reporter(config, mine / MATES_REPORTS), "axisgate-reporter")
-        plugins.register(Mate(mine.parent / MATES_CLAIMS), "axisgate-mate")
+        plugins.register(Worker(mine.parent / WORKERS_CLAIMS), "axisgate-worker")
     elif RIGS_REPORTS in os.environ:  # the process of the rig's tests
         reports = os.environ.pop(RIGS_REPORTS)
         plugins.register(Reporter(config, pathlib.Path(reports)), "axisgate-reporter")
         if RIGS_CLAIMS in os.environ:  # beside others
-            plugins.register(Mate(pathlib.Path(os.environ.pop(RIGS_CLAIMS))), "axisgate-mate")
+            plugins.register(Worker(pathlib.Path(os.environ.pop(RIGS_CLAIMS))), "axisgate-worker")
     else:
         plugins.register(GuestLane(config), "axisgate-guest")
         plugins.register(Pair(config), "axisgate-pair")

@@ -2,7 +2,7 @@
 from the back, until they meet.  A selection is shared with `--pair` (make check).
 
 They need no quiet and no time of their own, so they may share the machine, also with a guest that has its own clock.  In a whole run
-they stand behind the cells that are played beside them (`behind`): two mates do the work and this process waits, which is the parent
+they stand behind the cells that are played beside them (`behind`): two workers do the work and this process waits, which is the parent
 of those cells' tests.  In a selection this process is one of the two.
 """
 
@@ -23,7 +23,7 @@ from hil_tests.background import behind
 from hil_tests.rig.uml.lane import of_the_guest
 from hil_tests.test_folders import unhurried
 
-MATE = "AXISGATE_TEST_MATE"  # set in a mate: its folder, beside that of the claims
+WORKER = "AXISGATE_TEST_WORKER"  # set in a worker: its folder, beside that of the claims
 CLAIMS, REPORTS = "claims", "reports.jsonl"
 RUNTIME = "AXISGATE_RUNTIME"
 POLL_S = 0.1
@@ -47,8 +47,8 @@ class Claims:
         return self._mine[name]
 
 
-class Mate:
-    """In the mate, and in each of two guests: what the other has claimed is left alone."""
+class Worker:
+    """In the worker, and in each of two guests: what the other has claimed is left alone."""
 
     def __init__(self, folder: pathlib.Path) -> None:
         self._claims = Claims(folder)
@@ -62,13 +62,13 @@ class Mate:
 
 
 class Pair:
-    """Here: starts the mates, tells their results where they stand.  In a whole run, and in folders or files selected with `--pair`."""
+    """Here: starts the workers, tells their results where they stand.  In a whole run, and in folders or files selected with `--pair`."""
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
         self._folder = config.rootpath / "build" / "pair" / str(os.getpid())
         self._claims = Claims(self._folder / CLAIMS)
-        self._mates: list[subprocess.Popen[bytes]] = []
+        self._workers: list[subprocess.Popen[bytes]] = []
         self._told: list[reports.Coming] = []
         self._plays = False  # this process is one of the two
 
@@ -85,7 +85,7 @@ class Pair:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
-        if not self._mates or not ours(item) or (self._plays and self._claims.mine(item)):
+        if not self._workers or not ours(item) or (self._plays and self._claims.mine(item)):
             return None
         reports.no_time_out()
         why = f"no second process reported the end of this test; see pytest.log in the folders of {self._folder}"
@@ -93,15 +93,15 @@ class Pair:
         return True
 
     def pytest_sessionfinish(self) -> None:
-        for mate in self._mates:
-            if mate.poll() is None:
-                mate.terminate() if self._plays else os.killpg(mate.pid, signal.SIGTERM)
-                mate.wait()
+        for worker in self._workers:
+            if worker.poll() is None:
+                worker.terminate() if self._plays else os.killpg(worker.pid, signal.SIGTERM)
+                worker.wait()
 
     def _results(self, name: str) -> reports.Reports:
-        """Until this test has ended, or the mates have."""
+        """Until this test has ended, or the workers have."""
         while True:
-            alive = any(mate.poll() is None for mate in self._mates)  # before their last words are read
+            alive = any(worker.poll() is None for worker in self._workers)  # before their last words are read
             told = {name: next((found for each in self._told if (found := each.take().get(name))), [])}
             if not alive or reports.ended([name], told):
                 return told
@@ -113,14 +113,14 @@ class Pair:
         listed.write_text("\n".join(files))
         command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "--color=no", f"@{listed}"]
         with (folder / "pytest.log").open("wb") as log:
-            environment = surroundings(**{MATE: str(folder)})
+            environment = surroundings(**{WORKER: str(folder)})
             alone = not self._plays  # a session of its own, which stands behind the others
-            mate = subprocess.Popen(
+            worker = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment, start_new_session=alone
             )
         if alone:
-            behind(mate.pid)
-        self._mates.append(mate)
+            behind(worker.pid)
+        self._workers.append(worker)
         self._told.append(reports.Coming(self._config, folder / REPORTS))
 
 
@@ -135,7 +135,7 @@ def shared(config: pytest.Config) -> bool:
 
 
 def whole_files(config: pytest.Config) -> bool:
-    """Whether no file is run in part by -k or -m: the mate would run all of it."""
+    """Whether no file is run in part by -k or -m: the worker would run all of it."""
     options = config.option
     return not (options.keyword or options.markexpr or options.collectonly)
 

@@ -4,7 +4,8 @@ import argparse
 import json
 
 from drivers.ports.base import PortError, runtime_dir
-from gateway.simulation.drives.control import BadCommandError, EmulatorControl
+from gateway.simulation.control_requests import BadCommandError
+from gateway.simulation.drives.control import EmulatorControl
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.usage_language import complain
 

@@ -7,7 +7,7 @@
 import json
 
 from drivers.emulator.io.belts import EmulatedBelt, EmulatedBelts
-from gateway.simulation.drives.control import Answer, BadCommandError, Command
+from gateway.simulation.control_requests import Answer, BadCommandError, Command
 
 FASTEST = 1e9  # increments/s
 

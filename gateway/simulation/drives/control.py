@@ -19,25 +19,16 @@ import json
 import os
 import select
 import socket
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 from drivers.emulator.servodyn.axis import CAUSES
 from drivers.emulator.servodyn.slave import ServodynSlave
 from drivers.ports.base import PortError, runtime_dir
-
-CLIENTS = 8
-LONGEST = 16384  # bytes of a command
-Command = Mapping[str, object]
-Answer = dict[str, Any]
+from gateway.simulation.control_requests import CLIENTS, Answer, BadCommandError, Command, serve, switched, torque_nm, whole
 
 
 def socket_path(name: str) -> str:
     return str(runtime_dir() / f"emulator-{name}.sock")
-
-
-class BadCommandError(ValueError):
-    """The client's mistake, reported in the answer."""
 
 
 def carry_out(slave: ServodynSlave, command: Command) -> Answer:
@@ -55,46 +46,25 @@ def carry_out(slave: ServodynSlave, command: Command) -> Answer:
         return slave.state()
     try:
         if what in plain:
-            plain[what](_whole(command, "axis", 1, 6))
+            plain[what](whole(command, "axis", 1, 6))
         elif what in counted:
-            counted[what](_whole(command, "axis", 1, 6), _whole(command, "count", 0, 1_000_000))
+            counted[what](whole(command, "axis", 1, 6), whole(command, "count", 0, 1_000_000))
         elif what == "force_fault":
-            slave.force_fault(_whole(command, "axis", 1, 6), _whole(command, "code", 1, 255) if "code" in command else 99)
+            slave.force_fault(whole(command, "axis", 1, 6), whole(command, "code", 1, 255) if "code" in command else 99)
         elif what == "jump_encoder":
-            slave.jump_encoder(_whole(command, "axis", 1, 6), _whole(command, "increments", -(1 << 31), (1 << 31) - 1))
+            slave.jump_encoder(whole(command, "axis", 1, 6), whole(command, "increments", -(1 << 31), (1 << 31) - 1))
         elif what in CAUSES:
-            slave.cause(_whole(command, "axis", 1, 6), what, _on(command))
+            slave.cause(whole(command, "axis", 1, 6), what, switched(command))
         elif what == "stick_brake":
-            slave.stick_brake(_whole(command, "axis", 1, 6), _on(command))
+            slave.stick_brake(whole(command, "axis", 1, 6), switched(command))
         elif what == "load_torque":
-            slave.load_torque(_whole(command, "axis", 1, 6), _number(command, "torque_nm"))
+            slave.load_torque(whole(command, "axis", 1, 6), torque_nm(command))
         else:
             known = ["state", "quit", "flush", *plain, *counted, *CAUSES, "stick_brake", "jump_encoder", "force_fault", "load_torque"]
             raise BadCommandError(f"{what!r} is no command; known: {', '.join(known)}")
     except KeyError as error:
         raise BadCommandError(str(error.args[0])) from None
     return {"bus_time_ns": slave.state()["bus_time_ns"]}
-
-
-def _whole(command: Command, key: str, low: int, high: int) -> int:
-    value = command.get(key)
-    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-        raise BadCommandError(f"{key}: {value!r}; expected a whole number {low}..{high}")
-    return value
-
-
-def _on(command: Command) -> bool:
-    value = command.get("on", True)
-    if not isinstance(value, bool):
-        raise BadCommandError(f"on: {value!r}; expected true or false")
-    return value
-
-
-def _number(command: Command, key: str) -> float:
-    value = command.get(key)
-    if not isinstance(value, int | float) or isinstance(value, bool) or not -10_000.0 <= value <= 10_000.0:
-        raise BadCommandError(f"{key}: {value!r}; expected -10000..10000 Nm")
-    return float(value)
 
 
 class ControlServer:
@@ -144,34 +114,8 @@ class ControlServer:
         self._epoll.register(client, select.EPOLLIN)
 
     def _hear(self, fd: int) -> None:
-        client, heard = self._clients[fd]
-        try:
-            data = client.recv(LONGEST)
-        except BlockingIOError:
-            return
-        except OSError:
-            data = b""
-        heard += data
-        if not data or len(heard) > LONGEST:
+        if not serve(*self._clients[fd], self._carry):
             self._drop(fd)
-            return
-        while (end := heard.find(b"\n")) >= 0:
-            text = bytes(heard[:end])
-            del heard[: end + 1]
-            try:
-                client.send(json.dumps(self._answer(text)).encode() + b"\n")
-            except OSError:
-                self._drop(fd)
-                return
-
-    def _answer(self, text: bytes) -> Answer:
-        try:
-            command = json.loads(text)
-            if not isinstance(command, dict):
-                raise BadCommandError('an object with the key "do" expected')
-            return {"ok": True, **self._carry(command)}
-        except (ValueError, OSError) as error:  # JSON, BadCommandError, a full disk
-            return {"ok": False, "why": str(error)}
 
     def _drop(self, fd: int) -> None:
         client, _ = self._clients.pop(fd)

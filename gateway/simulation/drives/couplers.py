@@ -18,7 +18,8 @@ from drivers.ports.base import CanPort, PortError
 from drivers.ports.can.open import open_can
 from gateway.files.find import find_config
 from gateway.runtime.realtime import die_with_parent, go_realtime
-from gateway.simulation.drives.control import Answer, BadCommandError, Command, ControlServer
+from gateway.simulation.control_requests import Answer, BadCommandError, Command
+from gateway.simulation.drives.control import ControlServer
 from protocols.canopen import eds
 
 SHEET = "axisgate_401.eds"

@@ -11,7 +11,7 @@
 """
 
 from drivers.emulator.wire.frame_faults import FrameFaults, Kind, Order, Way
-from gateway.simulation.drives.control import Answer, BadCommandError, Command
+from gateway.simulation.control_requests import Answer, BadCommandError, Command, whole
 from protocols.base.machine import Ns, ms
 
 MOST, LONGEST_MS = 1_000_000, 60_000.0
@@ -27,11 +27,11 @@ def carry_out_frames(faults: FrameFaults, command: Command, now: Ns) -> Answer:
     elif what == "quiet":
         faults.quiet(now + ms(_number(command, "ms")))
     else:
-        identifier = _whole(command, "id", 0, 0x7FF) if "id" in command else None
-        count = _whole(command, "count", 1, MOST) if "count" in command else 1
+        identifier = whole(command, "id", 0, 0x7FF) if "id" in command else None
+        count = whole(command, "count", 1, MOST) if "count" in command else 1
         delay = ms(_number(command, "ms")) if KINDS[what] is Kind.DELAY else 0
-        byte = _whole(command, "byte", 0, 7) if "byte" in command else 0
-        bits = _whole(command, "bits", 1, 255) if "bits" in command else 1
+        byte = whole(command, "byte", 0, 7) if "byte" in command else 0
+        bits = whole(command, "bits", 1, 255) if "bits" in command else 1
         faults.order(Order(KINDS[what], _way(command), count, identifier, delay, byte, bits))
     return {"frames": {kind.value: number for kind, number in faults.spoilt.items()}}
 
@@ -48,10 +48,3 @@ def _number(command: Command, key: str) -> float:
     if not isinstance(value, int | float) or isinstance(value, bool) or not 0.0 < value <= LONGEST_MS:
         raise BadCommandError(f"{key}: {value!r}; expected more than 0 and at most {LONGEST_MS:g} ms")
     return float(value)
-
-
-def _whole(command: Command, key: str, low: int, high: int) -> int:
-    value = command.get(key)
-    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-        raise BadCommandError(f"{key}: {value!r}; expected a whole number {low}..{high}")
-    return value

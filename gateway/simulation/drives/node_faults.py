@@ -19,7 +19,7 @@ from functools import partial
 
 from drivers.emulator.cia402.errors import CAUSES
 from drivers.emulator.cia402.slave import Cia402Slave
-from gateway.simulation.drives.control import Answer, BadCommandError, Command
+from gateway.simulation.control_requests import Answer, BadCommandError, Command, switched, torque_nm, whole
 
 MOST = 1_000_000
 
@@ -29,7 +29,7 @@ def carry_out_node(slave: Cia402Slave, command: Command) -> Answer:
     what = str(command.get("do"))
     if what == "state":
         return slave.state()
-    node = _whole(command, "node" if "node" in command else "axis", 1, 127)
+    node = whole(command, "node" if "node" in command else "axis", 1, 127)
     orders = _orders(slave, node, command)
     if what not in orders:
         raise BadCommandError(f"{what!r} is no command; known: {', '.join(['state', 'quit', 'flush', *orders])}")
@@ -53,43 +53,22 @@ def _orders(slave: Cia402Slave, node: int, command: Command) -> dict[str, Callab
     for name in ("stick_brake", "local_control", "memory_broken"):
         switched: Callable[[int, bool], None] = getattr(slave, name)
         orders[name] = partial(_switch, partial(switched, node), command)
-    orders["jump_encoder"] = lambda: slave.jump_encoder(node, _whole(command, "increments", -(1 << 31), (1 << 31) - 1))
-    orders["force_fault"] = lambda: slave.force_fault(node, _whole(command, "code", 1, 0xFFFF) if "code" in command else 0xFF00)
-    orders["load_torque"] = lambda: slave.load_torque(node, _torque(command))
+    orders["jump_encoder"] = lambda: slave.jump_encoder(node, whole(command, "increments", -(1 << 31), (1 << 31) - 1))
+    orders["force_fault"] = lambda: slave.force_fault(node, whole(command, "code", 1, 0xFFFF) if "code" in command else 0xFF00)
+    orders["load_torque"] = lambda: slave.load_torque(node, torque_nm(command))
     orders["refuse"] = lambda: slave.refuse(
         node,
-        _whole(command, "index", 0, 0xFFFF),
-        _whole(command, "sub", 0, 255),
-        _whole(command, "code", 1, 0xFFFFFFFF),
-        _whole(command, "count", 1, MOST) if "count" in command else 1,
+        whole(command, "index", 0, 0xFFFF),
+        whole(command, "sub", 0, 255),
+        whole(command, "code", 1, 0xFFFFFFFF),
+        whole(command, "count", 1, MOST) if "count" in command else 1,
     )
     return orders
 
 
 def _switch(act: Callable[[bool], None], command: Command) -> None:
-    act(_on(command))
+    act(switched(command))
 
 
 def _count(act: Callable[[int], None], command: Command) -> None:
-    act(_whole(command, "count", 0, MOST))
-
-
-def _whole(command: Command, key: str, low: int, high: int) -> int:
-    value = command.get(key)
-    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-        raise BadCommandError(f"{key}: {value!r}; expected a whole number {low}..{high}")
-    return value
-
-
-def _on(command: Command) -> bool:
-    value = command.get("on", True)
-    if not isinstance(value, bool):
-        raise BadCommandError(f"on: {value!r}; expected true or false")
-    return value
-
-
-def _torque(command: Command) -> float:
-    value = command.get("torque_nm")
-    if not isinstance(value, int | float) or isinstance(value, bool) or not -10_000.0 <= value <= 10_000.0:
-        raise BadCommandError(f"torque_nm: {value!r}; expected -10000..10000 Nm")
-    return float(value)
+    act(whole(command, "count", 0, MOST))

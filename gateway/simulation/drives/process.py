@@ -35,8 +35,9 @@ from gateway.cycle.native.servo import use_servo
 from gateway.files.dbc import load_servodyn
 from gateway.files.find import find_config
 from gateway.runtime.realtime import die_with_parent, go_realtime
+from gateway.simulation.control_requests import Answer, Command
 from gateway.simulation.drives.belts import belts_from, carry_out_belt
-from gateway.simulation.drives.control import Answer, Command, ControlServer, carry_out
+from gateway.simulation.drives.control import ControlServer, carry_out
 from gateway.simulation.drives.frame_faults import ORDERS, carry_out_frames
 from gateway.simulation.drives.node_faults import carry_out_node
 from protocols.base.errors import ProtocolError

@@ -1,26 +1,17 @@
 """Commands to the line process: JSON lines through a Unix socket, one answer to each; a bad command is answered, never fatal."""
 
 import contextlib
-import json
 import os
 import socket
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 
 from drivers.ports.base import PortError
 from drivers.ports.serial.cable import PENDING_LIMIT, Fault
+from gateway.simulation.control_requests import CLIENTS, Answer, BadCommandError, Command, serve
 from gateway.simulation.line.cable import Line
 from protocols.base.machine import Ns
-
-CLIENTS = 8
-LONGEST = 16384  # bytes of a command
-Command = Mapping[str, object]
-Answer = dict[str, object]
-
-
-class BadCommand(ValueError):
-    """The client's mistake, reported in the answer."""
 
 
 class ControlSocket:
@@ -71,38 +62,13 @@ class ControlSocket:
 
     def _hear(self, fd: int, now: Ns) -> None:
         client, heard = self._clients[fd]
-        try:
-            data = client.recv(LONGEST)
-        except BlockingIOError:
-            return
-        except OSError:
-            data = b""
-        heard += data
-        if not data or len(heard) > LONGEST:
+        if not serve(client, heard, partial(self._carry, self._line)):
             self._drop(client)
-            return
-        while (end := heard.find(b"\n")) >= 0:
-            text = bytes(heard[:end])
-            del heard[: end + 1]
-            try:
-                client.send(json.dumps(self._answer(text)).encode() + b"\n")
-            except OSError:
-                self._drop(client)
-                return
 
     def _drop(self, client: socket.socket) -> None:
         self._line.unwatch(client.fileno())
         del self._clients[client.fileno()]
         client.close()
-
-    def _answer(self, text: bytes) -> Answer:
-        try:
-            command = json.loads(text)
-            if not isinstance(command, dict):
-                raise BadCommand("an object with the key do expected")
-            return {"ok": True, **self._carry(self._line, command)}
-        except (ValueError, OSError) as error:  # JSON, BadCommand, no pty left
-            return {"ok": False, "why": str(error)}
 
 
 def carry_out(line: Line, command: Command) -> Answer:
@@ -130,7 +96,7 @@ def carry_out(line: Line, command: Command) -> Answer:
             line.stopping = True
             return {"stamp_ns": line.note("stop")}
         case other:
-            raise BadCommand(f"{other!r}: unplug, plug, remove, insert, damage, calm, noise, status or stop expected")
+            raise BadCommandError(f"{other!r}: unplug, plug, remove, insert, damage, calm, noise, status or stop expected")
 
 
 def _damage(line: Line, command: Command) -> Answer:
@@ -138,12 +104,12 @@ def _damage(line: Line, command: Command) -> Answer:
     if "probability" in command:
         probability, seed = command["probability"], command.get("seed", 0)
         if not isinstance(probability, int | float) or not 0 <= probability <= 1 or not isinstance(seed, int):
-            raise BadCommand("probability 0..1 and an integer seed expected")
+            raise BadCommandError("probability 0..1 and an integer seed expected")
         line.ways[sender].spoil_some(fault, probability, seed)
         return {"stamp_ns": line.note(f"damage from={sender} kind={fault.value} probability={probability} seed={seed}")}
     n = command.get("next", 1)
     if not isinstance(n, int) or not 1 <= n <= 1_000_000:
-        raise BadCommand("next: 1..1000000 expected")
+        raise BadCommandError("next: 1..1000000 expected")
     line.ways[sender].spoil_next(fault, n)
     return {"stamp_ns": line.note(f"damage from={sender} kind={fault.value} next={n}")}
 
@@ -152,15 +118,15 @@ def _noise(line: Line, command: Command) -> Answer:
     """Characters (or one BREAK) as if the sender had sent them, behind what it has sent already."""
     sender, text = _side(command, "from"), command.get("hex", "")
     if not isinstance(text, str):
-        raise BadCommand("hex: text expected")
+        raise BadCommandError("hex: text expected")
     data = bytes.fromhex(text)
     if "kind" in command:
         data = data or b"\0"
     elif not data:
-        raise BadCommand("hex: at least one character expected")
+        raise BadCommandError("hex: at least one character expected")
     way = line.ways[sender]
     if way.waiting + len(data) > 2 * PENDING_LIMIT:
-        raise BadCommand("too many characters wait on this side already")
+        raise BadCommandError("too many characters wait on this side already")
     if "kind" in command:
         way.spoil_next(_fault(command), way.waiting + 1)
     way.offer(data, time.monotonic_ns())
@@ -188,7 +154,7 @@ def _status(line: Line) -> Answer:
 def _side(command: Command, key: str) -> str:
     side = str(command.get(key, "")).upper()
     if side not in ("A", "B"):
-        raise BadCommand(f"{key}: A or B expected")
+        raise BadCommandError(f"{key}: A or B expected")
     return side
 
 
@@ -196,4 +162,4 @@ def _fault(command: Command) -> Fault:
     try:
         return Fault(command.get("kind"))
     except ValueError:
-        raise BadCommand(f"kind: one of {', '.join(fault.value for fault in Fault)} expected") from None
+        raise BadCommandError(f"kind: one of {', '.join(fault.value for fault in Fault)} expected") from None

@@ -15,7 +15,8 @@ import pytest
 from drivers.emulator.servo import record
 from drivers.emulator.servo.settings import BusSettings, DriveSettings, ServoSettings, to_dict
 from drivers.ports.can.broker import BrokerPort
-from gateway.simulation.drives.control import BadCommandError, EmulatorControl
+from gateway.simulation.control_requests import BadCommandError
+from gateway.simulation.drives.control import EmulatorControl
 from hil_tests.lab.running.bus_running import Bus, running_bus
 from protocols.base.machine import Frame
 from protocols.canopen import nmt

@@ -16,7 +16,8 @@ import pytest
 from drivers.emulator.servo import record
 from drivers.emulator.servo.settings import BusSettings, ServoSettings, to_dict
 from drivers.ports.can.broker import BrokerPort
-from gateway.simulation.drives.control import BadCommandError, EmulatorControl
+from gateway.simulation.control_requests import BadCommandError
+from gateway.simulation.drives.control import EmulatorControl
 from hil_tests.lab.virtual.servodyn_bus import CODEC
 from protocols.base.machine import Frame
 from protocols.servodyn.codec import SYNC, ActualValue, SetValue

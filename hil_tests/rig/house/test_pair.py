@@ -9,7 +9,7 @@ from typing import Literal
 import pytest
 
 from hil_tests import reports
-from hil_tests.pair import CLAIMS, MATE, Claims
+from hil_tests.pair import CLAIMS, WORKER, Claims
 
 
 def test_a_file_belongs_to_who_asked_first_with_all_its_tests(tmp_path: pathlib.Path, request: pytest.FixtureRequest) -> None:
@@ -40,7 +40,7 @@ def test_what_belongs_to_the_other_leaves_nothing_set_up(tmp_path: pathlib.Path)
         file.write_text("def test(): pass\n")
     (tmp_path / "pair" / CLAIMS / "p.test_theirs.py").mkdir(parents=True)
     (mine := tmp_path / "pair" / "front").mkdir()
-    environment = {**os.environ, MATE: str(mine), "PYTHONPATH": str(pathlib.Path(__file__).resolve().parents[3])}
+    environment = {**os.environ, WORKER: str(mine), "PYTHONPATH": str(pathlib.Path(__file__).resolve().parents[3])}
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--import-mode=importlib", "p", "q"]
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert (done.returncode, "2 passed" in done.stdout, "error" in done.stdout) == (0, True, False), done.stdout

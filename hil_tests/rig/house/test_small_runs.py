@@ -22,11 +22,11 @@ def test_that_always_fails(): assert times('always') == 0
 def test_that_is_well(): pass
 """
 AT_LAST = "import pathlib\ndef test_alone(): assert pathlib.Path('first').stat().st_size >= 2\n"
-NO_MATE = "import os, pathlib, time\nassert 'AXISGATE_TEST_MATE' not in os.environ, 'a test run started here would be a mate, too'\n"
+NO_WORKER = "import os, pathlib, time\nassert 'AXISGATE_TEST_WORKER' not in os.environ, 'a test run started here would be a worker, too'\n"
 BY_US = """
-def test_mate():
+def test_worker():
     until = time.monotonic() + 60
-    while not pathlib.Path('mate').exists():
+    while not pathlib.Path('worker').exists():
         assert time.monotonic() < until
         time.sleep(0.05)
 """
@@ -34,7 +34,7 @@ STANDS_BEHIND = f"""
 def test_that_stands_behind_the_cells():
     assert os.nice(0) >= min({os.nice(0)} + 5, 19) and os.getsid(0) != {os.getsid(0)}
 """
-BY_MATE = "def test_mate(): pathlib.Path('mate').touch()\n"
+BY_WORKER = "def test_worker(): pathlib.Path('worker').touch()\n"
 MEETS = """
 import pathlib, time
 def test_meets_the_other():
@@ -59,7 +59,7 @@ def test_a_wrong_one_is_not(tmp_path: pathlib.Path) -> None:
 @pytest.mark.skipif(not guest.own_time() or os.cpu_count() == 1, reason="without a guest in a time of its own nothing is played beside it")
 def test_what_failed_beside_the_pure_tests_is_judged_alone(tmp_path: pathlib.Path) -> None:
     texts = {"bus_tools/test_beside.py": BESIDE, ALONE[0]: AT_LAST}
-    texts |= {"completion/test_us.py": NO_MATE + BY_US + STANDS_BEHIND, "motion/test_mate.py": NO_MATE + BY_MATE}
+    texts |= {"completion/test_us.py": NO_WORKER + BY_US + STANDS_BEHIND, "motion/test_worker.py": NO_WORKER + BY_WORKER}
     for name, text in texts.items():
         (file := tmp_path / "hil_tests/rig" / name).parent.mkdir(parents=True)
         file.write_text(text)
@@ -98,7 +98,7 @@ def test_two_processes_share_what_is_named_nowhere_and_a_failure_there_is_judged
 
 def test_a_selection_is_shared_by_two_processes_and_closes_with_one_line(tmp_path: pathlib.Path) -> None:
     """As `make check` does it: a failure of either process fails the run, and its closing line has the sums."""
-    for name, text in {"a": NO_MATE + BY_US + WRONG, "m": "def test_between(): pass\n", "z": "import pathlib\n" + BY_MATE + WRONG}.items():
+    for name, text in {"a": NO_WORKER + BY_US + WRONG, "m": "def test_between(): pass\n", "z": "import pathlib\n" + BY_WORKER + WRONG}.items():
         (file := tmp_path / f"hil_tests/unit/test_{name}.py").parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text)
     command, environment = whole_run(tmp_path, "elsewhere")

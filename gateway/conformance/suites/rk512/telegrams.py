@@ -4,6 +4,7 @@ import contextlib
 from dataclasses import dataclass
 
 from gateway.conformance.framework.base import hexed
+from gateway.conformance.serial.cases_rk512 import words_of
 from gateway.conformance.suites.line import LineTester
 from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
 from protocols.base.machine import ms
@@ -12,19 +13,6 @@ from protocols.p3964r.characters import Char, wire_block
 SEND, FETCH, DX_SEND = 0x41, 0x45, 0x4F
 DB = 0x44
 NO_FLAG = b"\xff\xff"
-ERROR_WORDS = {
-    0x00: "no error",
-    0x0A: "access to the area not possible or not allowed",
-    0x0C: "data type not valid",
-    0x10: "header error, or follow-on telegrams not supported",
-    0x12: "type not supported",
-    0x14: "block missing or too short",
-    0x16: "command (byte 3) wrong",
-    0x2A: "partner CPU in STOP",
-    0x32: "locked by coordination flag",
-    0x34: "length wrong",
-    0x36: "sequence: follow-on without a first telegram",
-}
 WELL_FORMED = "each DLE doubled, DLE ETX, the exclusive or of all characters"
 PIECE = 128  # data bytes of one telegram
 MOST_FOREIGN = 6  # blocks that are no reaction, before one is missed
@@ -50,7 +38,7 @@ class Reaction:
 
 def number_words(number: int) -> str:
     """An error number in hex and words."""
-    return f"{number:02X}h: {ERROR_WORDS.get(number, 'a number of its own')}"
+    return f"{number:02X}h: {words_of(number)}"
 
 
 def header(command: int, kind: int, db: int, word: int, amount: int, flag: bytes = NO_FLAG) -> bytes:
