@@ -109,9 +109,7 @@ class Variables(Part):
                 while line := await _request(reader):
                     async with self._turn:
                         writer.write(self._reply(line, writer) + b"\n")
-                        await asyncio.sleep(
-                            0
-                        )  # one request of all tools a turn: what is here already would be answered before anything else
+                        await asyncio.sleep(0)  # one request of all tools a turn: those that wait would be answered before anything else
                     await writer.drain()
         finally:
             self._clients -= 1

@@ -98,7 +98,11 @@ def test_two_processes_share_what_is_named_nowhere_and_a_failure_there_is_judged
 
 def test_a_selection_is_shared_by_two_processes_and_closes_with_one_line(tmp_path: pathlib.Path) -> None:
     """As `make check` does it: a failure of either process fails the run, and its closing line has the sums."""
-    for name, text in {"a": NO_WORKER + BY_US + WRONG, "m": "def test_between(): pass\n", "z": "import pathlib\n" + BY_WORKER + WRONG}.items():
+    for name, text in {
+        "a": NO_WORKER + BY_US + WRONG,
+        "m": "def test_between(): pass\n",
+        "z": "import pathlib\n" + BY_WORKER + WRONG,
+    }.items():
         (file := tmp_path / f"hil_tests/unit/test_{name}.py").parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text)
     command, environment = whole_run(tmp_path, "elsewhere")
