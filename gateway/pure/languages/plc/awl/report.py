@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from gateway.pure.languages.plc.awl.reader import OPERANDS, Reader, Refused
 from gateway.pure.languages.plc.awl.translator import Translator
+from gateway.pure.languages.plc.awl.unfed import unfed
 
 ROW = re.compile(r"((?:D[BX]\d+\.)?[A-Z]{1,3}\d+(?:\.\d+)?)\s*[=;,\t ]\s*(M\d+(?:\.\d)?)$")
 BIT_WORD = re.compile(r"(?:D[BX]\d+\.)?[A-Z]+\d+\.\d")
@@ -108,6 +109,7 @@ def imported(text: str, table: str = "") -> Imported:
         result.statements += len(block.statements)
         known = {each.line for each in result.refused}
         result.refused += [each for each in translator.refused if each.line not in known]
+        result.notes += unfed(block.name, block.statements, {*known, *(each.line for each in translator.refused)})
         calls |= dict.fromkeys(translator.calls, block.name)
         if translator.spared:
             result.notes.append(f"{block.name}: {spare}.0 and {spare}.1 are auxiliary bits of edges; no other program may use them")
