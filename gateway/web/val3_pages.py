@@ -10,6 +10,9 @@ import posixpath
 from collections.abc import Callable
 from html.parser import HTMLParser
 
+from gateway.pure.languages.val3.disk import PathFault
+from gateway.pure.languages.val3.page_catalogue import page_place
+
 DROPPED = frozenset("script iframe frame frameset object embed applet base meta noscript template svg math portal".split())
 VOID = frozenset("area br col hr img input link source track wbr".split())
 SOURCES = ("src", "href", "action", "formaction", "background", "poster", "data", "srcset", "xlink:href", "srcdoc", "ping")
@@ -97,8 +100,12 @@ def clean(text: str, read: Reader) -> str:
 
 
 def page_of(disk: pathlib.Path, folder: str, name: str) -> str | None:
-    """The page NAME of the application in a folder of the disk; None: there is none."""
-    interface = (disk / folder / "interface").resolve()
+    """The page NAME of the application in a folder of the disk, or where a VAL 3 path leads; None: there is none."""
+    try:
+        inside, page = page_place(folder, name)
+    except PathFault:
+        return None
+    interface = (disk / inside).resolve()
 
     def read(file: str) -> bytes | None:
         path = (interface / file.partition("?")[0]).resolve()
@@ -108,5 +115,5 @@ def page_of(disk: pathlib.Path, folder: str, name: str) -> str | None:
 
     if not interface.is_relative_to(disk.resolve()):
         return None
-    data = read(f"{name}.html")
+    data = read(page)
     return None if data is None else clean(data.decode("utf-8-sig", "replace"), read)

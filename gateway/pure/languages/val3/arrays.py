@@ -179,21 +179,23 @@ def f_last(container: dict[str, object]) -> str:
 
 def f_next(container: dict[str, object], name: str) -> str:
     """The key behind this one; "" behind the last."""
-    return min((each for each in container if each > key(container, name)), default="")
+    here = key(container, name)
+    return min((each for each in container if each > here), default="")
 
 
 def f_prev(container: dict[str, object], name: str) -> str:
     """The key in front of this one."""
-    return max((each for each in container if each < key(container, name)), default="")
+    here = key(container, name)
+    return max((each for each in container if each < here), default="")
 
 
 def copy_values(source: list[object], start: int, target: list[object], first: int) -> int:
-    """Until one of the two ends; how many."""
+    """Until one of the two ends; how many.  Both may be parts of one array: what is copied is what was there before."""
     amount = min(len(source) - start, len(target) - first)
-    for at in range(amount):
+    for at, value in enumerate([copied(each) for each in source[start : start + amount]]):
         mine = target[first + at]
         if isinstance(mine, Structure):
-            mine.set(copied(source[start + at]))
+            mine.set(value)
         else:
-            target[first + at] = source[start + at]
+            target[first + at] = value
     return amount

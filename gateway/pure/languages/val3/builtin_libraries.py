@@ -13,7 +13,7 @@ from gateway.pure.languages.val3.sealed import SealFault, library_of
 from gateway.pure.languages.val3.values import Structure, copied
 
 Waiting = Generator[Ns | None, None, object]
-DATUM = re.compile(r"^(?:(\w+):)?(\w+)(?:\[(-?[\d.]+)\])?$", re.ASCII)
+DATUM = re.compile(r"^(?:(\w+):)?(\w+)(?:\[(-?\d+\.?\d*)\])?$", re.ASCII)
 
 
 def _turn(own: Instance) -> Waiting:
@@ -54,6 +54,8 @@ def _save(own: Instance, what: Instance, path: str | None) -> int:
             folder, name = application_of(path, own.loaded.app.path)
     except PathFault as fault:
         return fault.code
+    if own.machine.disk.secret(what.loaded.app.path):
+        return 40  # nothing of an encrypted library is written (AX-992)
     project = f"{folder}/{name}.pjx" if folder else f"{name}.pjx"
     if own.machine.disk.read(project) is not None and path is not None:
         return 31

@@ -4,12 +4,13 @@ import math
 from collections.abc import Generator
 
 from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.val3.disk import PathFault
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
-from gateway.pure.languages.val3.page_catalogue import doubt, objects_of, page_path
+from gateway.pure.languages.val3.page_catalogue import doubt, objects_of, page_place
 from gateway.pure.languages.val3.pages import MOST, Where
-from gateway.pure.languages.val3.strings import f_to_string
+from gateway.pure.languages.val3.strings import f_to_string, finite
 from gateway.pure.languages.val3.values import ScreenV, cut
 
 Waiting = Generator[Ns | None, None, object]
@@ -39,12 +40,19 @@ def f_log_msg(own: Instance, text: str, severity: float = 1.0) -> bool:
 
 def f_user_page(own: Instance, name: str) -> float:
     """0; -1: the page is not there."""
-    start = f"{own.loaded.app.path}/" if own.loaded.app.path else ""
-    if own.machine.disk.read(f"{start}interface/{name}.html") is None:
+    if _page_file(own, name) is None:
         return -1.0
     own.machine.note(f"user page {name}", "PAGE")
     own.machine.pages.load(name, own.loaded.app.path)
     return 0.0
+
+
+def _page_file(own: Instance, name: str) -> bytes | None:
+    try:
+        inside, file = page_place(own.loaded.app.path, name)
+    except PathFault:
+        return None
+    return own.machine.disk.read(f"{inside}/{file}" if inside else file)
 
 
 def f_user_page_none(own: Instance) -> float:
@@ -73,7 +81,7 @@ def _judge(own: Instance, page: str, name: str, attribute: str) -> None:
         return
     pages.judged.add((folder, page, name, attribute))
     if (folder, page) not in pages.objects:
-        pages.objects[folder, page] = objects_of(own.machine.disk.read(page_path(folder, page)))
+        pages.objects[folder, page] = objects_of(_page_file(own, page))
     if text := doubt(pages.objects[folder, page], page, name, attribute):
         own.machine.note(text, "PAGE")
 
@@ -135,12 +143,9 @@ def f_user_page_prompt(own: Instance, text: str, entry: Place) -> Waiting:
         old = entry[0][entry[1]]
         if not separator:
             return True
-        value: object = cut(given)
-        if isinstance(old, float):
-            try:
-                value = float(given)
-            except ValueError:
-                continue
+        value = finite(given) if isinstance(old, float) else cut(given)
+        if value is None:
+            continue
         entry[0][entry[1]] = value
         return True
 
@@ -264,10 +269,10 @@ def f_screen_get(own: Instance, entry: Place) -> Waiting:
         key, text = yield from _entered(own)
         if text is None:
             return key
-        try:
-            entry[0][entry[1]] = float(text or "0") if isinstance(old, float) else cut(text)
-        except ValueError:
+        value = finite(text or "0") if isinstance(old, float) else cut(text)
+        if value is None:
             continue  # no number: it is asked for again
+        entry[0][entry[1]] = value
         return key
 
 

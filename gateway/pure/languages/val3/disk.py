@@ -34,14 +34,19 @@ class Disk:
         """The content of an encrypted library, as if it lay in a folder of that name."""
         self._sealed.update({f"{folder}/{name}".lower(): data for name, data in files.items()})
 
+    def secret(self, folder: str) -> bool:
+        """Whether it is an encrypted library that was opened."""
+        return any(path.startswith(folder.lower() + "/") for path in self._sealed)
+
     def write(self, path: str, data: bytes) -> None:
         """Creates or replaces a file."""
         name = self._names.setdefault(path.lower(), path)
         self.files[name] = data
 
     def delete(self, folder: str) -> bool:
-        """All files of a folder; whether there was one."""
-        found = [path for path in self.files if path.lower().startswith(folder.lower() + "/")]
+        """All files of a folder, or an encrypted library; whether there was one."""
+        name = folder.lower()
+        found = [path for path in self.files if path.lower().startswith(name + "/") or (name.endswith(".zip") and path.lower() == name)]
         for path in found:
             del self.files[path]
             del self._names[path.lower()]

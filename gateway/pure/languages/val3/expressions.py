@@ -128,14 +128,14 @@ class Translator(VariableTranslator):
                 raise self.fault(rest[0], "invalid type")
             codes.append(self.need(value, value.type).code)
         elif rest:
-            codes += self._bound(rest, event)
+            codes += self._bound(rest, event, valued="unbind" not in name)
         function = "page_set" if set_once else f"page_{'unbind' if 'unbind' in name else 'bind'}{'_event' if event else ''}"
         if event:
             codes.insert(2, repr(event))
         return Value(f"f_{function}({', '.join(codes)})", "bool" if "unbind" in name else "void", node, waits=any(v.waits for v in texts))
 
-    def _bound(self, rest: Sequence[Node], event: str) -> list[str]:
-        """The variable and what follows it."""
+    def _bound(self, rest: Sequence[Node], event: str, valued: bool) -> list[str]:
+        """The variable and what follows it; `valued`: an event that does not toggle needs a value."""
         variable = self.variable(rest[0], "variable expected as parameter")
         self._element(variable)
         if variable.type not in ("bool", "num", "string", "dio", "aio"):
@@ -145,7 +145,7 @@ class Translator(VariableTranslator):
         kinds: list[Type] = ["num", "string", "num"]
         if event:
             kinds = [{"dio": "bool", "aio": "num"}.get(str(variable.type), variable.type)]
-            if len(rest) == 1 and variable.type not in ("bool", "dio"):
+            if valued and len(rest) == 1 and variable.type not in ("bool", "dio"):
                 raise self.fault(rest[0], "value expected")
         codes = [f"({variable.c}, {variable.k})"]
         return codes + [self.of(each, kind).code for each, kind in zip(rest[1:], kinds, strict=False)]

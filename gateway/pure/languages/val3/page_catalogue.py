@@ -2,6 +2,8 @@
 
 from html.parser import HTMLParser
 
+from gateway.pure.languages.val3.disk import resolve
+
 TEXT = "style.color style.fontFamily style.fontSize style.fontStyle style.fontWeight style.textAlign"
 BORDER = "style.backgroundColor style.borderColor style.borderStyle style.borderWidth"
 EVERY = frozenset(("className", "style.visibility"))  # and dataset.*
@@ -46,9 +48,12 @@ def objects_of(page: bytes | None) -> dict[str, str] | None:
     return reader.types
 
 
-def page_path(folder: str, name: str) -> str:
-    """File of a page on the disk."""
-    return f"{folder}/interface/{name}.html" if folder else f"interface/{name}.html"
+def page_place(folder: str, name: str) -> tuple[str, str]:
+    """Folder on the disk and file of a page: in `interface` of the application, or where a VAL 3 path leads (L2825).  PathFault."""
+    if "://" in name or name.startswith(("./", "../")):
+        inside, _, last = resolve(name, folder).rpartition("/")
+        return inside, f"{last}.html"
+    return f"{folder}/interface" if folder else "interface", f"{name}.html"
 
 
 def doubt(objects: dict[str, str] | None, page: str, name: str, attribute: str) -> str:

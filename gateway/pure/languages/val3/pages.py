@@ -6,7 +6,8 @@ Nothing is drawn here.  A binding is a variable (container and place) and an att
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.val3.errors import Rte
-from gateway.pure.languages.val3.values import AioV, DioV, places
+from gateway.pure.languages.val3.strings import finite
+from gateway.pure.languages.val3.values import AioV, DioV, cut, places
 from gateway.pure.languages.val3.virtual_io import VirtualIo
 
 DIRECTIONS = ("r", "w", "rw", "r1", "rw1")  # the last one: doubt D08
@@ -209,8 +210,5 @@ def _value_of(old: object, text: str) -> object:
     if isinstance(old, bool):
         return {"true": True, "1": True, "false": False, "0": False}.get(text.lower())
     if isinstance(old, float):
-        try:
-            return float(text)
-        except ValueError:
-            return None
-    return text
+        return finite(text)
+    return cut(text)

@@ -7,8 +7,8 @@ import re
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.values import cut
 
-NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
-START = re.compile(r"[+-]?\.?\d")
+NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)", re.ASCII)
+START = re.compile(r"[+-]?\.?\d", re.ASCII)
 Place = tuple[list[object], int]
 
 
@@ -38,13 +38,23 @@ def _sizes(form: str) -> tuple[int, int]:
     return min(int(size or 0), 128), min(int(precision or 0), 30)
 
 
+def finite(text: str) -> float | None:
+    """The number a text is; None: it is none, or none that a num holds."""
+    try:
+        value = float(text) if text.isascii() and "_" not in text else math.nan
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
 def f_to_num(text: str, value: Place, report: Place) -> str:
     """The rest of the text from the next number on; the text itself where no number is in front."""
     match = NUMBER.match(text)
-    report[0][report[1]] = match is not None
-    if match is None:
+    found = None if match is None else finite(match.group(1))
+    report[0][report[1]] = found is not None
+    if match is None or found is None:
         return text
-    value[0][value[1]] = float(match.group(1))
+    value[0][value[1]] = found
     rest = text[match.end() :]
     following = START.search(rest)
     return rest[following.start() :] if following else ""

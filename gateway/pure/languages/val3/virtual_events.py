@@ -10,6 +10,7 @@ from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.pages import EVENTS
 from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, NO_DATA, REMOTE, TEST
+from gateway.pure.languages.val3.strings import finite
 from gateway.pure.languages.val3.values import AioV, DioV, Grid, LinkV, places
 from gateway.pure.languages.val3.virtual_io import Status
 
@@ -48,10 +49,10 @@ def event_of(seconds: str, text: str) -> Event:
 
 def number(event: Event) -> float:
     """The value as a number."""
-    try:
-        return WORDS[event.value.lower()] if event.value.lower() in WORDS else float(event.value)
-    except ValueError:
-        raise EventFault(f"{event.what}={event.value}: a number, true or false is expected") from None
+    value = WORDS.get(event.value.lower(), finite(event.value))
+    if value is None:
+        raise EventFault(f"{event.what}={event.value}: a number, true or false is expected")
+    return value
 
 
 def happen(machine: Machine, own: Instance, event: Event) -> None:

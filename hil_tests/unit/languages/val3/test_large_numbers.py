@@ -42,3 +42,11 @@ def test_what_is_saved_can_be_loaded() -> None:
     found = run(App(data=DATA, programs={"start": code}, libraries=library), App("base", DATA))
     assert isinstance(found["globals"], dict)
     assert found["globals"]["a"] == [0, 1, 0], found["log"]
+
+
+@pytest.mark.parametrize("text", ["1e999 5", "-1e999", "\u0663 4"])
+def test_a_text_that_no_num_holds_is_no_number(text: str) -> None:
+    data = DATA + datum("b", "bool", values=value(value="true"))
+    found = run(App(data=data, programs={"start": f'm=3\ns=toNum("{text}",m,b)'}))["globals"]
+    assert isinstance(found, dict)
+    assert (found["b"], found["m"], found["s"]) == (False, 3, text)

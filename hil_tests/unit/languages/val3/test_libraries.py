@@ -250,3 +250,18 @@ def test_a_reference_without_a_container_is_an_array() -> None:
     made.write("demo/demo.pjx", project.replace(b"<Programs>", b'<Programs><Program file="more.pgx" />'))
     found = run(App(), on=Machine(made))["globals"]
     assert isinstance(found, dict) and found["i"] == 7
+
+
+@pytest.mark.parametrize(("call", "code"), [('s=next(c["x"])', 25), ('s=prev(c["x"])', 25), ('s=next(c[""])', 23), ('s=prev(c[""])', 23)])
+def test_a_key_that_is_not_there_is_an_error_in_an_empty_collection_too(call: str, code: int) -> None:
+    data = DATA + datum("c", "num", "")
+    assert error_of(call, data) == error_of(f'insert(c["y"])\n{call}', data) == code
+
+
+@pytest.mark.requirement("VAL-VAR-11", by=L + "f_get_data")
+def test_get_data_of_an_index_takes_one_value_and_copies_what_was_there() -> None:
+    data = DATA + datum("a", "num", "5", "".join(value(str(at), value=at + 1) for at in range(5)))
+    found = globals_of('n=getData("a[1.2.3]",i)\ni=getData("a[3]",a)\nj=a[1]\nk=a[0]', data)
+    assert (found["n"], found["i"], found["j"], found["k"]) == (-1, 1, 2, 4)
+    found = globals_of('n=getData("a",a[1])', data)
+    assert (found["n"], found["a"]) == (4, [1, 1, 2, 3, 4])

@@ -1,5 +1,6 @@
 """The operator of an application in a cell: state, variables, user page, prompts (AX-993)."""
 
+import pathlib
 from dataclasses import replace
 from typing import Any
 
@@ -91,6 +92,7 @@ def test_hold_and_what_is_refused() -> None:
     for facts, words in (
         ({"act": "set", "what": "nothing", "value": "1"}, "there is no global of that name"),
         ({"act": "set", "what": "nCount", "value": "many"}, "a number, true or false is expected"),
+        ({"act": "set", "what": "nCount", "value": "nan"}, "nCount=nan: a number"),
         ({"act": "enter", "what": "count", "value": "5"}, "is not taken"),
         ({"act": "answer", "value": "ok"}, "no prompt waits"),
         ({"act": "event", "what": "go", "value": "hover"}, "there are mouseup, mousedown, click"),
@@ -169,3 +171,12 @@ def test_a_page_is_read_from_its_interface_folder_only(tmp_path: Any) -> None:
     assert page_of(tmp_path / "usrapp", "app", "menu") == '<img src="data:image/png;base64,aW1n"><img>'
     assert page_of(tmp_path / "usrapp", "app", "../../../x") is None and page_of(tmp_path / "usrapp", "../..", "x") is None
     assert page_of(tmp_path / "usrapp", "app", "none") is None
+
+
+def test_a_page_named_by_a_path_is_shown(tmp_path: pathlib.Path) -> None:
+    for path, text in (("menu/interface/a.html", "A"), ("menu/pages/b.html", "B"), ("shared/c.html", "C")):
+        (tmp_path / "disk" / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "disk" / path).write_text(text)
+    (tmp_path / "out.html").write_text("secret")
+    names = ("a", "./pages/b", "Disk://shared/c", "Disk://../out", "../out", "../../../out")
+    assert [page_of(tmp_path / "disk", "menu", name) for name in names] == ["A", "B", "C", None, None, None]

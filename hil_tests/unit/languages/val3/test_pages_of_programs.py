@@ -8,7 +8,7 @@ from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.virtual import Run, declare_links
 from gateway.pure.languages.val3.virtual_events import event_of
-from hil_tests.unit.languages.val3.apps import App, datum, error_of, machine, value
+from hil_tests.unit.languages.val3.apps import App, datum, error_of, machine, run, value
 
 DATA = (
     datum("nSpeed", "num", values=value(value=5))
@@ -174,3 +174,42 @@ def test_an_entry_is_of_the_type_of_its_variable() -> None:
     assert (found["nEntry"], found["nState"], found["bYes"][0]) == (-12.5, 2, True)
     found = Played(program, (1, "answer=ok:many"), (2, "answer=cancel")).globals
     assert (found["nEntry"], found["nState"], found["bYes"][0]) == (3, 2, False)
+
+
+@pytest.mark.requirement("VAL-UI-05", by="gateway.pure.languages.val3.builtin_pages:f_user_page_prompt")
+@pytest.mark.parametrize("entry", ["nan", "-inf", "1e999", "1_0", "\u0663"])
+def test_an_entry_that_no_num_holds_is_asked_for_again(entry: str) -> None:
+    found = Played('bYes[0]=userPagePrompt("number",nEntry)', (1, f"answer=ok:{entry}"), (2, "answer=ok:4")).globals
+    assert (found["nEntry"], found["bYes"][0]) == (4, True)
+    program = 'userPageBind("p","o","value",nSpeed,1,"rw",1)\nuserPageBind("p","t","value",sEntry,1,"w",1)\ndelay(1)'
+    found = Played(program, (0.1, f"page.p.o.value={entry}"), (0.2, f"page.p.t.value={'x' * 200}")).globals
+    assert (found["nSpeed"], len(found["sEntry"])) == (5, 128)
+
+
+@pytest.mark.requirement("VAL-UI-03", by="gateway.pure.languages.val3.pages:PageBoard.ignore")
+def test_events_of_each_type_are_unbound() -> None:
+    program = """userPageBindMousedown("p","b",sState,"PUSHED")
+userPageBindMouseup("p","b",nState,4)
+userPageBindClick("p","b",aoLevel,1.5)
+bYes[0]=userPageUnbindMousedown("p","b",sState)
+bYes[1]=userPageUnbindMouseup("p","b",nState)
+bYes[2]=userPageUnbindClick("p","b",aoLevel)
+bYes[3]=userPageUnbindClick("p","b",aoLevel)
+delay(1)"""
+    found = Played(program, (0.1, "page.p.b=mousedown"), (0.2, "page.p.b=mouseup"), (0.3, "page.p.b=click")).globals
+    assert (found["bYes"], found["sState"], found["nState"], found["aoLevel"]) == ([True, True, True, False], "", 0, 0)
+
+
+@pytest.mark.requirement("VAL-UI-01", by="gateway.pure.languages.val3.builtin_pages:f_user_page")
+def test_a_page_is_found_by_a_path_too() -> None:
+    pages = dict.fromkeys(
+        ("demo/interface/a.html", "demo/pages/b.html", "other/interface/c.html", "d.html", "demo/interface/sub/e.html"), b"<p></p>"
+    )
+    calls = {
+        "a": 0, "./interface/a": 0, "./pages/b": 0, "../other/interface/c": -1, "./../other/interface/c": 0, "Disk://other/interface/c": 0,
+        "Disk://d": 0, "sub/e": 0, "b": -1, "../../x": -1, "USB0://a": -1, "": -1,
+    }  # fmt: skip
+    code = "\n".join(f'n[{at}]=userPage("{name}")' for at, name in enumerate(calls))
+    app = App(data=datum("n", "num", str(len(calls))), programs={"start": code})
+    found = run(app, on=Machine(Disk({**app.files(), **pages})))["globals"]
+    assert isinstance(found, dict) and found["n"] == list(calls.values())

@@ -13,7 +13,7 @@ from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.sealed import SealFault, opened, public_of, secret_of
 from gateway.pure.languages.val3.virtual import Run
-from hil_tests.unit.languages.val3.apps import App, datum, value
+from hil_tests.unit.languages.val3.apps import App, datum, run, value
 
 SECRET = "long enough 42"
 
@@ -107,3 +107,19 @@ def test_the_command_writes_what_lib_load_takes(capsys: pytest.CaptureFixture[st
     assert main(["password", SECRET]) == 0
     assert capsys.readouterr().out.strip() == public_of(SECRET)
     assert main(["password", "short"]) == 2 and "11 characters at least" in capsys.readouterr().err
+
+
+@pytest.mark.requirement("VAL-LIB-08", by="gateway.pure.languages.val3.builtin_libraries:f_lib_delete")
+def test_an_encrypted_library_is_never_saved_and_can_be_deleted() -> None:
+    code = f"""n[0]=lib:libLoad("lib/part.zip","{public_of(SECRET)}")
+n[1]=lib:libSave()
+n[2]=lib:libSave("copy")
+n[3]=libDelete("lib/note.txt")
+n[4]=libDelete("lib/part.zip")
+n[5]=lib:libLoad("lib/part.zip","{public_of(SECRET)}")"""
+    app = App(data=datum("n", "num", "6"), libraries='<Library alias="lib" path="open" />', programs={"start": code})
+    disk = Disk({**app.files(), **OUTSIDE.files(), "lib/part.zip": zipped(INSIDE, SECRET), "lib/note.txt": b"kept"})
+    before = set(disk.files)
+    found = run(app, on=Machine(disk))["globals"]
+    assert isinstance(found, dict) and found["n"] == [0, 40, 40, 0, 0, 39]
+    assert before - set(disk.files) == {"lib/part.zip"} and not set(disk.files) - before
