@@ -1,6 +1,7 @@
 """What stops a running program: text, number and class of the message.  Source: L209-211, L4152-4222, L4753-4770, L3814-3826."""
 
 from gateway.pure.languages.base.requests import RuntimeFault
+from gateway.pure.languages.robotstar.program import Program
 
 NOT_FOUND = "Definition not found!"
 IS_ARRAY = "Definition is an array!"
@@ -23,6 +24,7 @@ class StepFault(RuntimeFault):
     def __init__(self, text: str, code: int = 0, kind: str = "programming") -> None:
         super().__init__(code, text)
         self.kind = kind
+        self.display: tuple[Program | None, int] = (None, 0)  # program and step that the display goes to once it is acknowledged
 
 
 def operating(code: int) -> StepFault:

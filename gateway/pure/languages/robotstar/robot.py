@@ -104,6 +104,7 @@ class Robot:
     _round_began: tuple[Frame | None, Ns] = (None, -1)
     _key: bool | None = None
     _request: object = field(default=None)
+    _display: tuple[Program | None, int] = (None, 0)  # where the cursor goes once the error is acknowledged (L3828)
 
     def __post_init__(self) -> None:
         self.machine.repeats, self.machine.returns = self.mode.repeats, not self.mode.executer
@@ -130,6 +131,7 @@ class Robot:
     def _forget(self) -> None:
         self._request = None
         self._left, self._macro_depth, self._key = None, 0, None
+        self._display = None, 0
 
     @property
     def single(self) -> bool:
@@ -169,6 +171,11 @@ class Robot:
         self.failure = None
         if self.state is State.ERROR:
             self.state = State.STOPPED
+        program, step = self._display
+        self._display = None, 0
+        if program is not None and step:
+            self.machine.select(program)
+            self.machine.to_step(step)
 
     def fail(self, message: Message) -> None:
         """An error of the cell: the program stops."""
@@ -265,6 +272,7 @@ class Robot:
         refused = self.mode.executer and "not executable in Test 5" in fault.text
         self.state = State.STOPPED if refused else State.ERROR
         self.failure = None if refused else message
+        self._display = fault.display
 
     # ---- requests --------------------------------------------------------------------------------------------------------
     def _serve(self, now: Ns) -> Ns | None:

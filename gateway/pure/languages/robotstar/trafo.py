@@ -77,7 +77,9 @@ def trafo(machine: Machine, step: Step, following: int) -> Op:
         except TrafoFault as fault:
             put(signed(control & 0xFFFF | fault.number << 16))
             if control & SHOWN:
-                raise StepFault(f"TRAFO_6D-error: {fault.number}", fault.number, "trafo") from None
+                shown = StepFault(f"TRAFO_6D-error: {fault.number}", fault.number, "trafo")
+                shown.display = (machine.memory.find(source, machine.frame.program.directory, ("MPR", "SPR")), fault.step)
+                raise shown from None
         return following
 
     return op
@@ -152,9 +154,9 @@ def _reference(machine: Machine, name: str, near: str, base: int, wanted: int, n
     names: Names = {**machine.names, **machine.memory.locals.get(program.key, {})}
     targets = tuple(_target(machine, names, step, base) for step in steps if step.word in ("POSITION", "VAR_POS"))
     if any(not target.pose for target in targets):
-        raise TrafoFault(base + 3)
-    if len({target.frame for target in targets}) > 1:
-        raise TrafoFault(base + 13)
+        raise TrafoFault(base + 4)
+    if len(frames := {target.frame for target in targets}) > 1:
+        raise TrafoFault(base + (13 if 0 in frames else 14))  # base system and station mixed, or two stations
     if any(dict(a.axes) != dict(b.axes) for a, b in pairwise(targets)):
         raise TrafoFault(base + 5)
     definitions = [step for step, word in zip(steps, words, strict=True) if word == "D"]
@@ -254,8 +256,9 @@ def _factor(parameter: int, reference: tuple[Xyz, ...], source: Xyz, destination
 
 @dataclass(frozen=True, slots=True)
 class AxisMap:
-    """Of one additional axis: value * factor + offset."""
+    """Of one additional axis: value * factor + offset, for the axis `name` of the destination's station."""
 
+    name: str
     factor: float = 1.0
     offset: float = 0.0
 
@@ -265,13 +268,16 @@ def _axes(one: Reference, two: Reference, same: bool, k: float, mode: int) -> di
     names = list(one.positions[0].axes)
     if same:
         given = one.numbers[6 if mode == SHIFT else 1 :]
-        return {name: AxisMap(1.0, value) for name, value in zip(names, given, strict=False)}
+        return {name: AxisMap(name, 1.0, value) for name, value in zip(names, given, strict=False)}
     here, there = one.positions[0].axes, two.positions[0].axes
     made: dict[str, AxisMap] = {}
     for name, other in zip(names, there, strict=True):
         a, b = here[name], there[other]
         mirrored = k < 0 and one.frame == two.frame
-        made[name] = (AxisMap() if a == b else AxisMap(-1.0, a + b)) if mirrored else AxisMap(1.0, 0.0 if k < 0 else b - a)
+        if mirrored:
+            made[name] = AxisMap(other) if a == b else AxisMap(other, -1.0, a + b)
+        else:
+            made[name] = AxisMap(other, 1.0, 0.0 if k < 0 else b - a)
     return made
 
 
@@ -295,14 +301,14 @@ class Transformation:
         if self.frame_source and frame not in (0, self.frame_source):
             raise TrafoFault(205, step.number)
         additional = [name for name in values if name[:1] == "A" and name[1:].isdecimal() and int(name[1:]) > 6]
-        if self.axes and set(additional) != set(self.axes):
+        if set(additional) != set(self.axes):
             raise TrafoFault(202, step.number)
         pose = self.mapping.pose([values[name] for name in CARTESIAN], self.keeps_orientation)
         new = dict(zip(CARTESIAN, (round(value, 9) + 0.0 for value in pose), strict=True))
         if frame:
             new["FRAME"] = self.frame_destination if self.frame_source else frame
         for name, axis in self.axes.items():
-            new[name] = round(values[name] * axis.factor + axis.offset, 9) + 0.0
+            new[axis.name] = round(values[name] * axis.factor + axis.offset, 9) + 0.0
         return _with_values(step, new)
 
 

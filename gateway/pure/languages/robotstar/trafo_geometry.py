@@ -16,6 +16,7 @@ Rows: TypeAlias = tuple[Xyz, Xyz, Xyz]
 DISTANCE, ANGLE, WIDEST = 50.0, 30.0, 150.0  # mm, degrees (D-37)
 IDENTITY: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 ROUNDING = 1e-6
+STRAIGHT = 0.001  # degrees: no plane goes through three points so near a line, whatever the digits of a taught position
 
 
 class Unfit(ValueError):
@@ -98,12 +99,14 @@ def _y_reversed(rows: Rows) -> Rows:
 
 # ---- what the points make --------------------------------------------------------------------------------------------------
 def check_triangle(one: Xyz, two: Xyz, three: Xyz) -> None:
-    """Unfit 10: nearer than 50 mm; 11: an angle at the first point below 30 or above 150 degrees."""
+    """Unfit 10: nearer than 50 mm; 4: on a straight line; 11: an angle at the first point below 30 or above 150 degrees."""
     ways = minus(two, one), minus(three, one)
     if min(math.hypot(*ways[0]), math.hypot(*ways[1]), math.dist(two, three)) < DISTANCE - ROUNDING:
         raise Unfit(10)
     cosine = dot(*ways) / (math.hypot(*ways[0]) * math.hypot(*ways[1]))
     angle = math.degrees(math.acos(max(-1.0, min(1.0, cosine))))
+    if min(angle, 180 - angle) < STRAIGHT:
+        raise Unfit(4)
     if not ANGLE - ROUNDING <= angle <= WIDEST + ROUNDING:
         raise Unfit(11)
 

@@ -261,9 +261,9 @@ class VirtualCell:
         """Power off and on: values and markers are kept, outputs fall, the program is at its first step."""
         for number in range(40):
             self.set_byte(BASES["OUTPUT"] + number, 0)
+        stack = self.robot.machine.stack
         self.robot.acknowledge()
         self.robot.stop(self.now)
-        stack = self.robot.machine.stack
         self.drives = True
         self._powered()
         if stack:

@@ -13,7 +13,7 @@ from gateway.runtime import safe_file
 from hil_tests.lab.virtual.baps2_bench import VirtualPort
 from hil_tests.lab.virtual.reis_bench import CELL
 
-REFERENCE = 'MPR "REF"\nVAR RARR[6]\nTOOL T\nPOSITION #N, X:0, Y:0, Z:0, A:0, B:0, C:0\nEND\n'
+REFERENCE = 'MPR "REF"\nVAR RARR[7]\nTOOL T\nPOSITION #N, X:0, Y:0, Z:0, A:0, B:0, C:0, A7:0\nEND\n'
 SOURCE = """SPR "SRC"
 VAR IGLOBAL
 LOC_VAR ILOCAL
@@ -34,7 +34,7 @@ COPY 0, I
 LABEL "N"
 ADD 1, I
 COPY 0, RARR[I]
-TEST #VARIABLE, I, #<, 6, "N"
+TEST #VARIABLE, I, #<, 7, "N"
 COPY 10.001, RARR[1]
 COPY 1, ICTRL
 TRAFO_6D "REF", "REF", "SRC", "{0}", ICTRL

@@ -150,7 +150,96 @@ def test_reference_programs_that_do_not_fit() -> None:
     rows = ((reference(*TRIANGLE[:2]), 103), (good + "\n\\WAIT 1", 102), (good + "\nWAIT 1", 107), (good.removeprefix("TOOL T\n"), 106))
     for two, number in rows:
         assert error(trafo(0, position((0, 0, 0)), good, two)) == number
+        assert error(trafo(0, position((0, 0, 0)), two, good)) == number - 100
     assert trafo(2 << 2, "C", good).value("ISTEUER") == 2 << 2 | 150 << 16
+
+
+def three(*more: str) -> str:
+    return "\n".join(["TOOL T", *(position(point, each) for point, each in zip(TRIANGLE, more, strict=True))])
+
+
+ON_A_LINE = reference((0, 0, 0), (100, 0, 0), (200, 0, 0))
+UNKNOWN, UNSET = "TOOL T\nVAR_POS PX\nVAR_POS PX\nVAR_POS PX", "LOC_VAR PX\nTOOL T\nVAR_POS PX\nVAR_POS PX\nVAR_POS PX"
+AXES_ALONE = "TOOL T" + "\nPOSITION #N, A1:1, A2:2, A3:3, A4:4, A5:5, A6:6" * 3
+
+
+@pytest.mark.parametrize(
+    "wrong, number",
+    [
+        (ON_A_LINE, 4),
+        (reference((0, 0, 0), (100, 0, 0), (-100, 0, 0)), 4),
+        (AXES_ALONE, 4),
+        (reference((0, 0, 0), (100, 0, 0), (-100, 20, 0)), 11),
+        (three(", A7:1", ", A7:2", ", A7:1"), 5),
+        (UNKNOWN, 8),
+        (UNSET, 9),
+        (reference((0, 0, 0), (0, 0, 0), (0, 100, 0)), 10),
+        (three(", Frame:1", "", ""), 13),
+        (three(", Frame:1", ", Frame:2", ", Frame:1"), 14),
+    ],
+)
+def test_what_is_wrong_with_the_positions_of_a_reference_program(wrong: str, number: int) -> None:
+    """Each number of the source program has one of the destination, 100 higher (L3834-3874)."""
+    good = reference(*TRIANGLE)
+    assert error(trafo(0, position((0, 0, 0)), wrong, good)) == number
+    assert error(trafo(0, position((0, 0, 0)), good, wrong)) == number + 100
+
+
+@pytest.mark.parametrize(
+    "one, number",
+    [
+        (reference((0, 0, 0), front="LOC_CONST RK,1.0"), 50),
+        (reference((0, 0, 0), front="LOC_VAR RA[5]"), 51),
+        (reference((0, 0, 0), front="LOC_VAR RA[6]", more=", A7:1"), 51),
+        (reference((0, 0, 0), front="LOC_VAR RA[6]"), 9),
+        (reference((0, 0, 0)), 8),
+    ],
+)
+def test_the_array_of_a_numeric_shift(one: str, number: int) -> None:
+    assert error(trafo(0, position((0, 0, 0)), one)) == number
+
+
+@pytest.mark.parametrize("missing, number", [("REFQ.MPR", 1), ("REFZ.MPR", 101), ("SRC.SPR", 201)])
+def test_programs_that_are_missing(missing: str, number: int) -> None:
+    files = {"REFQ.MPR": reference(*TRIANGLE), "REFZ.MPR": reference(*TRIANGLE), "SRC.SPR": position((0, 0, 0)), "V.MPR": "VAR ISTEUER"}
+    files |= {"P.MPR": "COPY 0,ISTEUER\nTRAFO_6D REFQ,REFZ,\"SRC\",DST,ISTEUER"}
+    assert error(run({name: text for name, text in files.items() if name != missing})) == number
+
+
+def test_references_that_do_not_fit_each_other() -> None:
+    good, seventh = reference(*TRIANGLE), reference(*TRIANGLE, more=", A7:1")
+    assert error(trafo(0, "C", seventh, good)) == 112
+    assert error(trafo(1 << 5, "C", good, good)) == 151
+    far = (0.0, 0.0, 100.0)
+    assert error(trafo(4, "C", reference((0, 0, 49), *TRIANGLE), reference(far))) == 10
+    assert error(trafo(4, "C", reference(far, *TRIANGLE), reference((0, 0, -49)))) == 110
+    assert error(trafo(1 << 9, position((0, 0, 0)), good, good)) == 0, "bit 9 has no error to leave out"
+
+
+@pytest.mark.parametrize("here, there", [(", A7:1", ""), ("", ", A7:1")])
+def test_a_source_with_other_additional_axes_than_the_references(here: str, there: str) -> None:
+    good = reference(*TRIANGLE, more=here)
+    assert error(trafo(0, position((1, 2, 3), there), good, good)) == 202
+
+
+def test_axes_of_another_station_are_paired_in_their_order() -> None:
+    """7, 8, 9 at station 1 and 7, 10, 11 at station 2: 8 goes with 10 and 9 with 11 (L3464-3468)."""
+    one = reference(*TRIANGLE, more=", Frame:1, A7:1, A8:2, A9:3")
+    two = reference(*TRIANGLE, more=", Frame:2, A7:2, A10:10, A11:20")
+    ran = trafo(0, position((1, 2, 3), ", Frame:1, A7:5, A8:6, A9:7"), one, two)
+    value = ran.when("target")[0][1]
+    assert isinstance(value, dict)
+    assert {name: value[name] for name in value if name not in "XYZABC"} == {"Frame": 2, "A7": 6, "A10": 14, "A11": 24}
+
+
+@pytest.mark.parametrize("after, place", [((), ("P", 3)), (("1 ACK",), ("SRC", 4)), (("1 ACK", "2 POWER"), ("SRC", 1))])
+def test_the_display_goes_to_the_step_of_the_source_once_the_error_is_acknowledged(after: tuple[str, ...], place: tuple[str, int]) -> None:
+    """The errors marked (*) in the table (L3828): here 206."""
+    good = reference(*TRIANGLE)
+    files = {"REFQ.MPR": good, "REFZ.MPR": good, "SRC.SPR": "LOC_VAR P1\nWAIT 0.0\nVAR_POS P1", "V.MPR": "VAR ISTEUER"}
+    ran = run(files | {"P.MPR": "COPY 256,ISTEUER\nTRAFO_6D REFQ,REFZ,SRC,DST,ISTEUER"}, at=after)
+    assert ran.texts() == ["TRAFO_6D-error: 206"]
+    assert (ran.end["program"], ran.end["step"]) == place
 
 
 @pytest.mark.requirement("RSV-TRF-13", by="gateway.pure.languages.robotstar.trafo:_copied")
