@@ -35,7 +35,7 @@ def names(check: Context) -> None:
     cell = check.cell
     doors = [(line.name, f"line.{line.name}") for line in cell.line] + [(door.name, f"modbus.{door.name}") for door in cell.modbus]
     doors += [(name, f"controller.{name}") for name, _ in own_sources(cell)]
-    _unique(check, doors, "doors")
+    _unique(check, doors, "command sources")
     for kind, parts in (("bus", cell.bus), ("axis", cell.axis), ("io", cell.io)):
         _unique(check, [(part.name, f"{kind}.{part.name}") for part in parts], f"[[{kind}]] tables")
     ports = [(line.port, f"line.{line.name}.port") for line in cell.line] + [(bus.port, f"bus.{bus.name}.port") for bus in cell.bus]

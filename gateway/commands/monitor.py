@@ -102,7 +102,7 @@ async def _once(look: Look, tab: str, *, as_text: bool) -> int:
     shown: dict[str, Table] = {}
     for each in wanted:
         found = await look.table(each)
-        shown |= {"doors": found[0], "said": found[1]} if each == "lines" else {each: found[0]}
+        shown |= {"command_sources": found[0], "said": found[1]} if each == "lines" else {each: found[0]}
     if as_text:
         print("\n\n".join([look.head(), *map(plain, shown.values())]))
     else:

@@ -9,6 +9,7 @@ import socket
 import sys
 
 from drivers.ports.base import PortError
+from drivers.ports.can.open import open_can
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, LISTENS
 from gateway.assembly.run import RunPlan, plan_run
 from gateway.checks.playable import not_playable
@@ -104,6 +105,8 @@ def _start(arguments: argparse.Namespace, cell: Cell) -> int:
             return DONE
         if plan.web is not None:
             page_port_free(plan.web)
+        if plan.simulated and arguments.bus is not None and plan.buses:
+            open_can(arguments.bus).close()  # PortError now: simulated drives would try a missing bus again and again, and the run wait
         _look_first(cell, arguments.bus, simulated=plan.simulated and arguments.bus is None)
         say_at_start(BANNER)
         if words := warning(cell.file, simulated=plan.simulated):
@@ -188,6 +191,6 @@ def describe(plan: RunPlan) -> dict[str, object]:
         "lines": dict(plan.lines),
         "web": plan.web.bind if plan.web else None,
         "modbus": {name: plan.modbus_place(name) for name in plan.modbus},
-        "doors": [{"number": door.number, "name": door.name, "kind": door.kind} for door in plan.doors],
+        "command_sources": [{"number": door.number, "name": door.name, "kind": door.kind} for door in plan.doors],
         "processes": [{"name": child.name, "module": child.module, "arguments": list(child.arguments)} for child in plan.children],
     }

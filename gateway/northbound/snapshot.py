@@ -33,5 +33,5 @@ def values(regions: Regions) -> dict[str, Value]:
 
 def doors(regions: Regions) -> list[dict[str, Any]]:
     """Status of every command source, as last reported by the services."""
-    listed = regions.status.get("doors", [])
+    listed = regions.status.get("command_sources", [])
     return [door for door in listed if isinstance(door, dict) and "name" in door] if isinstance(listed, list) else []

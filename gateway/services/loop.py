@@ -221,7 +221,7 @@ class Services:
         """Links and errors for tools; kept under the size of the region."""
         modbus = self.contacts.modbus
         return {
-            "doors": [source.row() for source in self.sources],
+            "command_sources": [source.row() for source in self.sources],
             "owner": self.office.owner,
             **({"listening": list(self._blind)} if self._blind else {}),
             "forced": self.image.forces.count,

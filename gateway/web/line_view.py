@@ -36,7 +36,7 @@ def shown_sources(status: Row) -> list[Row]:
     """Command sources of the services' status, what they say in both languages."""
     return [
         {**source, **{key: says(str(source[key])) for key in SAID if source.get(key)}, "because": _reason(source)}
-        for source in status.get("doors", [])
+        for source in status.get("command_sources", [])
     ]
 
 

@@ -174,7 +174,7 @@ class Live:
         head["stop_text"] = [head["stop_text"][0], umlauts(head["stop_text"][1])]
         head["holder"] = self.hands.name
         known = head["services_alive"]  # of services that are away nobody knows what their links do
-        head["links"] = [[door["name"], door["alive"] if known else None] for door in self.regions.status.get("doors", [])]
+        head["links"] = [[door["name"], door["alive"] if known else None] for door in self.regions.status.get("command_sources", [])]
         head["links"] += [[link["name"], link["alive"] if known else None] for link in asked_links(self.regions.status)]
         return head
 
@@ -187,7 +187,7 @@ class Live:
         return {
             "processes": self.processes.get("processes", []),
             "alarms": self.processes.get("alarms", []),
-            "doors": shown_sources(self.regions.status),
+            "command_sources": shown_sources(self.regions.status),
             "drives": self.regions.drives(),
             "cycle": self.regions.counters(),
         }
@@ -204,7 +204,7 @@ class Live:
     async def _lines(self) -> Row:
         status = self.regions.status
         clock_ms = round((time.time() - time.monotonic()) * 1e3, -1)  # stamps of lines are of the monotonic clock
-        told = {"lines": await self.lines.look(), "doors": shown_sources(status), "asked": asked_links(status)}
+        told = {"lines": await self.lines.look(), "command_sources": shown_sources(status), "asked": asked_links(status)}
         return {**told, "clock_ms": clock_ms}
 
     async def _bus(self) -> Row:
@@ -231,7 +231,7 @@ class Live:
         return {"events": [{**row, "say": says(row["text"])} for row in list(self.events.kept)[-200:]], "alarms": self.alarms.version}
 
     async def _emulator(self) -> Row:
-        return {**await self.plant.look(), "doors": self.regions.status.get("doors", [])}
+        return {**await self.plant.look(), "command_sources": self.regions.status.get("command_sources", [])}
 
     # ---- watched values ----------------------------------------------------------------------------------------------------
     async def _watch(self) -> None:

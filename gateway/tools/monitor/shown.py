@@ -119,7 +119,7 @@ def doors_table(regions: Regions) -> Table:
     """Lines and servers with what they counted."""
     rows, marks = [], []
     known = regions.head()["services_alive"]  # of services that are away nobody knows what their links do
-    for door in regions.status.get("doors", []):
+    for door in regions.status.get("command_sources", []):
         link = "?" if not known else "up" if door["alive"] else "DOWN"
         counted = ", ".join(
             [f"{name} {door[name]}" for name in COUNTED if door.get(name)] + [door[w] for w in ("why", "advice") if door.get(w)]

@@ -208,7 +208,7 @@ addEventListener("keydown", (event) => {
     if (!localStorage.getItem("language")) setLanguage(ctx.cell.language, true);
     put(document.getElementById("cell"), ctx.cell.name);
   } catch (error) {
-    ctx.cell = { axes: [], doors: [], lines: [], buses: [], faults: [], evidence: [], notices: [], wiring: [], blocks: [], robot: {}, simulated: false };
+    ctx.cell = { axes: [], command_sources: [], lines: [], buses: [], faults: [], evidence: [], notices: [], wiring: [], blocks: [], robot: {}, simulated: false };
     if (error.status !== 401) toast(error.message, "bad");
   }
   ctx.live = new Live(take, connected);

@@ -103,7 +103,7 @@ def counters() -> dict[str, Any]:
         link.settimeout(5.0)
         link.connect(str(runtime_dir() / f"{NAME}-services.sock"))
         link.sendall(b'{"op": "status"}\n')
-        found: dict[str, Any] = json.loads(link.makefile().readline())["doors"][0]
+        found: dict[str, Any] = json.loads(link.makefile().readline())["command_sources"][0]
         return found
 
 

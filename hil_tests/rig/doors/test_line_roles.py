@@ -145,7 +145,7 @@ class Run:
         return answer
 
     def counters(self, line: str) -> dict[str, Any]:
-        doors = self.var(op="status")["doors"]
+        doors = self.var(op="status")["command_sources"]
         return next(door for door in doors if door["name"] == line)
 
 

@@ -106,7 +106,11 @@ def test_a_device_that_was_never_reached_is_reported_and_when_it_is_there(tmp_pa
 
 
 def test_a_status_too_long_for_its_region_stays_json_and_names_what_is_left_out() -> None:
-    status: dict[str, object] = {"doors": [1, 2], "modbus_clients": {"oven": "x" * 500}, "modbus_couplers": {"a": "y" * 20}}
+    status: dict[str, object] = {"command_sources": [1, 2], "modbus_clients": {"oven": "x" * 500}, "modbus_couplers": {"a": "y" * 20}}
     whole = json.loads(fitted(status, 1000))
     assert whole == status and len(fitted(status, 1000)) == 1000
-    assert json.loads(fitted(status, 200)) == {"doors": [1, 2], "modbus_couplers": {"a": "y" * 20}, "too_long": ["modbus_clients"]}
+    assert json.loads(fitted(status, 200)) == {
+        "command_sources": [1, 2],
+        "modbus_couplers": {"a": "y" * 20},
+        "too_long": ["modbus_clients"],
+    }

@@ -2,6 +2,8 @@
 
 import pathlib
 import platform
+import subprocess
+import sys
 from importlib.metadata import version
 
 import pytest
@@ -49,6 +51,14 @@ def test_scan_takes_a_cell(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture
             assert "node   5:" in capsys.readouterr().out
         finally:
             device.stop()
+
+
+def test_a_simulation_on_a_bus_that_is_not_there_ends_at_once() -> None:
+    """Its drives would try the bus again and again, and the run would wait 20 s for them."""
+    command = [sys.executable, "-m", "gateway", "run", "demo", "--die-with-parent", "--bus", "broker:not-there"]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ended.returncode == 3 and "broker:not-there: No such file or directory; start it with" in ended.stderr, ended.stderr
+    assert "started, pid" not in ended.stdout + ended.stderr
 
 
 def test_errors_of_the_hand_are_words() -> None:

@@ -20,7 +20,7 @@ export function mount(root, { t, cell }) {
       h("div", { class: "scroll", style: "max-height:46vh", tabindex: "0", role: "region", "aria-label": `${t("Lines")} ${line.name}` },
         h("table", {}, h("thead", {}, h("tr", {}, [t("time"), t("side"), t("what"), t("in words"), t("bytes")].map((title) => h("th", { scope: "col" }, title)))), body))));
   }
-  for (const server of cell.modbus.filter((each) => cell.doors.some((door) => door.kind === "modbus" && door.name === each.name))) {
+  for (const server of cell.modbus.filter((each) => cell.command_sources.some((door) => door.kind === "modbus" && door.name === each.name))) {
     const state = chip("plain", "");
     const counters = h("p", { class: "small mono" });
     const body = h("tbody", { "data-modbus": server.name });
@@ -65,7 +65,7 @@ export function mount(root, { t, cell }) {
     update(page) {
       if (!page || page.gone) return;
       links(page.asked);
-      for (const door of page.doors) {
+      for (const door of page.command_sources) {
         const box = boxes.get(door.name);
         if (!box) continue;
         put(box.state, door.alive ? t("alive") : door.connected === false ? t("port is away") : t("silent"));

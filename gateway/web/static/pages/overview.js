@@ -44,7 +44,7 @@ export function mount(root, { t, cell }) {
       old = !head.services_alive;
       if (!page || page.gone) return;
       processes.update(page.processes);
-      links.update(page.doors);
+      links.update(page.command_sources);
       drives.update(page.drives);
       const c = page.cycle;
       put(cycle, `P5 ${c.p5_ms} ms   ${t("cycles")} ${c.cycles}   ${t("skipped")} ${c.skipped}   ${t("incomplete")} ${c.incomplete}   ${t("late")} ${c.late}   ${t("computing")} ${c.compute_us} us`);
