@@ -44,6 +44,9 @@ def result_of(name: str) -> tuple[dict[str, object], Machine]:
     line_us = expected.get("line_us", 1)
     assert isinstance(line_us, int)
     machine = Machine(read_disk(root), Moves(ROBOT, START) if expected.get("arm") else None, line_us * 1000)
+    references = expected.get("references", {})
+    assert isinstance(references, dict)
+    machine.references = {each: tuple(joints) for each, joints in references.items()}
     own = machine.instance(folder, own_name, "")
     assert own is not None, machine.log
     declare_links(machine, own.data.values())
@@ -166,6 +169,7 @@ PROOFS = [
     ("queued_moves", ("VAL-MID-01", "VAL-MID-02", "VAL-MOV-07"), V + "builtin_moves:f_get_move_id"),
     ("circle_and_stop", ("VAL-MOV-06", "VAL-MOV-10"), V + "builtin_moves:f_movec"),
     ("circle_and_stop", ("VAL-MOV-11", "VAL-MOV-12"), V + "builtin_moves:mdesc_in"),
+    ("sequences", ("VAL-DH-01",), V + "builtin_robot:f_get_dh"),
     ("events", ("VAL-EVT-01",), V + "builtin_robot:f_get_events"),
 ]
 
