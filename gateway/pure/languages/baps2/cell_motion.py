@@ -17,7 +17,7 @@ from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.lines import Wanted
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.robots import CellRobot
-from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Statement, Task
+from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Release, Statement, Task
 from gateway.pure.languages.baps2.working_range import check_range, range_keys
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.base.path import Paths, Stretch
@@ -150,7 +150,7 @@ class CellMotion(CellView):
         for item in list(task.queue):
             if isinstance(item, FastWait):
                 return
-            if isinstance(item, Output):
+            if isinstance(item, Output | Release):
                 continue
             if isinstance(item, Statement):
                 if item.stretch is None and not self._told(task, item, first=last is None):

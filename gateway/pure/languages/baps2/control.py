@@ -14,7 +14,7 @@ from gateway.pure.languages.baps2.outside import Outside
 from gateway.pure.languages.baps2.plant import Plant
 from gateway.pure.languages.baps2.semaphores import Semaphores
 from gateway.pure.languages.baps2.special import Specials
-from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Lanes, Output, Task, size_of
+from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Lanes, Output, Release, Task, size_of
 from gateway.pure.languages.baps2.teach_points import TeachPoints
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
@@ -163,6 +163,8 @@ class Control(Plant):
         match item:
             case Output():
                 self._output(task, item)
+            case Release(semaphore=semaphore):
+                self._semaphores.leave(task, semaphore, self.tasks.values())
             case FastWait():
                 if item.due is None and item.until.test():
                     item.due = self.now + item.delay
@@ -309,7 +311,7 @@ class Control(Plant):
             case demands.Enter(semaphore=semaphore):
                 return self._semaphores.enter(task, semaphore)
             case demands.Leave(semaphore=semaphore):
-                self._semaphores.leave(task, semaphore, self.tasks.values())
+                self._semaphores.end(task, semaphore, self.tasks.values())
                 return None
             case demands.StartProgram(program=program):
                 self.start(program, task)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from gateway.pure.languages.baps2.demands import Enter
-from gateway.pure.languages.baps2.tasks import Task
+from gateway.pure.languages.baps2.tasks import Release, Task
 from gateway.pure.languages.base.requests import PENDING
 
 
@@ -14,12 +14,22 @@ class Semaphores:
         self._holders: dict[tuple[str, str], Task] = {}
 
     def enter(self, task: Task, semaphore: tuple[str, str]) -> object:
-        """Takes a free one; PENDING while another process holds it."""
+        """Takes a free one; PENDING while another process holds it, or blocks of this one run that are in its part before."""
         holder = self._holders.get(semaphore)
+        if holder not in (None, task) or any(isinstance(item, Release) and item.semaphore == semaphore for item in task.queue):
+            return PENDING
         if holder is None:
             self._holders[semaphore] = task
             task.semaphores.append(semaphore)
-        return None if holder in (None, task) else PENDING
+        task.entered[semaphore] = task.queue[-1] if task.queue else None
+        return None
+
+    def end(self, task: Task, semaphore: tuple[str, str], processes: Iterable[Task]) -> None:
+        """EXCLUSIVE_END: behind the blocks that were prepared in the part; at once where none is left."""
+        if task.queue and task.queue[-1] is not task.entered.get(semaphore):
+            task.queue.append(Release(semaphore))
+        else:
+            self.leave(task, semaphore, processes)
 
     def leave(self, task: Task, semaphore: tuple[str, str], processes: Iterable[Task]) -> None:
         """Gives away one that this process holds."""

@@ -47,6 +47,13 @@ class Output:
 
 
 @dataclass(slots=True, eq=False)
+class Release:
+    """The end of an EXCLUSIVE part: the semaphore is given away where the block before ends."""
+
+    semaphore: tuple[str, str]
+
+
+@dataclass(slots=True, eq=False)
 class FastWait:
     """A wait for a high-speed input among the blocks; `delay` behind it in ns; `kinematic`: of the traverse block before it, whose next
     block it holds (L1621-1631), None: there was none."""
@@ -73,7 +80,7 @@ class Statement:
     stretch: Stretch | None = None  # it was handed on with
 
 
-Item = Block | Output | FastWait | Statement
+Item = Block | Output | Release | FastWait | Statement
 
 
 @dataclass(slots=True)
@@ -128,6 +135,7 @@ class Task:
     last: str | None = None  # kinematic of its last traverse block
     children: list["Task"] = field(default_factory=list)
     semaphores: list[tuple[str, str]] = field(default_factory=list)
+    entered: dict[tuple[str, str], Item | None] = field(default_factory=dict)  # semaphore -> what was prepared last before its part
     conditions: dict[str, int] = field(default_factory=dict)
     held: dict[str, bytes] = field(default_factory=dict)  # output that is kept open
     names: dict[str, str] = field(default_factory=dict)  # file variable -> name of the file, by ASSIGN
