@@ -56,6 +56,7 @@ _PATTERN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
+_BEHIND = re.compile(r"[^\W\d]\w*")  # a word right behind a number
 SKIPPED = ("blank", "comment", "separator")
 QUOTES = "'\""
 _SAME = {"=<": "<=", "=>": ">="}
@@ -90,10 +91,15 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
                 known[found] = Kind.SIGN, _SAME.get(found, found), ""
                 yield Token(Kind.SIGN, known[found][1], position)
             elif kind == "number":
-                end = match.end(kind)
-                if end < size and (text[end].isalpha() or text[end] == "_"):
+                behind = _BEHIND.match(text, match.end(kind))
+                if behind is None:
+                    yield Token(Kind.NUMBER, found, position)
+                elif found.isdigit() and words.token(behind[0]) is None:
+                    yield _misnamed(found + behind[0], position, known, faults)
+                    match = behind
+                else:
                     faults.error("number-runs-into-word", position, f"'{found}' runs into the word behind it", "put a blank between them")
-                yield Token(Kind.NUMBER, found, position)
+                    yield Token(Kind.NUMBER, found, position)
             elif kind == "text":
                 yield Token(Kind.TEXT, found[1:-1], position)
             else:
@@ -102,6 +108,15 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
             line, start = line + found.count("\n"), at + found.rindex("\n") + 1
         at = match.end()
     yield Token(Kind.END, "", source.at(line, at - start + 1))
+
+
+def _misnamed(name: str, position: Position, known: dict[str, tuple[Kind, str, str]], faults: Faults) -> Token:
+    """A name that begins with a digit: it is said once, and the name is read as any other."""
+    if name.upper() not in known:
+        faults.error("name-begins-with-digit", position, f"{name} begins with a digit", "a name begins with a letter")
+        known[name.upper()] = Kind.NAME, name, ""
+    faults.spoilt(position)
+    return Token(Kind.NAME, name, position)
 
 
 def _unknown(text: str, at: int, position: Position, faults: Faults) -> int:

@@ -48,10 +48,15 @@ class Faults:
     warnings: bool = True  # False: warnings are dropped
     _found: list[SourceFault] = field(default_factory=list)
     _places: set[tuple[str, Position]] = field(default_factory=set)
+    _spoilt: set[Position] = field(default_factory=set)
 
     def error(self, id: str, position: Position, text: str, hint: str = "") -> None:
         """An error; the same kind of error at the same place counts once."""
         self._add(SourceFault(id, position, text, Severity.ERROR, hint))
+
+    def spoilt(self, position: Position) -> None:
+        """A token that an error has named is read all the same: what is found at its place from now on is a consequence."""
+        self._spoilt.add(position)
 
     def warning(self, id: str, position: Position, text: str, hint: str = "") -> None:
         """A warning."""
@@ -60,7 +65,7 @@ class Faults:
 
     def _add(self, fault: SourceFault) -> None:
         key = (fault.id, fault.position)
-        if key not in self._places and not (self.full and fault.severity is Severity.ERROR):
+        if key not in self._places and fault.position not in self._spoilt and not (self.full and fault.severity is Severity.ERROR):
             self._places.add(key)
             self._found.append(fault)
 

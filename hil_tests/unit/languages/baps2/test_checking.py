@@ -177,3 +177,11 @@ def test_a_source_ends_at_the_end_mark_of_dos() -> None:
     source = {"P": body("HALT") + "\x1a\x00\x00garbage", "Q": "PROGRAM Q\nBEGIN\n\x1aHALT\nPROGRAM_END"}
     library = library_of(source)
     assert [[each.id for each in library.unit(name)[1]] for name in source] == [[], ["not-closed"]]
+
+
+def test_a_name_that_begins_with_a_digit_is_one_fault() -> None:
+    digit = "name-begins-with-digit"
+    assert faults_of(body("3X = 1\n3x = 3X + 2", "INTEGER : 3X")) == [(digit, 2)]
+    for statement in ("3X = 1", "A = 3X", "A = 3V", "MOVE TO 3P", "JUMP 3L\n3L:", "WRITE 3X", "3SUB(A)", "A = 3F(1)"):
+        assert faults_of(body(statement, "INTEGER : A")) == [(digit, 4)], statement
+    assert faults_of(body("RPT 3TIMES RPT_END")) == [("number-runs-into-word", 4)]
