@@ -12,7 +12,7 @@ TEXTS = {
     104: "mdesc rvel invalid",
     105: "mdesc reach invalid",
     106: "mdesc leave invalid",
-    150: "a move asked for earlier could not be finished",
+    150: "a move requested earlier could not be completed",
     153: "motion command not supported",
     154: "invalid motion instruction",
     160: "tool flange coordinates invalid",
