@@ -151,13 +151,17 @@ def _done(own: Instance, call: "Call[int] | Call[float] | Call[str]") -> Waiting
 
     A call that has ended at once does not look at the network: reading a telegram byte by byte would cost a system call for each byte.
     """
-    if not own.machine.current_is_synchronous:
-        yield own.machine.now
-    if not call.done or own.machine.sio.core.ordered():
-        _settle(own)
-    while not call.done:
-        yield None
-        _settle(own)
+    try:
+        if not own.machine.current_is_synchronous:
+            yield own.machine.now
+        if not call.done or own.machine.sio.core.ordered():
+            _settle(own)
+        while not call.done:
+            yield None
+            _settle(own)
+    finally:
+        if not call.done:  # the task is killed, or goes on elsewhere: what comes in is for those that still wait
+            own.machine.sio.core.cancel(call)
     return call.result()
 
 

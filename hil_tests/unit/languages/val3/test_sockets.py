@@ -158,3 +158,12 @@ def test_the_chain_of_the_arm_leads_where_joint_to_point_leads() -> None:
     found = run(App(data=data, programs={"start": code}), arm=True)
     assert isinstance(found["globals"], dict) and found["tasks"] == {}, found["log"]
     assert found["globals"]["e"] == pytest.approx(0, abs=1e-6) and found["globals"]["t"][0]["x"] != 0
+
+
+@pytest.mark.requirement("VAL-SIO-04", by=IO + "f_sio_get")
+@pytest.mark.parametrize("end", ['taskKill("r")', 'taskSuspend("r")\ntaskResume("r",1)'])
+def test_a_task_that_reads_no_more_takes_nothing_from_those_that_do(end: str) -> None:
+    code = f'taskCreate "r",10,reader()\ndelay(0.5)\n{end}\nn[0]=sioGet(si,d)\nn[1]=d[0]\nn[2]=clock()\ns[0]=si'
+    at = (*UP, (1.0, "sio.client=hex:07"), (2.0, "sio.client=hex:61620d"))
+    found, _ = played(code, at, reader="s[1]=si\ndelay(99)")
+    assert found[:3] == [1, 7, pytest.approx(1.0, abs=0.01)] and found[12:14] == ["ab", ""]
