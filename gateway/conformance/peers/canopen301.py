@@ -15,12 +15,14 @@ from gateway.conformance.peers.canopen301_frames import (
     deaf,
     each_50th,
     fixed_identifier,
+    general,
     lss_answers,
     no_toggle,
     on,
     other_number,
     short_taken,
     stuck_contents,
+    sub_for_index,
     tires,
     toggle_zero,
     when,
@@ -75,6 +77,7 @@ from gateway.conformance.peers.canopen301_servers import (
     NoToggleCheck,
     server,
 )
+from gateway.conformance.peers.canopen301_settings import SETTINGS, takes_constants
 from gateway.conformance.peers.canopen301_states import (
     any_entry_length,
     any_heartbeat,
@@ -108,17 +111,13 @@ from gateway.conformance.peers.canopen301_states import (
 )
 from gateway.conformance.peers.canopen301_states import remembers as remembers_all
 from gateway.conformance.peers.stations import Mutant, Variant
+from gateway.files.find import find_config
 from protocols.base.machine import Frame, ms
 from protocols.canopen import cob_id as cobid
 from protocols.canopen import lss, sdo
 from protocols.canopen.sdo import Abort
 
 LINK: dict[str, object] = {"node": NODE}
-
-
-def _sub_for_index(data: bytes) -> bytes:
-    missing = int(Abort.NO_OBJECT).to_bytes(4, "little")
-    return data[:4] + int(Abort.NO_SUB).to_bytes(4, "little") if data[0] == 0x80 and data[4:] == missing else data
 
 
 Row = tuple[str, str, tuple[str, ...], Callable[[], object]]
@@ -311,7 +310,7 @@ MUTANT_ROWS: tuple[Row, ...] = (
     _row("no-store", "save is acknowledged, nothing is kept", "STO_BV_01", no_store),
     _row("restores-at-once", "load acts at once", "STO_BV_02", restores_at_once),
     _row("restores-nothing", "load is acknowledged, nothing is restored", "STO_BV_02", restores_nothing),
-    _row("sub-for-index", "a missing index is refused as a missing sub-index", "DIC_BI_01 DIC_BI_06", says=answers(_sub_for_index)),
+    _row("sub-for-index", "a missing index is refused as a missing sub-index", "DIC_BI_01 DIC_BI_06", says=answers(sub_for_index)),
     _row("any-save", "1010h takes any signature", "STO_BI_01", any_signature(0x1010)),
     _row("any-load", "1011h takes any signature", "STO_BI_02", any_signature(0x1011)),
     _row(
@@ -388,10 +387,15 @@ MUTANT_ROWS: tuple[Row, ...] = (
     _row("any-entry-length", "maps an object with a wrong length", "PDO_BI_11", any_entry_length),
     _row("remaps-valid", "a valid PDO can be mapped anew", "PDO_BI_12", remaps_valid),
     _row("remaps-counted", "an entry is written while 1A00h:00 counts it", "PDO_BI_02", remaps_counted),
+    *(_row(*one) for one in SETTINGS),
 )
 
 
-MUTANTS = tuple(Mutant(name, what, expects, make, LINK, {}) for name, what, expects, make in MUTANT_ROWS)
+SHEET: dict[str, object] = {**LINK, "eds": str(find_config("axisgate_402.eds", "drives"))}
+MUTANTS = (
+    *(Mutant(name, what, expects, make, LINK, {}) for name, what, expects, make in MUTANT_ROWS),
+    Mutant("takes-constants", "takes a write to a constant", ("CO301_DIC_BI_08",), lambda: Drive(takes_constants), SHEET, {}),
+)
 
 
 def _good(name: str, what: str, make: Callable[[], object], touch: bool = True, **pics: object) -> Variant:
@@ -415,12 +419,9 @@ def without_size(data: bytes) -> bytes:
     return bytes((data[0] & ~0x0D,)) + data[1:] if data[0] & 2 else data
 
 
-def _general(data: bytes) -> bytes:
-    return data[:4] + bytes((0, 0, 0, 8)) if data[0] == 0x80 else data
-
-
 VARIANTS = (
     _good("plain", "offers everything", Drive),
+    Variant("with-its-eds", "its EDS is given", Drive, SHEET, {}),
     _good("slow", "SDO answers after 300 ms", lambda: Late(ms(300))),
     _good("chatty", "another node speaks as well", lambda: Drive(says=chatty)),
     _good("no-pdos", "no PDOs", lambda: Drive(lacks=PDOS)),
@@ -430,7 +431,7 @@ VARIANTS = (
     _good("guarding-only", "no heartbeat", lambda: Drive(lacks=(0x1017, 0x1016))),
     _good("no-lss", "no layer setting services", lambda: Drive(hears=deaf(cobid.LSS_MASTER))),
     _good("no-blocks", "refuses block transfers", lambda: Drive(hears=_no_such_service(5, 6))),
-    _good("general-aborts", "refuses everything with 08000000h", lambda: Drive(says=answers(_general))),
+    _good("general-aborts", "refuses everything with 08000000h", lambda: Drive(says=answers(general))),
     _good("no-sizes", "expedited uploads name no size", lambda: Drive(says=when(2, without_size))),
     _good("untouchable", "nothing may be written by PDO", Drive, touch=False),
     _good("fixed-mapping", "its mapping is constant", lambda: Drive(refuses(*MAPPINGS))),

@@ -6,7 +6,7 @@ from gateway.conformance.peers.can_devices import NODE, Drive, Says
 from protocols.base.machine import Frame
 from protocols.canopen import cob_id as cobid
 from protocols.canopen import sdo
-from protocols.canopen.sdo import Answer
+from protocols.canopen.sdo import Abort, Answer
 
 
 def answers(change: Callable[[bytes], bytes | None]) -> Says:
@@ -117,3 +117,12 @@ def on_heartbeat_silent(drive: Drive, frame: Frame) -> list[Frame]:
 def chatty(drive: Drive, frame: Frame) -> Sequence[Frame]:
     """Something of another node on the bus with every frame it sends."""
     return [Frame(cobid.heartbeat(77), b"\x05"), frame]
+
+
+def sub_for_index(data: bytes) -> bytes:
+    missing = int(Abort.NO_OBJECT).to_bytes(4, "little")
+    return data[:4] + int(Abort.NO_SUB).to_bytes(4, "little") if data[0] == 0x80 and data[4:] == missing else data
+
+
+def general(data: bytes) -> bytes:
+    return data[:4] + bytes((0, 0, 0, 8)) if data[0] == 0x80 else data

@@ -6,7 +6,7 @@ SCORES: dict[str, tuple[int, int]] = {
     "modbus-tcp": (85, 85),
     "modbus-rtu": (76, 76),
     "cia402": (87, 87),
-    "canopen-301": (128, 128),
+    "canopen-301": (143, 143),
     "servodyn": (60, 60),
     "interop": (51, 51),
 }

@@ -154,17 +154,23 @@ def write_only(t: NodeTester) -> None:
     condition=("eds",),
 )
 def beyond(t: NodeTester) -> None:
-    """Entries of the communication profile, and those that may be written."""
-    found = [entry for entry in _entries(t) if entry.high is not None and entry.access.writable and entry.type.whole]
-    found = [entry for entry in found if (entry.index < OWN or entry.key in t.setup.touch) and int(entry.high or 0) < entry.type.high]
-    if not found:
+    """Entries of the communication profile, and those that may be written; both limits."""
+    steps = list[tuple[Entry, int]]()
+    for entry in _entries(t):
+        if entry.access.writable and entry.type.whole and (entry.index < OWN or entry.key in t.setup.touch):
+            if entry.high is not None and int(entry.high) < entry.type.high:
+                steps.append((entry, int(entry.high) + 1))
+            if entry.low is not None and int(entry.low) > entry.type.low:
+                steps.append((entry, int(entry.low) - 1))
+    if not steps:
         raise NotApplicable("no entry that may be written has a limit")
-    for entry in found[:8]:
+    for entry, number in steps[:16]:
         with t.given():
             before = t.upload(entry.key)
-        value = (int(entry.high or 0) + 1).to_bytes(entry.type.size, "little")
+        value = (number & ((1 << entry.type.bits) - 1)).to_bytes(entry.type.size, "little")
+        code = Abort.TOO_HIGH if entry.high is not None and number > entry.high else Abort.TOO_LOW
         request = sdo.expedited(Request.INITIATE_DOWNLOAD, entry.key, value)
-        t.refused(request, (Abort.TOO_HIGH, Abort.VALUE), f"{value.hex(' ').upper()} to {entry}", (Abort.GENERAL, Abort.INCOMPATIBLE))
+        t.refused(request, (code, Abort.VALUE), f"{value.hex(' ').upper()} to {entry}", (Abort.GENERAL, Abort.INCOMPATIBLE))
         if (after := t.upload(entry.key)) != before:
             raise Fail(f"{entry} was changed by a refused write", before.hex(" ").upper(), after.hex(" ").upper())
 

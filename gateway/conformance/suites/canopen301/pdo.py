@@ -125,10 +125,10 @@ def contents(t: NodeTester) -> None:
     with transmission(t, 1) as identifier:
         for _ in range(3):  # a value that changes meanwhile is read again
             with t.given():
-                before = _read(t, parts)
+                before = mapped_value(t, parts)
             frames = synced(t, identifier, 1)[0]
             with t.given():
-                after = _read(t, parts)
+                after = mapped_value(t, parts)
             if before == after:
                 break
         else:
@@ -138,7 +138,7 @@ def contents(t: NodeTester) -> None:
         raise Fail("TPDO 1 holds other values than its objects", hexed(before), hexed(got))
 
 
-def _read(t: NodeTester, parts: list[pdo.Mapped]) -> bytes:
+def mapped_value(t: NodeTester, parts: list[pdo.Mapped]) -> bytes:
     value = place = 0
     for part in parts:
         value |= (t.number((part.index, part.sub)) & ((1 << part.bits) - 1)) << place
