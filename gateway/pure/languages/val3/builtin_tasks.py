@@ -131,6 +131,26 @@ def f_watch(own: Instance, condition: Callable[[], bool], seconds: float) -> Wai
     return True
 
 
+def f_wait_for(own: Instance, condition: Callable[[], Waiting]) -> Waiting:
+    """wait with an instruction in its condition that may wait itself, as sioGet."""
+    while not (yield from condition()):
+        yield None
+    return None
+
+
+def f_watch_for(own: Instance, condition: Callable[[], Waiting], seconds: float) -> Waiting:
+    """watch with an instruction in its condition that may wait itself: the time is looked at when that has ended (AX-1760)."""
+    end = own.machine.now + max(round(seconds * 1e9), 0)
+    first = True
+    while not (yield from condition()):
+        if not first and own.machine.now >= end:
+            return False
+        own.machine.expect(end)
+        first = False
+        yield None
+    return True
+
+
 def f_delay(own: Instance, seconds: float) -> Waiting:
     """Always yields."""
     end = own.machine.now + max(round(seconds * 1e9), 0)

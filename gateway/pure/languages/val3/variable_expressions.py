@@ -42,12 +42,11 @@ class VariableTranslator(ValueTranslator):
         if len(node.arguments) != (1 if name == "wait" else 2):
             raise self.fault(node, "invalid number of parameters")
         condition = self.of(node.arguments[0], "bool")
-        if condition.waits:
-            raise self.fault(node.arguments[0], "instruction that waits not allowed in a condition")
+        function = f"f_{name}_for" if condition.waits else f"f_{name}"  # sioGet in it: the lambda is a generator
         if name == "wait":
-            return Value(f"(yield from f_wait(lambda: {condition.code}))", "void", node, waits=True)
+            return Value(f"(yield from {function}(lambda: {condition.code}))", "void", node, waits=True)
         seconds = self.of(node.arguments[1], "num")
-        return Value(f"(yield from f_watch(lambda: {condition.code}, {seconds.code}))", "bool", node, waits=True)
+        return Value(f"(yield from {function}(lambda: {condition.code}, {seconds.code}))", "bool", node, waits=True)
 
     def _get_data(self, node: Invoke) -> Value:
         name, target = self.of(node.arguments[0], "string"), self.variable(node.arguments[1], "variable expected as parameter")

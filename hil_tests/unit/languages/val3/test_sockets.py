@@ -167,3 +167,17 @@ def test_a_task_that_reads_no_more_takes_nothing_from_those_that_do(end: str) ->
     at = (*UP, (1.0, "sio.client=hex:07"), (2.0, "sio.client=hex:61620d"))
     found, _ = played(code, at, reader="s[1]=si\ndelay(99)")
     assert found[:3] == [1, 7, pytest.approx(1.0, abs=0.01)] and found[12:14] == ["ab", ""]
+
+
+@pytest.mark.requirement("VAL-TASK-03", by="gateway.pure.languages.val3.builtin_tasks:f_watch")
+def test_wait_and_watch_take_conditions_that_read() -> None:
+    poll = 'sioCtrl(si,"timeout",-1)\nn[0]=sel(watch(sioGet(si,d)>0,0.5),1,2)\nn[1]=clock()\nwait(sioGet(si,d)>0 and d[0]==9)\nn[2]=clock()'
+    moment = pytest.approx
+    found, _ = played(poll, (*UP, (1.0, "sio.client=hex:09")))
+    assert found[:3] == [2, moment(0.5, abs=0.01), moment(1.0, abs=0.01)]
+    found, _ = played("n[0]=sel(watch(sioGet(si,d)>0,0.5),1,2)\nn[1]=clock()", (*UP, (1.0, "sio.client=hex:09")))
+    assert found[:2] == [1, moment(1.0, abs=0.01)], "a read that waits for ever ends first"
+    cyclic = 'sioCtrl(si,"timeout",-1)\ntaskCreateSync "p",0.004,b,poll()\ndelay(2)\ntaskKill("p")'
+    app = App(data=DATA + datum("b", "bool"), programs={"start": cyclic, "poll": "wait(sioGet(si,d)>0)\nn[0]=clock()\nwait(false)"})
+    data = run(app, at=(*UP, (1.0, "sio.client=hex:09")), until=5.0)["globals"]
+    assert isinstance(data, dict) and data["n"][0] == moment(1.0, abs=0.005)
