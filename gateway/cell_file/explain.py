@@ -279,8 +279,8 @@ def _value(cell: Cell, key: str) -> Any:
 
 
 def _not_used(number: str) -> tuple[str, str]:
-    """A P number that acts on nothing."""
-    return (f"acts on nothing: {read_texts('rho3-parameters').said(number)}" if number in LEGAL else "", "")
+    """A P number that has no effect."""
+    return (f"has no effect: {read_texts('rho3-parameters').said(number)}" if number in LEGAL else "", "")
 
 
 def _leaves(key: str, value: Any) -> Iterator[tuple[str, Any]]:

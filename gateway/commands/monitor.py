@@ -29,7 +29,7 @@ def main(argv: list[str]) -> int:
     if name not in up:
         what = "name one of them" if len(up) > 1 else "start one with: axisgate run demo --sim"
         asked = f"no run {name!r} is up" if name else "which run"
-        complain("monitor", f"{asked}; up are: {', '.join(up) or 'none'}; {what}")
+        complain("monitor", f"{asked}; running: {', '.join(up) or 'none'}; {what}")
         return ENVIRONMENT
     if arguments.pendant or arguments.press:
         return _pendant(name, arguments)

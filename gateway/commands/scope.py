@@ -27,7 +27,7 @@ EXAMPLES = """examples:
   axisgate scope export move.scope -o move.mf4                               also .csv
   axisgate scope channels demo                                               what can be recorded
 Ctrl-C ends a recording early and keeps what came.
-exit code: 0 done, 1 nothing triggered or the cycle fell silent, 2 unknown channel, trigger or file, 3 no such run"""
+exit code: 0 done, 1 nothing triggered or the cycle no longer ran, 2 unknown channel, trigger or file, 3 no such run"""
 
 
 def main(argv: list[str]) -> int:

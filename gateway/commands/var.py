@@ -31,7 +31,7 @@ def main(argv: list[str]) -> int:
     runs = [run for run in up if arguments.name in (None, run)]
     if len(runs) != 1:
         what = "choose one with --name" if len(up) > 1 else "start one with: axisgate run demo --sim"
-        complain("var", f"which run? up are: {', '.join(up) or 'none'}; {what}")
+        complain("var", f"which run? running: {', '.join(up) or 'none'}; {what}")
         return ENVIRONMENT
     request = {"op": "names"} if not arguments.address else {"op": "get", "address": arguments.address}
     if arguments.value is not None and arguments.address:

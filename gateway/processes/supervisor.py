@@ -1,6 +1,6 @@
 """The supervisor: makes the regions, starts the processes, watches their life, restarts them (design: section 4).
 
-Restart: at once, then after 1, 2, 5 s; six deaths in a minute: the journal reports it, the cycle stays down, every other process is tried
+Restart: at once, then after 1, 2, 5 s; six failures in a minute: the journal reports it, the cycle stays down, every other process is tried
 again every 10 s (AX-621).  Tools ask it for status, regions (fds by SCM_RIGHTS), hold, release, stop.
 """
 
@@ -251,7 +251,7 @@ class Supervisor:
             running.down = running.child.name == STAYS_DOWN
             running.start_at = None if running.down else now + SLOW_NS
             then = "it stays down" if running.down else f"it is started again every {SLOW_NS // 1_000_000_000} s"
-            running.alarm = f"{running.child.name} {how}; {deaths} deaths in a minute: {then}"
+            running.alarm = f"{running.child.name} {how}; {deaths} failures in a minute: {then}"
             self.journal.write("alarm", running.alarm, child=running.child.name)
             return
         wait = WAITS_NS[min(deaths - 1, len(WAITS_NS) - 1)]

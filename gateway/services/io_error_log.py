@@ -42,7 +42,7 @@ class IoComplaints:
                 self._tell(each, "")
             if not each.standing and (before is None or before.standing or before.count != each.count):
                 host.gone(each.number, where)
-                self._tell(each, ": good again")
+                self._tell(each, ": recovered")
         for where in self._known.keys() - told.keys():  # another cycle, which knows nothing of it
             host.gone(self._known[where].number, where)
         self._known = told

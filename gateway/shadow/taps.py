@@ -43,7 +43,7 @@ class _Listened:
         return self.port.read() if self.port is not None else []
 
     def write(self, data: bytes) -> int:
-        """Raises Silence, or does nothing at all while the port is away."""
+        """Raises Silence, or does nothing at all while the port not available."""
         return self.port.write(data) if self.port is not None else 0
 
     def unsent(self) -> int:

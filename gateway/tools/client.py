@@ -75,7 +75,7 @@ class ToolClient:
                 self._link.sendall(json.dumps({"op": op, **request}).encode() + b"\n")
                 answer: Row = json.loads(self._file.readline() or b"{}")
         except (OSError, ValueError) as error:
-            raise ToolError(f"run {self.run!r}: the services are gone ({error})") from error
+            raise ToolError(f"run {self.run!r}: the services process has ended ({error})") from error
         if "error" in answer:
             raise ToolError(str(answer["error"]))
         return answer

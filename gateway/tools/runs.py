@@ -46,7 +46,7 @@ def chosen(command: str, name: str | None) -> str | None:
         return up[0]
     what = f"no run {name!r} is up;" if name else "which run?"
     next_step = f"name one: axisgate {command} {up[0]}" if up else "start one: axisgate run CELL"
-    complain(command, f"{what} up are: {', '.join(up) or 'none'}; {next_step}")
+    complain(command, f"{what} running: {', '.join(up) or 'none'}; {next_step}")
     return None
 
 

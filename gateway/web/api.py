@@ -361,5 +361,5 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("POST", "/api/cable", s, "pull a simulated cable", api.cable, Cable, True, plant=True),
         row("POST", "/api/fault", s, "fault an emulated drive", api.fault, Fault, True, plant=True),
         *account_endpoints(api.accounts),
-        row("GET", "/api/audit", a, "who changed what, and whether the chain is whole", api.audit),
+        row("GET", "/api/audit", a, "who changed what, and whether the chain is intact", api.audit),
     ]

@@ -65,7 +65,7 @@ BY_KIND: dict[str, dict[str, Words]] = {  # of what an order says, and in which 
     "POST /api/cable do": {
         "unplug": ("pulled the cable of {line}", "Kabel von {line} gezogen"),
         "plug": ("plugged the cable of {line}", "Kabel von {line} gesteckt"),
-        "damage": ("spoiled characters on {line}", "Zeichen auf {line} gestört"),
+        "damage": ("damaged characters on {line}", "Zeichen auf {line} gestört"),
         "calm": ("cleaned the line {line}", "Leitung {line} gesäubert"),
         "remove": ("removed one end of {line}", "ein Ende von {line} gezogen"),
         "insert": ("put one end of {line} back", "ein Ende von {line} gesteckt"),

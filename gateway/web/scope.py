@@ -106,14 +106,14 @@ class Scope:
             await asyncio.sleep(LOOK_S)
             records = self._ring.take(AT_ONCE)
             if self._ring.generation != generation:  # its records count anew
-                self._end("the cycle was started again")
+                self._end("the cycle was restarted")
                 return
             for sequence, record in records:
                 kept.take(sequence, record)
             if records:
                 heard = time.monotonic()
             elif time.monotonic() - heard > SILENT_S:
-                self._end("the cycle fell silent")
+                self._end("the cycle no longer ran")
                 return
         self._end("")
 

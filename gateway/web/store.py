@@ -243,7 +243,7 @@ class Store:
         return [dict(zip(names, row, strict=True)) for row in rows]
 
     def verify(self) -> int | None:
-        """Number of the first entry that does not fit the one before it; None: the chain is whole."""
+        """Number of the first entry that does not fit the one before it; None: the chain is intact."""
         before, expected = BEGIN, 1
         for row in self._rows("select number, wall, who, source, what, detail, hash from audit order by number"):
             number, moment, who, source, what, words, found = (str(each) for each in row)

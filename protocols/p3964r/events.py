@@ -26,7 +26,7 @@ class Failure(Enum):
     NAK = auto()
     WRONG = auto()  # a character that is neither DLE nor NAK
     DAMAGED = auto()  # the answer came spoiled
-    CONFLICT = auto()  # gave way to the partner, who then sent no whole block
+    CONFLICT = auto()  # gave way to the partner, which then sent no complete block
     BREAK = auto()
     CROWDED = auto()  # too many jobs waiting; the oldest waiting one is dropped
     LOST = auto()  # the port went away

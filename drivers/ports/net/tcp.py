@@ -83,4 +83,4 @@ class TcpPort:
         self._socket.close()
 
     def _gone(self, error: OSError) -> PortError:
-        return PortError(error.errno, f"{self.name}: connection is gone ({error.strerror}); it is made again when the partner is back")
+        return PortError(error.errno, f"{self.name}: connection was lost ({error.strerror}); it is made again when the partner is back")

@@ -87,4 +87,4 @@ class DescriptorPort:
         return items
 
     def _gone(self, error: OSError) -> PortError:
-        return PortError(error.errno, f"{self.kind} {self.name}: is gone ({error.strerror}); it is opened again when {self.back}")
+        return PortError(error.errno, f"{self.kind} {self.name}: lost ({error.strerror}); it is opened again when {self.back}")

@@ -103,4 +103,4 @@ class Rfc2217Port:
                     self._readers.sendall(data + self._serial.read(self._serial.in_waiting))
 
     def _gone(self, error: OSError) -> PortError:
-        return PortError(error.errno, f"{self.name}: connection is gone ({error.strerror}); it is made again when the server is back")
+        return PortError(error.errno, f"{self.name}: connection was lost ({error.strerror}); it is made again when the server is back")

@@ -142,8 +142,8 @@ class Runner:
         expected = "an open port"
         if not self._gone_in:
             self._gone_in = purpose.id
-            return Result(purpose, Verdict.FAIL, f"the device is gone: {self._gone}", expected, self._gone)
-        return Result(purpose, Verdict.INCONC, f"not run: the device is gone ({self._gone})", expected, self._gone, self._gone_in)
+            return Result(purpose, Verdict.FAIL, f"the device was lost: {self._gone}", expected, self._gone)
+        return Result(purpose, Verdict.INCONC, f"not run: the device was lost ({self._gone})", expected, self._gone, self._gone_in)
 
     def _repeated(self, purpose: Purpose[Tester]) -> Result:
         shown: list[str] = []
@@ -259,7 +259,7 @@ def ordered(purposes: Sequence[Purpose[Tester]], seed: int | None) -> list[Purpo
 
 
 def _words(error: PortError) -> str:
-    return str(error.args[-1]) if error.args else "the port is gone"
+    return str(error.args[-1]) if error.args else "the port was lost"
 
 
 def _last(notes: Notes) -> str:

@@ -112,11 +112,11 @@ class LineDecoder:
     def _outside(self, stamp: Ns, side: str, what: int | Damage) -> list[LineReport]:
         self._answer_of = ""
         if isinstance(what, Damage):
-            return [LineReport(stamp, side, "DAMAGED", f"a spoiled character ({what.name.lower()})", first=stamp)]
+            return [LineReport(stamp, side, "DAMAGED", f"a damaged character ({what.name.lower()})", first=stamp)]
         told: list[LineReport] = []
         match what:
             case Char.STX:
-                text = "STX: wants to send"
+                text = "STX: requests to send"
                 if self._both and any(other != side for other in self._offered):
                     text += ", at the same time as the other side (conflict)"
                 self._offered[side] = stamp
@@ -167,7 +167,7 @@ class LineDecoder:
         data = bytes(block.data)
         text = telegram_text(data)
         if block.damaged:
-            text += f"; {block.damaged} spoiled characters"
+            text += f"; {block.damaged} damaged characters"
         if difference:
             text += f"; BCC wrong, off by {difference:02X}h" + (" (the sender includes STX)" if difference == Char.STX else "")
         return LineReport(

@@ -22,19 +22,19 @@ REFUSED = {
     Refusal.CHECK: "wrong block check",
     Refusal.DAMAGED: "characters damaged on the line (parity, framing or overrun)",
     Refusal.BREAK: "the line was interrupted (BREAK)",
-    Refusal.NO_BUFFER: "the previous block was not taken yet",
-    Refusal.LOST: "the port went away",
+    Refusal.NO_BUFFER: "the previous block has not been read yet",
+    Refusal.LOST: "the port was lost",
 }
 FAILED = {
     Failure.SILENT: "no answer within the acknowledgement delay",
     Failure.NAK: "the partner answered NAK",
     Failure.WRONG: "the partner answered neither DLE nor NAK",
     Failure.DAMAGED: "the answer came damaged",
-    Failure.CONFLICT: "gave way to the partner, who then sent no whole block",
+    Failure.CONFLICT: "gave way to the partner, which then sent no complete block",
     Failure.BREAK: "the line was interrupted (BREAK)",
     Failure.CROWDED: "too many jobs waiting",
-    Failure.LOST: "the port went away",
-    Failure.REVOKED: "taken back",
+    Failure.LOST: "the port was lost",
+    Failure.REVOKED: "cancelled",
 }
 STAGES = {Stage.WAITING: "while it waited", Stage.CONNECT: "at the connection", Stage.BLOCK: "behind the block"}
 

@@ -32,7 +32,7 @@ def socket_path(name: str) -> str:
 
 
 def carry_out(slave: ServodynSlave, command: Command) -> Answer:
-    """One fault to order, or the state.  Raises BadCommandError."""
+    """One fault to trigger, or the state.  Raises BadCommandError."""
     plain = {
         "stuck_encoder": slave.stuck_encoder,
         "wrong_sign": slave.wrong_sign,

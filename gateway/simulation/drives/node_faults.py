@@ -25,7 +25,7 @@ MOST = 1_000_000
 
 
 def carry_out_node(slave: Cia402Slave, command: Command) -> Answer:
-    """One fault to order, or the state.  Raises BadCommandError."""
+    """One fault to trigger, or the state.  Raises BadCommandError."""
     what = str(command.get("do"))
     if what == "state":
         return slave.state()

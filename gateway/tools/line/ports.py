@@ -162,14 +162,14 @@ class PyserialPort:
             while more := self._serial.read(self._serial.in_waiting or 1):
                 data += more
         except OSError as error:
-            raise PortError(getattr(error, "errno", None) or 0, f"serial port {self.name}: is gone ({error})") from error
+            raise PortError(getattr(error, "errno", None) or 0, f"serial port {self.name}: lost ({error})") from error
         return [data] if data else []
 
     def write(self, data: bytes) -> int:
         try:
             return int(self._serial.write(data) or 0)
         except OSError as error:
-            raise PortError(getattr(error, "errno", None) or 0, f"serial port {self.name}: is gone ({error})") from error
+            raise PortError(getattr(error, "errno", None) or 0, f"serial port {self.name}: lost ({error})") from error
 
     def unsent(self) -> int:
         """0 where no line is behind the address; else unknown, and the count by character time holds."""
@@ -180,7 +180,7 @@ class PyserialPort:
         try:
             self._waited += self._serial.read(1)
         except OSError as error:
-            raise PortError(getattr(error, "errno", None) or 0, f"serial port {self.name}: is gone ({error})") from error
+            raise PortError(getattr(error, "errno", None) or 0, f"serial port {self.name}: lost ({error})") from error
         self._serial.timeout = 0
 
     def spoil(self) -> bool:

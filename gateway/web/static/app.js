@@ -132,7 +132,7 @@ function connected(up, reason, code) {
   document.getElementById("state").dataset.words = "";
   if (code === 4403) login();
   if (!bar) { bar = h("div", { class: "lost", id: "lost", role: "alert" }); document.body.append(bar); }
-  put(bar, reason || t("Connection lost; values are old. It connects again by itself."));
+  put(bar, reason || t("Connection lost: values are stale. The page reconnects automatically."));
 }
 
 function field(label, attributes) {

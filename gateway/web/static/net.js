@@ -15,7 +15,7 @@ export function may(role) {
 // Why this person may not do what takes the role; "": may.
 export function unable(role) {
   if (may(role)) return "";
-  if (me.read_only) return t("The page is read-only; stop on the path stays.");
+  if (me.read_only) return t("The page is read-only; stop on the path remains available.");
   if (me.fresh) return t("Set the first password.");
   if (me.name === "local" || me.name === "nobody") return `${t("Log in first; role required:")} ${t(role)}.`;
   return `${t("Role required:")} ${t(role)}; ${me.name}: ${t(me.role)}.`;

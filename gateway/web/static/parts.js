@@ -54,7 +54,7 @@ export function errors(box, head, t, language) {
   if (box.dataset.words === words) return;
   box.dataset.words = words;
   const rows = list.map((error, n) => h("div", { class: n ? "later" : "first" },
-    h("strong", {}, `${error.code}  ${error.text}`), error.do ? h("p", {}, `${t("What to do")}: ${error.do}`) : null, !n && error.cause ? h("p", { class: "small" }, `${t("Cause")}: ${error.cause}`) : null, !n && error.reset ? h("p", { class: "small" }, `${t("Goes away")}: ${error.reset}`) : null));
+    h("strong", {}, `${error.code}  ${error.text}`), error.do ? h("p", {}, `${t("What to do")}: ${error.do}`) : null, !n && error.cause ? h("p", { class: "small" }, `${t("Cause")}: ${error.cause}`) : null, !n && error.reset ? h("p", { class: "small" }, `${t("Reset")}: ${error.reset}`) : null));
   if (!rows.length && head.stop_text[i]) rows.push(h("div", { class: "later" }, h("strong", {}, head.stop_text[i])));
   if (!rows.length) rows.push(h("p", { class: "none" }, t("No error is pending.")));
   if (missing.length) rows.push(h("p", { class: "soft" }, `${t("Enabling inputs missing")}: ${missing.join(", ")}`));

@@ -32,7 +32,7 @@ class PtyMaster:
         except BlockingIOError:
             return []
         except OSError as error:
-            raise PortError(error.errno, f"{self.name}: is gone ({error.strerror})") from error
+            raise PortError(error.errno, f"{self.name}: lost ({error.strerror})") from error
 
     def write(self, data: bytes) -> int:
         """How many characters were taken."""
@@ -42,7 +42,7 @@ class PtyMaster:
         except BlockingIOError:
             return 0
         except OSError as error:
-            raise PortError(error.errno, f"{self.name}: is gone ({error.strerror})") from error
+            raise PortError(error.errno, f"{self.name}: lost ({error.strerror})") from error
         if count == len(wire):
             self._rest = b""
             return len(data)

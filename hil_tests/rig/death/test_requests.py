@@ -89,7 +89,7 @@ def test_var_writes_as_the_plc_would_and_speaks_json(run: CellRun) -> None:
 
 def test_var_knows_which_runs_are_up(run: CellRun) -> None:
     code, out, err = axisgate("var", "cell.ready", "--name", "other")
-    assert (code, out) == (3, "") and err == "axisgate var: which run? up are: tools; start one with: axisgate run demo --sim"
+    assert (code, out) == (3, "") and err == "axisgate var: which run? running: tools; start one with: axisgate run demo --sim"
     with socket.socket(socket.AF_UNIX) as dead:
         dead.bind(str(runtime_dir() / "crashed-services.sock"))
     assert axisgate("var", "cell.ready") == (0, "cell.ready = 1", ""), "a socket nobody listens on is no run"

@@ -1,4 +1,4 @@
-"""Six deaths in a minute: every process but the cycle is tried again slowly; `axisgate status|stop|release` (AX-621)."""
+"""Six failures in a minute: every process but the cycle is tried again slowly; `axisgate status|stop|release` (AX-621)."""
 
 import json
 import os
@@ -9,7 +9,7 @@ import time
 
 from hil_tests.lab.running.cell_running import P5_MS, CellRun, running_cell
 
-ALARM = "line-plc1 ended with signal SIGKILL; 6 deaths in a minute: it is started again every 10 s"
+ALARM = "line-plc1 ended with signal SIGKILL; 6 failures in a minute: it is started again every 10 s"
 
 
 def axisgate(*arguments: str) -> tuple[int, str, str]:
@@ -50,7 +50,7 @@ def test_a_process_that_died_six_times_comes_back_slowly_or_at_once_when_it_is_r
         assert axisgate("stop") == (0, "run 'slow' has ended", "")
         assert run.process.wait(5) == 0
         code, _, err = axisgate("status")
-        assert code == 3 and err == "axisgate status: which run? up are: none; start one: axisgate run CELL"
+        assert code == 3 and err == "axisgate status: which run? running: none; start one: axisgate run CELL"
 
 
 def test_a_process_that_cannot_be_ended_at_once_does_not_hold_up_the_watch() -> None:

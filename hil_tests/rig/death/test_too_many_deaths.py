@@ -1,4 +1,4 @@
-"""Design 4: restart at once, then after 1, 2, 5 s; six deaths in a minute = stay down, alarm."""
+"""Design 4: restart at once, then after 1, 2, 5 s; six failures in a minute = stay down, alarm."""
 
 import time
 
@@ -34,7 +34,7 @@ def test_a_cycle_that_dies_six_times_stays_down_and_everybody_is_told() -> None:
 def stays_down(run: CellRun, at: int) -> None:
     time.sleep(0.5)
     assert (run.processes()["cycle"]["state"], run.processes()["cycle"]["pid"]) == ("down", None)
-    words = "cycle ended with signal SIGKILL; 6 deaths in a minute: it stays down"
+    words = "cycle ended with signal SIGKILL; 6 failures in a minute: it stays down"
     assert [entry["text"] for entry in run.journal("alarm") if entry["ns"] > at] == [words]
     assert run.status()["alarms"] == [words]
     assert not [entry for entry in run.journal("process") if entry["ns"] > at and entry["text"].startswith("cycle started")]

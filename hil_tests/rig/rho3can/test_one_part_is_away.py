@@ -81,7 +81,7 @@ def test_a_silent_module_is_error_381_of_the_cell_while_it_is_silent(run: CellRu
     told = entries(run, since)
     assert good and stands and again
     assert words == ["no transm. CAN2 I1: no data from input block 1 on CAN 2: check plug, cable, module or the coupled control"]
-    assert told[0] == f"381 {words[0]}" and f"381 {words[0]}: good again" in told
+    assert told[0] == f"381 {words[0]}" and f"381 {words[0]}: recovered" in told
 
 
 DEAD, BACK_S = 2, 2.0  # the third axis

@@ -130,7 +130,7 @@ def test_assess_and_check_speak_the_language_of_the_system(tmp_path: pathlib.Pat
     assert "Mit: axisgate" in said("en_GB.UTF-8", "assess", "--language", "de", *given)
     cell = tmp_path / "own.toml"
     cell.write_text('format = 1\n[cell]\nname = "own"\n[rho3]\nP402 = 1\n')
-    assert "Warnung  rho3.P402: wirkt auf nichts: Referenzieren ein oder aus" in said("de_AT", "check", str(cell))
-    assert "warning  rho3.P402: acts on nothing: referencing on or off" in said("C", "check", str(cell))
+    assert "Warnung  rho3.P402: wirkungslos: Referenzieren ein oder aus" in said("de_AT", "check", str(cell))
+    assert "warning  rho3.P402: has no effect: referencing on or off" in said("C", "check", str(cell))
     cell.write_text("format = 1\n[cell]\nnane = 1\n")
     assert "Fehler" in said("de_DE", "check", str(cell)) and "weiter: beheben, dann: axisgate check" in said("de_DE", "check", str(cell))

@@ -104,7 +104,7 @@ def test_the_first_password_is_set_once_and_roles_count(web: WebRun, boss: Page)
     assert web.ask("GET", "/api/me", **bearer)[1]["role"] == "viewer"
     assert web.ask("POST", "/api/force", {"bit": 40, "value": 1}, **bearer)[0] == 403, "a viewer's token forces nothing"
     assert web.ask("GET", "/api/me", authorization="Bearer axg_wrong")[0] == 401
-    until(lambda: "the chain is whole" in boss.inner_text("body"), "the audit is verified")
+    until(lambda: "the chain is intact" in boss.inner_text("body"), "the audit is verified")
 
 
 def test_a_wrong_password_is_refused_and_so_is_a_wrong_role(web: WebRun) -> None:
@@ -342,7 +342,7 @@ def test_the_plug_is_pulled_and_it_comes_back(web: WebRun, guest: Page) -> None:
     until(lambda: "plc1 silent" in guest.inner_text("#state"), "the link is red")
     guest.evaluate(QUIET)
     guest.screenshot(path=pictures() / "plug-pulled.png")
-    guest.click("[data-plug=plc1]:has-text('Put the plug back')")
+    guest.click("[data-plug=plc1]:has-text('Plug in again')")
     until(lambda: "plc1 alive" in guest.inner_text("#state"), "and green again by itself")
 
 

@@ -76,7 +76,7 @@ def _refused(row: Row) -> None:
     @REFUSED.case(
         f"BI_{row.number:02}",
         f"{row.what} is refused ({codes}), without effect",
-        f"{row.what_de} wird abgelehnt ({codes}), ohne Wirkung",
+        f"{row.what_de} wird abgelehnt ({codes}), wirkungslos",
         clause="CiA 301, table 22",
         condition=row.condition,
         preamble=row.preamble,

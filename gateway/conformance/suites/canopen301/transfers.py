@@ -48,7 +48,7 @@ def two_segments(t: NodeTester) -> None:
 @MORE.case(
     "BI_11",
     "a segment of a download that comes twice is refused (05030000h), without effect",
-    "ein doppelt gesendetes Segment eines Downloads wird abgelehnt (05030000h), ohne Wirkung",
+    "ein doppelt gesendetes Segment eines Downloads wird abgelehnt (05030000h), wirkungslos",
     clause="CiA 301, table 22",
     condition=SEGMENTS,
     preamble=ONE_SEGMENT,

@@ -309,7 +309,7 @@ def _single_writes(case: Case) -> None:
         "BI_50",
         5,
         "a value that is neither 0000h nor FF00h is refused with 03h, without effect",
-        "ein Wert außer 0000h und FF00h wird mit 03h abgelehnt, ohne Wirkung",
+        "ein Wert außer 0000h und FF00h wird mit 03h abgelehnt, wirkungslos",
     )
     def coil_value(t: ModbusTester) -> None:
         at = t.setup.coils[0]
@@ -320,7 +320,7 @@ def _single_writes(case: Case) -> None:
                 for value in (0x0001, 0xFFFF, 0xFF01, 0x00FF):
                     _without_effect(t, struct.pack(">BHH", 5, at, value), 3, f"FC 5 with {value:04X}h", 1, at, 1)
 
-    @case("BI_60", 6, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, ohne Wirkung")
+    @case("BI_60", 6, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, wirkungslos")
     def register_short(t: ModbusTester) -> None:
         unchanged(t, struct.pack(">BHH", 6, t.setup.holding[0], 0x5A5A)[:-1], "FC 6, a byte too few", 3, t.setup.holding[0], 1)
 
@@ -330,7 +330,7 @@ def _counted_writes(case: Case) -> None:
         "BI_70",
         15,
         "amount 0, and byte counts that do not fit, are refused with 03h, without effect",
-        "Anzahl 0 und unpassende Bytezahlen werden mit 03h abgelehnt, ohne Wirkung",
+        "Anzahl 0 und unpassende Bytezahlen werden mit 03h abgelehnt, wirkungslos",
     )
     def coils(t: ModbusTester) -> None:
         at = t.setup.coils[0]
@@ -349,7 +349,7 @@ def _counted_writes(case: Case) -> None:
         "BI_71",
         16,
         "amount 0, and byte counts that do not fit, are refused with 03h, without effect",
-        "Anzahl 0 und unpassende Bytezahlen werden mit 03h abgelehnt, ohne Wirkung",
+        "Anzahl 0 und unpassende Bytezahlen werden mit 03h abgelehnt, wirkungslos",
     )
     def registers(t: ModbusTester) -> None:
         at = t.setup.holding[0]
@@ -367,7 +367,7 @@ def _writes_beyond(case: Case) -> None:
         "BI_72",
         16,
         "124 registers are refused or the connection is closed, without effect",
-        "124 Register werden abgelehnt oder die Verbindung wird geschlossen, ohne Wirkung",
+        "124 Register werden abgelehnt oder die Verbindung wird geschlossen, wirkungslos",
     )
     def too_many(t: ModbusTester) -> None:
         unchanged(
@@ -382,7 +382,7 @@ def _writes_beyond(case: Case) -> None:
 
 
 def _writes_in_one_request(case: Case) -> None:
-    @case("BI_80", 22, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, ohne Wirkung")
+    @case("BI_80", 22, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, wirkungslos")
     def mask_short(t: ModbusTester) -> None:
         unchanged(t, struct.pack(">BHHH", 22, t.setup.holding[0], 0, 0x5A5A)[:-1], "FC 22, a byte too few", 3, t.setup.holding[0], 1)
 
@@ -390,7 +390,7 @@ def _writes_in_one_request(case: Case) -> None:
         "BI_81",
         23,
         "a byte count that does not fit is refused with 03h, without effect",
-        "eine unpassende Bytezahl wird mit 03h abgelehnt, ohne Wirkung",
+        "eine unpassende Bytezahl wird mit 03h abgelehnt, wirkungslos",
     )
     def both(t: ModbusTester) -> None:
         at = t.setup.holding[0]

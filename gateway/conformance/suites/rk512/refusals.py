@@ -200,7 +200,7 @@ def forgotten_number(t: LineTester) -> None:
 @PAS.case(
     "BO_01",
     "a command whose block is refused has no effect",
-    "ein Auftrag, dessen Block abgelehnt wird, bleibt ohne Wirkung",
+    "ein Auftrag, dessen Block abgelehnt wird, bleibt wirkungslos",
     condition=("block_check",),
     clause="serial-protocols 1.4",
 )

@@ -4,8 +4,8 @@ import { language } from "../texts.js";
 
 export function mount(root, { t, get, post, me, may, login }) {
   const own = h("section", { class: "card w12" }, h("h2", {}, t("You")), h("p", {}, `${me.name}: ${t(me.role)}${me.local ? `, ${t("at the gateway itself")}` : ""}`),
-    me.read_only ? h("p", { class: "badq" }, t("The page is read-only; stop on the path stays.")) : null,
-    h("p", { class: "soft" }, t("Looking and stopping need no password here. Operators move, setters force and simulate, administrators give access.")),
+    me.read_only ? h("p", { class: "badq" }, t("The page is read-only; stop on the path remains available.")) : null,
+    h("p", { class: "soft" }, t("Viewing and stopping need no password. Operators move axes, setters force signals and simulate, administrators manage access.")),
     may("viewer") && me.name !== "local" ? null : h("button", { type: "button", class: "main", onclick: login }, me.fresh ? t("Set the first password") : t("Log in")));
   const grid = h("div", { class: "grid" }, own);
   root.append(grid);
@@ -19,11 +19,11 @@ export function mount(root, { t, get, post, me, may, login }) {
   const secret = h("p", { class: "mono", id: "token" });
   const users = new Table([
     { title: t("Name"), cell: text((row) => row.name) }, { title: t("role"), cell: text((row) => t(row.role)) },
-    { title: "", cell: (row, td) => { if (!td.firstChild) td.append(h("button", { type: "button", class: "tiny danger", onclick: async () => { await post("/api/users/drop", { name: row.name }, "The user is gone"); fill(); } }, t("remove"))); } },
+    { title: "", cell: (row, td) => { if (!td.firstChild) td.append(h("button", { type: "button", class: "tiny danger", onclick: async () => { await post("/api/users/drop", { name: row.name }, "The user is removed"); fill(); } }, t("remove"))); } },
   ], (row) => row.name, { label: t("Users") });
   const tokens = new Table([
     { title: t("label"), cell: text((row) => row.label) }, { title: t("role"), cell: text((row) => t(row.role)) }, { title: t("since"), cell: text((row) => row.made.slice(0, 16)) },
-    { title: "", cell: (row, td) => { if (!td.firstChild) td.append(h("button", { type: "button", class: "tiny danger", onclick: async () => { await post("/api/tokens/drop", { name: row.label }, "The token is void"); fill(); } }, t("remove"))); } },
+    { title: "", cell: (row, td) => { if (!td.firstChild) td.append(h("button", { type: "button", class: "tiny danger", onclick: async () => { await post("/api/tokens/drop", { name: row.label }, "The token is revoked"); fill(); } }, t("remove"))); } },
   ], (row) => row.label, { label: t("Tokens") });
   const audit = new Table([
     { title: t("number"), n: true, cell: text((row) => row.number) }, { title: t("time"), cell: (row, td) => { put(td, moment(row.wall)); td.style.whiteSpace = "nowrap"; } }, { title: t("who"), cell: text((row) => row.who) },
@@ -45,7 +45,7 @@ export function mount(root, { t, get, post, me, may, login }) {
     tokens.update(told.tokens);
     entries = kept.entries;
     sift();
-    chain.replaceChildren(kept.broken_at === null ? chip("good", t("the chain is whole")) : chip("bad", `${t("the chain is broken at entry")} ${kept.broken_at}`));
+    chain.replaceChildren(kept.broken_at === null ? chip("good", t("the chain is intact")) : chip("bad", `${t("the chain is broken at entry")} ${kept.broken_at}`));
   }
   fill().catch((error) => put(secret, error.message));
   return {};

@@ -10,8 +10,8 @@ export function mount(root, { t, cell, post }) {
     const state = chip("plain", "");
     const link = chip("plain", "");
     const facts = h("p", { class: "small mono" });
-    const damage = h("button", { type: "button", class: "tiny", onclick: () => post("/api/cable", { line: name, do: "damage", side: "A", kind: "parity", probability: 0.01 }, "One character in a hundred is spoiled") }, t("Spoil 1 % of the characters"));
-    const calm = h("button", { type: "button", class: "tiny", onclick: () => post("/api/cable", { line: name, do: "calm" }, "The line is clean") }, t("Clean line"));
+    const damage = h("button", { type: "button", class: "tiny", onclick: () => post("/api/cable", { line: name, do: "damage", side: "A", kind: "parity", probability: 0.01 }, "One character in a hundred is corrupted") }, t("Corrupt 1 % of the characters"));
+    const calm = h("button", { type: "button", class: "tiny", onclick: () => post("/api/cable", { line: name, do: "calm" }, "The disturbance has ended") }, t("End the disturbance"));
     plugs.set(name, { plug, state, link, facts });
     return h("section", { class: "card w6" }, h("h2", {}, `${t("Cable of line")} ${name}`), h("div", { class: "bar" }, plug, state, link), facts, h("div", { class: "bar" }, damage, calm));
   }
@@ -26,19 +26,19 @@ export function mount(root, { t, cell, post }) {
       put(c, words); mark(c, `chip ${bad ? "bad" : "plain"}`);
     } },
     { title: t("torque Nm"), n: true, cell: text((row) => row.torque, 2) },
-    { title: t("fault to order"), cell: orders },
+    { title: t("fault to trigger"), cell: orders },
   ], (row) => row.axis, { label: t("Drives") });
   function orders(row, td) {
     if (td.firstChild) return;
     const known = cell.faults.find((each) => each.axis === row.axis);
-    const choice = h("select", { "data-fault": row.axis, "aria-label": `${t("fault to order")} ${row.axis}` },
+    const choice = h("select", { "data-fault": row.axis, "aria-label": `${t("fault to trigger")} ${row.axis}` },
       [...known.switched.flatMap((name) => [`${name} on`, `${name} off`]), ...known.faults].map((name) => h("option", {}, name)));
     td.append(h("span", { class: "bar", style: "margin:0" }, choice, h("button", { type: "button", class: "tiny", "data-inject": row.axis, onclick: () => {
       const [name, on] = choice.value.split(" ");
-      post("/api/fault", { emulator: known.emulator, do: name, ...known.key, ...(on ? { on: on === "on" } : {}) }, "The fault is ordered");
-    } }, t("Order it"))));
+      post("/api/fault", { emulator: known.emulator, do: name, ...known.key, ...(on ? { on: on === "on" } : {}) }, "The fault is triggered");
+    } }, t("Trigger the fault"))));
   }
-  root.append(h("p", {}, t("Everything here is emulated: pull cables and break drives as you like, and watch it come back.")), cables,
+  root.append(h("p", {}, t("Everything here is emulated: pull cables, inject drive faults and watch the cell recover.")), cables,
     h("section", { class: "card", style: "margin-top:.9rem" }, h("h2", {}, t("Emulated drives")), drives.element));
   return {
     update(page, head) {
@@ -52,7 +52,7 @@ export function mount(root, { t, cell, post }) {
         if (!own) continue;
         const plugged = told.plugged !== false;
         own.plug.dataset.plugged = plugged ? "1" : "0";
-        put(own.plug, plugged ? t("Pull the plug") : t("Put the plug back"));
+        put(own.plug, plugged ? t("Pull the plug") : t("Plug in again"));
         mark(own.plug, `plug ${plugged ? "danger" : "main"}`);
         put(own.state, told.why || (plugged ? t("plugged") : t("unplugged")));
         mark(own.state, `chip ${plugged && !told.why ? "good" : "bad"}`);

@@ -23,7 +23,7 @@ export function mount(root, { t, get }) {
     { title: t("What to do"), free: true, cell: (row, td) => {
       if (td.firstChild) return;
       td.append(h("div", {}, row.do[i()]), h("details", { class: "small" }, h("summary", {}, t("more")),
-        facts([[t("Cause"), row.cause[i()]], [t("Goes away"), row.reset[i()]], [t("The partner sees"), row.shown[i()]], [t("Source"), row.source]])));
+        facts([[t("Cause"), row.cause[i()]], [t("Reset"), row.reset[i()]], [t("The partner sees"), row.shown[i()]], [t("Source"), row.source]])));
     } },
   ], (row) => `${row.family} ${row.code}`, { tall: true, label: t("Error catalogue") });
   // Alarms over time, kept over restarts.
@@ -64,7 +64,7 @@ export function mount(root, { t, get }) {
   const gone = h("p", { class: "badq" });
   root.append(h("div", { class: "grid" },
     h("section", { class: "card w12" }, h("h2", {}, t("Errors, first one first")), standing),
-    h("section", { class: "card w12", id: "alarms" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Alarm history")), state, source, from, to, count, h("span", { class: "soft" }, t("take away as")), ...files), h("div", { class: "bar" }, word), alarms.element),
+    h("section", { class: "card w12", id: "alarms" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Alarm history")), state, source, from, to, count, h("span", { class: "soft" }, t("download as")), ...files), h("div", { class: "bar" }, word), alarms.element),
     h("section", { class: "card w6" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Events")), kinds, filter), gone, table.element),
     h("section", { class: "card w6" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Error catalogue")), wanted), known.element)));
   return {

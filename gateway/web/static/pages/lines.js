@@ -36,13 +36,13 @@ export function mount(root, { t, cell }) {
     { title: t("address"), free: true, cell: text((row) => row.url) },
     { title: t("device"), cell: text((row) => row.device) },
     { title: t("unit"), n: true, cell: text((row) => row.unit) },
-    { title: t("state"), free: true, cell: (row, td) => { if (!td.firstChild) td.append(chip("plain", "")); mark(td.firstChild, `chip ${row.alive ? "good" : "bad"}`); put(td.firstChild, row.alive ? t("answers") : !row.connected ? t("no connection") : row.asked ? t("does not answer") : t("not asked yet")); } },
+    { title: t("state"), free: true, cell: (row, td) => { if (!td.firstChild) td.append(chip("plain", "")); mark(td.firstChild, `chip ${row.alive ? "good" : "bad"}`); put(td.firstChild, row.alive ? t("answers") : !row.connected ? t("no connection") : row.asked ? t("does not answer") : t("not polled yet")); } },
     { title: t("refused reads and writes"), free: true, cell: text((row) => row.words) },
     { title: t("requests"), n: true, cell: text((row) => row.requests) },
     { title: t("time-outs"), n: true, cell: text((row) => row.timeouts) },
     { title: t("losses"), n: true, cell: text((row) => row.losses) },
-  ], (row) => `${row.link} ${row.device}`, { label: t("Modbus devices this cell asks"), row: (row) => (row.words ? "badq" : "") });
-  const devices = h("section", { class: "card", id: "asked", hidden: true }, h("h2", {}, t("Modbus devices this cell asks")), asked.element);
+  ], (row) => `${row.link} ${row.device}`, { label: t("Modbus devices polled by this cell"), row: (row) => (row.words ? "badq" : "") });
+  const devices = h("section", { class: "card", id: "asked", hidden: true }, h("h2", {}, t("Modbus devices polled by this cell")), asked.element);
   root.append(devices);
   function links(found) {
     devices.hidden = !found.length;
@@ -68,7 +68,7 @@ export function mount(root, { t, cell }) {
       for (const door of page.command_sources) {
         const box = boxes.get(door.name);
         if (!box) continue;
-        put(box.state, door.alive ? t("alive") : door.connected === false ? t("port is away") : t("silent"));
+        put(box.state, door.alive ? t("alive") : door.connected === false ? t("port not available") : t("silent"));
         mark(box.state, `chip ${door.alive ? "good" : "bad"}`);
         const known = ["sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults", "same_priority", "received", "sent", "unknown", "requests", "losses"];
         put(box.counters, [...known.filter((name) => name in door).map((name) => `${t(name.replace("_", " "))} ${door[name]}`), say(door.advice), say(door.why)].filter(Boolean).join("   "));

@@ -12,7 +12,7 @@ export function mount(root, { t, cell, me, post, unable }) {
   const resume = h("button", { type: "button", onclick: () => order("resume") }, t("Resume"));
   const abandon = h("button", { type: "button", onclick: () => order("abandon") }, t("Abandon rest"));
   const control = h("button", { type: "button", class: "main", onclick: async () => { await post("/api/command", { code: me.holds ? "release_control" : "request_control" }); Object.assign(me, await (await fetch("/api/me")).json()); } });
-  const wipe = h("button", { type: "button", onclick: () => { trail.length = 0; } }, t("Forget the path"));
+  const wipe = h("button", { type: "button", onclick: () => { trail.length = 0; } }, t("Clear the trace"));
   const names = h("button", { type: "button", id: "names", "aria-pressed": "true", onclick: () => { named = !named; names.setAttribute("aria-pressed", String(named)); scene?.name(named); } }, t("Names and frames"));
   let named = true;
   const queue = h("div");
@@ -27,10 +27,10 @@ export function mount(root, { t, cell, me, post, unable }) {
   let lines = null; // a robot at rest is told once: the picture may be made later
   root.append(h("div", { class: "bar low" }, control, hold, resume, abandon, h("label", {}, `${t("override")} %`, override), wipe, names),
     h("div", { class: "grid" },
-      h("section", { class: "card w8" }, canvas, h("p", { class: "soft small" }, t(cell.robot.why) || `${cell.robot.kind} ${cell.robot.model}`), h("p", { class: "soft small" }, t("Drag to turn, wheel or + and - to come nearer; arrow keys turn, too.")), h("p", { class: "soft small" }, t("Frames: x red, y green, z blue."))),
+      h("section", { class: "card w8" }, canvas, h("p", { class: "soft small" }, t(cell.robot.why) || `${cell.robot.kind} ${cell.robot.model}`), h("p", { class: "soft small" }, t("Drag or use the arrow keys to rotate; use the wheel or + and - to zoom.")), h("p", { class: "soft small" }, t("Frames: x red, y green, z blue."))),
       h("section", { class: "card w4" }, h("h2", {}, t("Motion")), queue, h("div", { style: "height:.7rem" }), table.element)));
   import("../robot3d.js").then(({ Robot3d }) => { if (gone) return; scene = new Robot3d(canvas, cell.robot.reach || 1, t); if (!named) scene.name(false); if (lines) scene.show(lines, trail, ...marked); })
-    .catch((error) => canvas.append(h("p", { class: "badq", style: "padding:1rem" }, `${t("This browser draws no 3D")}: ${error.message}`)));
+    .catch((error) => canvas.append(h("p", { class: "badq", style: "padding:1rem" }, `${t("This browser does not support 3D graphics")}: ${error.message}`)));
   return {
     update(page, head) {
       put(control, me.holds ? t("Release control") : t("Request control"));

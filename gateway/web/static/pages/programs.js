@@ -192,7 +192,7 @@ export function mount(root, { t, cell, get, me, post, unable }) {
     single, system, places));
   return {
     update(page) {
-      put(whose, me.holds ? t("A started program moves as the page, and stops when this page is closed.") : t("A started program moves when the PLC has control; to move it from here, request control on the page Axes."));
+      put(whose, me.holds ? t("A started program moves under the control of this page and stops when the page is closed.") : t("A started program moves when the PLC has control; to move it from here, request control on the page Axes."));
       if (!page) return;
       put(gone, page.gone || (page.id ? "" : t("The interpreter does not run.")));
       if (page.gone) return;

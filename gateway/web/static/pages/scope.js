@@ -86,7 +86,7 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
   const times = [0, 1].map((which) => h("input", { type: "number", step: "any", id: `cursor-${"ab"[which]}`, style: "width:8rem", onchange: (event) => cursor(which, event.target.value === "" ? null : Number(event.target.value)) }));
   const pick = (id) => h("select", { id, "aria-label": t(id === "xy-x" ? "across" : "upwards"), onchange: draw });
   const [xAxis, yAxis] = [pick("xy-x"), pick("xy-y")];
-  const swap = h("button", { type: "button", id: "xy", "aria-pressed": "false", onclick: () => { over = !over; swap.setAttribute("aria-pressed", String(over)); draw(); } }, t("One over another"));
+  const swap = h("button", { type: "button", id: "xy", "aria-pressed": "false", onclick: () => { over = !over; swap.setAttribute("aria-pressed", String(over)); draw(); } }, t("X-Y plot"));
   const joint = h("button", { type: "button", id: "joint", "aria-pressed": String(set.joint), onclick: () => { set.joint = !set.joint; joint.setAttribute("aria-pressed", String(set.joint)); layout(); draw(); } }, t("One scale for each unit"));
   // Ends of a channel's own scale; empty: those of its values.
   function end(name, which) {
@@ -171,7 +171,7 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
   const label = h("input", { id: "recording-name", maxlength: "60", pattern: "[A-Za-z0-9][A-Za-z0-9_+\\-]*", placeholder: t("name"), "aria-label": t("name"), style: "width:11rem" });
   const keep = h("button", { type: "button", id: "keep", onclick: async () => { if (!label.reportValidity() || !label.value) { label.focus(); return; } const told = await post("/api/scope/save", { name: label.value }, "The recording is kept"); if (told) list(told.saved); } }, t("Keep"));
   const reopen = h("button", { type: "button", id: "reopen", onclick: () => post("/api/scope/open", { name: kept.value }) }, t("Reopen"));
-  const file = h("input", { type: "file", accept: ".scope", id: "scope-file", hidden: true, onchange: async () => { try { take(parse(await file.files[0].arrayBuffer())); } catch { toast(t("This is no recording"), "bad"); } } });
+  const file = h("input", { type: "file", accept: ".scope", id: "scope-file", hidden: true, onchange: async () => { try { take(parse(await file.files[0].arrayBuffer())); } catch { toast(t("This file is not a recording"), "bad"); } } });
   const taken = ["scope", "csv", "mf4"].map((kind) => h("a", { class: "button", href: `/api/scope/file?as=${kind}`, download: "", id: `take-${kind}` }, kind.toUpperCase()));
   function list(saved) { kept.replaceChildren(...saved.map(({ name: each }) => h("option", {}, each))); openable(); }
   function openable() { grey(reopen, unable("operator") || (kept.value ? "" : t("nothing is kept yet"))); } // the names may come behind the last update
@@ -187,8 +187,8 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
     h("div", { class: "bar" }, layouts.element)),
   h("section", { class: "card", style: "margin-top:.9rem" },
     h("div", { class: "bar low" }, joint, swap, xAxis, yAxis, h("label", {}, `${t("cursor")} A, s`, times[0]), h("label", {}, `${t("cursor")} B, s`, times[1])),
-    box, xy, about, h("p", { class: "soft small" }, t("Click sets cursor A, Shift and click cursor B; drag to come nearer, double click for all of it.")), table.element),
-  h("section", { class: "card", style: "margin-top:.9rem" }, h("div", { class: "bar", style: "margin:0" }, label, keep, kept, reopen, h("button", { type: "button", onclick: () => file.click() }, t("Open a file")), file, h("span", { class: "soft" }, t("take away as")), ...taken)));
+    box, xy, about, h("p", { class: "soft small" }, t("Click sets cursor A, Shift and click cursor B; drag to zoom, double click to show everything.")), table.element),
+  h("section", { class: "card", style: "margin-top:.9rem" }, h("div", { class: "bar", style: "margin:0" }, label, keep, kept, reopen, h("button", { type: "button", onclick: () => file.click() }, t("Open a file")), file, h("span", { class: "soft" }, t("download as")), ...taken)));
   chips_();
   forms();
   return {
@@ -203,7 +203,7 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
       put(roll, rolling ? t("Stop rolling") : t("Roll"));
       mark(roll, rolling ? "danger" : "");
       const unfit = unable("operator");
-      grey(start, unfit || (rolling ? t("The scope rolls: stop it first.") : ""));
+      grey(start, unfit || (rolling ? t("The scope is rolling: stop it first.") : ""));
       grey(roll, unfit || (running() && !rolling ? t("A recording runs: end it first.") : ""));
       openable();
       grey(keep, unfit || (page.state === "done" ? "" : t("nothing recorded yet")));

@@ -25,8 +25,8 @@ def test_each_of_the_28_is_warned_of_by_number_and_meaning() -> None:
     cell = load_cell("bare.toml", BARE + "".join(f"{number} = [1]\n" for number in sorted(NOTHING)))
     english, german = warned(cell), warned(cell, "de")
     assert len(NOTHING) == 28 and set(english) == {f"rho3.{number}" for number in NOTHING}
-    assert english["rho3.P402"] == "acts on nothing: referencing on or off; here: home.by of the axis"
-    assert german["rho3.P402"] == "wirkt auf nichts: Referenzieren ein oder aus; hier: home.by der Achse"
+    assert english["rho3.P402"] == "has no effect: referencing on or off; here: home.by of the axis"
+    assert german["rho3.P402"] == "wirkungslos: Referenzieren ein oder aus; hier: home.by der Achse"
 
 
 def test_a_parameter_that_acts_is_warned_of_only_where_it_cannot() -> None:
@@ -54,7 +54,7 @@ GIVEN = {  # of a cell that has nothing they are about, and what the sentence sa
 def test_one_that_has_a_key_or_a_table_is_warned_of_where_the_cell_lacks_what_it_is_about(number: str) -> None:
     value, missing = GIVEN[number]
     found = warned(load_cell("bare.toml", f"{BARE}{number} = {value}\n"))
-    assert list(found) == [f"rho3.{number}"] and "acts on nothing" in found[f"rho3.{number}"] and missing in found[f"rho3.{number}"]
+    assert list(found) == [f"rho3.{number}"] and "has no effect" in found[f"rho3.{number}"] and missing in found[f"rho3.{number}"]
 
 
 def test_those_of_the_manuals_list_act_are_judged_or_are_warned_of() -> None:

@@ -153,7 +153,7 @@ def test_what_a_line_says_is_decoded_in_german() -> None:
         check ^= each
     heard = [("A", b"\x02"), ("B", b"\x10"), ("A", block + b"\x10\x03" + bytes((check,))), ("B", b"\x10"), ("A", b"\x55"), ("B", b"\x15")]
     told = [german(one.text) for side, data in heard for what in data for one in decoder.take(1000, side, what)]
-    assert told[0] == "STX: will senden" and told[1] == "DLE: bereit"
+    assert told[0] == "STX: Sendewunsch" and told[1] == "DLE: bereit"
     assert any("1 Wörter" in each for each in told) and any("Zeichen außerhalb eines Blocks 55h" in each for each in told)
 
 

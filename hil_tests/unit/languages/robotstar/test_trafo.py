@@ -202,7 +202,7 @@ def test_the_array_of_a_numeric_shift(one: str, number: int) -> None:
 @pytest.mark.parametrize("missing, number", [("REFQ.MPR", 1), ("REFZ.MPR", 101), ("SRC.SPR", 201)])
 def test_programs_that_are_missing(missing: str, number: int) -> None:
     files = {"REFQ.MPR": reference(*TRIANGLE), "REFZ.MPR": reference(*TRIANGLE), "SRC.SPR": position((0, 0, 0)), "V.MPR": "VAR ISTEUER"}
-    files |= {"P.MPR": "COPY 0,ISTEUER\nTRAFO_6D REFQ,REFZ,\"SRC\",DST,ISTEUER"}
+    files |= {"P.MPR": 'COPY 0,ISTEUER\nTRAFO_6D REFQ,REFZ,"SRC",DST,ISTEUER'}
     assert error(run({name: text for name, text in files.items() if name != missing})) == number
 
 

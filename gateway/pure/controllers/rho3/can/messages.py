@@ -62,4 +62,4 @@ class IoError(NamedTuple):
 
     def __str__(self) -> str:
         number = f"{self.number} " if self.number else ""
-        return f"{number}{self.text}{'' if self.standing else ': good again'}"
+        return f"{number}{self.text}{'' if self.standing else ': recovered'}"

@@ -180,7 +180,7 @@ class Driver:
             self.link.send(self._current.data, now)
 
     def _nobody_takes_it(self, job: Job, now: Ns) -> None:
-        """The port is away: the same end as with a partner who is silent (AX-169).  Or the partner has the line: then we wait."""
+        """The port not available: the same end as with a partner who is silent (AX-169).  Or the partner has the line: then we wait."""
         if not self.link.untaken:
             job.due = now + self._patience
             return

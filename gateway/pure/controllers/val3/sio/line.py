@@ -67,7 +67,7 @@ class Line:
         connection.add(call)
         done = self.serve(connection)
         if connection.state is State.OPENING:
-            done += connection.fail("the serial port is gone")
+            done += connection.fail("the serial port was lost")
         return done
 
     def clear(self, sio: Sio) -> tuple[int, list[AnyCall]]:
@@ -185,7 +185,7 @@ class Line:
             return self.serve(connection)
         connection.state, self._retry_at = State.OPENING, now + RETRY
         connection.inbox.mark(Mark.DAMAGED)
-        return self.serve(connection) + connection.fail("the serial port is gone")
+        return self.serve(connection) + connection.fail("the serial port was lost")
 
     def wake(self, now: Ns) -> list[AnyCall]:
         """Ends calls whose time is over, then tries again to open."""

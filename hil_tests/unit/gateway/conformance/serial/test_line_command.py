@@ -89,7 +89,7 @@ def test_a_record_on_a_full_disk_is_named(pty: tuple[int, str]) -> None:
 def test_a_pulled_adapter_is_not_said_to_be_opened_again(pty: tuple[int, str]) -> None:
     threading.Timer(0.2, os.close, (pty[0],)).start()
     code, _, told = axisgate("fetch", pty[1], "DB10.DW0")
-    assert code == 3 and told == f"axisgate line fetch: serial port {pty[1]}: is gone (hung up)\n"
+    assert code == 3 and told == f"axisgate line fetch: serial port {pty[1]}: lost (hung up)\n"
 
 
 def test_what_was_heard_before_an_adapter_was_pulled_is_learned(monkeypatch: pytest.MonkeyPatch, tmp_path: pathlib.Path) -> None:
@@ -106,11 +106,11 @@ def test_what_was_heard_before_an_adapter_was_pulled_is_learned(monkeypatch: pyt
 
     def listen(arguments: object, names: object, tell: Any) -> None:
         replay(characters(record.read_text()), tell)
-        raise PortError(errno.EIO, "serial port x: is gone (hung up); it is opened again when the adapter is back")
+        raise PortError(errno.EIO, "serial port x: lost (hung up); it is opened again when the adapter is back")
 
     monkeypatch.setattr(line, "_listen", listen)
     code, draft, told = axisgate("learn", "--tap", "COM5,COM6")
-    assert told == "axisgate line learn: serial port x: is gone (hung up): learned from what was heard until then\n"
+    assert told == "axisgate line learn: serial port x: lost (hung up): learned from what was heard until then\n"
     assert code == 0 and "number  = 10" in draft
 
 

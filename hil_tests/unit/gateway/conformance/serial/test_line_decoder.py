@@ -67,11 +67,11 @@ def test_nak_inside_a_block_ends_it() -> None:
 
 def test_spoiled_characters_are_counted_in_a_block_and_told_outside() -> None:
     decoder = LineDecoder()
-    assert decoder.take(1, "A", Damage.PARITY)[0].text == "a spoiled character (parity)"
+    assert decoder.take(1, "A", Damage.PARITY)[0].text == "a damaged character (parity)"
     decoder.take(2, "A", 0x02)
     decoder.take(3, "B", 0x10)
     told = [one for what in (0x41, Damage.FRAMING, 0x10, 0x03, 0x52) for one in decoder.take(4, "A", what)]
-    assert "1 spoiled characters" in told[0].text
+    assert "1 damaged characters" in told[0].text
 
 
 def test_telegrams_in_words() -> None:

@@ -83,7 +83,7 @@ def test_no_frame_for_a_p2_cycle_is_no_transm_with_bus_and_block() -> None:
     assert io.said == ["381 no transm. CAN2 I2"]  # told once
     assert io.bus.errors == [IoError(Trouble.SILENT, 2, 2)]
     io.hears(545, b"\x07" + bytes(7))
-    assert io.said[1:] == ["381 no transm. CAN2 I2: good again"] and io.bytes(96, 96) == b"\x07"
+    assert io.said[1:] == ["381 no transm. CAN2 I2: recovered"] and io.bytes(96, 96) == b"\x07"
 
 
 def test_lost_inputs_may_keep_their_last_bytes() -> None:
@@ -106,7 +106,7 @@ def test_two_frames_of_one_block_in_a_cycle_are_inadmissible_data() -> None:
     io.cycle()
     io.hears(541, b"\x01")
     io.cycle(1, 542, b"\x02")
-    assert io.said[1:] == ["380 inadm. data CAN 1 I2: good again"]
+    assert io.said[1:] == ["380 inadm. data CAN 1 I2: recovered"]
 
 
 def coupled(own: int, other: int, *, coupling_ns: Ns | None = ms(300), start_ns: Ns = ms(60_000), give_up: bool = False) -> IoSettings:
@@ -178,7 +178,7 @@ def test_supervision_begins_when_all_have_answered_and_a_partner_silent_for_60_s
     assert (alone.said, alone.bus.aborted) == (["380 no transm. CAN1 I2"], True)
     assert [frame.identifier for frame in sent(alone.bus, IMAGE) if isinstance(frame, Frame)] == [472]  # ours goes on (AX-263)
     alone.hears(473, b"\x02")
-    assert alone.said[1:] == ["380 no transm. CAN1 I2: good again"]
+    assert alone.said[1:] == ["380 no transm. CAN1 I2: recovered"]
 
 
 def test_the_manuals_way_stops_sending_after_a_start_that_failed() -> None:
@@ -200,7 +200,7 @@ def test_frames_the_interface_did_not_take_are_write_access_refused() -> None:
     bus = IoBus(IoSettings(2, (), (Block(92, 4, 471), Block(96, 4, 472))), 0)
     assert [str(error) for error in bus.sent(1)] == ["381 imperm. data CAN2 O2"]
     assert bus.sent(1) == []
-    assert [str(error) for error in bus.sent(2)] == ["381 imperm. data CAN2 O2: good again"]
+    assert [str(error) for error in bus.sent(2)] == ["381 imperm. data CAN2 O2: recovered"]
 
 
 def test_what_no_block_of_this_bus_is_says_nothing() -> None:
