@@ -294,6 +294,8 @@ class Machine:
                     frame.at, frame.done = at, done
             except IndexError:
                 raise StepFault("Step not defined!") from None
+            if at < 0 and len(self.stack) == 1 and self.stack[0].at == 0:
+                break  # a round of a main program begins
         return budget
 
     def jump(self, here: int, target: int) -> int:

@@ -101,7 +101,7 @@ class Robot:
     _left: Ns | None = None  # of the request in force
     _asked_at: Ns = 0
     _macro_depth: int = 0  # of a macro or call that counts as one step; 0: none
-    _round_began: tuple[Frame | None, Ns] = (None, -1)
+    _rounds: dict[str, Ns] = field(default_factory=dict)  # key of a main program -> when its last round began
     _key: bool | None = None
     _request: object = field(default=None)
     _display: tuple[Program | None, int] = (None, 0)  # where the cursor goes once the error is acknowledged (L3828)
@@ -246,10 +246,11 @@ class Robot:
         return False
 
     def _may_begin(self, frame: Frame, now: Ns) -> bool:
-        """A round of AUTO takes at least a cycle."""
-        if self._round_began[0] is frame and now < self._round_began[1] + CYCLE:
+        """A round of AUTO takes at least a cycle, in programs that go to one another too."""
+        key = frame.program.key
+        if now < self._rounds.get(key, now - CYCLE) + CYCLE:
             return False
-        self._round_began = frame, now
+        self._rounds[key] = now
         return True
 
     def _step_done(self, now: Ns) -> None:
@@ -346,6 +347,8 @@ class Robot:
             factor = self.drive.factor()
             return now + max(round(self._left / factor), 1) if factor > 0 else None
         self.drive.arrived(request.target, request.mode, now)
+        if not request.whole:
+            self.machine.effects -= 1  # no way is no change: a loop of it gives its time away
         self.machine.answered()
         return None
 

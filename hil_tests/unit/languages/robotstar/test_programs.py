@@ -310,3 +310,34 @@ def test_position_variables() -> None:
     ran = run({"P.MPR": text, "V.MPR": "VAR P1\nVAR P_A[2]"})
     assert [target[0] for target in ran.targets()] == [10, 30, 30]
     assert run({"P.MPR": "TOOL T\nVAR_POS P1", "V.MPR": "VAR P1"}).texts() == ["Variable not initialized!"]
+
+
+HOME = "TOOL T\nPOSITION #N, X:100, Y:0, Z:0, A:0, B:0, C:0"
+
+
+@pytest.mark.parametrize(
+    "more", ["", '\nPROGRAM "Q"', "\nLABEL A\nPOSITION #N, X:100, Y:0, Z:0, A:0, B:0, C:0\nTEST_BIT #EINGANG, #=0, 0, 0, A"]
+)
+def test_a_position_that_the_robot_is_at_comes_once_a_cycle_at_most(more: str) -> None:
+    """In rounds of AUTO, in programs that go to one another, in a loop: not hundreds of times at one moment."""
+    ran = run({"P.MPR": HOME + more, "Q.MPR": 'PROGRAM "P"'}, mode="auto", until=2.0)
+    times = [at for at, _ in ran.when("target")]
+    assert len(times) > 50
+    assert max(times.count(at) for at in set(times)) <= 3, "in front of the loop, and two passes that show that it changes nothing"
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("", ["Variable not initialized!"]),
+        ("COPY 100.0, T1.Z", []),
+        ("COPY 1.0, T1.RX", []),
+        ("COPY_OFFSETS 1, 100.0, 12, T1, 1", []),
+        ("COPY 100.0, T1.Z\nCOPY T1.X, R1", ["Variable not initialized!"]),
+    ],
+)
+def test_a_tool_counts_as_written_once_an_element_is(written: str, said: list[str]) -> None:
+    """The manual's own example writes the hand length alone (L858)."""
+    ran = run({"P.MPR": f"{written}\nTOOL T1\nPOSITION #N, X:1, Y:0, Z:0, A:0, B:0, C:0", "V.MPR": "VAR T1\nVAR R1"})
+    assert ran.texts() == said
+    assert len(ran.targets()) == (not said)
