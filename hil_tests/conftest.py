@@ -1,4 +1,4 @@
-"""What every test run of axisgate has: lanes, the purity guard, requirement marks, the guests, processes for pure tests and the rig."""
+"""Common parts of every test run: lanes, the purity guard, requirement marks, the guests, processes for pure tests and the rig."""
 
 import gc
 import os
@@ -74,7 +74,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """What thousands of collected tests are made of lives to the end of the run: the collector need not walk over it, then or later."""
+    """Keeps the objects of thousands of collected tests out of the garbage collector: they live to the end of the run."""
     gc.disable()
     try:
         return (yield)
@@ -91,7 +91,7 @@ def pytest_runtest_setup() -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call() -> Generator[None, object, object]:
-    """A dialogue is looked at to its end: what a machine said or reported behind the last question fails its test."""
+    """Checks a dialogue to its end: output or reports after the last question fail its test."""
     try:
         result = yield
         for bench in played:

@@ -1,4 +1,4 @@
-"""The rig's tests of a whole run, in a process of their own, one module after the other; what a busy machine spoilt is played again.
+"""The rig's tests of a whole run, in a process of their own, one module after the other; tests that a busy machine disturbed run again.
 
 All modules but those of ALONE (hil_tests/test_folders.py) are played beside the pure tests and the guests, where those have a clock of
 their own, by two processes like that: they wait more than they compute, and pure tests and guests stand behind them (hil_tests/pair.py).
@@ -10,7 +10,7 @@ A shared machine takes the processor away for tens of milliseconds, and a cell t
 ordinary one for 40 ms and more in which such a process was not served.  A module of which a test failed while they saw that is played
 again at the end, whole, in a guest with a clock of its own, where nothing is late.  What cannot be played there (NO_OWN_TIME), or
 everything where there is no such guest, is played on the host in a fresh process and at a slower clock (AGAIN_P5_MS): every rule under
-test counts in P5.  A failure without such a time, and one that stays, is a failure.  What was played again stands above the lanes' lines.
+test counts in P5.  A failure without such a time, and one that stays, is a failure.  What ran again is listed above the lanes' lines.
 """
 
 import contextlib
@@ -74,7 +74,7 @@ class Child:
             self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=environment)
 
     def wait(self, ids: Sequence[str]) -> reports.Reports:
-        """Until these tests have ended, or the process has."""
+        """Waits until these tests or the process have ended."""
         while True:
             alive, results = self.look()
             if not alive or reports.ended(ids, results):
@@ -99,7 +99,7 @@ class Child:
         self._watch.close()
 
     def spoilt(self, ids: Sequence[str]) -> list[tuple[float, float]]:
-        """Times at which nobody ran while these tests did (s, wall clock)."""
+        """Times at which no process got the processor while these tests ran (s, wall clock)."""
         results = self._told.take()
         found = [report for name in ids for report in results.get(name, ())]
         times = [each for file in self._stolen if file.exists() for each in stolen(file)]
@@ -108,7 +108,7 @@ class Child:
 
 
 class Together:
-    """Several such processes that share modules: each takes the next one that nobody has."""
+    """Several such processes that share modules: each takes the next free one."""
 
     def __init__(self, config: pytest.Config, folder: pathlib.Path, name: str, modules: Sequence[Sequence[str]]) -> None:
         claims = folder / f"{name}-claims"
@@ -141,7 +141,7 @@ class Together:
 
 
 class InGuests:
-    """Modules played by guests with a clock of their own: no machine spoils that, so it is their last play."""
+    """Modules run by guests with a clock of their own, which a busy machine cannot disturb: this is their last run."""
 
     def __init__(self, config: pytest.Config, modules: Sequence[Sequence[str]]) -> None:
         self.log = folder_of(config) / "again"
@@ -161,14 +161,14 @@ class InGuests:
 
 
 class Host:
-    """Only in a whole run; a selection is run here, as it is."""
+    """Registers the hosts in a whole run only; a selection runs in this process."""
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
         self._folder = config.rootpath / "build" / "rig" / str(os.getpid())
         self._children: dict[str, Child | Together | InGuests] = {}  # in the order of their starts; at most the last one runs
         self._modules: dict[str, list[pytest.Item]] = {}
-        self._waiting: dict[str, list[pytest.Item]] = {}  # modules whose verdict is not told yet
+        self._waiting: dict[str, list[pytest.Item]] = {}  # modules whose verdict is not reported yet
         self._by: dict[str, Child | Together | InGuests] = {}  # who played the module last
         self._told: list[str] = []
 
@@ -215,7 +215,7 @@ class Host:
                 terminalreporter.write_line(line)
 
     def _next(self) -> None:
-        """The next play, of what has no verdict yet: two at a time, then alone."""
+        """Starts the next run of what has no verdict yet: two at a time, then alone."""
         self._all_left()
         modules = [each for each in self._modules if each not in self._by or self._unsettled(each)]
         together = [each for each in modules if not of_one(self._modules[each][0], ALONE)]
@@ -228,19 +228,19 @@ class Host:
             self._launch(name, modules)
 
     def _share(self, name: str, modules: Sequence[str]) -> None:
-        """The long ones first: nobody waits for the last one."""
+        """The long ones first, so that no process waits for the last one."""
         self._begin()
         modules = sorted(modules, key=lambda each: not of_one(self._modules[each][0], LONG))
         self._children[name] = played = Together(self._config, self._folder, name, [ids_of(self._modules[each]) for each in modules])
         self._by.update(dict.fromkeys(modules, played))
 
     def _start(self, name: str, modules: Sequence[str], p5_ms: int) -> None:
-        """A process that plays these modules, when the one before has ended."""
+        """Starts a process that runs these modules, when the one before has ended."""
         self._all_left()
         self._launch(name, modules, p5_ms)
 
     def _all_left(self) -> None:
-        """Every play has told its last result."""
+        """Every run has reported its last result."""
         for child in self._children.values():
             child.wait([each for module, by in self._by.items() if by is child for each in ids_of(self._modules[module])])
             child.leave()
@@ -252,7 +252,7 @@ class Host:
         self._by.update(dict.fromkeys(modules, child))
 
     def _unsettled(self, module: str) -> bool:
-        """Whether it failed beside something else, which is no verdict."""
+        """Whether it failed while other tests ran, which is no verdict."""
         ids = ids_of(self._modules[module])
         return module in self._waiting and self._beside(self._by[module]) and not reports.all_well(ids, self._by[module].wait(ids))
 
@@ -292,11 +292,11 @@ class Host:
             self._tell_settled()
 
     def _spoilt(self) -> dict[str, list[tuple[float, float]]]:
-        """Modules that wait for their verdict because nobody was served while they were played: when."""
+        """Times of modules whose verdict is open, because no process was served while they ran."""
         return {module: times for module, items in self._waiting.items() if (times := self._by[module].spoilt(ids_of(items)))}
 
     def _tell_settled(self) -> None:
-        """What is well, or failed while nothing spoilt it."""
+        """Modules that passed, or failed without a disturbance."""
         for module, items in list(self._waiting.items()):
             ids = ids_of(items)
             if reports.all_well(ids, self._by[module].wait(ids)) or not self._by[module].spoilt(ids):

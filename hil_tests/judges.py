@@ -1,4 +1,4 @@
-"""Modules of tests whose judges are not installed (hil_tests/requirements.lock) are left out, and told: lane judges.
+"""Modules of tests whose judges are not installed (hil_tests/requirements.lock) are left out and reported: lane judges.
 
 `make setup` installs axisgate and its tools in 350 MB; the judges are another gigabyte, which `make test` and `make judges` fetch.
 """

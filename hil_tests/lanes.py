@@ -1,7 +1,7 @@
-"""Lanes: groups of tests that need something of the machine; each is told in one line at the end of a run.
+"""Lanes: groups of tests that need something of the machine; each is reported in one line at the end of a run.
 
 A lane whose needs are missing is skipped with one line.  With CI=true, and as root on Debian (where `make` installs what is
-missing), a missing need fails its tests instead: nobody may mistake an empty lane for a green one.
+missing), a missing need fails its tests instead: an empty lane must not look like a green one.
 """
 
 import collections
@@ -70,7 +70,7 @@ FOLDERS = {"unit": "pure", "requirements": "pure", "properties": "pure", "rig": 
 
 
 def missing(lane: str) -> str | None:
-    """Why this lane cannot run here, in one line; None: it can."""
+    """Reason why this lane cannot run here, in one line; None: it can."""
     return NEEDS[lane]()
 
 

@@ -30,7 +30,7 @@ POLL_S = 0.1
 
 
 class Claims:
-    """Each file of tests belongs to whoever asked first, on the host and in guests."""
+    """Each file of tests belongs to the process that claims it first, on the host and in guests."""
 
     def __init__(self, folder: pathlib.Path) -> None:
         self._folder = folder
@@ -62,7 +62,7 @@ class Worker:
 
 
 class Pair:
-    """Here: starts the workers, tells their results where they stand.  In a whole run, and in folders or files selected with `--pair`."""
+    """Here: starts the workers, reports their results in order.  In a whole run, and in folders or files selected with `--pair`."""
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config

@@ -24,11 +24,11 @@ class Reporter:
         with self._path.open("a", encoding="utf-8") as file:
             print(json.dumps(data), file=file, flush=True)
             if self._dies:
-                os.fsync(file.fileno())  # a guest that dies has told all it knew
+                os.fsync(file.fileno())  # a guest that dies has reported everything
 
 
 class Coming:
-    """Here: what such a process has told until now, read as it comes."""
+    """Here: what such a process has reported until now, read as it comes."""
 
     def __init__(self, config: pytest.Config, path: pathlib.Path) -> None:
         self._config, self._path, self._read = config, path, 0
@@ -59,7 +59,7 @@ def report_of(config: pytest.Config, data: object) -> pytest.TestReport:
 
 
 def read(config: pytest.Config, path: pathlib.Path) -> Reports:
-    """What the other process has told; nothing if it never began."""
+    """What the other process has reported; nothing if it never began."""
     results: dict[str, list[pytest.TestReport]] = {}
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
         with contextlib.suppress(json.JSONDecodeError):  # the half line of a process that died
@@ -79,7 +79,7 @@ def ended(ids: Sequence[str], reports: Reports) -> bool:
 
 
 def replay(item: pytest.Item, nextitem: pytest.Item | None, reports: Reports, why: str) -> None:
-    """Tells the results of this test; one that did not end has failed, and `why` says what is known."""
+    """Reports the results of this test; one that did not end has failed, and `why` gives what is known."""
     tell(item, reports, why)
     item.session._setupstate.teardown_exact(nextitem)  # this item's packages were never set up here
 

@@ -16,7 +16,7 @@ class LimitError(MotionError):
 
 
 class PieceError(MotionError):
-    """A piece of path that cannot be taken: malformed, or not where the axes stand."""
+    """A piece of path that cannot be taken: malformed, or not where the axes are."""
 
 
 class LatePieceError(PieceError):

@@ -43,7 +43,7 @@ HOME_SWITCH = 4  # 60FDh bit 2
 
 
 class Cia402Actual(NamedTuple):
-    """What the drive said; all but the first two as last heard."""
+    """What the drive said; all but the first two as last received."""
 
     statusword: int = 0  # 6041h
     position_inc: int = 0  # 6064h

@@ -182,7 +182,7 @@ def name_of(index: int, sub: int) -> str:
 
 
 def map_faults(pdos: Iterable[Pdo]) -> list[str]:
-    """6040h may stand in one RPDO only (one controlword image), and 64 bits are all there are."""
+    """6040h may be in one RPDO only (one controlword image), and 64 bits are all there are."""
     receive = [pdo for pdo in pdos if pdo.receive]
     places = [str(pdo) for pdo in receive for entry in pdo.entries if entry.index == CONTROLWORD.index]
     faults = (

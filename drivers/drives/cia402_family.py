@@ -229,7 +229,7 @@ def _shown(node: _Node, status: int) -> None:
 
 
 def _settle(node: _Node) -> None:
-    """Its places may come behind the status: an edge is told when both are here."""
+    """Its places may come behind the status: an edge is reported when both are here."""
     node.settling -= 1
     if node.settling > 0:
         return

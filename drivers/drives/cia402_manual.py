@@ -135,7 +135,7 @@ def _stopping(state: State | None, *, ramp_over: bool) -> Command | None:
 
 
 def _on(mode: Mode) -> Generator[Step, Answer, int]:
-    """In that mode and enabled; 607Ah = 6064h before; where it stands."""
+    """In that mode and enabled; 607Ah = 6064h before; where it is."""
     yield from _write(0x6060, mode, 1)
     for _ in range(TRIES):
         if (yield from _number(0x6061)) == mode:
@@ -148,7 +148,7 @@ def _on(mode: Mode) -> Generator[Step, Answer, int]:
 
 
 def _off(start: int) -> Generator[Step, Answer, Moved]:
-    """At rest: switched off, back in CSP; where it stands."""
+    """At rest: switched off, back in CSP; where it is."""
     end = yield from _number(0x6064)
     yield from _way(State.DISABLED)
     yield from _write(0x6060, Mode.CSP, 1)

@@ -92,7 +92,7 @@ def _size(plan: CouplerPlan) -> Generator[Step, Answer, int]:
 
 
 def _write(index: int, sub: int, data: bytes, notes: list[str], *, must: bool = True) -> Generator[Step, Answer, None]:
-    """A value that must stand, or one the coupler may lack."""
+    """A value that must be set, or one the coupler may lack."""
     answer = yield Write(index, sub, data)
     if isinstance(answer, bytes):
         return

@@ -1,4 +1,4 @@
-"""A bus that is only listened to: nothing is ever sent on it, and nothing heard on it counts as a drive's word (AX-436)."""
+"""Listen-only bus: nothing is ever sent on it, and nothing received on it counts as the answer of a drive (AX-436)."""
 
 from collections.abc import Sequence
 

@@ -34,7 +34,7 @@ def device_identifiers(node: int) -> frozenset[int]:
 
 
 def told(heard: Mapping[int, int], names: Mapping[int, str]) -> str:
-    """ "SYNC (080h, 40 times), SDO request (602h, once)"; empty: nothing of a master was heard."""
+    """ "SYNC (080h, 40 times), SDO request (602h, once)"; empty: nothing of a master was received."""
     times = {number: "once" if count == 1 else f"{count} times" for number, count in heard.items()}
     return ", ".join(f"{names[number]} ({number:03X}h, {times[number]})" for number in sorted(heard) if number in names)
 

@@ -224,7 +224,7 @@ class Drive:
             self._refuse(Event.JUMP if fits_int32(inc) else Event.RANGE)
 
     def _refuse(self, why: Event) -> None:
-        """The last position stays; told once until a good one comes."""
+        """The last position stays; reported once until a good one comes."""
         if not self._refused:
             self.events.append(why)
         self._refused = True

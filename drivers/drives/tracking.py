@@ -1,4 +1,4 @@
-"""Does an axis stand where it should stand, and follow where it should follow?  647 and 648 of the old error list.
+"""Monitors standstill and following error of an axis: 647 and 648 of the old error list.
 
 Source: robotstar 8.1 (L4696-4697): 647 tracking distance too long (axis cannot follow), 648 monitoring of standstill (axis left
 standstill position).  How a standstill begins: AX-268.

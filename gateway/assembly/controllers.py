@@ -255,7 +255,7 @@ def coupling_of(cell: Cell) -> Coupling | None:
 
 
 def places_of(signals: SignalList) -> Places:
-    """Where the functions' signals stand in this cell."""
+    """Where the functions' signals are in this cell."""
     found = {field: signal.at.number for field, name in MOVABLE.items() if (signal := signals.named(name)) is not None}
     return Places(**found)
 

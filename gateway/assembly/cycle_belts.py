@@ -25,7 +25,7 @@ class Encoder:
     count: int = 0  # rolled out
 
     def hear(self, data: bytes) -> int:
-        """Its telegram; 1: it was heard for the first time in this cycle."""
+        """Its telegram; 1: it was received for the first time in this cycle."""
         octets = data[self.first : self.first + self.size]
         if len(octets) != self.size:
             return 0

@@ -1,4 +1,4 @@
-"""Which family of drives speaks on a bus, by its `protocol`: what the cycle sends and hears there.  Nothing big is loaded here."""
+"""Which family of drives speaks on a bus, by its `protocol`: what the cycle sends and receives there.  Nothing big is loaded here."""
 
 from drivers.drives.family import BusFamily
 from gateway.pure.cell.cell import Bus, Cell

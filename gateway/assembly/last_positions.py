@@ -53,7 +53,7 @@ class LastPlaces:
         self._writer.start()
 
     def stop(self, state: CellState, placed: int = 0) -> None:
-        """Once more, as they stand."""
+        """Once more, as they are."""
         if self._writer is not None:
             self._writer.join(2.0)
         remember(self._cell, state, placed, self._kept)

@@ -115,7 +115,7 @@ def _step(here: Any, part: str | int) -> Any:
 
 
 def _element(word: str, here: Any, number: int) -> str:
-    """axis[0] becomes axis.X, db[1] becomes db.11, an entry the place it stands at."""
+    """axis[0] becomes axis.X, db[1] becomes db.11, an entry the place it is at."""
     for name in ("name", "number", "at", "axis"):
         if isinstance(here, Mapping) and isinstance(here.get(name), str | int):
             return f"{word}.{here[name]}" if name != "at" else f"{word}[{here[name]}]"

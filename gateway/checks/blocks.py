@@ -63,7 +63,7 @@ def _key(block: Db, entry: Entry) -> str:
 
 
 def block_heads(check: Context) -> None:
-    """Block numbers stand once; every block belongs to a line that serves blocks."""
+    """Block numbers are unique; every block belongs to a line that serves blocks."""
     seen: set[tuple[str, str, int]] = set()
     for block in check.cell.db:
         if (block.line, block.kind, block.number) in seen:
@@ -332,7 +332,7 @@ def _bit(check: Context, key: str, text: str, writer: str) -> None:
 
 
 def positions(check: Context) -> None:
-    """Numbers stand once, among the programs too; axes exist, targets lie inside the travel."""
+    """Numbers are unique, among the programs too; axes exist, targets lie inside the travel."""
     axes = {axis.name: axis for axis in check.cell.axis}
     programs = {program.number for program in check.cell.program}
     seen: set[int] = set()

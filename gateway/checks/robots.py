@@ -114,7 +114,7 @@ def components(check: Context) -> None:
 
 
 def _files(check: Context) -> "list[Robot | None]":
-    """The file of each robot; None for one that is not there or is wrong, which is told where programs are looked at."""
+    """The file of each robot; None for one that is not there or is wrong, which is reported where programs are looked at."""
     from gateway.files.find import ConfigNotFound, beside
     from gateway.files.robots import RobotFaults, load_robot
     from motion.errors import MotionError

@@ -145,7 +145,7 @@ def _verdict(axis: Axis, way: float, legs: list[Row], start: float, end: float, 
 
 
 def _zero(client: ToolClient, cell: Cell, axis: Axis, at: float, who: str) -> Row:
-    """Where the axis stands now is `at`: kept beside the cell, with everything there was before."""
+    """Makes the present position of the axis `at`: stored beside the cell, with all earlier zeros."""
     row = client.axis(axis.name)
     if int(str(row["flags"])) & (AxisFlag.LOST | AxisFlag.ON):
         raise ToolError(f"axis {axis.name}: take the drive off first; a zero is written at rest, without power")

@@ -54,7 +54,7 @@ def misplaced(arguments: argparse.Namespace) -> str:
 
 
 def run_shadow(arguments: argparse.Namespace, cell: Cell) -> int:
-    """The exit code: 0 equal, 1 a difference, 2 command line or cell, 3 nothing heard or no port."""
+    """The exit code: 0 equal, 1 a difference, 2 command line or cell, 3 nothing received or no port."""
     try:
         taps = parse_taps(arguments.tap)
     except ValueError as error:

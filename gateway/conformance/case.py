@@ -19,7 +19,7 @@ class Case:
 
 
 class Cases:
-    """Collects cases in the order in which they stand in the source."""
+    """Collects cases in the order in which they are in the source."""
 
     def __init__(self, group: str) -> None:
         self.group, self.all = group, list[Case]()

@@ -96,7 +96,7 @@ class BusLink:
         return True
 
     def _free(self, now: int) -> bool:
-        """Nobody else was heard for long enough; what the master of the services wants to say meanwhile it asks for again."""
+        """No other master was received for long enough; what the master of the services wants to say meanwhile it asks for again."""
         assert self.port is not None
         self.acyclic.clear()
         try:

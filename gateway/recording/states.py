@@ -229,7 +229,7 @@ class _Carrier:
         return self.build(tree)
 
     def _kept(self, tree: Any, target: Any) -> Any:
-        """A setting may stand in another place than at the beginning; solvers stay."""
+        """A setting may be in another place than at the beginning; solvers stay."""
         number = tree.get("setting", -1)
         if not 0 <= number < len(self._settings):
             return target

@@ -119,7 +119,7 @@ class DigitalContacts(Part):
                 self._note(n, self.said[n].value, now)
 
     def _note(self, n: int, value: bool, now: Ns) -> None:
-        """First-out: what an input said first stands first in the journal; a chattering one is told once a second."""
+        """First-out: the input that reports first is first in the journal; a chattering one is reported once a second."""
         before = self._before.get(n)
         self._before[n] = value
         if before not in (None, value) and now - self._told.get(n, -TELL_EVERY) >= TELL_EVERY:
@@ -220,7 +220,7 @@ class DigitalContacts(Part):
 
 
 class ContactValues:
-    """Provider of io.NAME: inputs as they were heard, outputs as their device confirms them; outputs routes drive can be written."""
+    """Provider of io.NAME: inputs as they were received, outputs as their device confirms them; outputs routes drive can be written."""
 
     def __init__(self, contacts: DigitalContacts) -> None:
         self._contacts = contacts

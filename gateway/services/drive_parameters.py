@@ -95,7 +95,7 @@ class Parameters:
                 self._give(axis, key, data)
 
     def _give(self, axis: str, key: Key, data: bytes) -> None:
-        """Once for each value and start-up; one that is refused is told and not repeated."""
+        """Once for each value and start-up; one that is refused is reported and not repeated."""
         try:
             master, number = self._place(axis)
         except KeyError:  # a shadow starts up no node and gives it nothing

@@ -54,7 +54,7 @@ class Forces:
             self.words[place] = (old_mask & ~mask, old & ~mask)
 
     def over(self, image: InputImage) -> InputImage:
-        """The image with the forces laid over it; itself where nothing is forced.
+        """The image with the forces applied to it; itself where nothing is forced.
 
         A byte without a writer becomes good with its other bits at 0: what is not forced there is not allowed.
         """

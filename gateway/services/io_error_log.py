@@ -1,4 +1,4 @@
-"""Errors of I/O blocks and parameter downloads as the services see them: in the cell's errors while they stand, in the list of errors
+"""Errors of I/O blocks and parameter downloads as the services see them: in the cell's errors while pending, in the list of errors
 until they are acknowledged, in the journal when they come and go (AX-431).
 """
 

@@ -167,7 +167,7 @@ class ToolInterface:
         return {"ok": True}
 
     def _given(self, command: Command, connection: object, *, first_try: bool) -> Job:
-        """To the office, if this connection may give it."""
+        """Passes a command to the dispatcher, if this connection may give it."""
         office = self._office
         try:
             self._demand(Code(command.code), connection)

@@ -65,7 +65,7 @@ class ShadowModbusSource(ModbusSource):
                     self._answered_there(exchange)
 
     def compare(self, now: Ns) -> None:
-        """Our tables as they stand after this tick."""
+        """Our tables as they are after this tick."""
         for key, request in self._reads.items():
             self._ours(key, request, now)
         self.comparison.settle(now)

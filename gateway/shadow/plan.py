@@ -64,7 +64,7 @@ def _why_no_capture(server: Modbus, address: str) -> str:
 
 
 def left_out(cell: Cell, taps: Taps) -> list[str]:
-    """What of the cell the shadow neither hears nor compares, in words."""
+    """What of the cell the shadow neither receives nor compares, in words."""
     found = [f"line {line.name}: not tapped" for line in cell.line if line.name not in taps]
     found += [f"modbus {modbus.name}: neither served nor written" for modbus in cell.modbus if modbus.name not in taps]
     found += [f"contact {io.name}: neither read nor switched" for io in cell.io]

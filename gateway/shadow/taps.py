@@ -65,7 +65,7 @@ class _Listened:
 
 
 class TapPair:
-    """`tell` hears every sentence; call `turn` at every tick."""
+    """`tell` receives every sentence; call `turn` at every tick."""
 
     def __init__(
         self,

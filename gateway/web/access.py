@@ -47,7 +47,7 @@ class Patience:
         self._wrong: dict[str, deque[float]] = {}
 
     def wait_s(self, *keys: str) -> float:
-        """Seconds until the next try is heard; 0: now."""
+        """Seconds until the next attempt is accepted; 0: now."""
         now = time.monotonic()
         for key in list(self._wrong):
             while self._wrong[key] and now - self._wrong[key][0] > WINDOW_S:
@@ -57,7 +57,7 @@ class Patience:
         return max((WINDOW_S - (now - self._wrong[key][0]) for key in keys if len(self._wrong.get(key, ())) >= TRIES), default=0.0)
 
     def wrong(self, *keys: str) -> None:
-        """A try that is not judged yet counts as a wrong one: tried at once, five are heard as well."""
+        """An attempt that is not checked yet counts as a wrong one: at most five are accepted at once, too."""
         for key in keys:
             self._wrong.setdefault(key, deque(maxlen=TRIES)).append(time.monotonic())
 

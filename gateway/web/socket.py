@@ -129,7 +129,7 @@ class Sockets:
         return None
 
     async def _held(self, what: str, message: dict[str, Any], viewer: Viewer, person: Person) -> dict[str, Any]:
-        """A key is held.  Refusals are told; the key is not."""
+        """A key is held.  Refusals are reported; the key is not."""
         try:
             if self.access.web.read_only:
                 return {"error": "the page is read-only"}

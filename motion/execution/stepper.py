@@ -134,7 +134,7 @@ class Stepper:
         return self._follower.pending if self._state is State.IDLE else self._follower.ahead
 
     def place(self, position: Sequence[float]) -> None:
-        """The axes stand here (after enabling, referencing); only without a piece."""
+        """The axes are here (after enabling, referencing); only without a piece."""
         if self._state is not State.IDLE or self._piece or self._queue:
             raise MotionError(f"the position can be set only while idle, the stepper is {self._state.name}")
         if len(position) != len(self._q):
@@ -300,7 +300,7 @@ class Stepper:
         return Sample(tuple(self._q), qd, 0, 0.0, self._state, self._done)
 
     def _check_fit(self, piece: Piece | TimedPiece) -> None:
-        """Each axis of the piece must start where it will stand by then."""
+        """Each axis of the piece must start where it will be by then."""
         standing = dict(enumerate(self._q))
         for earlier in (*([self._piece] if self._piece else []), *self._queue):
             standing.update(zip(earlier.axes, earlier.end(), strict=True))

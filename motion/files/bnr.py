@@ -58,7 +58,7 @@ def decode_header(data: bytes) -> Header:
 
 
 def points(data: bytes, axes: int, offset: int) -> tuple[tuple[float, ...], ...]:
-    """Positions from this byte to the end, (cycles,) of (axes,), as they stand in the file."""
+    """Positions from this byte to the end, (cycles,) of (axes,), as they are in the file."""
     size = 4 * axes
     if axes < 1 or not 0 <= offset <= len(data) or (len(data) - offset) % size:
         raise BnrError(f"{len(data) - offset} bytes from byte {offset} are no whole points of {axes} axes")

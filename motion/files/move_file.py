@@ -2,7 +2,7 @@
 
 Source: rho 3 Releases part 2 (TO05), sections 5.2, 5.3 (L7078-7212).  READ_BEGIN with a byte offset opens the file, as often as wanted
 MOVE_FILE runs it, CLOSE ends it.  Everything that can be known is checked before the first set point; the first position has to
-be where the axes stand, which the manual leaves to the user (AX-468).
+be where the axes are, which the manual leaves to the user (AX-468).
 """
 
 import math
@@ -139,7 +139,7 @@ class MoveFiles:
         return flags
 
     def _inside(self, rows: Sequence[Sequence[float]], standing: Sequence[float], base: int) -> None:
-        """Travel of all points, speed from where the axes stand and from point to point: nothing that must fail is begun (AX-468)."""
+        """Travel of all points, speed from where the axes are and from point to point: nothing that must fail is begun (AX-468)."""
         period_s = self.control.cycle_us(base) * 1e-6
         for axis, limits in enumerate(self.control.limits):
             column = [standing[axis], *(to_si(row[axis], limits.unit) for row in rows)]

@@ -24,7 +24,7 @@ MOST_PIECES = 900  # of one file: they are handed on together, and the ring and 
 
 @dataclass(frozen=True)
 class FilePath:
-    """rows: (n + 1, axes) m or rad, where the axes stand and then every point; period: s from one to the next."""
+    """rows: (n + 1, axes) m or rad, where the axes are and then every point; period: s from one to the next."""
 
     rows: Array
     period: float
@@ -36,11 +36,11 @@ class FilePath:
 
     @property
     def end(self) -> tuple[float, ...]:
-        """Where the axes will stand."""
+        """Where the axes will be."""
         return tuple(float(place) for place in self.rows[-1])
 
     def begun_at(self, standing: Sequence[float]) -> "FilePath":
-        """The same points from where the axes really stand."""
+        """The same points from where the axes really are."""
         return FilePath(np.concatenate([np.array([standing]), self.rows[1:]]), self.period)
 
     @cached_property
@@ -94,7 +94,7 @@ class FilePath:
 
 
 def path_of(run: Playback, standing: Sequence[float], rounds: Sequence[float], period_s: float) -> FilePath:
-    """From where the axes stand; they take their first point one period later.  rounds: added to the points of endless axes, which count
+    """From where the axes are; they take their first point one period later.  rounds: added to the points of endless axes, which count
     on inside a program."""
     rows = [tuple(standing)]
     while not run.ended:

@@ -1,4 +1,4 @@
-"""Set machine position: SF 3 MACH_POS gives the axes new joint positions where they stand, like referencing.
+"""Set machine position: SF 3 MACH_POS gives the axes new joint positions where they are, like referencing.
 
 Source: rho 3 Releases part 1, section 11 (L4119-4208).  @POS is new at once; POS (and what else the interpolator holds) with the next
 MOVE block of the kinematic, a dummy MOVE_REL (0, ..) being enough; @MPOS is new too; belt values in the point are ignored.  Until set

@@ -48,7 +48,7 @@ class Path(Protocol):
         ...
 
     def place(self, position: Sequence[float]) -> None:
-        """The axes stand here."""
+        """The axes are here."""
         ...
 
 

@@ -11,7 +11,7 @@ from motion.planner.robot import Machine
 
 
 def followed(curve: Curve, near: Joints, tool: Pose, course: Course, machine: Machine) -> JointPath:
-    """near: where the axes stand at its start.  What checks a block, what draws it and what runs it ask here, so they agree.
+    """near: where the axes are at its start.  What checks a block, what draws it and what runs it ask here, so they agree.
 
     Raises KinematicsError, with the place where the path ends.
     """

@@ -67,7 +67,7 @@ class Arm:
 
     @property
     def resting(self) -> bool:
-        """The set values stand."""
+        """The set values no longer change."""
         return not self._loaded or self.progress is None or self.progress.still or self.progress.at_end
 
     @property

@@ -66,7 +66,7 @@ def told(error: MotionError, number: int, machine: Machine) -> BlockError:
 
 
 def make_leg(number: int, block: Block, standing: Joints, machine: Machine) -> Leg | None:
-    """The block's way from where the axes stand; None: a block without way (the same point again), which is skipped as both VAL 3
+    """The block's way from where the axes are; None: a block without way (the same point again), which is skipped as both VAL 3
     and the rho 3 do.  Raises what `told` turns into a BlockError."""
     block = resolved(block, standing, machine)
     check_numbers(block)
@@ -177,7 +177,7 @@ def extra_of(block: Block, standing: Joints, machine: Machine) -> Joints:
 
 
 def _along(curve: Curve, course: Course, block: Block, standing: Joints, machine: Machine) -> JointPath:
-    """What the axes do along the curve, on the branch they stand in; what is in their way, with its place."""
+    """What the axes do along the curve, on the branch they are in; what is in their way, with its place."""
     try:
         return followed(curve, standing, block.tool.pose, course, machine)
     except KinematicsError as error:
@@ -218,7 +218,7 @@ def run_out(axis: AxisLimits, where: str) -> BlockError:
 
 
 def _run_out_of(machine: Machine, flange: Pose, q: Joints) -> AxisLimits | None:
-    """The axis whose travel ends where the arm would go on from q as it stands; None: it could not go on at all."""
+    """The axis whose travel ends where the arm would go on from q as it is; None: it could not go on at all."""
     if machine.carried:
         return None  # where the arm itself stands depends on what carries it
     for joints, _ in machine.kinematics.branches(flange):

@@ -65,7 +65,7 @@ def joint_path_of(
     tolerance: float = TOLERANCE,
     course: Sequence[Row] = (),
 ) -> JointPath:
-    """Axes along the curve.  near: where they stand at its start (chooses the branch).  course: of the additional axes by s, the last
+    """Axes along the curve.  near: where they are at its start (chooses the branch).  course: of the additional axes by s, the last
     ones of the kinematics.
 
     Raises what the inverse raises (Unreachable 530, OutOfLimits 531 ..) and SingularPose (540) where the joints would have to

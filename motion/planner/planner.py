@@ -201,7 +201,7 @@ class Planner:
             self.slowed |= worst([(stretch.block, stretch)])
 
     def reset(self, standing: Sequence[float]) -> None:
-        """Everything is dropped, a new chain begins (tau 0); the axes stand here."""
+        """Everything is dropped, a new chain begins (tau 0); the axes are here."""
         self._route.reset(standing)
         self._fresh.clear()
         self._marks.clear()

@@ -21,7 +21,7 @@ NOT_HERE = "a relative target is one of ptp and linear blocks"
 
 
 def resolved(block: Block, standing: Joints, machine: Machine) -> Block:
-    """The block with the target its shift leads to from where the axes stand.  BlockError: numbers that are none, or too many."""
+    """The block with the target its shift leads to from where the axes are.  BlockError: numbers that are none, or too many."""
     shift = block.shift
     if shift is None or block.kind not in KINDS:
         return block

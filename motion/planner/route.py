@@ -107,7 +107,7 @@ def shaped(block: Block, machine: Machine) -> Block:
 
 
 def evenly(stretch: Stretch) -> Stretch:
-    """By a parameter that goes on while the axes swing.  What is laid over time by the way itself stays as it is."""
+    """By a parameter that goes on while the axes swing.  What is applied to time by the way itself stays as it is."""
     blocks = [each for each in (stretch.source, stretch.following) if each is not None]
     if stretch.clock is not None or any(each.pace.time is not None for each in blocks):
         return stretch
@@ -190,7 +190,7 @@ class Route:
         return carried
 
     def reset(self, standing: Sequence[float]) -> None:
-        """Forget everything but that @MPOS was measured; the axes stand here."""
+        """Forget everything but that @MPOS was measured; the axes are here."""
         measured = self._now.measured is not None
         self._now = _State(tuple(standing), self._now.number, measured=tuple(standing) if measured else None)
 

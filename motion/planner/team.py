@@ -18,7 +18,7 @@ from motion.timing.limits import FREE, WAY, Cap, LawLimits
 
 @dataclass(frozen=True)
 class Team:
-    """names: of the kinematics, one for each machine.  Raises MotionError on more than a cell may hold, and on names that stand twice."""
+    """names: of the kinematics, one for each machine.  Raises MotionError on more than a cell may hold, and on names that occur twice."""
 
     names: tuple[str, ...]
     machines: tuple[Machine, ...]
@@ -60,7 +60,7 @@ class Team:
         return self.axes + 2 * kinematic + column - WAY if column < 0 else self.firsts[kinematic] + column
 
     def placed(self, standing: Sequence[float], kinematic: int, places: Sequence[float]) -> tuple[float, ...]:
-        """(all axes,) where they stand, those of one kinematic at other places."""
+        """(all axes,) where they are, those of one kinematic at other places."""
         rows = self.split(standing)
         rows[kinematic] = tuple(places)
         return tuple(value for row in rows for value in row)

@@ -48,7 +48,7 @@ class Member(Route):
         return (leave / last.length, reach / leg.length, leg.length) if min(leave, reach) > SMALLEST else None
 
     def way(self, block: Block) -> float:
-        """Length of its way from where the axes stand; 0.0: none."""
+        """Length of its way from where the axes are; 0.0: none."""
         leg = make_leg(0, block, self._now.standing, self._machine)
         return 0.0 if leg is None else leg.length
 

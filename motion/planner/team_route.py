@@ -116,7 +116,7 @@ class TeamRoute:
         return carried
 
     def reset(self, standing: Sequence[float]) -> None:
-        """Forget everything; the axes stand here."""
+        """Forget everything; the axes are here."""
         for route, own in zip(self._now.routes, self._team.split(standing), strict=True):
             route.reset(own)
         self._now = _State(self._now.routes, self._now.number)

@@ -268,7 +268,7 @@ BeltAct = Sync | BeltCall
 
 @dataclass(frozen=True, slots=True)
 class MachinePoint:
-    """SF 3 MACH_POS of the rho 3: the axes stand at these places (m or rad) from here on."""
+    """SF 3 MACH_POS of the rho 3: the axes are at these places (m or rad) from here on."""
 
     q: tuple[float, ...]
     inside: bool = False
@@ -358,7 +358,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """Blocks in order, and where the axes stand before the first one."""
+    """Blocks in order, and where the axes are before the first one."""
 
     name: str
     robot: str  # name of a robot file

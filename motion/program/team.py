@@ -85,7 +85,7 @@ class Shared:
 
 @dataclass(frozen=True, slots=True)
 class Kinematic:
-    """One of a team, as its program names it.  start: m or rad, where its axes stand before the first block."""
+    """One of a team, as its program names it.  start: m or rad, where its axes are before the first block."""
 
     name: str
     robot: str  # name of a robot file

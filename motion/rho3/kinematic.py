@@ -56,7 +56,7 @@ class Rho3Kinematic:
         return self._outside(self.kinematics.inverse(flange, self._inside(near)))
 
     def wc(self, joints: Sequence[float]) -> Point:
-        """WC(@point), and POS of the axes where they stand.  Depends on the active frame."""
+        """WC(@point), and POS of the axes where they are.  Depends on the active frame."""
         return self.workpiece(self.oc(joints))
 
     def oc(self, joints: Sequence[float]) -> Point:

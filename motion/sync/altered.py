@@ -156,7 +156,7 @@ class AlteredArm:
         return made
 
     def _drop_at_rest(self) -> None:
-        """After resetMotion: once the path stands, planning goes on from where the arm really is."""
+        """After resetMotion: once the path is at rest, planning goes on from where the arm really is."""
         if self._dropping and self.inner.resting:
             self.alter.reset_motion()
             self._dropping = self._held = False

@@ -33,7 +33,7 @@ class Carried:
         self.frame = self.part.carrier.frame(self.coupling.value)
 
     def bear(self, kinematics: PathKinematics, limits: Sequence[AxisLimits], q: Joints) -> None:
-        """Before engage(): getting on and off asks no more of the arm's axes than they bear where they stand, at q, and the path beside
+        """Before engage(): getting on and off asks no more of the arm's axes than they bear where they are, at q, and the path beside
         it no more than that leaves."""
         value, carrier = self.part.value(self.tracker.ahead()), self.part.carrier
         moved = compose(carrier.frame(value + PROBE), carrier.frame(value).inverse())

@@ -151,7 +151,7 @@ class _Reader:
         self._add(self._entry(index, sub, name, section, None))
 
     def _compact(self, index: int, section: Section, count: int) -> None:
-        """CompactSubObj: sub-indexes 1..count are all alike; names and values may stand in [xxxxName], [xxxxValue]."""
+        """CompactSubObj: sub-indexes 1..count are all alike; names and values may be in [xxxxName], [xxxxValue]."""
         names = self.sections.get(f"{index:x}name") or self.sections.get(f"{index:04x}name")
         values = self.sections.get(f"{index:x}value") or self.sections.get(f"{index:04x}value")
         head = self.heads[index]

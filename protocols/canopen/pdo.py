@@ -1,4 +1,4 @@
-"""PDOs: mapping words, transmission types, where their parameters stand.  Source: CiA 301, 7.5.2.35..7.5.2.38."""
+"""PDOs: mapping words, transmission types, where their parameters are.  Source: CiA 301, 7.5.2.35..7.5.2.38."""
 
 from dataclasses import dataclass
 

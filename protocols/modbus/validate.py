@@ -15,7 +15,7 @@ ADDRESS_END, FIXED_END, DATA_START = 3, 5, 6  # function | address, 2 | quantity
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """One function code: what may stand in the word after the address, and what follows it."""
+    """One function code: what may be in the word after the address, and what follows it."""
 
     section: str  # of V1.1b3: its flow chart
     legal: Container[int]  # values of the word after the address

@@ -50,7 +50,7 @@ class BlockReceived:
 
 @dataclass(frozen=True, slots=True)
 class BlockRefused:
-    """A block that was not taken; `data_count` characters of it were heard."""
+    """A block that was not taken; `data_count` characters of it were received."""
 
     why: Refusal
     data_count: int

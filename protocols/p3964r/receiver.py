@@ -301,7 +301,7 @@ class Receiver:
         self.disquiet(now)
 
     def disquiet(self, now: Ns) -> None:
-        """A character without a place was heard, here or by the sender."""
+        """A character without a place was received, here or by the sender."""
         self._guard.disquiet(now)
 
     def settle(self) -> None:

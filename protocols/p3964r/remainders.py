@@ -65,7 +65,7 @@ class Remainders:
 
     @property
     def unsaid(self) -> bool:
-        """Our DLE to the block under way was not given out, and nothing but that burst was heard of it."""
+        """Our DLE to the block under way was not given out, and nothing but that burst was received of it."""
         return self.early and self._box.turn == self.opened_in
 
     # ---- what happens
@@ -102,7 +102,7 @@ class Remainders:
         self._restless = True
 
     def disquiet(self, now: Ns) -> None:
-        """A character without a place was heard, here or by the sender."""
+        """A character without a place was received, here or by the sender."""
         self._restless, self.heard_at = True, now
 
     def pass_over(self, byte: int, *, refused: bool) -> None:

@@ -60,7 +60,7 @@ class Sender:
 
     @property
     def busy(self) -> bool:
-        """A job is on the line: what is heard is an answer to it."""
+        """A job is on the line: what is received is an answer to it."""
         return self.state is not IDLE
 
     def add(self, block: bytes, end: Char = Char.ETX) -> int:

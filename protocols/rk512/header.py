@@ -89,7 +89,7 @@ class Flag:
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """A command telegram's first ten bytes; `db` byte 5, `address` byte 6, `amount` as they stand there, `flag` None: FF FF."""
+    """A command telegram's first ten bytes; `db` byte 5, `address` byte 6, `amount` as they are there, `flag` None: FF FF."""
 
     command: int
     kind: int

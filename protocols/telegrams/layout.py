@@ -46,7 +46,7 @@ class Incoming:
 
 @dataclass(frozen=True, slots=True)
 class Outgoing:
-    """A block we build: fixed bytes and values, one behind the other (a Field's `byte` is where it comes to stand)."""
+    """A block we build: fixed bytes and values, one behind the other (a Field's `byte` is where it is placed)."""
 
     name: str
     parts: tuple[bytes | Field, ...]

@@ -407,7 +407,7 @@ class Cia402Axis(DriveMotion):
         self._schedule()
 
     def _reset_fault(self) -> None:
-        """Transition 15: only when the cause is gone and the axis stands."""
+        """Transition 15: only when the cause is gone and the axis is at rest."""
         servo, s = self.servo, self.settings.servo
         cool = servo.i2t < I2T_COOL and servo.winding_c < s.winding_warning_c
         if self.causes or not cool or abs(servo.speed_rad_s) >= s.brake_lock_speed_rad_s:

@@ -84,7 +84,7 @@ class Cia402Slave:
         return self._take_events()
 
     def error_frame(self, kind: FrameFault, now: Ns) -> list[Event]:
-        """BUS_OFF: the controller that all these nodes share left the bus; the next frame heard shows that it is back."""
+        """BUS_OFF: the controller that all these nodes share left the bus; the next frame received shows that it is back."""
         self.counters.error_frames += 1
         if kind is FrameFault.BUS_OFF and self._start is not None:
             for seat in self.seats:
@@ -327,7 +327,7 @@ class Cia402Slave:
         self.seat(node).drop_actual = count
 
     def drop_set(self, node: int, count: int) -> None:
-        """The next `count` PDOs to the node are not heard."""
+        """The next `count` PDOs to the node are not received."""
         self.seat(node).drop_set = count
 
     def power_off(self, node: int) -> None:

@@ -199,7 +199,7 @@ class ServodynSlave:
         self._seat(axis).drop_actual = count
 
     def drop_set(self, axis: int, count: int) -> None:
-        """The next `count` set values are not heard."""
+        """The next `count` set values are not received."""
         self._seat(axis).drop_set = count
 
     def power_off(self, axis: int) -> None:

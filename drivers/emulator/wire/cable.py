@@ -123,7 +123,7 @@ class Wire:
         return len(self.nodes) - 1
 
     def plug(self, node: int, now: Ns, *, plugged: bool = True) -> None:
-        """Cable cut at this node, or mended: unplugged it hears nothing, acknowledges nothing, and what it sends ends in no ACK."""
+        """Cable cut at this node, or mended: unplugged it receives nothing, acknowledges nothing, and what it sends ends in no ACK."""
         self.nodes[node].plugged = plugged
         self._cut_ns[node] = now
 

@@ -109,7 +109,7 @@ class Link:
         return records
 
     def _ended(self, records: list[Record], why: str) -> list[Record]:
-        """What came before the end is given first; the end is told at the next call."""
+        """What came before the end is given first; the end is reported at the next call."""
         if records:
             return records
         raise PortError(f"{self.name}: {why}; the broker died or disconnected this subscriber as too slow, open the port again")
@@ -132,7 +132,7 @@ class Link:
 
 
 class BrokerPort:
-    """CanPort of the local bus.  Own frames are not heard; extended and remote frames are ignored and counted.
+    """CanPort of the local bus.  Own frames are not received; extended and remote frames are ignored and counted.
 
     After a PortError open a new port, or `reconnect()` this one: then the broker's gap record counts what was missed in between
     (`counters.gaps`; own frames that were not returned count too, and nothing is known across a restart of the broker).

@@ -30,7 +30,7 @@ NET = Path("/sys/class/net")
 
 
 class SocketCanPort:
-    """CanPort of one interface.  Own frames are not heard (others on this machine hear them); error frames come by take_faults()."""
+    """CanPort of one interface.  Own frames are not received (others on this machine receive them); error frames come by take_faults()."""
 
     not_data = CONTROL  # flags of frames that receive() leaves out; see drivers.ports.can.remote_frames
 

@@ -51,7 +51,7 @@ class MemoryPort:
         return self._peer._take(data)
 
     def damage(self, kind: Damage) -> None:
-        """The other end hears a spoiled character."""
+        """The other end receives a spoiled character."""
         if self._peer is not None:
             self._peer._put(kind)
 

@@ -1,4 +1,4 @@
-"""CANopen: frames that the emulated drive of axisgate sends or hears otherwise (used by peers.canopen301)."""
+"""CANopen: frames that the emulated drive of axisgate sends or receives otherwise (used by peers.canopen301)."""
 
 from collections.abc import Callable, Sequence
 

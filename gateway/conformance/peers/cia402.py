@@ -62,7 +62,7 @@ def _bit(mode: int, clear: int = 0, put_in: int = 0) -> Tune:
 
 
 def _words(change: Callable[[Drive, int], int | None]) -> Tune:
-    """The controlword it hears is another; None: not heard."""
+    """The controlword it receives is another; None: not received."""
 
     def tune(drive: Drive) -> None:
         written = drive.node.objects.written

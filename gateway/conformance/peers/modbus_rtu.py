@@ -60,7 +60,7 @@ class ExceptionForBad(Device):
 
 
 class NoBroadcast(Device):
-    """Broadcasts are not heard, though its PICS has them."""
+    """Broadcasts are not received, though its PICS has them."""
 
     def serve(self, request: Request, now: Ns) -> bytes:
         return super().serve(request, now) if request.unit else b""

@@ -164,7 +164,7 @@ class SilentGap(Receiver):
 
 
 class Locks(Receiver):
-    """After five refused blocks it hears nothing any more."""
+    """After five refused blocks it receives nothing any more."""
 
     _bad = 0
 

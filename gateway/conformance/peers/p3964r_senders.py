@@ -93,7 +93,7 @@ class Differs(Sender):
 
 
 class DeafInBlock(Sender):
-    """NAK inside its block is not heard."""
+    """NAK inside its block is not received."""
 
     def _hear_inside(self, byte: int, now: Ns) -> None:
         if byte != Char.NAK:

@@ -36,7 +36,7 @@ class LateDle(Built):
 
 
 class BreakHangs(Built):
-    """After a BREAK in idle it hears nothing any more."""
+    """After a BREAK in idle it receives nothing any more."""
 
     _hung = False
 
@@ -159,7 +159,7 @@ class NeverDoublesDle(NeverDoubles, Built):
 
 
 class EverySecondStx(Built):
-    """One STX of two is not heard."""
+    """One STX of two is not received."""
 
     _heard = b""
     _count = 0

@@ -78,7 +78,7 @@ def _passive(change: Change) -> Maker:
 
 
 def _number(old: int, new: int) -> Maker:
-    """One error number is told in place of another."""
+    """One error number is reported in place of another."""
     return _passive(lambda command, said: said[:3] + bytes((new,)) + said[4:] if said[3] == old else said)
 
 

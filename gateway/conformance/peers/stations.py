@@ -54,7 +54,7 @@ class Built(Station):
 
 
 class DeafToDamage(Built):
-    """Takes a damaged character for one like any other; a break it hears."""
+    """Takes a damaged character for one like any other; a break it receives."""
 
     def damaged(self, kind: Damage, now: Ns) -> Sequence[object]:
         return super().damaged(kind, now) if kind is Damage.BREAK else Station.receive(self, b"U", now)

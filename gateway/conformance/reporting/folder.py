@@ -122,7 +122,7 @@ def verify(folder: pathlib.Path) -> list[str]:
 
 
 def _own_sum(folder: pathlib.Path) -> list[str]:
-    """The check sum inside the document: it stands on page 1 as well, so a list made anew is found."""
+    """The check sum inside the document: it is on page 1 as well, so a list made anew is found."""
     try:
         found = load(folder)
         page = (folder / PAGE).read_text(encoding="utf-8")

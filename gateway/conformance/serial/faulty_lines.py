@@ -56,7 +56,7 @@ class Around:
 
 
 class Echo(Around):
-    """A 2-wire adapter that hears itself."""
+    """A 2-wire adapter that receives itself."""
 
     def write(self, data: bytes) -> None:
         super().write(data)

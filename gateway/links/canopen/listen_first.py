@@ -18,7 +18,7 @@ class OtherMasterError(PortError):
 
 
 def listen(port: CanPort, seconds: float = LISTEN_S) -> list[Frame]:
-    """Everything heard in so long; raises PortError."""
+    """Everything received in so long; raises PortError."""
     heard: list[Frame] = []
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 0:
@@ -28,7 +28,7 @@ def listen(port: CanPort, seconds: float = LISTEN_S) -> list[Frame]:
 
 
 def refuse_other_master(port: CanPort, url: str, protocol: str, otherwise: str = "") -> None:
-    """Returns when no master was heard; raises OtherMasterError, which ends with `otherwise`, and PortError."""
+    """Returns when no master was received; raises OtherMasterError, which ends with `otherwise`, and PortError."""
     words = masters_in(listen(port), protocol)
     if words:
         raise OtherMasterError(f"{url}: another master is active on this bus: {words}; {END_IT}{otherwise}")

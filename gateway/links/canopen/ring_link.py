@@ -73,7 +73,7 @@ class RingLink:
         return True
 
     def receive(self) -> list[Frame]:
-        """What the cycle heard aside."""
+        """What the cycle received aside."""
         return self._rings.take(self._number)
 
     def left_out(self, identifier: int) -> int:

@@ -93,7 +93,7 @@ class ModbusClient:
         open_port: Callable[[], BytePort] | None = None,
         on_refused: OnRefused | None = None,
     ) -> None:
-        """`on_device(name, alive)` is told each time a device is lost or back, `on_refused` when a device begins or ends to refuse a
+        """`on_device(name, alive)` is called each time a device is lost or back, `on_refused` when a device begins or ends to refuse a
         group; `open_port` replaces the port of the link's url.
         """
         self.link = link
@@ -180,7 +180,7 @@ class ModbusClient:
         await self.ask(device, write_bits_pdu(address, values))
 
     def _opened(self) -> BytePort:
-        """In the opener's thread: the machine hears of the port before the loop pumps it."""
+        """In the opener's thread: the machine is informed of the port before the loop pumps it."""
         port = self._open_port()
         assert self._loop is not None
         self._loop.call_soon_threadsafe(lambda: self._master.opened(time.monotonic_ns()))

@@ -90,7 +90,7 @@ class Monitor:
 
 
 class Recorder:
-    """Writes what is heard as a line record: `learn`, `monitor --record` and `export` read it, also when it broke off."""
+    """Writes what is received as a line record: `learn`, `monitor --record` and `export` read it, also when it broke off."""
 
     def __init__(self, out: TextIO, name: str, line_format: LineFormat, now: Ns) -> None:
         self._out = out

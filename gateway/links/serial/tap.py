@@ -1,4 +1,4 @@
-"""What a line's command source heard and said, the last few thousand characters, for pages that decode it; costs the line one append."""
+"""What a line's command source received and sent, the last few thousand characters, for pages that decode it; costs the line one append."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ class Tap(Generic[E]):
     """A machine between loop and command source that keeps what passes."""
 
     def __init__(self, machine: Machine[E], said: Callable[[Ns, str, bytes], None] = lambda now, side, data: None) -> None:
-        """`said` hears every good character at once."""
+        """`said` receives every good character at once."""
         self._said = said
         self._machine = machine
         self._kept: deque[Piece] = deque()

@@ -1,4 +1,4 @@
-"""The four kinds of wire a sio channel can stand on.  Nothing here blocks, except making a serial wire (open it in a thread)."""
+"""The four kinds of wire a sio channel can use.  Nothing here blocks, except making a serial wire (open it in a thread)."""
 
 import socket
 import termios

@@ -243,7 +243,7 @@ class DataBlocks:
             self._take(block, written, 0, len(block.data))
 
     def _read(self, block: DataBlock, slot: Slot) -> tuple[float | None, str]:
-        """The slot's value; None and why when it is none or out of its range, which is told once until it changes."""
+        """The slot's value; None and why when it is none or out of its range, which is reported once until it changes."""
         try:
             value = block.get(slot)
             words = ""

@@ -1,4 +1,4 @@
-"""Real contacts at the gateway: what each output shows out of the cycle's state, and what was heard of the inputs (AX-400).
+"""Real contacts at the gateway: what each output shows out of the cycle's state, and what was received of the inputs (AX-400).
 
 A signal the cycle knows itself (ready, drives on, brakes, RC outputs, the watchdog) is shown by the process that drives the contact; every
 other one comes from the services and falls to `on_loss` when they are gone.  The watchdog is a function of the number of completed

@@ -58,7 +58,7 @@ USUAL = Particulars()
 
 
 class Purposes(Generic[T]):
-    """Collects the purposes of a suite in the order in which they stand in the source."""
+    """Collects the purposes of a suite in the order in which they are in the source."""
 
     def __init__(self, prefix: str, role: str, clause: str, condition: tuple[str, ...] = (), preamble: tuple[str, ...] = ()) -> None:
         self._prefix, self._role, self._clause = prefix, role, clause

@@ -127,7 +127,7 @@ class BeltMover(Mover):
             self._state.parts += 1
 
     def _end_belt(self) -> bool:
-        """Nothing more comes of the part: a robot of type 1 leaves its belt, one of types 2 and 3 stands at its last point.  True: over."""
+        """Nothing more comes of the part: a robot of type 1 leaves its belt, one of types 2 and 3 stops at its last point.  True: over."""
         program, belts = self.program, self.belts
         if not (program.rests or program.complete or not program.job):
             return False

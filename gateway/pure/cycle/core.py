@@ -1,4 +1,4 @@
-"""The brain of the cycle: once per SYNC, actual values and orders in, set values and the published state out.  Pure.
+"""Control logic of the cycle.  Once per SYNC: actual values and orders in, set values and the published state out.  Pure.
 
 It owns the drives' power machines, the enabling inputs, the emergency-stop latch, and a lane for each kinematic: paths, programs,
 referencing and override of its axes.  It decides nothing the command sources should decide.  A new core starts with drives off, override 0,

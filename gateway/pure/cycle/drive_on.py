@@ -51,7 +51,7 @@ class DriveOnGate:
         self.kept = {n for n in self.kept if not (self._rule.on[n] and self._axes[n].drive.follows)}
 
     def accepted(self) -> None:
-        """A part that ends with an input is over: it went on from where the axes really stand (MOVE UNTIL)."""
+        """A part that ends with an input is over: it went on from where the axes really are (MOVE UNTIL)."""
         self._rule.accept(until=True)
         self.kept = {n for n in self.kept if not self._rule.on[n] or n in self._rule.unaccepted}
 
@@ -117,7 +117,7 @@ class DriveOnGate:
         return places
 
     def kept_in(self, sample: Sample) -> Sample:
-        """The sample with the kept axes where they stand."""
+        """The sample with the kept axes where they are."""
         q, qd = list(sample.q), list(sample.qd)
         for n in self.kept:
             q[n], qd[n] = self._axes[n].set, 0.0

@@ -53,7 +53,7 @@ class Lane:
         return motion
 
     def hold(self, mask: int) -> None:
-        """These axes are led by it; where no path leads, one begins where they stand."""
+        """These axes are led by it; where no path leads, one begins where they are."""
         self.holds = self.homings.mask = mask
         self.mover.gate.mask = mask
         self.places = tuple(n for n in range(mask.bit_length()) if mask >> n & 1)

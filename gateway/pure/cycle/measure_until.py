@@ -208,7 +208,7 @@ class CoreMeasure:
     def _see(self, until: UntilInput, inputs: InputImage, now: Ns) -> Ns:
         """Remembers the level; the stamp a change of it has: that of its byte where it is new, else this cycle's (AX-456).
 
-        A module the cycle hears itself may have spoken after this SYNC (AX-481); the position of that instant comes with the next one.
+        A module the cycle receives itself may have spoken after this SYNC (AX-481); the position of that instant comes with the next one.
         """
         level = self._read(until, inputs)
         if level is None:

@@ -189,7 +189,7 @@ class Mover(PathMover):
         return sample
 
     def _kept(self, sample: Sample) -> Sample:
-        """Axes out of the loop stay where they stand, until nothing of a program is left."""
+        """Axes out of the loop stay where they are, until nothing of a program is left."""
         sample = self.gate.kept_in(sample)
         if not self.program.job and self.free:
             self.stepper.place(sample.q)

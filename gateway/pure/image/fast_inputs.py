@@ -1,4 +1,4 @@
-"""Inputs of [[measuring]] whose wire ends in the cycle: the core has their level in the cycle that hears it (AX-481).  Pure.
+"""Inputs of [[measuring]] whose wire ends in the cycle: the core has their level in the cycle that receives it (AX-481).  Pure.
 
 The services bring the same bit by their route or contact one or two cycles later; they judge its byte as before, and what the cycle hears
 itself overrides it as long as the module reports it valid.
@@ -38,11 +38,11 @@ class FastWires:
 
     @property
     def numbers(self) -> frozenset[int]:
-        """RC inputs heard here."""
+        """RC inputs received here."""
         return frozenset(wire.number for wire in self._wires)
 
     def over(self, image: InputImage) -> InputImage:
-        """RC inputs as the services have them, with the levels heard here; a copy that is made only when something has changed."""
+        """RC inputs as the services have them, with the levels received here; a copy that is made only when something has changed."""
         heard = [wire.hear() for wire in self._wires]
         if self._seen is None or self._seen[0] is not image or self._seen[1] != heard:
             self._seen, self._over = (image, heard), self._made(image, heard)

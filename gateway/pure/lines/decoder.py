@@ -67,7 +67,7 @@ class _Block:
 
 
 class LineDecoder:
-    """`take` gives the sentences a character completes; `both`: the two sides are heard."""
+    """`take` gives the sentences a character completes; `both`: the two sides are received."""
 
     def __init__(self, both: bool = True, block_check: bool = True) -> None:
         self._both, self._check = both, block_check

@@ -86,7 +86,7 @@ def is_test(data: bytes) -> bool:
 
 
 def learn(tolds: Iterable[LineReport]) -> Learned:
-    """Sentences of a decoder that heard both sides."""
+    """Sentences of a decoder that received both sides."""
     seen = Learned()
     waiting: tuple[LineReport, Telegram] | None = None
     for told in tolds:

@@ -30,7 +30,7 @@ class Rk512Link:
         areas: Areas | None = None,
         tap: Callable[[LinkEvent, Ns], None] | None = None,
     ) -> None:
-        """`tap` hears every event of the link, blocks too, before they are handled: for monitors and judges."""
+        """`tap` receives every event of the link, blocks too, before they are handled: for monitors and judges."""
         self._tap = tap
         self.link = Link(profile, priority)
         self.active, self.passive = Active(dialect, baud), Passive(store, dialect, areas)

@@ -86,7 +86,7 @@ def of_dialogue(dialogue: Dialogue, start_ns: Ns = 0) -> list[Item]:
 
 
 def to_dialogue(items: Iterable[Item], name: str, side: str = "B", settings: dict[str, str] | None = None) -> Dialogue:
-    """What the station at `side` heard and said; times from the first item on, whose moment is kept as start_ns."""
+    """What the station at `side` received and sent; times from the first item on, whose moment is kept as start_ns."""
     known = list(items)
     start = known[0].stamp_ns if known else 0
     dialogue = Dialogue(name, {**(settings or {}), "side": side, "start_ns": str(start)})

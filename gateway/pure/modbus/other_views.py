@@ -105,7 +105,7 @@ class ReisView:
 
 
 class Val3View:
-    """The points of the cell in the order they stand there, each kind counted by itself.
+    """The points of the cell in the order they are there, each kind counted by itself.
 
     Coil n is digital input n, discrete input n digital output n, holding 2n analog input n and input register 2n analog output n as REAL in
     its unit; input register 1000+k the ioStatus of point k of all.

@@ -42,7 +42,7 @@ def place(at: int, name: str, type_: str, axes: Sequence[str]) -> list[Placed]:
 
 
 class Registers:
-    """Answers reads from the values as they stand; a value that does not fit its type is a failure (04), never a wrong number."""
+    """Answers reads from the values as they are; a value that does not fit its type is a failure (04), never a wrong number."""
 
     def __init__(self, placed: Sequence[Placed], value: Callable[[str], float], order: str = "ABCD") -> None:
         self._value, self._order = value, order

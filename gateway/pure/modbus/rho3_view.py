@@ -50,9 +50,9 @@ class RhoView:
         files: Collection[int] = (),
         write_block: Callable[[int, int, bytes], None] = lambda number, word, data: None,
     ) -> None:
-        """`owned`: RC input bytes this command source may write; `written` is told which it wrote; `command` takes command words (first,
+        """`owned`: RC input bytes this command source may write; `written` is passed which it wrote; `command` takes command words (first,
         values);
-        `block` gives a data block as it stands (None: there is none), `errors` the numbers of the standing errors;
+        `block` gives a data block as it is (None: there is none), `errors` the numbers of the standing errors;
         `files`: data blocks this command source writes, by `write_block` (number, word, bytes)."""
         self.outputs: bytes = bytes(RC_BYTES)  # RC outputs; replaced whole at every tick
         self.status: Sequence[int] = [0] * STATUS_WORDS

@@ -104,7 +104,7 @@ def _sync(act: Sync, belts: Sequence[BeltFacts], number: int) -> ActOrder:
 
 
 def sets_type(act: BeltAct) -> bool:
-    """SF 21: the cycle hears of it with the next part on that belt."""
+    """SF 21: the cycle is informed of it with the next part on that belt."""
     return not isinstance(act, Sync) and act.function == TYPE
 
 

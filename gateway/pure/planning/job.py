@@ -125,6 +125,6 @@ class Job:
             self.trial = self.trial.anew()
 
     def rests(self) -> None:
-        """Nothing is under way, and nothing known: what comes is looked at from where the axes stand."""
+        """Nothing is under way, and nothing known: what comes is looked at from where the axes are."""
         self.planner, self.under_way, self.riding, self.open = None, None, None, False
         self.trial = self.trial.anew()

@@ -40,7 +40,7 @@ class Files:
     def path(
         self, block: Block, program: int, standing: Joints, robots: Machine | Team, number: int, member: int = 0
     ) -> tuple[bytes, FilePath]:
-        """The file of a MOVE_FILE block, and its way from where the axes stand; BlockError.  member: whose, of several kinematics."""
+        """The file of a MOVE_FILE block, and its way from where the axes are; BlockError.  member: whose, of several kinematics."""
         assert block.file is not None
         try:
             data = self.read(block.file.name, program)
@@ -49,7 +49,7 @@ class Files:
         return data, self._way(block, data, standing, robots, number, member)
 
     def played(self, part: Coming, planner: Planner, velocity: float, mask: int) -> FilePlan:
-        """The points of its file from where the axes really stand; more slowly where the order asks for it.  mask: of its robot."""
+        """The points of its file from where the axes really are; more slowly where the order asks for it.  mask: of its robot."""
         (block,), robots = part.blocks, planner.machine
         path = self._way(block, part.data, planner.standing, robots, part.number, part.member)
         slower = replace(path, period=path.period / max(velocity, LEAST))

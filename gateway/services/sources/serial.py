@@ -100,7 +100,7 @@ class SerialSource(BaseSource):
             self._fault("bad_blocks", fault_words(event), now)
 
     def _fault(self, counter: str, words: str, now: Ns) -> None:
-        """A partner's faults are counted; the journal hears of them at most once a second."""
+        """A partner's faults are counted; the journal is informed of them at most once a second."""
         self._partner[counter] += 1
         if now >= self._journal_next:
             self._journal_next = now + TOLD_EVERY

@@ -30,7 +30,7 @@ class Option:
 
 @dataclass(slots=True)
 class Node:
-    """What may stand behind some words."""
+    """What may be behind some words."""
 
     help: str = ""
     subs: "dict[str, Node]" = field(default_factory=dict)

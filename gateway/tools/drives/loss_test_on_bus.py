@@ -154,7 +154,7 @@ class Judged:
 
 
 def judged(track: Track, lost_ns: Ns) -> Judged | None:
-    """Reaction: its emergency, or when it had become slower, whichever was first.  None: nothing was heard around the loss."""
+    """Reaction: its emergency, or when it had become slower, whichever was first.  None: nothing was received around the loss."""
     before = [place for place in track.places if lost_ns - 2 * SLOPE_NS <= place[0] <= lost_ns]
     after = [place for place in track.places if place[0] > lost_ns]
     if len(before) < 2 or not after:

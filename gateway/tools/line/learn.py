@@ -82,7 +82,7 @@ def line_format(text: str) -> tuple[int, str]:
 
 
 def of_line(tolds: list[LineReport], source: str, line_format: LineFormat) -> tuple[Learned, str]:
-    """The same out of what a monitor heard.  NoTrace when there was no block."""
+    """The same out of what a monitor received.  NoTrace when there was no block."""
     seen = learn(tolds)
     if not seen.blocks:
         if seen.tests:

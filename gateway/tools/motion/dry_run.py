@@ -198,7 +198,7 @@ class DryRun:
         return Trace(t, q, places, numbers, self.period, (), ((section.first, path.duration),))
 
     def _on_belt(self, section: Section, part: Coming, stands: Sequence[float]) -> Trace:
-        """From the moment its belt comes near until the robot stands again."""
+        """From the moment its belt comes near until the robot is at rest again."""
         run = _PartRun(self, section, part, stands)
         rows = list(run.rows())
         q, numbers = np.array([row for row, _, _ in rows]), np.array([number for _, number, _ in rows])
@@ -319,7 +319,7 @@ class _PartRun:
         return self._last - self._planner.added + max(self._planner.place(self._begins[piece])[0], 1)
 
     def _over(self) -> bool:
-        """Types 2 and 3: at the last point; type 1: its path is run, and the robot stands beside the belt."""
+        """Types 2 and 3: at the last point; type 1: its path is run, and the robot is at rest beside the belt."""
         if self._plan.facts.kind is not Type.PARALLEL:
             return self._belts.done
         waits = self._planner is None or bool(self._steps) or self._belts.awaits

@@ -1,4 +1,4 @@
-"""The tester's side of a CAN bus: frames sent and heard, and what comes unasked."""
+"""The tester's side of a CAN bus: frames sent and received, and what comes unasked."""
 
 import itertools
 from collections import deque
@@ -102,7 +102,7 @@ class CanTester(Tester):
         return None
 
     def pause(self, time: Ns) -> list[Frame]:
-        """Time passes; what was heard meanwhile."""
+        """Time passes; what was received meanwhile."""
         until, found = self.now() + time, list[Frame]()
         while (frame := self._next(until)) is not None:
             found.append(frame)
@@ -110,7 +110,7 @@ class CanTester(Tester):
         return found
 
     def drain(self) -> None:
-        """What was heard so far is of no interest."""
+        """What was received so far is of no interest."""
         self._kept.clear()
 
     def collect(self, identifier: int, count: int, wait: Ns) -> list[Frame]:

@@ -62,7 +62,7 @@ def watched_ms(t: NodeTester) -> int:
 
 @contextmanager
 def supervised(t: NodeTester, option: int) -> Iterator[None]:
-    """6007h = option, node 126 is watched and has been heard."""
+    """6007h = option, node 126 is watched and its heartbeat was received."""
     with t.kept(ABORT_OPTION, CONSUMER):
         with t.given():
             choose(t, ABORT_OPTION, option)

@@ -97,7 +97,7 @@ class Partner:
         self.play(lambda: False, limit)
 
     def meets(self, block: bytes, limit: Ns) -> int | Damage | None:
-        """The device's STX is heard only once the partner's has left: both wish to send.  What was heard."""
+        """The device's STX is received only once the partner's has left: both wish to send.  What was received."""
         heard = self._t.char(self._t.wire.now() + limit)
         now = self._t.wire.now()
         self.link.receive(b"", now)

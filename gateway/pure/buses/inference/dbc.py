@@ -51,7 +51,7 @@ def _signal(each: Found, length: int, reverse: bool) -> str:
 
 
 def _high_bit(each: Found, length: int) -> int:
-    """Motorola signals begin with their highest bit, counted within the byte it stands in."""
+    """Motorola signals begin with their highest bit, counted within the byte it is in."""
     high = each.start + each.bits - 1  # in the word of the reversed bytes
     return 8 * (length - 1 - high // 8) + high % 8
 

@@ -308,7 +308,7 @@ class ReisControl:
             self.markers.set_number(ERROR_NUMBER, 0)
 
     def _obey(self, state: CellState, now: Ns) -> None:
-        """Factor on the override, hold motion while it stands (robotstar 5.8, M1436, M1020.7)."""
+        """Factor on the override, hold motion while it is set (robotstar 5.8, M1436, M1020.7)."""
         self._office.multiply_override(self._factor())
         hold = self.markers.bit(*HOLD)
         if hold and not self._hold and state.motion is Motion.RUNNING:

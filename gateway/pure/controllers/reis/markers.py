@@ -160,7 +160,7 @@ class Markers:
             self.set_byte(byte + at, part)
 
     def content(self) -> bytes:
-        """M0..M2047 as they stand."""
+        """M0..M2047 as they are."""
         return bytes(self._own) + self._io.content(Area.INPUT) + self._io.content(Area.OUTPUT)
 
     def own(self) -> bytes:

@@ -1,4 +1,4 @@
-"""Where labels stand and what has to be translated to jumps: Python has none, so a body with labels becomes a row of parts."""
+"""Where labels are and what has to be translated to jumps: Python has none, so a body with labels becomes a row of parts."""
 
 from collections.abc import Iterator
 

@@ -33,7 +33,7 @@ class Naming:
         self._names.faults.error(id, at, text, hint)
 
     def declare(self, declarations: Iterable[Declaration], level: int) -> None:
-        """All of a routine; constants first, because they may stand behind what uses them (L7163-7169)."""
+        """All of a routine; constants first, because they may be behind what uses them (L7163-7169)."""
         found = tuple(declarations)
         for each in found:
             if isinstance(each, Constant):

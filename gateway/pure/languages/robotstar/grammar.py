@@ -1,4 +1,4 @@
-"""The parameters of each command: their places, what may stand there, their descriptors.  Source: robotstar 2.4, 2.5."""
+"""The parameters of each command: their places, what may be there, their descriptors.  Source: robotstar 2.4, 2.5."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -139,7 +139,7 @@ NOT_BUILT = {
 
 
 def fits(place: Place, operand: Operand) -> str:
-    """ "" where the operand may stand in the place, else what belongs there."""
+    """ "" where the operand may be in the place, else what belongs there."""
     if place.kind == "equate":
         good = isinstance(operand, Equate) and operand.name in place.equates
         return "" if good else "one of " + ", ".join(f"#{name}" for name in place.equates)

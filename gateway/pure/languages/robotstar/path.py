@@ -1,4 +1,4 @@
-"""Motion parameters as they stand at each position, displacement, and the faults of a path.  Source: robotstar 2.4, 3.2-3.9.
+"""Motion parameters as they are at each position, displacement, and the faults of a path.  Source: robotstar 2.4, 3.2-3.9.
 
 mm, mm/s, %, s, degrees: the manual's units.  Every value is taken step by step, so a program may change any of them in between.
 """

@@ -132,7 +132,7 @@ class StreamMover:
 
     @property
     def resting(self) -> bool:
-        """The set values stand, and no stream is being given up; of an altered path the one that is altered (L6265)."""
+        """The set values no longer change, and no stream is being given up; of an altered path the one that is altered (L6265)."""
         altered = self._altered
         if altered is not None and not self._dropping and self._path.held_by(self) is altered and altered.passed >= altered.count:
             return True

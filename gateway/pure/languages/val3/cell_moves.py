@@ -87,7 +87,7 @@ class CellMoves(Moves):
 
     @property
     def resting(self) -> bool:
-        """The set values stand."""
+        """The set values no longer change."""
         return self.mover.resting
 
     @property

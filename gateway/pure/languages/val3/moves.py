@@ -97,7 +97,7 @@ class Moves:
 
     @property
     def resting(self) -> bool:
-        """The set values stand."""
+        """The set values no longer change."""
         return self.arm.resting
 
     @property

@@ -13,7 +13,7 @@ NAMED = re.compile(r";;\s*SER_IO_STOP\b", re.IGNORECASE)
 
 
 class DirectiveError(ProtocolError):
-    """A compiler instruction where or as it must not stand; the message names the line."""
+    """A compiler instruction where or as it must not be; the message names the line."""
 
 
 def ser_io_stop(source: str) -> bool:

@@ -116,7 +116,7 @@ class MultiFunction:
     """The 4 inputs and 4 outputs of rho3.0: BAPS channels 801..804, and unless P36 = -1 a byte at the interface."""
 
     def __init__(self, p36_in: int = 0, p36_out: int = 0, stand_alone: bool = False, occupied: Collection[int] = ()) -> None:
-        """`occupied`: bytes of PLC inputs signals stand in.  ValueError: an address that does not exist or is not free."""
+        """`occupied`: bytes of PLC inputs signals are in.  ValueError: an address that does not exist or is not free."""
         self._in, self._out = _place("input", p36_in, MF_INPUTS, stand_alone), _place("output", p36_out, MF_OUTPUTS, stand_alone)
         if self._in in occupied:
             raise ValueError(f"P36 input {self._in}: signals stand in I{self._in}")

@@ -225,7 +225,7 @@ AnyCall = AnyRead | AnyWrite
 
 
 def _meet(call: AnyRead, inbox: Inbox, mark: Mark) -> Step:
-    """A byte reader met a mark: a damage is told once, the end stays."""
+    """A byte reader met a mark: a damage is reported once, the end stays."""
     if mark is Mark.ENDED:
         return Step.ENDED
     inbox.drop_front()
