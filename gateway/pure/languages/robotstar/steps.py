@@ -44,8 +44,8 @@ BRANCHES: Mapping[str, Callable[[Machine, Step, int, Program], Op]] = {
     "TEST": control_steps.test_value,
     "BRANCH": control_steps.branch,
 }
-NOT_IN_EXECUTER = frozenset(  # Test 5 (L1248-1258)
-    ("WAIT_BIT", "POSITION", "VAR_POS", "CALC_REL", "OSCILLATION", "WELDING", *motion_steps.PARAMETERS, "MOVE_MODE", "FLYBY", "WAIT")
+NOT_IN_EXECUTER = frozenset(  # Test 5 (L1248-1258); WAIT is effective in all test modes (L658)
+    ("WAIT_BIT", "POSITION", "VAR_POS", "CALC_REL", "OSCILLATION", "WELDING", *motion_steps.PARAMETERS, "MOVE_MODE", "FLYBY")
 )
 
 

@@ -156,6 +156,14 @@ def test_the_executer_refuses_what_moves_or_waits() -> None:
     assert (ran.value("I1"), ran.step, ran.texts()) == (1, 3, [])
 
 
+def test_the_executer_waits() -> None:
+    """WAIT is effective in all test modes (L658)."""
+    ran = run({"P.MPR": "WAIT 0.5\nWRITE_BIT #MERKER, 1, 1, 0", **V}, mode="test5", at=("1 EXEC", "2 EXEC"), until=1.4)
+    assert (ran.texts(), ran.state) == ([], "waiting")
+    ran = run({"P.MPR": "WAIT 0.5\nWRITE_BIT #MERKER, 1, 1, 0", **V}, mode="test5", at=("1 EXEC", "2 EXEC"))
+    assert ran.when("M1") == [(2.0, 1)]
+
+
 @pytest.mark.requirement("RSV-PRG-17", by="gateway.pure.languages.robotstar.robot:Robot._steps")
 def test_macros_are_one_step_or_stepped_into() -> None:
     files = {"P.MPR": "GREIFE\nCOPY 2,I2", "GREIFE.MAC": "COPY 1,I1\nCOPY 1,I2", **V}
@@ -236,11 +244,18 @@ def test_a_circle_needs_an_even_number_of_positions(last: str, count: int) -> No
     assert "an even number of positions" in str(run({"P.MPR": body}).texts()[0])
 
 
+TURNED = AT.format(1).replace("A:0", "A:30")
+
+
 @pytest.mark.parametrize(
     "body, number",
     [
         (f"COPY 50,_IORI_WEIGHT\n{AT.format(1)}\nCOPY 50,_IORI_WEIGHT\n{AT.format(2)}", 903),
         ("POSITION #N, X:0, Y:0, Z:0, A:30, B:0, C:0", 622),
+        (f"UEBERSCHL #EIN\n{AT.format(1)}\nUEBERSCHL #AUS\n{TURNED}", 625),
+        (f"UEBERSCHL #EIN\n{AT.format(1)}\nUEBERSCHL #AUS\nBAHN_ZEIT 1.0\n{TURNED}", 624),
+        (f"UEBERSCHL #EIN\n{AT.format(1)}\nUEBERSCHL #AUS\n{AT.format(1)}", 623),
+        (f"UEBERSCHL #EIN\nBAHN_ZEIT 1.0\n{TURNED.replace('X:1', 'X:0')}", 621),
         (f"UEBERSCHL #EIN\nBAHN_RADIUS 0\n{AT.format(1)}", 102),
         (f"UEBERSCHL #EIN\n{AT.format(0)}", 620),
     ],
