@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Generator
+from typing import TypeVar
 
 from gateway.pure.controllers.val3.sio.calls import Call
 from gateway.pure.languages.base.requests import Ns
@@ -11,6 +12,7 @@ from gateway.pure.languages.val3.numbers import Place
 from gateway.pure.languages.val3.values import AioV, DioV, LinkV, SioV, cut
 from gateway.pure.languages.val3.virtual_io import Status
 
+T = TypeVar("T")
 Waiting = Generator[Ns | None, None, object]
 
 
@@ -146,7 +148,7 @@ def sio_read_num(own: Instance, variable: SioV) -> Waiting:
     return (yield from _done(own, own.machine.sio.core.read_num(own.machine.sio.of(variable), own.machine.now)))
 
 
-def _done(own: Instance, call: "Call[int] | Call[float] | Call[str]") -> Waiting:
+def _done(own: Instance, call: Call[T]) -> Waiting:
     """Waits for it; an asynchronous task yields its turn once in any case (L3368).
 
     A call that has ended at once does not look at the network: reading a telegram byte by byte would cost a system call for each byte.

@@ -18,6 +18,7 @@ from gateway.pure.controllers.val3.sio.orders import Configure, Order
 from gateway.pure.controllers.val3.sio.variable import Sio
 from protocols.base.machine import Ns
 
+T = TypeVar("T")
 C = TypeVar("C", Get, Set, ReadNum, ReadText, WriteNum, WriteText)
 
 
@@ -146,7 +147,7 @@ class SioCore:
             self.change(channel)
         return code
 
-    def cancel(self, call: Call[int] | Call[float] | Call[str]) -> list[AnyCall]:
+    def cancel(self, call: AnyCall | Call[T]) -> list[AnyCall]:
         """The task that waited is killed; what its write has given away is gone, what its read would have taken stays."""
         line = self._lines.get(call.sio.link or "")
         return [] if line is None or call.done else line.cancel(call)
