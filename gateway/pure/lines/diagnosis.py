@@ -225,7 +225,7 @@ def _rides(seen: Evidence) -> list[Finding]:
         return [Finding("reaction spoilt", "fault", spoilt, "parity, speed, or the partner's software")]
     if seen.reaction or any(_is_rk512(block) for block in seen.blocks):
         number = said(", it answered {:02X}h", seen.reaction[3]) if seen.reaction and len(seen.reaction) >= 4 else ""
-        return [Finding("RK512", "ok", said("RK512 rides on 3964R{}", number), 'layer = "rk512"')]
+        return [Finding("RK512", "ok", said("RK512 runs on 3964R{}", number), 'layer = "rk512"')]
     if seen.reaction == b"" or seen.blocks:
         text = "a FETCH was acknowledged but brought no reaction telegram: raw 3964R blocks, no RK512 (or an active station only)"
         return [Finding("raw 3964R", "ok", text, 'layer = "telegrams"; describe the blocks with [[telegram]]')]
@@ -251,7 +251,7 @@ def _priority(seen: Evidence) -> list[Finding]:
         ]
     theirs = "low" if seen.conflict == Char.DLE else "high"
     if theirs != seen.our_priority:
-        return [Finding("priority", "ok", said("the partner has priority {}, we {}", theirs, seen.our_priority))]
+        return [Finding("priority", "ok", said("the partner has priority {}, this side {}", theirs, seen.our_priority))]
     text = said("both stations have the same priority ({}): whenever both send at once, both jobs wait or fail", theirs)
     return [Finding("same priority", "fault", text, SET_OURS[theirs])]
 

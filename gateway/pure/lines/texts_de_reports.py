@@ -72,7 +72,7 @@ DIAGNOSIS = {
     'set this side to priority = "low"': 'diese Seite auf priority = "low" setzen',
     'set this side to priority = "high"': 'diese Seite auf priority = "high" setzen',
     "priority": "Prioritaet",
-    "the partner has priority {}, we {}": "der Partner hat die Prioritaet {}, wir {}",
+    "the partner has priority {}, this side {}": "der Partner hat die Prioritaet {}, diese Seite {}",
     "BCC off by 02h": "BCC um 02h falsch",
     "BCC off by 02h: the partner begins the exclusive or with STX": "BCC um 02h falsch: der Partner beginnt das Exklusiv-Oder mit STX",
     "the partner's software is wrong; STX is not part of the block check": (
@@ -163,7 +163,7 @@ DIAGNOSIS = {
     "blocks refused": "Bloecke abgelehnt",
     "a good block is refused with every check tried": "ein guter Block wird mit jedem versuchten Pruefzeichen abgelehnt",
     "parity, or another block format": "Paritaet, oder ein anderes Blockformat",
-    "RK512 rides on 3964R{}": "RK512 laeuft auf 3964R{}",
+    "RK512 runs on 3964R{}": "RK512 laeuft auf 3964R{}",
     ", it answered {:02X}h": ", die Antwort war {:02X}h",
     'layer = "rk512"': 'layer = "rk512"',
     "raw 3964R": "rohes 3964R",

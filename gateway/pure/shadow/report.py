@@ -52,7 +52,7 @@ def _sentences(found: Found) -> Iterator[str]:
     buses = found["buses"]
     if _of(buses, "syncs") is not None:
         urls = ", ".join(str(url) for url in _list(_of(buses, "buses")))
-        yield f"buses {urls}: {_of(buses, 'syncs')} SYNCs heard, silent {_of(buses, 'silences')} times"
+        yield f"buses {urls}: {_of(buses, 'syncs')} SYNCs received, silent {_of(buses, 'silences')} times"
         for block in _list(_of(buses, "telegrams")):
             yield from _block_sentences(block)
     for words in _list(found["left_out"]):
@@ -67,7 +67,7 @@ def _line_sentences(line: object) -> Iterator[str]:
     if _of(line, "kind") == "modbus":
         yield (
             f"modbus {_of(line, 'line')}: {_of(line, 'characters')} bytes, {_of(telegrams, 'heard')} requests of the PLC, "
-            f"{_of(telegrams, 'answered')} answers of the old control, {other} of them refused otherwise than by us"
+            f"{_of(telegrams, 'answered')} answers of the old control, {other} of them refused differently from axisgate"
         )
     else:
         yield _serial_sentence(line, telegrams, other)
@@ -89,7 +89,7 @@ def _serial_sentence(line: object, telegrams: object, other: int) -> str:
 def _block_sentences(block: object) -> Iterator[str]:
     yield (
         f"{_of(block, 'block')}: equal in {_percent(_of(block, 'equal_percent'))} of {_real(_of(block, 'time_s')):.1f} s, "
-        f"{_of(block, 'answers')} times heard, the last {_real(_of(block, 'age_s')):.1f} s ago"
+        f"{_of(block, 'answers')} times received, the last {_real(_of(block, 'age_s')):.1f} s ago"
     )
     for place in _list(_of(block, "places")):
         yield f"  {title(place)}: {difference(place)}"

@@ -22,7 +22,7 @@ def diagnosed(partner: str, priority: str = "low") -> dict[str, Finding]:
 @pytest.mark.parametrize(
     "partner, name, level, words",
     [
-        ("good", "RK512", "ok", "RK512 rides on 3964R"),
+        ("good", "RK512", "ok", "RK512 runs on 3964R"),
         ("raw", "raw 3964R", "ok", "no reaction telegram"),
         ("echo", "echo", "fault", "every character comes back (16 of 16)"),
         ("cross-talk", "cross-talk", "fault", "cross-talk on an open line, not an echo"),
@@ -36,7 +36,7 @@ def diagnosed(partner: str, priority: str = "low") -> dict[str, Finding]:
         ("counts-once", "BCC counts 10h once", "fault", "counts a doubled 10h once"),
         ("naks-conflicts", "refuses conflicts", "warn", "answers a conflicting STX with NAK"),
         ("good,rho3,low", "same priority", "fault", "both stations have the same priority (low)"),
-        ("good", "priority", "ok", "the partner has priority high, we low"),
+        ("good", "priority", "ok", "the partner has priority high, this side low"),
     ],
 )
 def test_the_fault_is_named_and_no_other_beside_it(partner: str, name: str, level: str, words: str) -> None:
@@ -85,7 +85,7 @@ def test_a_partner_of_3964_that_takes_the_end_for_the_end() -> None:
 
 
 def test_a_slow_partner_within_qvz_is_looked_at_to_the_end() -> None:
-    assert seen_of(Late(RHO3, Priority.HIGH, late=ms(200)))["RK512"].text == "RK512 rides on 3964R, it answered 14h"
+    assert seen_of(Late(RHO3, Priority.HIGH, late=ms(200)))["RK512"].text == "RK512 runs on 3964R, it answered 14h"
 
 
 def test_characters_that_are_no_echo_are_shown() -> None:

@@ -175,7 +175,7 @@ def test_report_says_it_in_words_in_text_and_page() -> None:
     )
     assert (found["equal"], found["differences"], found["compared"]) == (False, 1, True)
     words = as_text(found)
-    assert "DB 11: equal in 92.86 % of 2.8 s, 15 times heard" in words
+    assert "DB 11: equal in 92.86 % of 2.8 s, 15 times received" in words
     assert "D 0.8 move.busy: equal in 92.86 %, differs by 40 ms (axisgate later), first after 1.000 s: there 1, here 0" in words
     assert "left out: modbus plc2" in words
     page = as_html(found)
