@@ -52,10 +52,10 @@ class Filing:
 
     def begin_reading(self, name: str, owner: int, offset: int, binary: bool) -> None:
         """READ_BEGIN.  Again by the same process: it is placed anew."""
-        if name not in self.files:
-            raise fault(213, name)
         if any(each.writing for each in self._open.get(name, ())):
             raise fault(1057, name)
+        if name not in self.files:
+            raise fault(213, name)
         data = bytearray(self.files[name])
         place = offset if binary else _line_start(data, offset)
         if not 0 <= place <= len(data):

@@ -131,7 +131,8 @@ def _number(base: str, data: bytes) -> tuple[int | float, int]:
     except ValueError:
         raise BadForm(-10 if base == "REAL" else -9) from None
     if (
-        (base == "REAL" and not abs(value) <= MOST_REAL)
+        "_" in text  # a number to Python
+        or (base == "REAL" and not abs(value) <= MOST_REAL)
         or (base == "BINARY" and value not in (0, 1))
         or (not -(2**31) <= value < 2**31 and base != "REAL")
     ):

@@ -138,6 +138,8 @@ class Outside:
         files, owner = self._machine.filing, task.process.number
         found = files.opened(name, self._owners(task), writing)
         if found is None:
+            if writing and files.opened(name, [owner], writing=False) is not None:
+                raise fault(214, name)  # to open it anew would delete what it has
             if writing:
                 files.begin_writing(name, owner, 0, self._binary(task, unit))
             else:

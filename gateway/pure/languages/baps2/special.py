@@ -19,6 +19,7 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.requests import PENDING, RuntimeFault
 
 COPIES = {"QLL": ("QLL", "ERR", "DAT"), "DAT": ("QLL", "ERR", "DAT"), "PKT": ("PKT",), "SYM": ("SYM",), "IRD": ("IRD",)}
+PROBES = range(610, 700, 10)
 MOST_ENTRIES = 50  # of a recorded path (L5257)
 _POINT_NAME = re.compile(r"(@?[A-Z]\w*)(\[-?\d+\])?", re.ASCII)
 WRONG_DIRECTION = 928  # of kinematic 1 (L6116-6128)
@@ -114,13 +115,14 @@ class Specials:
         """Functions about one kinematic."""
         match number:
             case 41:
-                self.lane_of(task, values[0])[1].factors["VFACTOR"] = _number(values[1])
+                lane, factor = self.lane_of(task, values[0])[1], _number(values[1])
+                if factor <= 0:
+                    raise fault(218, f"VFACTOR = {factor:g}")
+                lane.factors["VFACTOR"] = factor
             case 42:
                 self.lane_of(task, values[0])[1].distance = _number(values[1])
             case 43:
-                name, lane = self.lane_of(task, values[0])
-                lane.measured, channel = None, _whole(values[2])
-                self._measuring[channel] = _Measuring(name, _whole(values[1]), int(self._machine.signal(channel, self._machine.now)))
+                self._measure_on(task, values)
             case 44:
                 self._measuring.pop(_whole(values[-1]), None)
             case 29 | 30 | 31:
@@ -129,6 +131,17 @@ class Specials:
                 self._block_search(task, values)
             case _:
                 raise RuntimeFault(204, f"{TEXTS[204]}: special function {number} is only named in the manual")
+
+    def _measure_on(self, task: Task, values: tuple[object, ...]) -> None:
+        """MEASURE_ON: at an edge 0 or 1 of the probe of a servo board (L7594-7635)."""
+        name, lane = self.lane_of(task, values[0])
+        edge, channel = _whole(values[1]), _whole(values[2])
+        if edge not in (0, 1):
+            raise fault(218, f"edge {edge}")
+        if channel not in PROBES:
+            raise fault(206, str(channel))
+        lane.measured = None
+        self._measuring[channel] = _Measuring(name, edge, int(self._machine.signal(channel, self._machine.now)))
 
     def lane_of(self, task: Task, number: object) -> tuple[str, Lane]:
         """A kinematic by its number."""
