@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from gateway.pure.languages.baps2 import demands, forms
+from gateway.pure.languages.baps2 import circles, demands, forms
 from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.baps2.feed import SECOND, Feed
 from gateway.pure.languages.baps2.filing import Filing
@@ -236,6 +236,7 @@ class Control(Plant):
         task.since, task.began, task.block, task.said, task.round = now, None, None, None, self._round
         self._asked = request
         try:
+            circles.follow(task, request)
             return self._answer(task, request)
         except forms.BadForm:
             return fault(201)
