@@ -21,12 +21,16 @@ class Semaphores:
         if holder is None:
             self._holders[semaphore] = task
             task.semaphores.append(semaphore)
-        task.entered[semaphore] = task.queue[-1] if task.queue else None
+        task.entered.setdefault(semaphore, []).append(task.queue[-1] if task.queue else None)
         return None
 
     def end(self, task: Task, semaphore: tuple[str, str], processes: Iterable[Task]) -> None:
-        """EXCLUSIVE_END: behind the blocks that were prepared in the part; at once where none is left."""
-        if task.queue and task.queue[-1] is not task.entered.get(semaphore):
+        """EXCLUSIVE_END of the outermost part: behind the blocks that were prepared in it; at once where none is left."""
+        parts = task.entered[semaphore]
+        before = parts.pop()
+        if parts:
+            return
+        if task.queue and task.queue[-1] is not before:
             task.queue.append(Release(semaphore))
         else:
             self.leave(task, semaphore, processes)

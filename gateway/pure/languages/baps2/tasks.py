@@ -133,10 +133,12 @@ class Task:
     said: Statement | None = None  # that it waits for
     not_before: int = 0  # the moment at which its next block begins at the earliest
     last: str | None = None  # kinematic of its last traverse block
-    circle: str | None = None  # kinematic of a circle of which the first point is said
+    circle: str | None = None  # kinematic of a circle of which the first point is given
     children: list["Task"] = field(default_factory=list)
     semaphores: list[tuple[str, str]] = field(default_factory=list)
-    entered: dict[tuple[str, str], Item | None] = field(default_factory=dict)  # semaphore -> what was prepared last before its part
+    entered: dict[tuple[str, str], list[Item | None]] = field(
+        default_factory=dict
+    )  # semaphore -> of each part: what was prepared before it
     conditions: dict[str, int] = field(default_factory=dict)
     held: dict[str, bytes] = field(default_factory=dict)  # output that is kept open
     names: dict[str, str] = field(default_factory=dict)  # file variable -> name of the file, by ASSIGN

@@ -65,3 +65,10 @@ def test_two_robots_of_a_cell_are_never_in_the_zone_together(two: Cell) -> None:
     inside = [(place[0] > 100, place[4] > 100) for place in cell.places]
     assert any(x for x, _ in inside) and any(u for _, u in inside)
     assert (True, True) not in inside
+
+
+def test_a_part_in_a_part_of_the_same_semaphore_does_not_open_the_zone() -> None:
+    inner = "EXCLUSIVE ZONE MOVE PORTAL TO @(2, 0) EXCLUSIVE_END"
+    first = f"EXCLUSIVE ZONE MOVE PORTAL TO @(1, 0) {inner} MOVE PORTAL TO @(3, 0) EXCLUSIVE_END"
+    second = "WAIT 0.1 EXCLUSIVE ZONE MOVE LOADER TO @(1, 0) EXCLUSIVE_END"
+    assert parallel(first, second) == [(0.0, 1), (1.0, 2), (2.0, 3), (3.0, 4)]
