@@ -56,6 +56,11 @@ class _Open:
     ended: bool = False
     last: int = 0  # step number printed last
 
+    def repeated(self, head: "_Open", printed: int) -> bool:
+        """Whether a head is this program's own again: as a title above the steps, or at the top of the next page."""
+        same = not self.ended and (head.kind, head.name) == (self.kind, self.name)
+        return same and (not printed or len(self.steps) == 1)
+
 
 def points_of(text: str) -> dict[str, str]:
     """Parameters of POSITION by the name of a point: columns name, X..C, optional Frame and axes; PointFault with a sentence."""
@@ -104,9 +109,13 @@ def import_listing(text: str, words: Words, points: Mapping[str, str] | None = N
             continue
         word = step.lstrip("\\").split(None, 1)[0].rstrip(":").upper()
         if words.words.get(word) in HEADS and not step.startswith("\\"):
+            head = _head(step, word, words)
+            if program is not None and program.repeated(head, printed):
+                result.notes.append(Note(number, f"the head of {program.name} is printed again; its steps go on"))
+                program.last = printed or program.last
+                continue
             _close(program, result, number)
-            program = _head(step, word, words)
-            program.last = printed
+            program, head.last = head, printed
             continue
         if program is None or program.ended:
             program = _Open(name, "MPR", [f'MPR "{name}"'])

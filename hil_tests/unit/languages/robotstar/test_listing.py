@@ -173,3 +173,28 @@ CLEAN = (
 def test_a_step_without_a_slip_stays_as_it_is(step: str) -> None:
     found = import_listing(f"1 MPR M\n2 {step}\n3 END\n", WORDS)
     assert (found.files["M.MPR"].splitlines()[1].split(None, 1)[1], found.notes) == (step, [])
+
+
+PAGES = """MPR HAUPT
+
+1 MPR HAUPT
+2 WAIT 1.0
+MPR HAUPT
+3 WAIT 2.0
+4 ENDE
+MPR HAUPT
+1 MPR HAUPT
+2 WAIT 3.0
+"""
+
+
+def test_a_head_printed_as_a_title_or_on_each_page_begins_no_program() -> None:
+    """Behind ENDE it does; the second program gets a name of its own."""
+    found = import_listing(PAGES, WORDS)
+    steps = {name: [line.split(None, 1)[1] for line in text.splitlines()] for name, text in found.files.items()}
+    assert steps == {
+        "HAUPT.MPR": ['MPR "HAUPT"', "WAIT 1.0", "WAIT 2.0", "ENDE"],
+        "HAUPT_2.MPR": ['MPR "HAUPT_2"', "WAIT 3.0", "END"],
+    }
+    again = [note.line for note in found.notes if "printed again" in note.text]
+    assert again == [3, 5, 9]
