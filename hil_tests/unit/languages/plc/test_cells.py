@@ -92,3 +92,12 @@ def test_markers_timers_and_counters_outlive_power_off() -> None:
         again.power_on(kept[:-1], 0)
     with pytest.raises(ValueError, match="no timer"):
         again.power_on(kept[:1968] + b"\xff" * (len(kept) - 1968), 0)
+
+
+def test_a_counter_that_takes_the_cell_of_a_timer_goes_on_from_the_rest_of_its_time() -> None:
+    """Timers and counters are one range of long words (L2440); the start command is jumped over meanwhile."""
+    rig = Rig("U E0.1\nSP X,1\nL 500\nU E0.0\nST V,T3\nM X\nU E0.1\nZV Z3,1")
+    rig.scan("E0.0").scan("E0.0")
+    assert rig.plc.data.cells.content(3) == 499
+    assert rig.scan("E0.1").plc.data.cells.content(3) == 499, "498 left, and one more"
+    assert rig.plc.data.cells.is_counter(3)
