@@ -13,7 +13,7 @@ class DamagedCopy(Exception):
     """The copy cannot run; `number` is that of the PLC error."""
 
     def __init__(self, number: int) -> None:
-        super().__init__(f"PLC error {number}: the copy of the PLC program is damaged; start the PLC anew")
+        super().__init__(f"PLC error {number}: the copy of the PLC program is damaged; start the PLC again")
         self.number = number
 
 

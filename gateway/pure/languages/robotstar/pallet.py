@@ -68,7 +68,7 @@ def pattern_of(program: Program, kind_of: Callable[[str], str]) -> Pattern:
     if [step.word == "TOOL" for step in rest] != [True, False, False, False, False]:
         raise _syntax(program, "one TOOL and four positions are needed")
     if any(step.word not in ("POSITION", "VAR_POS") for step in rest[1:]):
-        raise _syntax(program, "behind TOOL stand four positions")
+        raise _syntax(program, "TOOL must be followed by four positions")
     front = [step for step in definitions if step.number < rest[0].number]
     behind = [step for step in definitions if step.number > rest[4].number]
     if len(front) + len(behind) != len(definitions):
@@ -83,7 +83,7 @@ def pattern_of(program: Program, kind_of: Callable[[str], str]) -> Pattern:
         raise _syntax(program, "counters and vectors are variables")
     optional = "".join(kind_of(_name(step)) for step in behind)
     if optional not in ("", "I", "IRRR"):
-        raise _syntax(program, "behind the positions stand no constant, one integer, or one integer and three reals")
+        raise _syntax(program, "the positions must be followed by no constant, one integer, or one integer and three reals")
     extra = tuple(_name(step) for step in behind)
     return Pattern(program, tuple(names[:4]), tuple(names[4:7]), tuple(names[7:10]), tuple(rest[1:]), "".join(extra[:1]), extra[1:])
 
