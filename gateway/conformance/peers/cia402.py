@@ -12,12 +12,15 @@ from gateway.conformance.peers.canopen301_parts import Late
 from gateway.conformance.peers.cia402_states import (
     SLOW_BRAKE,
     SMALLEST,
+    changes_later,
     display_frozen,
     has_reference,
     keeps_power,
     mode_fixed_at_work,
     no_limits_when_cyclic,
+    no_lower_limit,
     no_search,
+    no_top_velocity,
     other_code,
     own_units,
     resumes,
@@ -331,6 +334,11 @@ ROWS: tuple[Row, ...] = (
     _row("no-search", "attains homing without a search", "HOM_BV_03", no_search),
     _row("no-limits-when-cyclic", "607Dh does not count in CSP", "CSP_BI_01", no_limits_when_cyclic),
     _row("no-follow-bit", "bit 12 is clear in CSP", "CSP_BV_02", _bit(8, clear=BIT12)),
+    _row("no-lower-limit", "607Dh:01 does not count", "POS_BI_03 CSP_BI_02", no_lower_limit),
+    _row("fast-velocity", "607Fh does not count in profile velocity", "VEL_BV_07", no_top_velocity),
+    _row("quick-5-as-6", "605Ah = 5 acts like 6", "OPT_BV_10", _as(od.QUICK_STOP_OPTION, 5, 6)),
+    _row("quick-6-as-5", "605Ah = 6 acts like 5", "OPT_BV_11", _as(od.QUICK_STOP_OPTION, 6, 5)),
+    _row("lag-at-once", "6066h does not count", "FLT_BI_04", _value(od.FOLLOWING_TIME, lambda value: 0)),
 )
 MUTANTS = tuple(Mutant(name, what, expects, make, LINK, {}) for name, what, expects, make in ROWS)
 
@@ -352,6 +360,7 @@ VARIANTS = (
     _good("smallest", "profile position with what it needs, no 606Ch", lambda: Drive(lacks=SMALLEST), pp=True),
     Variant("own-units", "speeds in another unit than positions", lambda: Drive(own_units), LINK | {"way": 8000}, {}),
     _good("shown-later", "6061h follows after 80 ms", lambda: Drive(shown_later)),
+    _good("changes-later", "6061h and what acts follow 6060h after 300 ms", changes_later),
     _good("busy", "SDO answers after 30 ms", lambda: Late(ms(30))),
     _good("has-reference", "an absolute encoder", lambda: Drive(has_reference)),
     _good("slow-brake", "its brake needs 0.8 s", lambda: Drive(settings=SLOW_BRAKE)),

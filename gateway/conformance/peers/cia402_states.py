@@ -1,18 +1,20 @@
 """CiA 402: parts that err between two states or modes, and correct drives of unusual kinds (used by peers.cia402)."""
 
+from collections.abc import Sequence
+
 from drivers.emulator.cia402 import objects as od
 from drivers.emulator.cia402.homing import TO_INDEX
 from drivers.emulator.cia402.modes import START, ProfilePosition
 from drivers.emulator.cia402.states import BIT12, BIT13, TARGET, State
 from drivers.emulator.servo.settings import DriveSettings, ServoSettings
 from gateway.conformance.peers.can_devices import Drive, put
-from protocols.base.machine import Ns, ms
+from protocols.base.machine import Frame, Ns, ms
 from protocols.canopen.dictionary import Key
 from protocols.canopen.nmt import State as NmtState
 from protocols.canopen.sdo import Abort
 from protocols.canopen.types import Value
 
-SEARCH, SHOWN = ms(20), ms(80)
+SEARCH, SHOWN, CHANGES = ms(20), ms(80), ms(300)
 SPEEDS: tuple[Key, ...] = (od.PROFILE_SPEED, od.TARGET_SPEED, od.ACCELERATION, od.DECELERATION, od.QUICK_STOP_DECELERATION)
 COARSE = 100  # increments a second in one unit of speed
 
@@ -110,6 +112,19 @@ def no_limits_when_cyclic(drive: Drive) -> None:
     put(drive.axis, clip=lambda position: position if drive.axis.mode.code == 8 else clip(position))
 
 
+def no_lower_limit(drive: Drive) -> None:
+    """Of 607Dh the upper limit counts."""
+    clip = drive.axis.clip
+    put(drive.axis, clip=lambda position: position if position < drive.axis.position else clip(position))
+
+
+def no_top_velocity(drive: Drive) -> None:
+    """607Fh does not count in profile velocity."""
+    mode = drive.axis.modes[3]
+    real = mode.value
+    put(mode, value=lambda key: 2**31 - 1 if key == od.MAX_PROFILE_SPEED else real(key))
+
+
 # ---- correct drives
 def own_units(drive: Drive) -> None:
     """Speeds and accelerations in another unit than 6064h a second."""
@@ -148,6 +163,28 @@ def shown_later(drive: Drive) -> None:
 def has_reference(drive: Drive) -> None:
     """An absolute encoder: homing is attained from the beginning."""
     drive.axis.homed = True
+
+
+def changes_later() -> Drive:
+    """6060h acts after 300 ms, and 6061h shows it then; what is shown already does not change."""
+
+    def hears(drive: Drive, frame: Frame) -> Sequence[Frame]:
+        if drive.tally and drive.now >= drive.tally:
+            drive.tally = 0
+            drive.axis._mode_written(drive.axis.value(od.MODE))
+        return [frame]
+
+    def tune(drive: Drive) -> None:
+        axis, objects = drive.axis, drive.node.objects
+        shown, choose = objects.readers[od.MODE_DISPLAY], axis._choose_mode
+
+        def written(value: Value) -> None:
+            drive.tally = 0 if value == shown() else drive.now + CHANGES
+
+        objects.written[od.MODE] = written
+        put(axis, _choose_mode=lambda: None if drive.tally else choose())
+
+    return Drive(tune, hears=hears)
 
 
 def mode_fixed_at_work(drive: Drive) -> None:

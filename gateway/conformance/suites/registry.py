@@ -141,11 +141,12 @@ def _canopen301() -> Sequence[Purpose[Tester]]:
 
 
 def _cia402() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.cia402 import faults, lasting, modes, positioning, power, supply
+    from gateway.conformance.suites.cia402 import bounds, faults, lasting, modes, positioning, power, supply
 
     return _generic(
         *(power.PWR, lasting.PWR, faults.FLT, lasting.FLT, modes.MOD, lasting.MOD, positioning.POS, lasting.POS, modes.VEL, lasting.VEL),
-        *(faults.OPT, modes.HOM, lasting.HOM, modes.CYC, lasting.CYC, supply.SUP),
+        *(bounds.FLT, bounds.POS, bounds.VEL),
+        *(faults.OPT, modes.HOM, lasting.HOM, modes.CYC, lasting.CYC, bounds.CYC, supply.SUP),
     )
 
 

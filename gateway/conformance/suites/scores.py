@@ -5,7 +5,7 @@ SCORES: dict[str, tuple[int, int]] = {
     "rk512": (74, 74),
     "modbus-tcp": (85, 85),
     "modbus-rtu": (76, 76),
-    "cia402": (87, 87),
+    "cia402": (92, 92),
     "canopen-301": (143, 143),
     "servodyn": (60, 60),
     "interop": (51, 51),

@@ -30,6 +30,7 @@ NAMES = {
 PP, PV, HM, IP, CSP = 1, 3, 6, 7, 8
 STEP = ms(2)
 LONG = ms(8000)
+DISPLAY = ms(1000)  # from 6060h to 6061h
 REACHED, BIT12, BIT13, INTERNAL = 0x400, 0x1000, 0x2000, 0x800
 
 
@@ -98,6 +99,8 @@ def brought_to(t: NodeTester, state: int, mode: int | None = None) -> Iterator[N
                 for word in WAYS[state]:
                     control(t, word)
                     reaches(t, REACHED_BY[word], f"controlword {word:04X}h")
+                if mode is not None:
+                    _mode_shown(t, mode)
             yield
         finally:
             try:
@@ -105,6 +108,14 @@ def brought_to(t: NodeTester, state: int, mode: int | None = None) -> Iterator[N
             except Ended:  # the next case must not find it so
                 with suppress(Ended):
                     t.reset()
+
+
+def _mode_shown(t: NodeTester, mode: int) -> None:
+    """A drive may need a moment to change its mode; one that never shows it is judged by the cases of 6061h."""
+    begin = t.now()
+    with suppress(Ended):
+        while t.number(MODE_SHOWN, signed=True) != mode and t.now() - begin < DISPLAY:
+            t.pause(STEP)
 
 
 def at_rest(t: NodeTester) -> None:

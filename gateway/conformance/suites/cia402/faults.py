@@ -302,6 +302,8 @@ _stops(3, SHUTDOWN_OPTION, "shutdown_option", 1, 0x06, DECELERATION, READY, ("sh
 _stops(4, DISABLE_OPTION, "disable_option", 1, 0x07, DECELERATION, ON, ("disable operation", "Disable Operation"))
 _stops(5, HALT_OPTION, "halt_option", 1, 0x10F, DECELERATION, ENABLED, ("halt", "Halt"))
 _stops(6, HALT_OPTION, "halt_option", 2, 0x10F, QUICK_DECELERATION, ENABLED, ("halt", "Halt"))
+_stops(10, QUICK_OPTION, "quick_option", 5, 0x02, DECELERATION, QUICK, ("quick stop", "Quick Stop"))
+_stops(11, QUICK_OPTION, "quick_option", 6, 0x02, QUICK_DECELERATION, QUICK, ("quick stop", "Quick Stop"))
 
 
 @OPT.case(

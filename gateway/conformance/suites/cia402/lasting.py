@@ -346,7 +346,7 @@ def index_sets(t: NodeTester) -> None:
 
 
 @contextmanager
-def _between_limits(t: NodeTester) -> Iterator[tuple[int, int]]:
+def between_limits(t: NodeTester) -> Iterator[tuple[int, int]]:
     """Cyclic, software limits a way to both sides; where it is, and the way."""
     with t.kept(LIMIT_LOW, LIMIT_HIGH):
         with t.given():
@@ -365,7 +365,7 @@ def _between_limits(t: NodeTester) -> Iterator[tuple[int, int]]:
     condition=("limits",),
 )
 def limited(t: NodeTester) -> None:
-    with _between_limits(t) as (start, way):
+    with between_limits(t) as (start, way):
         for turn in range(1, 41):
             t.download(TARGET, start + 2 * way * turn // 40, 4)
             t.on_grid()

@@ -8,6 +8,7 @@ from gateway.conformance.suites.cia402.drive import (
     ACCELERATION,
     BIT12,
     BIT13,
+    DISPLAY,
     ENABLED,
     HM,
     MODE,
@@ -37,7 +38,6 @@ from protocols.canopen.sdo import Abort, Request
 BASIC = "CIA402_PWR_BV_01"
 MOD = Purposes[NodeTester]("CIA402_MOD", "drive", "CiA 402-2, modes of operation", condition=("modes",), preamble=(BASIC,))
 OFFERED = {1: 0, 2: 1, 3: 2, 4: 3, 6: 5, 7: 6, 8: 7, 9: 8, 10: 9}  # mode: bit of 6502h
-DISPLAY = ms(1000)
 METHOD, OFFSET = (0x6098, 0), (0x607C, 0)
 
 
