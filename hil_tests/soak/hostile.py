@@ -281,7 +281,7 @@ class Siege:
             tail = [line for line in console[console.index("Traceback") :].splitlines() if "site-packages" not in line]
             self.found.wrong.append("a traceback:\n" + "\n".join(tail[:60]))
         for line in console.splitlines():
-            if "showed no life" in line or "ended with exit code" in line or "deaths in a minute" in line:
+            if "showed no life" in line or "ended with exit code" in line or "failures in a minute" in line:
                 self.found.wrong.append(f"a process ended by itself: {line}")
 
 

@@ -148,6 +148,6 @@ def test_nobody_there_and_a_connection_that_ends(server: Server) -> None:
     port = open_bytes(server.url, "9600 8N1")
     assert server.connection is not None
     server.connection.shutdown(socket.SHUT_RDWR)
-    with pytest.raises(PortError, match="is gone"):
+    with pytest.raises(PortError, match="lost"):
         _read_for(port, 3.0)
     port.close()

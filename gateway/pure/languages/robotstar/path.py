@@ -150,8 +150,9 @@ class PathState:
             if not self.values["PATH_RADIUS"] and not self.values["PATH_DISTANCE"]:
                 raise path_fault(102, "BAHN_RADIUS and BAHN_DISTANZ are both 0 mm with activated approximation")
         if not moves and turns and not self.values["PATH_TIME"]:
-            number, which = (625, "of the following path") if self.rounded else (622, "of the path")
-            raise path_fault(number, f"BAHN_ZEIT is missing: only the orientation {which} moves")
+            if self.rounded:
+                raise path_fault(625, "BAHN_ZEIT of the following path is missing: only the orientation moves")
+            raise path_fault(622, "BAHN_ZEIT is missing: only the orientation moves")
         if self.rounded and not moves:
             text = "only the orientation moves" if turns else "there is no way"
             raise path_fault(624 if turns else 623, f"approximation to a following path where {text}")

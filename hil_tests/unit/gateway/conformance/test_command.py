@@ -72,7 +72,7 @@ def test_the_json_has_all_fields_of_format_1(tmp_path: pathlib.Path, capsys: pyt
         ("modbus-rtu", "modbus-rtu", set(), 0),
         ("canopen", "canopen-301", set(), 0),
         ("canopen", "cia402", set(), 0),
-        ("cia402-no-limits", "cia402", {"CIA402_POS_BI_02", "CIA402_CSP_BI_01"}, 1),
+        ("cia402-no-limits", "cia402", {"CIA402_POS_BI_02", "CIA402_POS_BI_03", "CIA402_CSP_BI_01", "CIA402_CSP_BI_02"}, 1),
         ("canopen-no-sync", "canopen-301", {"CO301_PDO_BV_01", "CO301_PDO_BV_09"}, 1),
     ],
 )

@@ -65,7 +65,7 @@ def test_a_feed_that_sets_what_the_program_writes_or_names_nothing_is_one_senten
     (tmp_path / "feed.toml").write_text('until_s = 0.1\n[[input]]\nname = "A20.0"\n')
     assert main(["trace", str(tmp_path), "HOLD.QLS", "--feed", str(tmp_path / "feed.toml")]) == 0
     rows = capsys.readouterr().out.splitlines()
-    assert [row.split()[2:] for row in rows if "HOLD_N" in row] == [["out", "O3.3", "=", "1", "FEED_HOLD_N_RCI"]]
+    assert [row.split()[2:] for row in rows if row.endswith(" FEED_HOLD_N_RCI")] == [["out", "O3.3", "=", "1", "FEED_HOLD_N_RCI"]]
 
 
 def test_a_scan_that_does_not_end_stops_the_pic_with_its_outputs_0(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
