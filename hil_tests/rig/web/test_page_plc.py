@@ -58,7 +58,7 @@ def test_a_marker_is_written_and_one_of_the_robot_is_refused(web: WebRun, boss: 
     until(lambda: web.ask("GET", "/api/value?address=MB%20100")[1]["value"] == 41, "the marker has its value")
     boss.fill("#plc-operand", "M1021.2")
     boss.click("#plc-write")
-    until(lambda: "the robot writes it" in boss.inner_text("#toasts"), "the refusal is shown")
+    until(lambda: "ihn schreibt der Roboter" in boss.inner_text("#toasts"), "the refusal is shown")
     said = [each["say"] for each in web.ask("GET", "/api/audit", **web.headers())[1]["entries"]]
     assert ["wrote 41 to M100", "M100 mit 41 beschrieben"] in said
 

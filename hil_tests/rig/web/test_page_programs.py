@@ -101,7 +101,7 @@ def started(web: WebRun, page: Page) -> None:
     until(lambda: "override 100 %" in page.inner_text("#state"), "override 100 %")
     web.go(page, "programs")
     chosen(page, "LOOP")
-    until(lambda: "moves as the page" in page.inner_text("#whose"), "the page knows that it has control")
+    until(lambda: "moves under the control of this page" in page.inner_text("#whose"), "the page knows that it has control")
     if page.locator("[data-do=stop][data-program=LOOP]").count() == 0:
         page.click("[data-do=start][data-program=LOOP]")
     until(lambda: web.run.state().motion is Motion.RUNNING, "it moves", 60)
