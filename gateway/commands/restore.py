@@ -14,7 +14,7 @@ EXAMPLES = """examples:
   axisgate restore cell.zip --to /etc/axisgate --dry-run    check it and say what would be done; changes nothing
   axisgate restore cell.zip --to /etc/axisgate              into a folder that has none of its files, or the same ones
   axisgate restore cell.zip --to /etc/axisgate --replace    other files of that name are kept beside as NAME.before-TIME
-exit code: 0 restored (or --dry-run: could be), 1 other files stand there, 2 it is no backup or does not fit, 3 the gateway is running"""
+exit code: 0 restored (or --dry-run: could be), 1 other files are in the way, 2 it is no backup or does not fit, 3 the gateway is running"""
 
 
 def main(argv: list[str]) -> int:
@@ -37,7 +37,7 @@ def main(argv: list[str]) -> int:
             return ENVIRONMENT
         others = [step.part.name for step in steps if step.what == "replaced"]
         if others and not options.replace:
-            complain("restore", f"{', '.join(others)}: other files stand there; --replace keeps them beside")
+            complain("restore", f"{', '.join(others)}: other files are in the way; --replace keeps them as copies")
             return FINDING
         if options.dry_run:
             backup.try_out(options.file, manifest)

@@ -95,7 +95,7 @@ class VirtualFrames:
                 return None
             turns = turns + 1 if max(due, self._now) == moment else 0
             if turns > STEPS:
-                raise PortError(0, f"{self.name}: the device's deadline stands still at {due}")
+                raise PortError(0, f"{self.name}: the device's deadline never passes: it stays at {due}")
             moment = self._now = max(due, self._now)
             self.act(self.device.wake)
         return self._inbox.popleft()

@@ -14,7 +14,7 @@ from typing import Protocol
 from drivers.ports.base import PortError
 from protocols.base.machine import Damage, Machine, Ns, ms
 
-STEPS = 100_000  # of a partner at one moment: more is a deadline that stands still
+STEPS = 100_000  # of a partner at one moment: more is a deadline that never passes
 SLICE = ms(20)
 LAST_CHARACTERS = ms(2000)  # longest wait for them at the end
 
@@ -192,7 +192,7 @@ class VirtualWire:
             steps = steps + 1 if self._now == at else 0
             at = self._now
             if steps > STEPS:
-                raise PortError(0, f"{self.name}: a deadline of the simulated station stands still at {at / 1e6:.3f} ms")
+                raise PortError(0, f"{self.name}: a deadline of the simulated station never passes: it stays at {at / 1e6:.3f} ms")
             self._serve()
 
     def close(self) -> None:

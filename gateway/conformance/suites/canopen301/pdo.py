@@ -132,7 +132,7 @@ def contents(t: NodeTester) -> None:
             if before == after:
                 break
         else:
-            raise NotApplicable("what TPDO 1 carries does not stand still")
+            raise NotApplicable("the contents of TPDO 1 change by themselves")
     got = frames[0].data if frames else b""
     if got != before:
         raise Fail("TPDO 1 holds other values than its objects", hexed(before), hexed(got))

@@ -104,7 +104,7 @@ def many_contents(t: NodeTester) -> None:
         with t.given():
             after = mapped_value(t, parts)
     if before != after:
-        raise NotApplicable("what TPDO 1 carries does not stand still")
+        raise NotApplicable("the contents of TPDO 1 change by themselves")
     wrong = [at for at, frame in enumerate(found) if frame.data != before]
     if wrong:
         raise Fail(f"TPDO {wrong[0] + 1} of 60 holds other values than its objects", hexed(before), hexed(found[wrong[0]].data))

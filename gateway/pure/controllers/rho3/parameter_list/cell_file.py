@@ -87,7 +87,7 @@ def _take(entry: Entry, kept: Collected) -> str:
 
 def _several(entry: Entry) -> str:
     """Of what has one value."""
-    return f"one value is expected, {len(entry.values)} stand there" if len(entry.values) != 1 else ""
+    return f"one value is expected, there are {len(entry.values)}" if len(entry.values) != 1 else ""
 
 
 def _number(entry: Entry) -> str:

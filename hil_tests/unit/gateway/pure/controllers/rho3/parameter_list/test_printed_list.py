@@ -167,8 +167,8 @@ def test_a_german_list_gives_its_gear_factors() -> None:
     [
         ("P401\nGetriebefaktor : 121.0\n", "P401 'Getriebefaktor': no axis precedes it"),
         ("P401\nA_1 Gear factor : all\n", "P401 'Gear factor': its value is no number"),
-        ("P401\nA_1 Gear factor : 1.0 2.0\n", "one value is expected, 2 stand there"),
-        ("P5 8 16\n", "one value is expected, 2 stand there"),
+        ("P401\nA_1 Gear factor : 1.0 2.0\n", "one value is expected, there are 2"),
+        ("P5 8 16\n", "one value is expected, there are 2"),
         ("P9 40.5\n", "a whole number is expected"),
         ("P2 3\nP2 4\n", "given above as 3, which is used"),
         ("P103 all\n", "its value is no number"),
