@@ -20,7 +20,7 @@ class SingleInputs:
     def __init__(self, places: Sequence[tuple[int, int, int]], kinematics: Sequence[int]) -> None:
         """places: kinematic, bit of Permit, RC input; kinematics: number of the robot of each axis."""
         self._places = [(sum(1 << n for n, own in enumerate(kinematics) if own == number), permit, at) for number, permit, at in places]
-        self._stood = [False] * len(places)
+        self._was_set = [False] * len(places)
         self._withheld: list[tuple[int, int]] = []  # axes, bits of Permit
 
     def judge(self, inputs: InputImage, services_ns: Ns, now: Ns) -> int:
@@ -28,12 +28,12 @@ class SingleInputs:
         held, just_lost, withheld = is_held(services_ns, now), 0, []
         for n, (mask, permit, number) in enumerate(self._places):
             known = held and inputs.quality[number >> 3] != BAD
-            stands = known and bool(inputs.values[number >> 3] >> (number & 7) & 1)
-            if not stands:
+            is_set = known and bool(inputs.values[number >> 3] >> (number & 7) & 1)
+            if not is_set:
                 withheld.append((mask, permit))
-                if self._stood[n] and not known:
+                if self._was_set[n] and not known:
                     just_lost |= mask
-            self._stood[n] = stands
+            self._was_set[n] = is_set
         self._withheld = withheld
         return just_lost
 

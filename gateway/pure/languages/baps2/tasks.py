@@ -136,9 +136,8 @@ class Task:
     circle: str | None = None  # kinematic of a circle of which the first point is given
     children: list["Task"] = field(default_factory=list)
     semaphores: list[tuple[str, str]] = field(default_factory=list)
-    entered: dict[tuple[str, str], list[Item | None]] = field(
-        default_factory=dict
-    )  # semaphore -> of each part: what was prepared before it
+    # semaphore -> of each of its parts: what was prepared before it
+    entered: dict[tuple[str, str], list[Item | None]] = field(default_factory=dict)
     conditions: dict[str, int] = field(default_factory=dict)
     held: dict[str, bytes] = field(default_factory=dict)  # output that is kept open
     names: dict[str, str] = field(default_factory=dict)  # file variable -> name of the file, by ASSIGN
