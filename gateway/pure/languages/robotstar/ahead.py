@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from gateway.pure.languages.base.path import Path, Stretch
 from gateway.pure.languages.robotstar.arm import Arm, tool_values
 from gateway.pure.languages.robotstar.faults import StepFault
-from gateway.pure.languages.robotstar.lines import line, rest_of_circle, tool_line
+from gateway.pure.languages.robotstar.lines import line, past_via, rest_of_circle, tool_line
 from gateway.pure.languages.robotstar.machine import Go
 from gateway.pure.languages.robotstar.path import CIRCLES, Target
 
@@ -47,6 +47,13 @@ class Block:
         return self.stretch is not None and self.stretch.passed >= self.index > 0
 
 
+@dataclass(slots=True, eq=False)
+class Via:
+    """The auxiliary point of a circle: over where the tool passes it.  circle: its block, None: the end is not known yet."""
+
+    circle: Block | None = None
+
+
 @dataclass(slots=True)
 class Ahead:
     """Call `look` once a turn.  set: set values of the cell's axes."""
@@ -55,9 +62,10 @@ class Ahead:
     arm: Arm
     place: Callable[[], tuple[str, int]]
     done: Callable[[], tuple[str, int]]
-    items: deque[Block | Callable[[], None]] = field(default_factory=deque)
+    items: deque[Block | Via | Callable[[], None]] = field(default_factory=deque)
     interrupted: tuple[float, ...] = ()  # axes where the path was left; (): it was not
     _auxiliary: Block | None = None  # of a circle whose end is not known yet
+    _via: Via = field(default_factory=Via)  # the same in `items`
     _tools: dict[tuple[float, ...], str] = field(default_factory=dict)  # as the stretch knows them
     _told: Stretch | None = None
     _last: tuple[float, ...] = ()  # axes in the last turn in which a block was under way
@@ -93,13 +101,14 @@ class Ahead:
         if go.auxiliary:
             if not go.target.pose:
                 raise StepFault("an auxiliary point of a circle is a position of the tool, not of the axes", 0, "path")
-            self._auxiliary = block
+            self._auxiliary, self._via = block, Via()
+            self.items.append(self._via)
             return
         if go.mode in CIRCLES:
             block.through, self._auxiliary = self._auxiliary, None
             if block.through is None or not go.target.pose or not block.through.start.pose:
                 raise StepFault("a circle needs start, auxiliary point and end as positions of the tool", 0, "path")
-            block.start = block.through.start
+            block.start, self._via.circle = block.through.start, block
         self.items.append(block)
 
     def act(self, action: Callable[[], None]) -> None:
@@ -127,13 +136,22 @@ class Ahead:
             self._last = self.arm.own(places)
         while self.items:
             item = self.items[0]
-            if isinstance(item, Block):
-                if not item.over:
-                    return
-                self.items.popleft()
-            else:
-                self.items.popleft()
+            if (isinstance(item, Block) and not item.over) or (isinstance(item, Via) and not self._goes_past(item, places)):
+                return
+            self.items.popleft()
+            if not isinstance(item, Block | Via):
                 item()
+
+    def _goes_past(self, via: Via, places: tuple[float, ...]) -> bool:
+        """The tool is behind the auxiliary point, on the circle or on its way out of it."""
+        circle = via.circle
+        if circle is None or circle.through is None or circle.stretch is None or circle.stretch.passed < circle.index - 1:
+            return False
+        points = circle.start.pose, circle.through.go.target.pose, circle.go.target.pose
+        try:
+            return circle.over or past_via(*points, self.arm.actual(self.arm.own(places), circle.go.tool).pose)
+        except StepFault:
+            return False  # no circle: the planner refuses it
 
     def hand_on(self, owner: object, program: str, places: tuple[float, ...], *, one: bool) -> None:
         """To the planner, as much as is there; one: the first position alone."""
@@ -149,7 +167,9 @@ class Ahead:
             block.stretch, block.index = stretch, self.path.hand_on(stretch, self._line(stretch, block, places), block.place[1])
 
     def settle(self) -> None:
-        """Nothing follows for the time being: what was handed on is run to its end."""
+        """Nothing follows for the time being: what was handed on is run to its end.  A circle without its end is not gone to yet."""
+        if self.items and self.items[0] is self._via and self._via.circle is None:
+            self.items.popleft()
         if self.path.now is not None:
             self.path.finish(self.path.now)
 

@@ -69,13 +69,7 @@ def rest_of_circle(start: Point, via: Point, end: Point, here: Point) -> tuple[f
     middle of what is left.  X Y Z in mm; StepFault where the points make no circle."""
     start, via, end, here = (tuple(point[:3]) for point in (start, via, end, here))
     centre, normal = _centre(start, via, end)
-
-    def angle(point: Point) -> float:
-        one, other = _minus(start, centre), _minus(point, centre)
-        turned = math.atan2(_dot(_cross(one, other), normal), _dot(one, other))
-        return turned % (2 * math.pi)
-
-    at, middle, last = angle(here), angle(via), angle(end)
+    at, middle, last = _angles(start, via, end, here)
     if at > 2 * math.pi - 1e-3:
         at = 0.0
     if at < middle:
@@ -84,6 +78,24 @@ def rest_of_circle(start: Point, via: Point, end: Point, here: Point) -> tuple[f
     out = _minus(start, centre)
     side = _cross(normal, out)
     return tuple(c + math.cos(half) * a + math.sin(half) * b for c, a, b in zip(centre, out, side, strict=True))
+
+
+def past_via(start: Point, via: Point, end: Point, here: Point) -> bool:
+    """Whether `here` is behind the auxiliary point of an arc.  X Y Z in mm; StepFault where the points make no circle."""
+    at, middle, last = _angles(*(tuple(point[:3]) for point in (start, via, end, here)))
+    return middle <= at < last + (2 * math.pi - last) / 2  # what is nearer to the start has not left it yet
+
+
+def _angles(start: Point, via: Point, end: Point, here: Point) -> tuple[float, float, float]:
+    """How far `here`, via and end are turned from the start, 0 .. 2 pi."""
+    centre, normal = _centre(start, via, end)
+    one = _minus(start, centre)
+
+    def angle(point: Point) -> float:
+        other = _minus(point, centre)
+        return math.atan2(_dot(_cross(one, other), normal), _dot(one, other)) % (2 * math.pi)
+
+    return angle(here), angle(via), angle(end)
 
 
 def _minus(one: Point, other: Point) -> tuple[float, float, float]:

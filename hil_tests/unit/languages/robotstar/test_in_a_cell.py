@@ -71,6 +71,17 @@ def test_a_bit_acts_at_the_end_of_its_position_and_in_the_middle_of_its_corner()
     assert min(speeds(cell)[middle - 20 : middle + 20]) > 50, "the corner is passed without a stop"
 
 
+def test_a_bit_behind_an_auxiliary_point_acts_where_the_tool_passes_it() -> None:
+    """As in virtual time, not where the circle begins; a WAIT there does not wait for an end that the program has not given yet."""
+    arcs = f"{at(884, 50, 550)}\nWRITE_BIT #AUSGANG,1,1,0\n{at(884, 100, 500)}\nWRITE_BIT #AUSGANG,1,1,1\n"
+    body = f"{LINE}{at(884, 0, 500)}\nMOVE_MODE #ZIRK_BAHN_ORI\n{arcs}"
+    cell = ReisCell(main(f"{body}{at(884, 150, 450)}\nWAIT 0.1\n{at(884, 200, 500)}\nSTOP"))
+    assert cell.run()[0] == "ended"
+    (first, one), (second, three) = when(cell, "A1")
+    assert (one, three) == (1, 3)
+    assert math.dist(cell.places[first][:3], (884, 50, 550)) < 20 and math.dist(cell.places[second][:3], (884, 100, 500)) < 20
+
+
 def test_what_reads_the_cell_waits_for_the_position_before() -> None:
     body = f'{LINE}{FAR}\nTEST_BIT #EINGANG,#=1,0,3,"YES"\nWRITE_BIT #MERKER,1,20,0\nLABEL "YES"\n{BACK}\nSTOP'
     cell = ReisCell(main(body))
