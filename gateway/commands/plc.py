@@ -22,7 +22,7 @@ from gateway.runtime.exit_codes import Exit
 from gateway.tools.cell_argument import load
 from gateway.tools.client import Row, ToolClient, ToolError, running
 from gateway.tools.command_support import ENVIRONMENT
-from gateway.tools.usage_language import complain
+from gateway.tools.usage_language import complain, fault_text, report_text
 
 SUFFIX = ".PLC"
 ACTS_S = 0.3  # an order is carried out between two scans; a long program takes some time to be translated
@@ -183,7 +183,7 @@ def check(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps({"faults": faults.rows()}, indent=1))
     else:
-        print("\n".join(str(fault) for fault in faults) or "no faults")
+        print("\n".join(fault_text(fault) for fault in faults) or report_text("no faults"))
     return Exit.FINDING if len(faults) else Exit.OK
 
 

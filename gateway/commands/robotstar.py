@@ -23,7 +23,7 @@ from gateway.pure.languages.robotstar.robot import MODES
 from gateway.pure.languages.robotstar.script import NS, OrderFault, orders
 from gateway.pure.languages.robotstar.virtual import VirtualCell
 from gateway.runtime.exit_codes import Exit
-from gateway.tools.usage_language import complain
+from gateway.tools.usage_language import complain, fault_text, report_text
 
 DIRECTORY = {"list": (), "protect": ("program", "letters"), "delete": ("program",), "rename": ("program", "to"), "copy": ("program", "to")}
 WORDS = {
@@ -57,7 +57,10 @@ def main(argv: list[str]) -> int:
     except Protected as fault:
         complain("robotstar", fault)
         return Exit.FINDING
-    except (FolderFault, OrderFault, PointFault, RobotFaults, FileNotFoundError) as fault:
+    except PointFault as fault:
+        complain("robotstar", report_text(str(fault)))
+        return Exit.INVALID
+    except (FolderFault, OrderFault, RobotFaults, FileNotFoundError) as fault:
         complain("robotstar", fault)
         return Exit.INVALID
 
@@ -145,7 +148,7 @@ def _check(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps({"faults": rows}, indent=1, ensure_ascii=False))
     else:
-        print("\n".join(str(fault) for fault in faults) or "no fault")
+        print("\n".join(fault_text(fault) for fault in faults) or report_text("no fault"))
     return Exit.FINDING if rows else Exit.OK
 
 
@@ -177,7 +180,7 @@ def _import(options: argparse.Namespace) -> int:
         print(json.dumps({"files": found.files, "notes": notes}, indent=1, ensure_ascii=False))
     else:
         for name, text in found.files.items():
-            print(f"{name}: written to {options.to}" if options.to else f"{name}\n{text}")
-        for note in notes:
-            print(f"{options.listing}:{note['line']}: {note['text']}", file=sys.stderr)
+            print(report_text(f"{name}: written to {options.to}") if options.to else f"{name}\n{text}")
+        for note in found.notes:
+            print(f"{options.listing}:{note.line}: {report_text(note.text)}", file=sys.stderr)
     return Exit.FINDING if any("not printed" in str(note["text"]) for note in notes) or not found.files else Exit.OK

@@ -5,16 +5,21 @@ English has its German in `configs/texts/usage.toml`, their help in `help.toml`.
 import argparse
 import contextlib
 import os
+import re
 import sys
 from collections.abc import Iterator, Mapping
 
 from gateway.files.texts import spoken
+from gateway.pure.languages.base.faults import Severity, SourceFault
 from gateway.pure.lines.texts import language_of
 from gateway.tools.command_support import of_file
 from gateway.tools.help_language import german_help, in_german_usage
 
 INVALID = 2  # as argparse ends
 FAULTS = ("usage", "command-faults")  # of configs/texts
+REPORTS = ("robotstar-words", "robotstar-check", "robotstar", "refusals")
+PLACE = re.compile(r"(?:step (\d+)|([A-Z]\w*(?:\[\w*\])?(?:\(\w*\))?)): ")  # step, command or operand in front of a sentence
+WRITTEN_OUT = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})  # for every code page (AX-253)
 
 
 def usage_text(sentence: str, environment: Mapping[str, str] | None = None) -> str:
@@ -25,6 +30,25 @@ def usage_text(sentence: str, environment: Mapping[str, str] | None = None) -> s
 def help_text(sentence: str) -> str:
     """A sentence of the help, in the user's language."""
     return spoken("help").german(sentence) if _language() == "de" else sentence
+
+
+def report_text(sentence: str) -> str:
+    """A sentence about a program of an old control, as a command prints it, in the user's language."""
+    if _language() != "de":
+        return sentence
+    if place := PLACE.match(sentence):
+        where = f"Schritt {place[1]}: " if place[1] else place[0]
+        return where + report_text(sentence[place.end() :])
+    return spoken(*REPORTS).german(sentence).translate(WRITTEN_OUT)
+
+
+def fault_text(fault: SourceFault) -> str:
+    """A fault of a program with its place and id, in the user's language."""
+    if _language() != "de":
+        return str(fault)
+    level = {Severity.ERROR: "Fehler", Severity.WARNING: "Warnung"}[fault.severity]
+    hint = f"; {report_text(fault.hint)}" if fault.hint else ""
+    return f"{fault.position}: {level}: {report_text(fault.text)}{hint} [{fault.id}]"
 
 
 def complain(command: str, fault: object) -> None:

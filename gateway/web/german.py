@@ -9,7 +9,7 @@ from gateway.files.texts import read_texts
 from gateway.pure.image.reasons import Reason, text
 from gateway.pure.reports.spoken import Spoken
 
-TABLES = ("journal", "decoded", "refusals", "evidence", "robotstar")  # of configs/texts
+TABLES = ("journal", "decoded", "refusals", "evidence", "robotstar", "robotstar-check")  # of configs/texts
 MARK = "\x01detail\x01"
 LETTERS = {"ae": "ä", "oe": "ö", "ue": "ü", "Ae": "Ä", "Oe": "Ö", "Ue": "Ü"}
 TWO_SOUNDS = re.compile(

@@ -3,6 +3,7 @@
 import argparse
 import ast
 import inspect
+import pathlib
 import re
 from collections.abc import Iterator
 
@@ -104,3 +105,37 @@ def test_every_fault_that_argparse_reports_has_its_german() -> None:
 def test_both_languages_name_the_same_things() -> None:
     for english, german in [pair for name in ("usage", "command-faults") for pair in read_texts(name).pairs()]:
         assert set(FIELD.findall(german)) <= set(FIELD.findall(english)) and german.isascii(), english
+
+
+def test_faults_of_reis_programs_are_reported_in_german(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of `robotstar check`, `plc check` and `robotstar import`; --json keeps English."""
+    program = 'MPR "P"\nVAR I1[0]\nPTP_GESCHW 200\nWRITE_BIT #AUSGANG, 2, 1, 0\nBRANCH "X"\nPOSITION #N, X:1\nEND\n'
+    (tmp_path / "P.MPR").write_text(program)
+    (tmp_path / "M.PLC").write_text("PLC 'M'\nU E0.9\nFOO\nEND\n")
+    (tmp_path.parent / "list.txt").write_text("1 MPR Q\n2 WA1T 2\n4 STOP\n")
+    monkeypatch.setenv("LC_ALL", GERMAN["LC_ALL"])
+    assert main(["robotstar", "check", str(tmp_path)]) == 1
+    said = capsys.readouterr().out
+    for sentence in (
+        "P.MPR:2:1: Fehler: Schritt 2: I1[0]: die Zahl der Elemente liegt ausserhalb 1 .. 100000 [rsv.definition]",
+        "Schritt 3: PTP_SPEED: Wert 200 muss groesser als 0 und hoechstens 100 sein",
+        "Schritt 4: WRITE_BIT: Pegel 2 liegt ausserhalb 0 .. 1",
+        "Schritt 5: Marke X gibt es in diesem Programm nicht",
+        "Schritt 6: POSITION: Y, Z, A, B, C fehlt; robotstar import --points setzt benannte Positionen ein",
+        "M.PLC:2:1: Fehler: Schritt 2: Bit 9: ausserhalb 0..7; E0.0 bis E0.7",
+    ):
+        assert sentence in said
+    assert main(["plc", "check", str(tmp_path)]) == 1
+    assert "Kein SPS-Befehl; 'FOO' ist kein Befehl der integrierten SPS" in capsys.readouterr().out
+    main(["robotstar", "import", str(tmp_path.parent / "list.txt"), "--to", str(tmp_path / "to")])
+    said, notes = capsys.readouterr()
+    assert said == f"Q.MPR: geschrieben nach {tmp_path / 'to'}\n"
+    assert notes.splitlines() == [
+        f"{tmp_path.parent / 'list.txt'}:2: WA1T wird gelesen als WAIT",
+        f"{tmp_path.parent / 'list.txt'}:3: Schritte 3 bis 3 sind nicht gedruckt",
+        f"{tmp_path.parent / 'list.txt'}:3: Q: END ist nicht gedruckt; wird ergaenzt",
+    ]
+    assert main(["robotstar", "check", str(tmp_path), "--json"]) == 1
+    assert "step 5: label X is not in this program" in capsys.readouterr().out

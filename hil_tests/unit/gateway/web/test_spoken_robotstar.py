@@ -13,7 +13,25 @@ from gateway.pure.controllers.reis.marker_operand import MarkerFault, marker_of
 from gateway.web.german import german
 
 PURE = pathlib.Path(gateway.__file__).parent / "pure"
+CHECKED = (  # what `robotstar check`, `robotstar import` and `plc check` report
+    "languages/robotstar/checker.py",
+    "languages/robotstar/circles.py",
+    "languages/robotstar/grammar.py",
+    "languages/robotstar/layout.py",
+    "languages/robotstar/listing.py",
+    "languages/robotstar/literals.py",
+    "languages/robotstar/memory.py",
+    "languages/robotstar/operands.py",
+    "languages/robotstar/program.py",
+    "languages/robotstar/reader.py",
+    "languages/robotstar/slips.py",
+    "languages/plc/messages.py",
+    "languages/plc/reader.py",
+    "languages/plc/steps.py",
+    "languages/plc/translation.py",
+)
 SOURCES = (
+    *CHECKED,
     "controllers/reis/marker_operand.py",
     "controllers/reis/programs.py",
     "controllers/reis/binary.py",
@@ -38,7 +56,10 @@ SOURCES = (
     "languages/robotstar/values.py",
 )
 PAIRS = (("start", "auxiliary"), ("auxiliary", "end"), ("start", "end"))
-TYPES = re.compile(r"^[A-Z_]+$|7 (step|line) 7$|speed=|joints|radius=|circular via|tool 7 7|\| None|Callable\[|F1 or F2")  # no sentences
+TYPES = re.compile(  # no sentences
+    r"^[A-Z_]+$|^(rsv\.)?[a-z]+[-_][a-z_-]+$|\[\\w|\(\?|\|MP\||re\.Match|7 (step|line) 7$"
+    r"|speed=|joints|radius=|circular via|tool 7 7|\| None|Callable\[|F1 or F2"
+)
 VALUE = "7"
 PUT_TOGETHER = {  # sentences of which a part is a word of a list
     "program 7 is no 7": ["program P is no sub-program", "program P is no macro", "program P is no main program"],
@@ -47,6 +68,16 @@ PUT_TOGETHER = {  # sentences of which a part is a word of a list
         "circle: the end point is a position of the tool, not of the axes",
         "circle: an auxiliary point is a position of the tool, not of the axes",
     ],
+    "7 is defined twice in 7": ["I1 is defined twice in this program", "I1 is defined twice in the memory (in P.MPR)"],
+    "the memory (in 7)": [],
+    "a bit of A, E or M (A1.0)7": [
+        f"a bit of A, E or M (A1.0){more}" for more in ("", " or a counter (Z5)", ", a timer (T5) or a counter (Z5)")
+    ],
+    ", a timer (T5) or a counter (Z5)": [],
+    "a byte of E, A or M (M20)7": [
+        f"a byte of E, A or M (M20){more}" for more in ("", ", a decimal constant or a hexadecimal one with H (12ACH)")
+    ],
+    ", a decimal constant or a hexadecimal one with H (12ACH)": [],
     "not executable in Test 5": ["WAIT_BIT is not executable in Test 5"],
 }
 
