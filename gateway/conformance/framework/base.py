@@ -2,7 +2,7 @@
 
 import contextlib
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from gateway.conformance.framework.power import Supply
 from gateway.pure.conformance.interval import Measure, Place
@@ -57,6 +57,10 @@ class Tester:
         """Of a measured time."""
         return self.late()
 
+    def doubt(self, took: Ns) -> tuple[Ns, Ns]:
+        """Uncertainty of a time that is over now, and the most that is left to its device where it would be FAIL."""
+        return self.uncertainty(), self.uncertainty()
+
     @contextlib.contextmanager
     def given(self) -> Iterator[None]:
         """Steps that lead to the question: what fails here is INCONC, another purpose judges it."""
@@ -80,12 +84,13 @@ class Tester:
     def timed(self, what: str, took: Ns, least: Ns | None, most: Ns | None) -> None:
         """Records a time; FAIL where its whole interval is outside, repeated where it lies across a limit."""
         took = max(took, 0)  # a port without a line behind it answers before the count of characters is over
-        measure = Measure(what, took, least, most, self.uncertainty(), self.clock)
+        near, far = self.doubt(took)
+        measure = Measure(what, took, least, most, near, self.clock)
         self.notes.measures.append(measure)
         shown = f"{took / 1e6:.1f} ms (uncertainty {measure.uncertainty / 1e6:.1f} ms)"
         if self._preparing or measure.place() is Place.INSIDE:
             return
-        if measure.place() is Place.OUTSIDE:
+        if measure.place() is Place.OUTSIDE and replace(measure, uncertainty=max(near, far)).place() is Place.OUTSIDE:
             raise Fail(f"{what}: {shown}, limits: {measure.limits()}", measure.limits(), shown)
         raise Uncertain(f"{what}: {shown} lies across its limits: {measure.limits()}", measure.limits(), shown)
 

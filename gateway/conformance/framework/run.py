@@ -16,6 +16,10 @@ from protocols.base.machine import Ns, ms
 
 TRIES = 3  # of a case that was disturbed, or whose time lies across a limit
 FAR_TOO_LATE = ms(150)  # nothing is known of what happened meanwhile
+MANY_TRIES = 4  # of a host that is late count as one
+ASKED = 2  # times whether the device is usable
+TOO_LATE = ms(40)  # the same for what a time that ran out brings: as far as the cases stay away from limits
+OF_TIMES = frozenset(("", "nothing", "silence", "no answer", "NAK (15h)", "STX (02h)"))
 LATE = ms(10)  # this host was held up so long: a FAIL proves nothing
 
 
@@ -53,7 +57,7 @@ class Runner:
         self._worked = False  # the postamble has passed, and not failed since
         self._unusable = ""  # the case that left the device so
         self._clean = False
-        self._vain = 0  # tries to find it usable again
+        self._vain = 0.0  # tries to find it usable again
         self.interrupted = False
         self.pics: Mapping[str, object] = {}
 
@@ -101,21 +105,21 @@ class Runner:
         if not self._unusable:
             return None
         if self._vain < TRIES:
-            self._vain += 1
             if self._usable() or self._revived():
                 self._unusable, self._vain = "", 0
                 return None
+            self._vain += 1 if self.session.tester.late() <= LATE else 1 / MANY_TRIES
         reason = f"not run: the device has not been usable since {self._unusable}"
         return Result(purpose, Verdict.INCONC, reason, "a device that answers", "no answer", self._unusable)
 
     def _usable(self) -> bool:
-        """The postamble passes; twice asked, for one that is busy."""
-        for attempt in range(2):
+        """The postamble passes; twice asked, for one that is busy; more often where this host was late."""
+        vain = 0.0
+        while vain < ASKED:
             try:
                 self.session.alive()
             except Ended:
-                if attempt:
-                    return False
+                vain += 1 if self.session.tester.late() <= LATE else 1 / ASKED
             else:
                 self._worked = True
                 return True
@@ -164,8 +168,10 @@ class Runner:
 
     @staticmethod
     def _late_thrice(result: Result, seen: Sequence[str]) -> None:
-        """A host that is a little late does not make a device say the same wrong thing each time."""
-        if result.behind and len(set(seen)) == 1 and result.late < FAR_TOO_LATE:
+        """A host that is a little late does not make a device say the same wrong thing each time; silence, a refusal and a repeat come of
+        times that ran out, here or there, so they need less."""
+        limit = TOO_LATE if result.got in OF_TIMES else FAR_TOO_LATE
+        if result.behind and len(set(seen)) == 1 and result.late < limit:
             result.verdict, result.reason = Verdict.FAIL, result.behind
             result.notes.remarks.append(f"this host was late in each of {TRIES} tries; each brought the same answer")
             return

@@ -21,6 +21,9 @@ class Around:
     def now(self) -> Ns:
         return self.wire.now()
 
+    def held(self, since: Ns, until: Ns) -> Ns:
+        return self.wire.held(since, until)
+
     def drained(self) -> Ns:
         return self.wire.drained()
 

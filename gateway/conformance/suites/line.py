@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from gateway.conformance.framework.base import TOLERANCE, Seen, Tester, hexed
+from gateway.conformance.framework.host import Host
 from gateway.links.serial.tool_wire import Wire
 from gateway.pure.conformance.verdict import Disturbed, Fail, Inconclusive, NotApplicable
 from protocols.base.machine import Damage, Ns, ms
@@ -63,9 +64,9 @@ class Block:
 class LineTester(Tester):
     """One station at one wire."""
 
-    def __init__(self, wire: Wire, setup: LineSetup, witness: Callable[[], Ns] = lambda: 0) -> None:
+    def __init__(self, wire: Wire, setup: LineSetup, host: Host | None = None) -> None:
         super().__init__()
-        self.wire, self.setup, self._witness = wire, setup, witness
+        self.wire, self.setup, self._host = wire, setup, host or Host()
         self.mark: Ns = 0  # end of the last character said or heard
         self.clock = "virtual" if wire.simulated else "monotonic clock of this host, at the port"
         self.slowest: Ns = 0  # its longest DLE after STX so far
@@ -87,19 +88,30 @@ class LineTester(Tester):
         return max(usual, min(self.slowest * 3 // 2 + self.tolerance, self.profile.ack_delay * 8 // 10))
 
     def late(self) -> Ns:
-        return 0 if self.wire.simulated else max(self.wire.late_ns, self._witness())
+        return self._host.late(self.wire)
 
     def uncertainty(self) -> Ns:
         return 0 if self.wire.simulated else self.wire.char_ns + self.late()
 
+    def doubt(self, took: Ns) -> tuple[Ns, Ns]:
+        """The lateness of the time itself, not of the whole case."""
+        if self.wire.simulated:
+            return 0, 0
+        since = self.mark - took
+        return self.wire.char_ns + self._host.ends(self.wire, since), self.wire.char_ns + self._host.within(self.wire, since)
+
+    def _left_open(self, since: Ns) -> Ns:
+        """What a wait since then still leaves to a device that this host holds up."""
+        return 0 if self.wire.simulated else self.wire.char_ns + self._host.within(self.wire, since)
+
     def begin(self) -> None:
         """A case starts now."""
         self.wire.late_ns = 0
-        self._witness()
         self.mark = self.wire.now()
 
     # ---- saying
     def say(self, data: bytes) -> None:
+        self._host.sample(self.wire)
         self.wire.write(data)
         self.mark = self.wire.drained()
         self.notes.trace.append(Seen(self.mark, "tester", data))
@@ -116,6 +128,7 @@ class LineTester(Tester):
     # ---- hearing
     def _hear(self, until: Ns) -> int | Damage | None:
         heard = self.wire.hear(until)
+        self._host.sample(self.wire)
         if heard is None:
             return None
         self.mark = heard.stamp
@@ -137,8 +150,8 @@ class LineTester(Tester):
         """The next character, which is due by then.  A wait in which this host was held up goes on by as much: until its whole interval
         is over nothing is said about the station, which may be on this host as well."""
         start = self.mark
-        while (got := self._hear(start + within + self.uncertainty())) is None:
-            if self.wire.now() >= start + within + self.uncertainty():
+        while (got := self._hear(start + within + self._left_open(start))) is None:
+            if self.wire.now() >= start + within + self._left_open(start):
                 return None
         return got
 

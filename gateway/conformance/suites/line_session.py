@@ -7,7 +7,9 @@ from dataclasses import replace
 from typing import Any, cast
 
 from gateway.conformance.framework.bench_file import TIMES, Bench
+from gateway.conformance.framework.host import Host
 from gateway.conformance.framework.machine import Guarded
+from gateway.conformance.framework.peers import Peers
 from gateway.conformance.framework.witness import Witness
 from gateway.conformance.suites.line import LineSetup, LineTester
 from gateway.conformance.suites.rk512.telegrams import ask, fetch, finish, is_command, right_reaction
@@ -46,7 +48,8 @@ class LineSession:
         self._device = wire.station if isinstance(wire, VirtualWire) and isinstance(wire.station, Guarded) else None
         self.pics: dict[str, object] = {**pics}
         self.setup = self._setup(seed)
-        self.tester = LineTester(wire, self.setup, witness.late if witness is not None else lambda: 0)
+        self._host = Host(witness, None if wire.simulated else Peers(bench.url))
+        self.tester = LineTester(wire, self.setup, self._host)
 
     # ---- what bench and PICS say
     def _setup(self, seed: int) -> LineSetup:
@@ -278,8 +281,7 @@ class LineSession:
     def begin(self, clean: bool) -> None:
         """After a case that broke off, a job of the station may still wait for its next attempt."""
         self.tester.settle(None if clean else self.setup.profile.ack_delay + ms(300))
-        if self._witness is not None:
-            self._witness.begin()
+        self._host.begin()
         self.tester.begin()
 
     def alive(self) -> None:

@@ -16,6 +16,9 @@ from protocols.base.machine import Damage, Machine, Ns, ms
 
 STEPS = 100_000  # of a partner at one moment: more is a deadline that never passes
 SLICE = ms(20)
+NEAR = 500_000  # two moments of the same; so late is not late
+LATES = 4000
+SCHEDULED = "/proc/self/schedstat"
 LAST_CHARACTERS = ms(2000)  # longest wait for them at the end
 
 
@@ -35,6 +38,7 @@ class Wire(Protocol):
     simulated: bool
     late_ns: Ns  # worst lateness of this program since it was set to 0
 
+    def held(self, since: Ns, until: Ns) -> Ns: ...  # by how much this program was late at the beginning and at the end of that span
     def now(self) -> Ns: ...
     def write(self, data: bytes) -> None: ...  # behind what is still leaving
     def spoil(self) -> bool: ...  # one character with a wrong parity bit; False: this port cannot
@@ -59,6 +63,15 @@ class ToolPort(Protocol):
     def close(self) -> None: ...
 
 
+def waited_ns() -> Ns:
+    """How long this program has waited for a processor so far (proc(5)); 0 where the system does not say."""
+    try:
+        with open(SCHEDULED, encoding="ascii") as file:
+            return int(file.read().split()[1])
+    except (OSError, ValueError, IndexError):
+        return 0
+
+
 class RealWire:
     """A port in real time.  `late_ns`: by how much this program itself was held up; times measured meanwhile are void."""
 
@@ -70,14 +83,25 @@ class RealWire:
         self._port = port
         self._inbox: deque[Heard] = deque()
         self._drained: Ns = 0
+        self._lates: deque[tuple[Ns, Ns, Ns]] = deque(maxlen=LATES)  # from, to, late
 
     def now(self) -> Ns:
         return time.monotonic_ns()
 
+    def held(self, since: Ns, until: Ns) -> Ns:
+        first = max((late for start, end, late in self._lates if start <= since <= end + NEAR), default=0)
+        return first + max((late for start, end, late in self._lates if start <= until <= end + NEAR and end > since + NEAR), default=0)
+
+    def _late(self, start: Ns, late: Ns) -> None:
+        self.late_ns = max(self.late_ns, late)
+        if late > NEAR:
+            self._lates.append((start, self.now(), late))
+
     def write(self, data: bytes) -> None:
-        start, left = self.now(), data
+        start, left, waited = self.now(), data, waited_ns()
         while left:
             left = left[self._port.write(left) :]
+            self._late(start, waited_ns() - waited)
             if left:
                 time.sleep(0.001)
                 if self.now() - start > 5_000 * 1_000_000:
@@ -100,13 +124,13 @@ class RealWire:
 
     def hear(self, until: Ns) -> Heard | None:
         while not self._inbox:
-            now = self.now()
+            now, waited = self.now(), waited_ns()
             asked = min(until - now, SLICE)
             if asked > 0:
                 self._port.wait(asked / 1e9)
             self._take()
             after = self.now()
-            self.late_ns = max(self.late_ns, after - now - max(asked, 0))
+            self._late(now, max(after - now - max(asked, 0), waited_ns() - waited))
             if not self._inbox and after >= until:
                 return None
         return self._inbox.popleft()
@@ -153,6 +177,9 @@ class VirtualWire:
 
     def now(self) -> Ns:
         return self._now
+
+    def held(self, since: Ns, until: Ns) -> Ns:
+        return self.late_ns
 
     def write(self, data: bytes) -> None:
         if data and not self.char_ns:

@@ -3,6 +3,8 @@
 import struct
 from collections.abc import Mapping
 
+from gateway.conformance.framework.host import Host
+from gateway.conformance.framework.peers import Peers
 from gateway.conformance.suites.modbus.tester import TABLES, ModbusSetup, ModbusTester
 from gateway.conformance.suites.opening import Opened
 from gateway.conformance.suites.supply import modbus_supply
@@ -33,10 +35,10 @@ class ModbusSession:
         wait = bench.link.get("answer_ms", times.get("answer_ms") if isinstance(times, dict) else None)
         if isinstance(wait, (int, float)):
             self.setup.wait = ms(wait)
-        witness = opened.witness
+        self._host = Host(opened.witness, Peers(bench.url) if opened.make is None else None)
         self._wire: Wire | None = None
         self._one_machine = False
-        self.tester = ModbusTester(self._connect, self.setup, rtu, witness.late if witness is not None else lambda: 0)
+        self.tester = ModbusTester(self._connect, self.setup, rtu, self._host)
 
     def _switched(self) -> None:
         """The supply: a machine is not made anew from here, a port in real time is opened again."""
@@ -166,8 +168,7 @@ class ModbusSession:
 
     def begin(self, clean: bool) -> None:
         self.tester.quiet()
-        if self._opened.witness is not None:
-            self._opened.witness.begin()
+        self._host.begin()
         self.tester.begin()
 
     def alive(self) -> None:

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 from drivers.ports.base import PortError
 from gateway.conformance.framework.base import Seen, Tester, hexed
-from gateway.links.serial.tool_wire import Wire
+from gateway.conformance.framework.host import Host
+from gateway.links.serial.tool_wire import Heard, Wire
 from gateway.pure.conformance.verdict import Fail, Inconclusive
 from protocols.base.machine import Damage, Ns, ms
 from protocols.modbus.crc import crc, sealed
@@ -53,9 +54,9 @@ class ModbusSetup:
 class ModbusTester(Tester):
     """One server; `connect` gives a new wire to it."""
 
-    def __init__(self, connect: Callable[[], Wire], setup: ModbusSetup, rtu: bool, witness: Callable[[], Ns] = lambda: 0) -> None:
+    def __init__(self, connect: Callable[[], Wire], setup: ModbusSetup, rtu: bool, host: Host | None = None) -> None:
         super().__init__()
-        self._connect, self.setup, self.rtu, self._witness = connect, setup, rtu, witness
+        self._connect, self.setup, self.rtu, self._host = connect, setup, rtu, host or Host()
         self._wire: Wire | None = None
         self.closed = False  # by the server, since the last request
         self._transaction = 0x1233
@@ -81,7 +82,7 @@ class ModbusTester(Tester):
 
     def another(self) -> "ModbusTester":
         """A second client at the same server."""
-        return ModbusTester(self._connect, self.setup, self.rtu)
+        return ModbusTester(self._connect, self.setup, self.rtu, self._host)
 
     def drop(self) -> None:
         if self._wire is not None:
@@ -93,20 +94,27 @@ class ModbusTester(Tester):
         return wire.now()
 
     def late(self) -> Ns:
-        return 0 if self._wire is None or self._wire.simulated else max(self._wire.late_ns, self._witness())
+        return 0 if self._wire is None else self._host.late(self._wire)
 
     def uncertainty(self) -> Ns:
         return 0 if self._wire is None or self._wire.simulated else self.late() + self._wire.char_ns
+
+    def doubt(self, took: Ns) -> tuple[Ns, Ns]:
+        """The lateness of the time itself, not of the whole case."""
+        if self._wire is None or self._wire.simulated:
+            return 0, 0
+        since = self._wire.now() - took
+        return self._wire.char_ns + self._host.ends(self._wire, since), self._wire.char_ns + self._host.within(self._wire, since)
 
     def begin(self) -> None:
         if self.closed:
             self.reconnect()
         self.wire.late_ns = 0
-        self._witness()
 
     # ---- saying and hearing
     def send(self, data: bytes) -> None:
         """As it is."""
+        self._host.sample(self.wire)
         try:
             self.wire.write(data)
         except PortError as error:
@@ -124,7 +132,7 @@ class ModbusTester(Tester):
         if self.closed:
             return b""
         try:
-            heard = self.wire.hear(until)
+            heard = self._awaited(until)
         except PortError as error:
             self._gone(error)
             return b""
@@ -133,6 +141,12 @@ class ModbusTester(Tester):
         data = b"" if isinstance(heard.what, Damage) else bytes((heard.what,))
         self.notes.trace.append(Seen(heard.stamp, "device", data, "" if data else "a damaged character"))
         return data
+
+    def _awaited(self, until: Ns) -> Heard | None:
+        wire = self.wire
+        heard = wire.hear(until)
+        self._host.sample(wire)
+        return heard
 
     def frame(self, pdu: bytes, unit: int | None = None, transaction: int | None = None) -> bytes:
         unit = self.setup.unit if unit is None else unit
@@ -145,19 +159,30 @@ class ModbusTester(Tester):
     def answer_frame(self, wait: Ns | None = None) -> bytes:
         """The next whole frame, or what there is when the time is over; the time-out counts from now."""
         data, self._rest = self._rest, b""
-        end = max(self.wire.now(), self.wire.drained()) + (self.setup.wait if wait is None else wait) + self.uncertainty()
+        start = max(self.wire.now(), self.wire.drained())
+        within = self.setup.wait if wait is None else wait
         while len(data) < MOST_FRAME:
             if not self.rtu and len(data) >= HEADER.size and len(data) >= 6 + HEADER.unpack_from(data)[2]:
                 size = 6 + HEADER.unpack_from(data)[2]
                 self._rest = data[size:]
                 return data[:size]
-            byte = self.hear(end)
+            byte = self._byte(start, within)
             if not byte:
                 break
             data += byte
             if self.rtu:
-                end = self.wire.now() + max(QUIET, 8 * self.wire.char_ns)
+                start, within = self.wire.now(), max(QUIET, 8 * self.wire.char_ns)
         return data
+
+    def _byte(self, start: Ns, within: Ns) -> bytes:
+        """The next one; a wait in which this host, or a server on it, was held up goes on by as much."""
+        while not (byte := self.hear(start + within + self._left_open(start))):
+            if self.closed or self.wire.now() >= start + within + self._left_open(start):
+                break
+        return byte
+
+    def _left_open(self, since: Ns) -> Ns:
+        return 0 if self.wire.simulated else self.wire.char_ns + self._host.within(self.wire, since)
 
     def ask(self, pdu: bytes, unit: int | None = None, judge: bool = False, wait: Ns | None = None) -> bytes:
         """The answer PDU; b"": silence, or closed.  What is wrong with its frame is judged by one purpose, and INCONC elsewhere."""

@@ -77,11 +77,47 @@ def test_the_same_wrong_answer_in_each_try_is_a_fail_of_the_device() -> None:
 
 @pytest.mark.parametrize(
     "late, answers, verdict",
-    [(ms(30), ["a", "b", "a"], Verdict.INCONC), (ms(400), ["a", "a", "a"], Verdict.INCONC), (ms(30), ["a", ""], Verdict.PASS)],
-    ids=["each-time-another", "far-too-late", "not-again"],
+    [
+        (ms(30), ["a", "b", "a"], Verdict.INCONC),
+        (ms(400), ["a", "a", "a"], Verdict.INCONC),
+        (ms(30), ["a", ""], Verdict.PASS),
+        (ms(60), ["NAK (15h)"] * 3, Verdict.INCONC),
+        (ms(30), ["NAK (15h)"] * 3, Verdict.FAIL),
+    ],
+    ids=["each-time-another", "far-too-late", "not-again", "a-time-that-ran-out", "hardly-late"],
 )
 def test_what_a_late_host_can_explain_is_none(late: Ns, answers: list[str], verdict: Verdict) -> None:
     assert played(late, says(iter(answers))).verdict is verdict
+
+
+class Busy(Session):
+    """A host on which the device cannot be reached for a while."""
+
+    vain = 0
+
+    def alive(self) -> None:
+        if self.vain:
+            self.vain -= 1
+            raise Fail("nothing is answered", "an answer", "NAK (15h)")
+
+
+def leaves_it_busy(session: Busy, vain: int) -> Callable[[base.Tester], None]:
+    def body(t: base.Tester) -> None:
+        session.vain = vain
+
+    return body
+
+
+@pytest.mark.parametrize("late, verdict", [(ms(60), Verdict.PASS), (0, Verdict.INCONC)], ids=["late", "in-time"])
+def test_a_device_that_a_late_host_hid_for_a_while_is_found_again(late: Ns, verdict: Verdict) -> None:
+    """Thirty-five cases were not run because a station had not been reached nine times on a host that was very late."""
+    session = Busy(Late(late))
+    session.alive()
+    first = Purpose("X_BV_01", "server", "one", "eins", "1", lambda t: None)
+    second = Purpose("X_BV_02", "server", "two", "zwei", "1", leaves_it_busy(session, 30))
+    others = [Purpose(f"X_BV_{number:02}", "server", "more", "mehr", "1", lambda t: None) for number in range(3, 12)]
+    results = Runner(session, [first, second, *others]).run()
+    assert results[-1].verdict is verdict
 
 
 def prepares(answers: Iterator[str]) -> Callable[[base.Tester], None]:
