@@ -62,7 +62,7 @@ def write_bit(machine: Machine, step: Step, following: int) -> Op:
     def op() -> int:
         machine.effects += 1
         place = level(), byte(), bit()
-        if not (machine.simulated and area == "OUTPUT"):
+        if machine.switches(area, place[1]):
             machine.world.set_bit(area, place[1], place[2], bool(place[0]))
         return following
 

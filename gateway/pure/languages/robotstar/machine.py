@@ -20,6 +20,7 @@ from gateway.pure.languages.robotstar.values import Names, Structure
 Op: TypeAlias = Callable[[], int]
 DEEPEST = 12  # calls of SPR and MAC in one another (L213)
 LOOK = -1
+OUTPUT_MARKERS = 2008  # M2008 to M2047 are the outputs (L2986)
 OWN_RETURN = 4017  # END of a sub-program that nobody called (L211)
 
 
@@ -149,6 +150,11 @@ class Machine:
     _built: dict[str, tuple[int, list[Op]]] = field(default_factory=dict)
     _names: dict[tuple[int, str], tuple[Names, Names]] = field(default_factory=dict)
     _version: int = -1
+
+    def switches(self, area: str, byte: int) -> bool:
+        """Whether a byte is written: outputs are not while inputs are simulated, as markers neither (L1227, L2986)."""
+        output = area == "OUTPUT" or (area == "MARKER" and byte >= OUTPUT_MARKERS)
+        return not (self.simulated and output)
 
     # ---- programs --------------------------------------------------------------------------------------------------------
     def select(self, program: Program) -> None:

@@ -66,7 +66,7 @@ class System:
     def _word(self, area: str, place: int, writable: bool) -> SystemCell:
         def put(value: Scalar) -> None:
             assert isinstance(value, int) and self.machine is not None
-            if not (self.machine.simulated and area == "OUTPUT"):
+            if self.machine.switches(area, place):
                 self.world.set_element(area, place, value)
 
         return SystemCell("I", lambda: self.world.element(area, place), put if writable else None)

@@ -126,11 +126,12 @@ def test_test_1_simulates_inputs() -> None:
 
 @pytest.mark.requirement("RSV-PRG-13", by="gateway.pure.languages.robotstar.control_steps:write_bit")
 def test_outputs_are_not_switched_in_simulation() -> None:
-    text = "WRITE_BIT #AUSGANG,1,0,3\nCOPY 255,_IBIN_OUT[2]\nWRITE_BIT #MERKER,1,20,0"
+    text = "WRITE_BIT #AUSGANG,1,0,3\nCOPY 255,_IBIN_OUT[2]\nWRITE_BIT #MERKER,1,20,0\nWRITE_BIT #MERKER,1,2016,0\nCOPY 1,_SPS[506]"
     ran = run({"P.MPR": text}, mode="test4")
-    assert not ran.when("A0") and not ran.when("A4") and ran.when("M20")
+    assert not any(ran.when(byte) for byte in ("A0", "A4", "A8", "A12")) and ran.when("M20"), "by their markers neither"
     ran = run({"P.MPR": text}, mode="test2")
     assert ran.when("A0") == [(0.0, 8)] and ran.when("A4") == [(0.0, 255)]
+    assert ran.when("A8") == ran.when("A12") == [(0.0, 1)]
 
 
 @pytest.mark.requirement("RSV-PRG-14", by="gateway.pure.languages.robotstar.robot:Robot._step_done")
