@@ -14,6 +14,7 @@ from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.lines import line, past_via, rest_of_circle, tool_line
 from gateway.pure.languages.robotstar.machine import Go
 from gateway.pure.languages.robotstar.path import CIRCLES, Target
+from gateway.pure.languages.robotstar.values import Structure
 
 FEWEST, MOST, AHEAD_NS = 4, 200, 2_000_000_000  # positions that may be prepared, and how much motion
 BACK = "speed=10 accel=50 decel=50 lead=yes"  # of the way back to where a program was interrupted
@@ -24,7 +25,7 @@ ROBOT = 1
 @dataclass(slots=True, eq=False)
 class Block:
     """A position.  place: program and step; start: where it leads from; index: of its block in the stretch, 0: not handed on; through: of
-    the auxiliary point before it."""
+    the auxiliary point before it; text: of a way back, as it is handed on."""
 
     go: Go
     place: tuple[str, int]
@@ -33,6 +34,7 @@ class Block:
     through: "Block | None" = None
     stretch: Stretch | None = None
     index: int = 0
+    text: str = ""
 
     @property
     def lasts(self) -> float:
@@ -64,6 +66,7 @@ class Ahead:
     done: Callable[[], tuple[str, int]]
     items: deque[Block | Via | Callable[[], None]] = field(default_factory=deque)
     interrupted: tuple[float, ...] = ()  # axes where the path was left; (): it was not
+    rested: tuple[float, ...] = ()  # axes where the program was stopped with nothing under way
     _auxiliary: Block | None = None  # of a circle whose end is not known yet
     _via: Via = field(default_factory=Via)  # the same in `items`
     _tools: dict[tuple[float, ...], str] = field(default_factory=dict)  # as the stretch knows them
@@ -182,11 +185,12 @@ class Ahead:
     def _way_back(self, stretch: Stretch, block: Block, places: tuple[float, ...]) -> None:
         """To where the path was left, at a moderate speed (L1262)."""
         here, there, self.interrupted = self.arm.own(places), self.interrupted, ()
-        if there and any(abs(a - b) > NEAR for a, b in zip(here, there, strict=True)):
-            text = f"ptp joints {' '.join(f'{value:.10g}' for value in there)} {BACK}"
-            self._return = self.path.hand_on(stretch, text, block.place[1]), there
+        if _left(here, there):
+            self._return = self.path.hand_on(stretch, _back_to(there), block.place[1]), there
 
     def _line(self, stretch: Stretch, block: Block, places: tuple[float, ...]) -> str:
+        if block.text:
+            return block.text
         values = tool_values(block.go.tool)
         name = self._tools.get(values)
         if name is None:
@@ -204,12 +208,23 @@ class Ahead:
         )
 
     # ---- interruptions
+    def rests(self, places: tuple[float, ...]) -> None:
+        """The program was stopped with nothing under way."""
+        self.rested = () if self.items else self.arm.own(places)
+
+    def goes_on(self, places: tuple[float, ...], tool: Structure | None) -> None:
+        """START: first back to where it was stopped, if the axes were moved since (L1262)."""
+        here, there, self.rested = self.arm.own(places), self.rested, ()
+        if _left(here, there) and not self.items:
+            start, end = (self.arm.actual(axes, tool) for axes in (here, there))
+            self.items.append(Block(Go(end, "PTP", 0, tool=tool), self.place(), self.done(), start, text=_back_to(there)))
+
     def left(self, stretch: Stretch) -> None:
         """The path was left: what is not over is handed on anew from where the axes were, once the program goes on."""
         handed = [item for item in self.items if isinstance(item, Block) and item.stretch is stretch]
         back, place = self._return
         returning = bool(place) and stretch is self._told and stretch.passed < back
-        if handed and (place if returning else self._last):
+        if handed and not handed[0].text and (place if returning else self._last):
             self.interrupted = place if returning else self._last
             if not returning and handed[0].go.target.pose:
                 self._shorten(handed[0])
@@ -230,4 +245,14 @@ class Ahead:
     def forget(self) -> None:
         """Nothing of it is run any more: another program, or another step, was chosen."""
         self.items.clear()
-        self._auxiliary, self.interrupted, self._last = None, (), ()
+        self._auxiliary, self.interrupted, self.rested, self._last = None, (), (), ()
+
+
+def _left(here: tuple[float, ...], there: tuple[float, ...]) -> bool:
+    """The axes were moved away from a place."""
+    return bool(there) and any(abs(a - b) > NEAR for a, b in zip(here, there, strict=True))
+
+
+def _back_to(there: tuple[float, ...]) -> str:
+    """The block of a way back."""
+    return f"ptp joints {' '.join(f'{value:.10g}' for value in there)} {BACK}"

@@ -83,12 +83,14 @@ class CellRobot(Robot):
         wrong = Robot.start(self, now)
         if not wrong:
             self.how, self.fault = "", None
+            self.ahead.goes_on(self.places(), self.machine.tool)
         return wrong
 
     def stop(self, now: Ns) -> None:
         """STOP: on the path; START goes on from there."""
         if self.state in (State.RUNNING, State.WAITING):
             self.how = "stopped"
+            self.ahead.rests(self.places())
         Robot.stop(self, now)
 
     def fails(self, fault: StepFault, place: tuple[str, int]) -> None:
@@ -149,7 +151,7 @@ class CellRobot(Robot):
             self.state = State.RUNNING
             return self._way(request, now)
         if self.ahead.busy:
-            self.state = State.RUNNING
+            self.state, self._asked_at = State.RUNNING, now  # the time of a wait goes on where the position is reached
             return now + CYCLE
         return Robot._serve(self, now)
 

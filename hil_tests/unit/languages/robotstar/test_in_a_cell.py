@@ -166,6 +166,25 @@ def test_after_jogging_start_leads_back_to_the_path_and_completes_it() -> None:
     assert all(abs(place[0] - 900) < 0.5 and abs(place[2] - 590) < 0.5 for place in back[there:]), "then along its line"
 
 
+def test_a_wait_goes_on_where_the_program_was_stopped_after_jogging() -> None:
+    """Nothing was under way: what follows the WAIT acts at its place, and the way back does not count as time of the WAIT."""
+    cell = ReisCell(main(f"{LINE}{at(900, 100, 590)}\nWAIT 0.6\nWRITE_BIT #AUSGANG,1,1,0\nSTOP"))
+    run = cell.start()
+    cell.until(lambda: any(row.waits for row in cell.language.rows()))
+    cell.stop()
+    assert cell.ends(run)[0] == "stopped" and near(cell, 900, 100, 590)
+    cell.bench.permit(AUTO, value=False)
+    cell.until(lambda: cell.bench.core.state.motion is Motion.IDLE)
+    cell.bench.settle(cell.bench.give(Code.PTP_RELATIVE, mask=1, velocity=0.3, targets=(-20.0,)))
+    assert not near(cell, 900, 100, 590, by=100)
+    cell.bench.permit(AUTO)
+    cell.bench.cycle(3)
+    assert cell.run()[0] == "ended" and near(cell, 900, 100, 590)
+    ((written, _),) = when(cell, "A1")
+    there = next(n for n in range(len(cell.places) - 1, 0, -1) if math.dist(cell.places[n][:3], (900, 100, 590)) > 0.05)
+    assert (written - there) * 0.004 == pytest.approx(0.6, abs=0.1)
+
+
 def test_an_arc_that_was_left_is_completed_on_its_circle() -> None:
     circle = f"MOVE_MODE #ZIRK_MIN_ORI\n{at(900, 100, 590)}\n{at(800, 0, 590)}"
     cell = ReisCell(main(f"{LINE}{at(1000, 0, 590)}\n{circle}\nSTOP"))
