@@ -75,6 +75,7 @@ class Alter:
     _limits: AlterLimits | None = field(init=False, default=None)
     _on_path: bool = field(init=False, default=False)  # an alterable move is under way, or the arm is at the end of the path
     _used: bool = field(init=False, default=False)  # this path has had its alterBegin
+    _next: "tuple[Reference, Pose, AlterLimits] | None" = field(init=False, default=None)  # alterBegin of the path to come
     _value: Pose = field(init=False, default=IDENTITY)  # last of alter()
     _from: Pose = field(init=False, default=IDENTITY)  # taken 4 ms ago
     _to: Pose = field(init=False, default=IDENTITY)  # taken last
@@ -87,14 +88,23 @@ class Alter:
             raise MotionError(f"period {self.period_s:g} s is no whole part of {self.every_s * 1e3:g} ms")
 
     # ---- instructions --------------------------------------------------------------------------------------------------
-    def begin(self, reference: Reference, frame: Pose, limits: AlterLimits) -> int:
-        """alterBegin; frame: the reference in the world, or the tool on the flange.  1, 0 (waits for the alterable move), -1..-3."""
+    def begin(self, reference: Reference, frame: Pose, limits: AlterLimits, *, apart: bool = False) -> int:
+        """alterBegin; frame: the reference in the world, or the tool on the flange.  1, 0 (waits for the alterable move), -1..-3.
+
+        apart: a standard move is queued behind the alterable path: after alterEnd the order is for the next one (L6294).
+        """
         if not self.enabled:
             return NO_OPTION
         if self.mode is Mode.ERROR:
             return IN_ERROR
+        if apart and self.mode is Mode.FROZEN and self._next is None:
+            self._next = (reference, frame, limits)
+            return WAITS
         if self.mode in (Mode.PENDING, Mode.ACTIVE) or self._used:
             return IGNORED
+        return self._begun(reference, frame, limits)
+
+    def _begun(self, reference: Reference, frame: Pose, limits: AlterLimits) -> int:
         self._reference, self._frame, self._limits = reference, frame, limits
         self._value = self._from = self._to = IDENTITY
         self._used, self._ticks = True, 0
@@ -121,6 +131,9 @@ class Alter:
         """alterEnd: what is altered now stays for the rest of the path.  1, -1, -3."""
         if self.mode is Mode.ERROR:
             return IN_ERROR
+        if self._next is not None:
+            self._next = None
+            return DONE
         if self.mode not in (Mode.ACTIVE, Mode.PENDING):
             return IGNORED
         self._value = self._from = self._to = self.alteration
@@ -135,7 +148,7 @@ class Alter:
 
     def reset_motion(self) -> None:
         """resetMotion ends the mode, an error too."""
-        self.mode, self._on_path, self._used, self._left = Mode.OFF, False, False, None
+        self.mode, self._on_path, self._used, self._left, self._next = Mode.OFF, False, False, None, None
         self._value = self._from = self._to = IDENTITY
 
     # ---- what the path does ----------------------------------------------------------------------------------------------
@@ -149,6 +162,9 @@ class Alter:
         if not alterable and self.mode in (Mode.OFF, Mode.FROZEN):
             self._used = False  # a standard move came between: the next path may begin anew
         self._on_path = alterable
+        if not alterable and self._next is not None:
+            coming, self._next = self._next, None
+            self._begun(*coming)
 
     def stopping(self, system_s: float = SYSTEM_STOP_S) -> None:
         """stopMove, hold or emergency stop: alter() still acts for the shorter of the arm's own and the system's time."""

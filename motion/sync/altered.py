@@ -122,6 +122,11 @@ class AlteredArm:
         number = move.number if move else 0
         return Place(number, place.share, place.resting and not self._dropping, place.waiting + len(self._later), self.joints)
 
+    @property
+    def apart(self) -> bool:
+        """A standard move waits behind the alterable path."""
+        return any(not move.alterable for move in self._later)
+
     # ---- time --------------------------------------------------------------------------------------------------------
     def step(self) -> tuple[float, ...]:
         """The set values (axes,) of the next period; after an error the last valid ones."""
@@ -221,4 +226,4 @@ class AlterMotion:
     def alter_begin(self, reference: Frame | Tool, mdesc: Mdesc) -> int:
         """alterBegin(frame or tool, mdesc): 1, 0, -1, -2, -3; RuntimeFault 100..106 for the descriptor."""
         kind = Reference.FRAME if isinstance(reference, Frame) else Reference.TOOL
-        return self.arm.alter.begin(kind, reference.pose, limits_of(mdesc, self.nominal, self.unit_m))
+        return self.arm.alter.begin(kind, reference.pose, limits_of(mdesc, self.nominal, self.unit_m), apart=self.arm.apart)

@@ -38,6 +38,8 @@ class CellAlter:
     ended: bool = False  # alterEnd
     locked: bool = False  # an error, until resetMotion
     on_path: bool = False  # the path of the part has been handed on
+    used: bool = False  # the path is over after its alterEnd, and no standard move came behind it
+    _next: Alteration | None = None  # alterBegin of the path to come
     _value: Trsf = NOTHING
     _count: int = 0
     _sent: bool = False
@@ -51,22 +53,32 @@ class CellAlter:
         return MODES[mode] if mode < len(MODES) else Mode.OFF, -1.0 if left < 0 else left / 1e3
 
     # ---- instructions
-    def begin(self, reference: BlockFrame | BlockTool, mdesc: Mdesc, unit_m: float) -> int:
-        """alterBegin: 0 waits for its path, -1, -2, -3; RuntimeFault 100..106."""
+    def begin(self, reference: BlockFrame | BlockTool, mdesc: Mdesc, unit_m: float, *, apart: bool = False) -> int:
+        """alterBegin: 0 waits for its path, -1, -2, -3; RuntimeFault 100..106.
+
+        apart: a standard move is queued behind the path under way: after alterEnd the order is for the next one (L6294).
+        """
         mdesc.check()
         if self.place is None:
             return NO_OPTION
         if self.locked:
             return IN_ERROR
-        if self.part is not None or self.on_path:
+        coming = self.on_path and self.ended and apart and self._next is None
+        if self.used or (self.part is not None or self.on_path) and not coming:
             return IGNORED
         self._count += 1
-        self.part = Alteration(
+        part = Alteration(
             reference, mdesc.vel / 100.0, mdesc.tvel * unit_m, math.radians(mdesc.rvel), mdesc.accel / 100.0, mdesc.decel / 100.0,
             Until(end_bit(self.place.byte), True), self._count,
         )  # fmt: skip
-        self.ended, self._value = False, NOTHING
+        if coming:
+            self._next = part
+        else:
+            self._begun(part)
         return WAITS
+
+    def _begun(self, part: Alteration | None) -> None:
+        self.part, self.on_path, self.ended, self._value = part, False, False, NOTHING
 
     def alter(self, change: Trsf) -> int:
         """In force in the next cycle: 1, 0, -1, -2, -3."""
@@ -86,6 +98,9 @@ class CellAlter:
         """alterEnd: what is altered now stays for the rest of the path."""
         if self.locked:
             return IN_ERROR
+        if self._next is not None:
+            self._next = None
+            return DONE
         if self.part is None or self.ended:
             return IGNORED
         if self.on_path:
@@ -102,10 +117,20 @@ class CellAlter:
         return left if mode is Mode.ACTIVE else 0.0
 
     # ---- the path
-    def over(self, *, failed: bool) -> None:
-        """The altered path is over; failed: until resetMotion nothing is altered."""
-        self.part, self.on_path, self.ended = None, False, False
+    def over(self, *, failed: bool, apart: bool = True) -> None:
+        """The altered path is over, what was ordered for the next one waits for it; failed: until resetMotion nothing is altered.
+
+        apart: a standard move is queued behind it.
+        """
+        self.used = not apart and not failed
         self.locked = failed
+        coming, self._next = None if failed else self._next, None
+        self._begun(coming)
+
+    def dropped(self) -> None:
+        """resetMotion: nothing waits any more."""
+        self._next = None
+        self.over(failed=False)
 
     def correct(self, now: Ns) -> None:
         """At the end of a turn: what the cycle adds from now on."""

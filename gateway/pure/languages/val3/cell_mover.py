@@ -84,6 +84,8 @@ class StreamMover:
         self._number += 1
         self._waiting.append(_Item(self._number, block, alterable=self.alterable))
         self._finishing = False
+        if not self.alterable:
+            self.change.used = False
         return self._number
 
     def _judged(self, block: Block) -> None:
@@ -92,6 +94,11 @@ class StreamMover:
             start = tuple(self.joints()) if self._judge is None or empty else self._judge.standing
             self._judge = Planner(self.machine, self.left or start if empty else start, capacity=1 << 20)
         self._judge.add(block)
+
+    @property
+    def apart(self) -> bool:
+        """A standard move waits behind the alterable path under way."""
+        return self._altered is not None and any(not item.alterable for item in self._waiting)
 
     def finish(self) -> None:
         """The last block is run to its target."""
@@ -248,8 +255,8 @@ class StreamMover:
         if dropped:
             return None
         if stretch is self._altered:
-            self._altered = None
-            self.change.over(failed=error is not None)
+            apart, self._altered = self.apart, None
+            self.change.over(failed=error is not None, apart=apart)
             if error is not None:
                 self.abandon()
                 return BlockError(error.text)

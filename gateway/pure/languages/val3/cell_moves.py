@@ -35,6 +35,8 @@ class JointFacts:
 class CellMoves(Moves):
     """machine: with the limits of the cell; largest, rated: JointFacts."""
 
+    timed = False  # it moves with its cell
+
     def __init__(
         self, robot: Robot, machine: Machine, port: Port, largest: Sequence[float], said: Callable[[str], None],
         place: AlterPlace | None = None, rated: Sequence[float] = (),
@@ -114,7 +116,7 @@ class CellMoves(Moves):
     def reset(self, start: Sequence[float] | None = None) -> None:
         """resetMotion: what is queued is dropped."""
         self.stack.reset_motion(self._si(start) if start is not None else None)
-        self.change.over(failed=False)
+        self.change.dropped()
 
     def restart(self, joints: Sequence[float]) -> None:
         """resetTurn shifts an encoder: not in a cell."""
@@ -123,8 +125,9 @@ class CellMoves(Moves):
     def alter_begin(self, reference: Frame | Tool, mdesc: Mdesc, unit_m: float) -> int:
         """0 waits for its path, -1, -2, -3; RuntimeFault 100..106."""
         if isinstance(reference, Tool):
-            return self.change.begin(BlockTool("ALTER", reference.on_flange()), mdesc, unit_m)
-        return self.change.begin(BlockFrame("ALTER", compose(self.robot.base.inverse(), reference.in_world())), mdesc, unit_m)
+            return self.change.begin(BlockTool("ALTER", reference.on_flange()), mdesc, unit_m, apart=self.mover.apart)
+        frame = BlockFrame("ALTER", compose(self.robot.base.inverse(), reference.in_world()))
+        return self.change.begin(frame, mdesc, unit_m, apart=self.mover.apart)
 
     def alterable(self, on: bool) -> None:
         """The next move is an alterable one."""

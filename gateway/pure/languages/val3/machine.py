@@ -193,6 +193,7 @@ class Machine(Controller):
 
     def _tick(self) -> None:
         """One system cycle: arm, inputs, then synchronous tasks."""
+        late = (self.clock - self.next_tick) // SYSTEM_CYCLE
         self.next_tick = (self.clock // SYSTEM_CYCLE + 1) * SYSTEM_CYCLE
         self._logged = 0
         self.sio.now = self.clock
@@ -200,15 +201,21 @@ class Machine(Controller):
         if not self.io.refresh() and not self.robot.reboot:
             self.robot.overrun()
             self.note("overrun of the synchro task: user boards take longer than the system cycle; start the controller again", "SYS")
-        if self.moves_or_none is not None:
-            moves = self.moves_or_none
-            moves.blocked = not self.robot.moving_allowed
-            moves.stack.mode = WORKING[self.robot.mode]
-            failed = moves.step(self.clock / 1e9, self.robot.speed / 100)
+        self._move(late)
+        self._cycles()
+
+    def _move(self, late: int) -> None:
+        """The arm, in the cycle that begins.  late: cycles before it that lines of synchronous tasks have covered."""
+        moves = self.moves_or_none
+        if moves is None:
+            return
+        moves.blocked = not self.robot.moving_allowed
+        moves.stack.mode = WORKING[self.robot.mode]
+        for missed in range(late if moves.timed else 0, -1, -1):
+            failed = moves.step((self.clock - missed * SYSTEM_CYCLE) / 1e9, self.robot.speed / 100)
             if failed:
                 self.note(f"motion: {failed}", "MOTION")
-            self.latch.tick(moves.joints)
-        self._cycles()
+        self.latch.tick(moves.joints)
 
     def catch_up(self) -> None:
         """A system cycle that is late: its synchronous tasks alone.  The arm is looked at once a turn, else it seems to rest."""
@@ -231,8 +238,8 @@ class Machine(Controller):
             if task.rest < 0 and not self.halted:  # still busy behind the last line
                 self._failed(task, Rte(33))
         task.due += task.period
-        if self.clock - began > task.period:
-            task.due += task.period
+        if self.clock - began > task.period:  # the next one is left out (L3397), and each that would begin before this one is over
+            task.due += max(task.period, -(-(self.clock - task.due) // task.period) * task.period)
             if task.overrun is not None:
                 container, place = task.overrun
                 places(container)[place] = True

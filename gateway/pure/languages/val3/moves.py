@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from gateway.pure.languages.val3.errors import Rte
 from motion.errors import MotionError
@@ -39,6 +40,7 @@ class Moves:
     stack: MotionStack = field(init=False)
     alters: AlterMotion = field(init=False)
     geometry: Geometry = field(init=False)
+    timed: ClassVar[bool] = True  # it moves with the clock of the application
     _cycle: tuple[tuple[float, ...], tuple[float, ...]] | None = None  # set values before and after the last cycle, SI; None: at rest
 
     def __post_init__(self) -> None:

@@ -46,6 +46,18 @@ def test_alter_shifts_the_path_until_alter_end_and_the_standard_move_goes_on_fro
     assert found[9] == pytest.approx(0, abs=1e-3) and found[10] == 0
 
 
+@pytest.mark.requirement("VAL-ALT-02", by="motion.sync.alter:Alter.begin")
+def test_alter_begin_behind_a_queued_standard_move_is_for_the_next_path() -> None:
+    code = (
+        "a[0]=alterBegin(f,mA)\nalterMovel(p[1],t,m)\ndelay(0.1)\ntr.y=0.5\na[1]=alter(tr)\na[2]=alterEnd()\na[3]=alterBegin(f,mA)\n"
+        "movel(p[0],t,m)\na[4]=alterBegin(f,mA)\nalterMovel(p[1],t,m)\na[5]=alter(tr)\nwaitEndMove()\ntr.y=-0.5\na[6]=alter(tr)\n"
+        "delay(0.1)\na[7]=distance(here(t,world),p[1])\na[8]=alterEnd()\na[9]=alterBegin(f,mA)\nmovel(p[0],t,m)\nwaitEndMove()"
+    )
+    found = numbers(data_of(READY + code))
+    assert found[:7] == [0, 1, 1, -1, 0, -1, 1], "no second one on the same path (L6294); behind a standard move it waits for the next"
+    assert found[7] == pytest.approx(0.5, abs=1e-3) and found[8:10] == [1, -1]
+
+
 @pytest.mark.requirement("VAL-ALT-01", by=M + "step")
 def test_too_fast_an_alteration_locks_until_reset_motion_and_the_next_move_is_150() -> None:
     code = (

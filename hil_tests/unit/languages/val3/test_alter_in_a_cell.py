@@ -93,6 +93,41 @@ def test_a_synchronous_task_alters_the_path_and_the_standard_move_goes_on_from_t
     assert numbers(cell)[:8] == [1, -1, -1, 0, -1, 1, -1, 0]
 
 
+@pytest.mark.requirement("VAL-ALT-02", by="gateway.pure.languages.val3.cell_alter:CellAlter.begin")
+def test_alter_begin_behind_a_queued_standard_move_is_for_the_next_path() -> None:
+    code = """n[0]=alterBegin(f,mA)
+alterMovel(p[1],flange,mSlow)
+delay(0.2)
+tr.y=0.5
+n[1]=alter(tr)
+n[2]=alterEnd()
+n[3]=alterBegin(f,mA)
+movel(p[0],flange,mSlow)
+n[4]=alterBegin(f,mA)
+alterMovel(p[1],flange,mSlow)
+n[5]=alter(tr)
+waitEndMove()
+tr.y=-0.5
+n[6]=alter(tr)
+delay(0.1)
+nDone=1
+n[7]=alterEnd()
+delay(0.1)
+n[8]=alterBegin(f,mA)
+movel(p[0],flange,mSlow)
+waitEndMove()
+n[9]=alterBegin(f,mA)
+nDone=2
+wait(diPart)"""
+    cell = cell_of(code)
+    cell.start()
+    done(cell)
+    assert tip(cell) == pytest.approx((START[0], START[1] - 0.5, START[2] + 60), abs=0.01)
+    done(cell, 2.0)
+    assert tip(cell) == pytest.approx(START, abs=0.01)
+    assert numbers(cell)[:10] == [0, 1, 1, -1, 0, -1, 1, 1, -1, 0], "one alterBegin a path (L6294); a standard move allows the next"
+
+
 @pytest.mark.requirement("VAL-ALT-01", by="gateway.pure.languages.val3.cell_alter:CellAlter.correct")
 def test_a_value_is_in_force_in_the_next_4_ms() -> None:
     code = "alterBegin(f,mA)\nalterMovel(p[1],flange,mSlow)\ndelay(0.3)\ntr.x=0.5\nn[1]=alter(tr)\nnDone=1\nwait(diPart)"

@@ -185,6 +185,21 @@ def test_an_overrun_drops_the_next_cycle() -> None:
     assert isinstance(found, dict) and found["b"] is True and found["k"] in (12, 13)
 
 
+@pytest.mark.requirement("VAL-SYNC-04", by=M + "_cycle")
+def test_cycles_begin_on_the_grid_again_behind_one_that_lasts_more_than_two_periods() -> None:
+    """8.4 ms of 4: the starts at 4 and 8 ms are left out, that at 12 ms is on time, and other tasks run between (L3386-3397)."""
+    data = DATA + datum("jA", "joint", values=value(j1=60, j3=90, j5=90)) + datum("m", "mdesc", values=value(vel=20, blend="off"))
+    busy = "while true\na[0]=a[0]+1\na[a[0]]=clock()\nfor j=1 to 1400\ni=j\nendFor\ndelay(0)\nendWhile"
+    code = 'movej(jA,flange,m)\n{}waitEndMove()\nk=clock()\ntaskKill("s")'
+    sync = 'taskCreateSync "s",0.004,b,busy()\ndelay(0.1)\nn=a[0]\ntaskSuspend("s")\n'
+    plain = run(App(data=data, programs={"start": code.format(""), "busy": busy}), arm=True)["globals"]
+    found = run(App(data=data, programs={"start": code.format(sync), "busy": busy}), arm=True, line_ns=3_000)["globals"]
+    assert isinstance(plain, dict) and isinstance(found, dict) and isinstance(found["a"], list)
+    assert found["n"] == 9 and found["b"] is True
+    assert [round(each, 3) for each in found["a"][1:10]] == [round(0.012 * at + 0.004, 3) for at in range(9)]
+    assert found["k"] == pytest.approx(plain["k"], abs=0.009), "the arm goes on with the clock"
+
+
 @pytest.mark.requirement("VAL-SYNC-05", by=M + "_slice")
 def test_synchronous_tasks_come_between_lines() -> None:
     programs = {
