@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.model import MOST_VALUES
-from gateway.pure.languages.val3.values import Container, Grid, Structure, UserV, copied, places, rounded
+from gateway.pure.languages.val3.values import Container, FrameV, Grid, PointV, Structure, ToolV, UserV, copied, may_hang, places, rounded
 
 Maker = Callable[[], object]
 
@@ -69,6 +69,12 @@ def take(target: Structure, value: object) -> object:
     if target is not value:
         target.set(value.copy() if isinstance(value, UserV) else value)  # a user value may be a part of the target
     return target
+
+
+def take_linked(target: FrameV | ToolV | PointV, value: FrameV | ToolV | PointV) -> object:
+    """= of frames, tools and points: the reference is taken, too; 165."""
+    may_hang(target, value.father)
+    return take(target, value)
 
 
 def f_size(container: Container, offset: object) -> float:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
-from gateway.pure.languages.val3.values import ConfigV, FrameV, JointV, PointV, ToolV, TrsfV
+from gateway.pure.languages.val3.values import ConfigV, FrameV, JointV, PointV, ToolV, TrsfV, may_hang
 from motion.geometry.conventions import DEGREE, angles_xyz, rotation_xyz
 from motion.kinematics.base import Configuration, Elbow, Shoulder, Wrist
 from motion.val3 import cartesian, trsf
@@ -162,9 +162,10 @@ def f_set_frame(own: Instance, origin: PointV, on_x: PointV, in_xy: PointV, resu
     had = made.reference is not None
     code = cartesian.set_frame(point_in(own, origin), point_in(own, on_x), point_in(own, in_xy), made)
     if code == 0:
-        result.trsf.set(trsf_out(own, made.trsf))
         if not had:
+            may_hang(result, origin.father)
             result.father = origin.father
+        result.trsf.set(trsf_out(own, made.trsf))
     return float(code)
 
 
@@ -185,6 +186,7 @@ def f_position_tool(own: Instance, value: ToolV, reference: ToolV) -> TrsfV:
 
 def f_link(own: Instance, what: FrameV | ToolV | PointV, reference: FrameV | ToolV) -> None:
     """The reference changes, the trsf stays; 165 for a ring."""
+    may_hang(what, reference)
     here: FrameV | ToolV | None = reference
     for _ in range(DEEPEST):
         if here is None:

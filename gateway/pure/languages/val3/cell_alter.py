@@ -64,7 +64,7 @@ class CellAlter:
         if self.locked:
             return IN_ERROR
         coming = self.on_path and self.ended and apart and self._next is None
-        if self.used or (self.part is not None or self.on_path) and not coming:
+        if self.used or ((self.part is not None or self.on_path) and not coming):
             return IGNORED
         self._count += 1
         part = Alteration(

@@ -172,7 +172,7 @@ class Translator(VariableTranslator):
         if not parameter.reference:
             made = self.need(value, parameter.type)
             structured = isinstance(made.type, UserType) or made.type in STRUCTURED or made.type in ("dio", "aio", "sio", "screen")
-            return [f"[copied({made.code})]" if structured else f"[{made.code}]"]
+            return [f"[passed({made.code})]" if structured else f"[{made.code}]"]
         if parameter.whole:
             return self._container(value, parameter)
         if not value.c:

@@ -21,7 +21,7 @@ from gateway.pure.languages.val3.references import (
 from gateway.pure.languages.val3.scope import width
 from gateway.pure.languages.val3.tasks import Step, bytes_of
 from gateway.pure.languages.val3.translate import Code
-from gateway.pure.languages.val3.values import Container, FrameV, PointV, ToolV
+from gateway.pure.languages.val3.values import Container, FrameV, PointV, ToolV, mark_local
 
 PLAIN: dict[str, object] = {"num": 0.0, "bool": False, "string": ""}
 
@@ -68,7 +68,10 @@ class Program:
         made: list[object] = []
         for local in self.text.locals:
             plain = PLAIN.get(local.type) if isinstance(local.type, str) and local.sizes == (1,) and not local.values else None
-            made.append([plain] if plain is not None else container_of(local, self.home, linked=False))
+            container: Container = [plain] if plain is not None else container_of(local, self.home, linked=False)
+            if isinstance(local.type, UserType) or local.type in ("frame", "tool", "point"):
+                mark_local(container)
+            made.append(container)
         return made
 
     def line_of(self, pc: int) -> int:

@@ -30,7 +30,7 @@ from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, REMOTE, TEST
 from gateway.pure.languages.val3.sealed import SealFault, library_of
 from gateway.pure.languages.val3.tasks import LINES_A_CYCLE, RUNNING, SYSTEM_CYCLE, Frame, Owner, Task
 from gateway.pure.languages.val3.translate import CALL, END
-from gateway.pure.languages.val3.values import SioV, copied, equal, places
+from gateway.pure.languages.val3.values import SioV, copied, equal, passed, places
 from motion.errors import MotionError
 from motion.val3.errors import RuntimeFault
 from motion.val3.stack import Mode
@@ -92,7 +92,7 @@ class Machine(Controller):
 
     def _names(self, own: Instance) -> dict[str, object]:
         """What the text of a program may use."""
-        found: dict[str, object] = {"M": self, "Rte": Rte, "copied": copied, "equal": equal, "programs": own.programs}
+        found: dict[str, object] = {"M": self, "Rte": Rte, "copied": copied, "passed": passed, "equal": equal, "programs": own.programs}
         for module in PLAIN:
             found.update({name: each for name, each in vars(module).items() if not name.startswith("_") and callable(each)})
         for module in BOUND:
@@ -112,7 +112,7 @@ class Machine(Controller):
     def load_library(self, own: Instance, identifier: str, folder: str, name: str, path: str) -> int:
         """libLoad: codes of L3970-4006."""
         old = own.libraries.get(identifier)
-        if old is not None and any(task.owner is old for task in self.tasks):
+        if old is not None and self._only(own, identifier, old) and any(task.owner is old for task in self.tasks):
             return 14
         loaded = self.loader.load(folder, name)
         if loaded is None or (
@@ -131,6 +131,11 @@ class Machine(Controller):
             self.note(f"{path}: the length unit is another one", "VAL3")
             return 1
         return 0
+
+    def _only(self, own: Instance, identifier: str, library: Instance) -> bool:
+        """Whether no other identifier has this library: replacing it there unloads it."""
+        others = [(each, name) for each in self.shared.values() for name, found in each.libraries.items() if found is library]
+        return library is not self.application and others == [(own, identifier)]
 
     def start(self, own: Instance) -> bool:
         """start() in a task of its own; False: an application runs already (L509)."""

@@ -212,7 +212,8 @@ class ValueTranslator:
             raise self.fault(node, "Invalid binary operator for these types")
         value = self.need(value, kind)
         if isinstance(kind, UserType) or kind in STRUCTURED:
-            return Value(f"take({target.code}, {value.code})", kind, node, waits=waits)
+            how = "take_linked" if kind in ("frame", "tool", "point") else "take"
+            return Value(f"{how}({target.code}, {value.code})", kind, node, waits=waits)
         return Value(f"store({target.c}, {target.k}, {value.code})", kind, node, waits=waits)
 
     def assignment(self, node: Assign) -> tuple[str, bool]:

@@ -172,10 +172,11 @@ class FrameV(Structure):
     """frame: trsf and the frame it hangs on."""
 
     FIELDS = ("trsf", "father")
-    __slots__ = (*FIELDS, "lost", "root")
+    __slots__ = (*FIELDS, "local", "lost", "root")
 
     def __init__(self, father: FrameV | None = None, root: bool = False) -> None:
         self.trsf, self.father, self.root = TrsfV(), father, root
+        self.local = False  # it ends with its program
         self.lost: tuple[int, str] | None = None  # where its name leads nowhere: error code, and the name
 
     def same(self, other: object) -> bool:
@@ -187,10 +188,11 @@ class ToolV(Structure):
     """tool: trsf, gripper and its times, and the tool it hangs on."""
 
     FIELDS = ("trsf", "gripper", "otime", "ctime", "father")
-    __slots__ = (*FIELDS, "lost", "root")
+    __slots__ = (*FIELDS, "local", "lost", "root")
 
     def __init__(self, father: ToolV | None = None, root: bool = False) -> None:
         self.trsf, self.gripper, self.father, self.root = TrsfV(), DioV(None), father, root
+        self.local = False  # as of a frame
         self.lost: tuple[int, str] | None = None  # as of a frame
         self.otime = self.ctime = 0.0
 
@@ -209,10 +211,11 @@ class PointV(Structure):
     """point: trsf, configuration and the frame it hangs on."""
 
     FIELDS = ("trsf", "config", "father")
-    __slots__ = (*FIELDS, "family")
+    __slots__ = (*FIELDS, "family", "local")
 
     def __init__(self, father: FrameV | None = None) -> None:
         self.trsf, self.config, self.father, self.family = TrsfV(), ConfigV(), father, ""
+        self.local = False  # as of a frame
 
     def same(self, other: object) -> bool:
         """Reference and position (L5060)."""
@@ -326,6 +329,31 @@ def cut(text: str) -> str:
 def copied(value: object) -> object:
     """A value of its own."""
     return value.copy() if isinstance(value, Structure) else value
+
+
+def passed(value: object) -> object:
+    """A parameter by value: it ends with its program."""
+    made = copied(value)
+    mark_local(made)
+    return made
+
+
+def mark_local(what: object) -> None:
+    """Frames, tools and points in a value or container end with their program."""
+    if isinstance(what, FrameV | ToolV | PointV):
+        what.local = True
+    elif isinstance(what, UserV):
+        for name in what.names():
+            mark_local(getattr(what, name))
+    elif isinstance(what, list | dict | Grid):
+        for each in what.flat if isinstance(what, Grid) else what.values() if isinstance(what, dict) else what:
+            mark_local(each)
+
+
+def may_hang(what: FrameV | ToolV | PointV, father: FrameV | ToolV | None) -> None:
+    """Checks a reference; 165: what lives longer than its program cannot hang on a local frame or tool."""
+    if father is not None and father.local and not what.local:
+        raise Rte(165, "linked to a local variable")
 
 
 def copy_container(container: object) -> Container:

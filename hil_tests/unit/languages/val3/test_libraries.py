@@ -96,6 +96,14 @@ def test_tasks_of_a_library_are_its_own() -> None:
     assert (found["n"], found["i"]) == (-1, 14)
 
 
+def test_a_library_with_tasks_that_another_identifier_keeps_is_no_obstacle() -> None:
+    uses = USES + '<Library alias="same" path="part" />'
+    other = App("other", datum("nX", "num", values=value(value=8)))
+    code = 'part:libLoad("part")\nsame:libLoad("part")\ncall part:tasks()\nn=same:libLoad("other")\ni=part:libLoad("other")'
+    found = run(App(data=DATA, libraries=uses, programs={"start": code}), PART, other)["globals"]
+    assert isinstance(found, dict) and (found["n"], found["i"]) == (11, 14), "nothing is unloaded; then the last one would be (L3940)"
+
+
 @pytest.mark.requirement("VAL-APP-01", "VAL-APP-07", by="gateway.pure.languages.val3.machine:Machine.load_library")
 def test_another_length_unit_is_a_warning() -> None:
     inch = App("part", PART.data, PART.programs, millimetres=False)

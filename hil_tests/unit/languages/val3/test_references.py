@@ -89,6 +89,41 @@ def test_a_global_linked_to_a_local_is_165() -> None:
     assert (result["globals"]["n"], result["tasks"]["demo~"]["status"], result["tasks"]["demo~"]["line"]) == (1, 165, 5)
 
 
+LOCALS = ["frame l_f", "frame l_g", "point l_p", "point l_q", "tool l_t"]
+HANGS = {
+    "link(l_g,l_f)\nf=l_g": 165,
+    "link(l_p,l_f)\np=l_p": 165,
+    "p=here(flange,l_f)": 165,
+    "p=jointToPoint(flange,l_f,j)": 165,
+    "link(l_p,l_f)\np=appro(l_p,{1,0,0,0,0,0})": 165,
+    "link(l_p,l_f)\ncall put(p,l_p)": 165,
+    "link(l_p,l_f)\ncall byValue(l_p)": 165,
+    "call under(l_f)": 165,
+    "link(l_t,flange)\nt=l_t": -1,
+    "link(l_g,f)\nf2=l_g": -1,
+    "link(l_p,l_f)\nl_q=l_p\nl_q=appro(l_q,{1,0,0,0,0,0})\nl_p=here(flange,l_g)": -1,
+    "call seen(l_p,l_f)": -1,
+}
+HANGING_ON = {
+    "put(point& x_a, point x_b)": "x_a=x_b",
+    "byValue(point x_p)": "x_p.trsf.x=1\np=x_p",
+    "under(frame& x_f)": "link(p,x_f)",
+    "seen(point& x_p, frame& x_f)": "x_p=here(flange,x_f)",
+}
+
+
+def test_a_global_takes_no_local_reference_with_any_assignment() -> None:
+    """Each in a task of its own: = copies the reference, too (L4846, L5054), so it is 165 as link() is (L3697)."""
+    data = "".join(datum(name, "frame", values=value(fatherId="world[0]")) for name in ("f", "f2"))
+    data += datum("p", "point", values=value(fatherId="world[0]")) + datum("t", "tool") + datum("j", "joint", values=value(j3=90, j5=90))
+    data += datum("n", "num", str(len(HANGS)))
+    programs: dict[str, Any] = {f"v{at}": (LOCALS, f"link(l_f,world)\nlink(l_g,world)\n{code}") for at, code in enumerate(HANGS)}
+    lines = [f'taskCreate "t{at}",10,v{at}()' for at in range(len(HANGS))] + ["delay(0.1)"]
+    lines += [f'n[{at}]=taskStatus("t{at}")' for at in range(len(HANGS))]
+    result: Any = run(App(data=data, programs={"start": "\n".join(lines), **programs, **HANGING_ON}), arm=True, until=1.0)
+    assert dict(zip(HANGS, result["globals"]["n"], strict=True)) == HANGS
+
+
 def test_what_is_saved_hangs_on_the_same_data() -> None:
     lost = datum("p", "point", values=value(fatherId="fGone[0]"))
     app = App(data=DATA + lost, libraries=USES, programs={"start": 'lib:libLoad("cell")\nn=libSave("copy")'})
