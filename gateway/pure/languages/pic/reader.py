@@ -117,11 +117,16 @@ class Reader:
         self._emit(Code.LABEL, self.token.at.line, name=END_LABEL)
 
     def _recover(self, before: int) -> None:
-        """To the next line, or behind what was refused."""
-        self._depth = 0
+        """To the next line, or behind what was refused; a bracket of the list that is closed there is closed."""
+        self._depth, inner = 0, 0
         if self._at == before:
             self._take()
         while self.token.kind is not Kind.END and not self.token.first:
+            inner += self._sign("(")
+            if self._sign(")"):
+                if not inner and self._brackets:
+                    self._brackets.pop()
+                inner = max(0, inner - 1)
             self._take()
 
     def _statement(self) -> None:
@@ -312,6 +317,7 @@ class Reader:
                 raise self._fail("nesting", token.at, f"more than {DEEPEST} brackets one in the other")
             self._brackets.append(token.at)
             self._emit(OPENS[word], line)
+            self._begins_bracket(word)
         elif word in LINKS:
             self._emit(LINKS[word], line, self._operand(writes=False))
         elif word in SETS:
@@ -321,6 +327,16 @@ class Reader:
             self._go(JUMPS[word], line)
         elif word in ENDS:
             self._emit(Code.JUMP, line, name=END_LABEL)
+
+    def _begins_bracket(self, word: str) -> None:
+        """An operand alone is no instruction, as in BAPS-PIC."""
+        token = self.token
+        if token.first or token.kind is Kind.END or token.word in LIST or token.text in (")", "="):
+            return
+        shown = token.text if token.kind is Kind.BIT else "I88.0"
+        raise self._fail(
+            "bracket-operand", token.at, f"an instruction is expected behind {word}(, not {token.text}", f"{word}( {word} {shown} )"
+        )
 
     def _outside(self, at: Position) -> None:
         if self._brackets:

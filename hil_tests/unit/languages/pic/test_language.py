@@ -166,3 +166,8 @@ def test_what_was_read_can_be_scanned() -> None:
 def test_nesting_has_an_end() -> None:
     assert faults_of("IF I88.0 THEN " * 100 + "O58.0 = 1")[0][2] == "nesting"
     assert faults_of("O58.0 = " + "(" * 100 + "I88.0" + ")" * 100)[0][2] == "nesting"
+
+
+@pytest.mark.parametrize("wrong", ["A( I88.0 )", "A( NOT I88.0 )", "O( -LAMP )", "A( A I88.0 AND I88.1 )", "A( I88.0\nA I88.2\n)"])
+def test_a_mistake_in_a_bracket_is_one_fault(wrong: str) -> None:
+    assert len(faults_of(f"A I88.1\n{wrong}\n= O70.0\n")) == 1
