@@ -113,6 +113,9 @@ def _status(client: ToolClient, options: argparse.Namespace) -> int:
             print(f"task    {row['task']:<13} {row['program']} line {row['line']}{state}")
             continue
         waits = f", waits for {row['waits']}" if row["waits"] else ""
+        if row["holder"]:
+            waits = f", waits for {row['held']}, held by {row['holder']}"
+        waits += ": blocked, they wait for each other" if row["stuck"] else ""
         print(f"process {row['program']:<13} {row['kind']:<10} line {row['line']}{waits}")
     return DONE
 

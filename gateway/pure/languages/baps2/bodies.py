@@ -50,6 +50,8 @@ class Bodies:
         self.out = Lines()
         self.function = Function({}, False)
         self._temporary = self._loops = 0
+        self._parts: list[tuple[str, int]] = []  # EXCLUSIVE parts around the statement: semaphore, line
+        self._by_main: dict[str, int] = {}  # of those around the PARALLEL whose branch it is in
         self.before_move = False
         self._at: Position | None = None  # of the statement under translation
 
@@ -330,7 +332,7 @@ class Bodies:
         self.function.path.pop()
 
     def _parallel(self, statement: Parallel) -> None:
-        found = []
+        found, before, self._by_main = [], self._by_main, dict(self._parts)
         for branch in statement.branches:
             name = self.new("b")
             found.append(name)
@@ -338,6 +340,7 @@ class Bodies:
             self.out.indent += 1
             self.body(branch, ("yield Drain()",))
             self.out.indent -= 1
+        self._by_main = before
         self.out.add(f"yield Branches(({' '.join(f'{name},' for name in found)}))")
 
     def _exclusive(self, statement: Exclusive) -> None:
@@ -349,7 +352,14 @@ class Bodies:
         self.out.add(f"yield Enter({key})")
         self.function.path.append(id(statement))
         self.function.exclusives.append((id(statement), key))
+        if (line := self._by_main.get(key)) is not None:
+            text = (
+                f"this branch waits for {statement.semaphore} for ever: the program holds it from line {line} until its branches are over"
+            )
+            self.names.faults.warning("semaphore-held", statement.at, text)
+        self._parts.append((key, statement.at.line))
         self.several(statement.body)
+        self._parts.pop()
         self.function.exclusives.pop()
         self.function.path.pop()
         self.out.add(f"yield Leave({key})")
@@ -365,7 +375,8 @@ class Bodies:
             case "REF_PNT":
                 self.out.add(f"yield Reference({statement.name or self.typing.kinematic!r})")
             case _:
-                self.out.add("yield Synchronise('', 0)")
+                symbol = self.names.find(statement.name) if statement.name else None
+                self.out.add(f"yield Synchronise('', 0, {symbol.channel if symbol is not None else 0})")
 
     def _startstop(self, statement: StartStop, request: str, program: str) -> None:
         symbol = self.names.find(program)

@@ -43,16 +43,15 @@ class CellActs:
 
     def __init__(self, cell: Cell, belts: CellBelts, asynchronous: CellAsynchronous) -> None:
         self._cell, self.belts, self.asynchronous = cell, belts, asynchronous
-        self._riders: dict[str, Task] = {}  # kinematic in a synchronous part -> its process
 
     def ended(self, task: Task) -> None:
         """The process is over: nothing of what it said begins with another one's block."""
         for name in task.unit.program.head.kinematics or ("",):
-            if name in self._cell.lanes and (task.root is None or self._riders.get(name) is task):
+            if name in self._cell.lanes and (task.root is None or self._cell.lanes[name].rider is task):
                 self._cell.lanes[name].before = ()
-        for name in [name for name, rider in self._riders.items() if rider is task]:
-            self._cell.lanes[name].belt = 0
-            del self._riders[name]
+        for lane in self._cell.lanes.values():
+            if lane.rider is task:
+                lane.off_belt()
 
     # ---- special functions
 
@@ -151,16 +150,17 @@ class CellActs:
         statement = Statement(robot.number, (text,), task.process.line, dummy=True)
         return self._cell.tell(task, statement)
 
-    def synchronise(self, task: Task, kinematic: str, channel: int) -> None:
-        """SYNCHRON and SYNCHRON_END; the blocks behind them are prepared."""
+    def synchronise(self, task: Task, request: demands.Synchronise) -> object:
+        """SYNCHRON and SYNCHRON_END; the blocks behind them are prepared.  PENDING: another program has the kinematic on its belt."""
+        kinematic, channel = request.kinematic, request.channel
         if not channel:
-            for name, lane in self._cell.lanes.items():
-                if lane.belt:
-                    lane.belt = 0
-                    self._riders.pop(name, None)
-                    self._cell.tell(task, Statement(self._cell.robot_of(name).number, ("synchron_end",), task.process.line))
-            return
+            for name, lane in self._cell.lanes.on_belts(task, request.belt):
+                lane.off_belt()
+                self._cell.tell(task, Statement(self._cell.robot_of(name).number, ("synchron_end",), task.process.line))
+            return None
         lane, robot = self._cell.lane(kinematic), self._cell.robot_of(kinematic)
+        if lane.ridden_for(task):
+            return PENDING
         number = self.belts.number(channel)
         belt = self.belts.named(number)
         if lane.belt:
@@ -171,8 +171,9 @@ class CellActs:
         if self.belts.kind(number) != PARALLEL:
             at = lane.belt_values.get(number, self.belts.counter(number))
             text += f" at={self.belts.length(number, at)}"
-        lane.belt, self._riders[kinematic] = channel, task
+        lane.belt, lane.rider = channel, task
         self._cell.tell(task, Statement(robot.number, (text,), task.process.line))
+        return None
 
     def target(self, robot: CellRobot, lane: Lane, request: demands.MoveTo, values: tuple[float, ...]) -> str:
         """Keys of a block in a synchronous part; remembers the belt values of a point (those behind the axes)."""

@@ -18,6 +18,7 @@ from gateway.pure.languages.baps2.lines import Wanted
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.robots import CellRobot
 from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Output, Release, Statement, Task
+from gateway.pure.languages.baps2.waiting import KINEMATIC, Wait
 from gateway.pure.languages.baps2.working_range import check_range, range_keys
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.base.path import Paths, Stretch
@@ -75,6 +76,7 @@ class CellMotion(CellView):
         factors = {**lane.factors, **dict(request.factors)}
         robot = self.robot_of(request.kinematic)
         how = request.way, request.via, request.joint, request.relative
+        lines.check(request.way, request.via, factors, self._presets(robot.number))
         on_belt = self.acts.target(robot, lane, request, tuple(float(value) for value in request.target if value is not None))
         if on_belt and self.acts.belts.kind(self.acts.belts.number(lane.belt)) == CAM:
             on_belt += " " + self.acts.cam(lane, self.port.view.channels.factors, factors)
@@ -265,6 +267,23 @@ class CellMotion(CellView):
 
     def _halted(self, task: Task, lane: Lane) -> None:
         self.paths.forget(task)
+
+    def kinematic_wait(self, task: Task) -> Wait | None:
+        """Another process moves it, or has it in a synchronous part."""
+        asked = task.process.waits_for
+        if isinstance(asked, demands.Synchronise | demands.MoveTo):
+            lane = self.lanes.get(asked.kinematic)
+            if lane is not None and lane.rider is not None and lane.ridden_for(task):
+                return Wait(KINEMATIC, asked.kinematic, lane.rider)
+        first = task.queue[0] if task.queue else None
+        if not isinstance(first, Block) or first.stretch is not None:
+            return None
+        robot = self.robot_of(first.kinematic).number
+        now = self.paths.of(robot).now
+        if now is None or now.owner is task or not isinstance(now.owner, Task):
+            return None
+        name = next((name for name, number in self.lanes.numbers.items() if number == now.robot), first.kinematic)
+        return Wait(KINEMATIC, first.kinematic if now.robot == robot else name, now.owner, blocks=not self._rides(now.robot))
 
     @abstractmethod
     def _still(self, task: Task) -> bool:

@@ -25,6 +25,7 @@ from gateway.pure.languages.baps2.robots import CellRobot
 from gateway.pure.languages.baps2.tasks import Lane, Output, Task
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
+from gateway.pure.languages.baps2.waiting import place_of, waits_of
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.hosting import Port, ProcessRow, ProgramRow
 from gateway.pure.languages.base.process import Process, ProcessState
@@ -259,6 +260,7 @@ class CellRun(CellMotion):
         while self._advance() and self._woken():
             busy = self.scheduler.run(now) == now
         self._settle()
+        self._look_for_circles()
         self._say_read()
         return busy
 
@@ -302,9 +304,8 @@ class CellRun(CellMotion):
                 return None
             case demands.SyncBelt():
                 return self.acts.sync(task, request) if not self._before(task) else PENDING
-            case demands.Synchronise(kinematic=kinematic, channel=channel):
-                self.acts.synchronise(task, kinematic, channel)
-                return None
+            case demands.Synchronise():
+                return self.acts.synchronise(task, request)
             case demands.Reference(kinematic=kinematic):
                 return self.acts.reference(task, kinematic)
             case demands.Special(number=number, values=values) if number in (SPEED, DISTANCE):
@@ -384,11 +385,16 @@ class CellRun(CellMotion):
         for task in self.tasks.values():
             asked = task.process.waits_for
             waits = WAITS.get(type(asked).__name__, "") if asked is not None else ""
+            wait = next(waits_of(task, self.tasks.values(), self), None)
+            held = wait if wait is not None and wait.name else None
             main = task.main
             parent = task.starter.main.run if task.root is None and task.starter is not None else 0
             row = ProcessRow(
-                main.run, task.unit.name, task.kind, task.process.state.value, task.process.line, waits, parent, task.root is not None
-            )
+                main.run, task.unit.name, task.kind, task.process.state.value, task.process.line, waits, parent, task.root is not None,
+                held=f"{held.what} {held.name}" if held is not None else "",
+                holder=place_of(held.holder) if held is not None else "",
+                stuck=self._watch.has(task),
+            )  # fmt: skip
             found.append(row)
         return found
 

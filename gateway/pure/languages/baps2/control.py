@@ -19,6 +19,7 @@ from gateway.pure.languages.baps2.teach_points import TeachPoints
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.baps2.values import Shared
+from gateway.pure.languages.baps2.waiting import Watch, words
 from gateway.pure.languages.baps2.working_range import check_range
 from gateway.pure.languages.base.process import Process, ProcessState
 from gateway.pure.languages.base.requests import PENDING, Request, RuntimeFault
@@ -46,12 +47,23 @@ class Control(Plant):
         self.units = Outside(self)
         self.specials = Specials(self)
         self._shared: dict[str, Shared] = {}
-        self._semaphores = Semaphores()
+        self._semaphores, self._watch = Semaphores(), Watch()
         self._asked: Request | None = None  # what is answered just now
         self.teach_points = TeachPoints(memory, feed)
         self._moves = self._round = 0
 
     # ---- processes
+
+    def holder_of(self, semaphore: tuple[str, str]) -> Task | None:
+        """The process in an EXCLUSIVE part of it."""
+        return self._semaphores.holder_of(semaphore)
+
+    def _look_for_circles(self) -> None:
+        """Processes that wait for each other, once they do."""
+        if self._semaphores.held or any(lane.rider is not None for lane in self.lanes.values()):
+            found = self._watch.look(self.tasks.values(), self)
+            if found:
+                self.event(found[0][0], "warning", found[0][0].process.line, text=words(found))
 
     def library_of(self, task: Task | None) -> Library:
         """The programs as this process runs them; None: one that is started just now."""
@@ -125,6 +137,8 @@ class Control(Plant):
         """Its kinematics rest where they are on their path."""
         task.queue.clear()
         for lane in self.lanes.values():
+            if lane.rider is task:
+                lane.off_belt()
             if lane.owner is task:
                 self._halted(task, lane)
                 lane.moving, lane.owner, lane.planned = None, None, lane.position
@@ -174,9 +188,14 @@ class Control(Plant):
                 if not self._moves_on(task, item):
                     return False
         task.queue.popleft()
-        if isinstance(item, Block) and not task.blocks(item.kinematic):
+        if isinstance(item, Block) and not self._follows(task, item.kinematic):
             self.lane(item.kinematic).owner = None
         return True
+
+    def _follows(self, task: Task, kinematic: str) -> bool:
+        """Whether its next block moves this kinematic too; one that moves another gives this one away meanwhile."""
+        follows = next((item for item in task.queue if isinstance(item, Block)), None)
+        return follows is not None and follows.kinematic == kinematic
 
     def _overtakes(self, task: Task, wait: FastWait) -> bool:
         """A wait holds its own kinematic: the block of another one behind it comes first (L1621-1631)."""
@@ -289,10 +308,8 @@ class Control(Plant):
                 return None if self.now >= task.began + round(seconds * SECOND) else PENDING
             case demands.WaitFor():
                 return self._wait(task, request)
-            case demands.SyncBelt():
-                return self._sync(request)
-            case demands.Synchronise(kinematic=kinematic, channel=channel):
-                self._synchronise(kinematic, channel)
+            case demands.SyncBelt() | demands.Synchronise():
+                return self._on_belt(task, request)
             case demands.Reference(kinematic=kinematic):
                 self.lane(kinematic).referenced = True
         return None
@@ -356,7 +373,7 @@ class Control(Plant):
             return PENDING if task.block in task.queue else bool(task.block.met)
         size = len(request.target)
         lane = self.lane(request.kinematic, size)
-        if len([each for each in task.blocks(request.kinematic) if each.began is None]) >= lane.most:
+        if lane.ridden_for(task) or len([each for each in task.blocks(request.kinematic) if each.began is None]) >= lane.most:
             return PENDING
         target = self._target(task, lane, request)
         if lane.limits:
@@ -430,18 +447,3 @@ class Control(Plant):
             above = above.starter and above.starter.main
         self.stop(found, "stopped")
         return None
-
-    def _sync(self, request: demands.SyncBelt) -> object:
-        value = self.belt(request.channel)
-        compare = {">=": value >= request.at, ">": value > request.at, "<=": value <= request.at, "<": value < request.at}
-        if not (request.test() if request.test is not None else compare[request.sign]):
-            return PENDING
-        inside = any(lane.belt == request.channel for lane in self.lanes.values())
-        self.set_belt(
-            request.channel, value - request.at if inside and request.test is None else self.specials.reset_value(request.channel)
-        )
-        return None
-
-    def _synchronise(self, kinematic: str, channel: int) -> None:
-        for lane in [self.lane(kinematic)] if channel else self.lanes.values():
-            lane.belt, lane.belt_way = channel, 0.0

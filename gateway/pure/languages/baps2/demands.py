@@ -169,10 +169,11 @@ class SyncBelt(Request):
 
 @dataclass(frozen=True, slots=True)
 class Synchronise(Request):
-    """SYNCHRON (`channel` of the belt), SYNCHRON_END (0)."""
+    """SYNCHRON (`channel` of the belt), SYNCHRON_END (0; `belt`: the one it names, 0: none)."""
 
     kinematic: str
     channel: int
+    belt: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from gateway.pure.languages.baps2 import demands
+from gateway.pure.languages.baps2 import demands, lines
 from gateway.pure.languages.baps2.control import PROBES, READINGS, Control
 from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.baps2.feed import SECOND, Feed
@@ -12,9 +12,10 @@ from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Task, between
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.tree import Declared
+from gateway.pure.languages.baps2.waiting import KINEMATIC, Wait
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.process import ProcessState
-from gateway.pure.languages.base.requests import RuntimeFault
+from gateway.pure.languages.base.requests import PENDING, Request, RuntimeFault
 from gateway.pure.languages.base.trace import Trace
 
 SIX = 6  # axes of a kinematic of which nothing is known
@@ -51,6 +52,7 @@ class DryRun(Control):
         if self._over:
             return False
         self._advance()
+        self._look_for_circles()
         self._round += 1
         busy = self.scheduler.run(self.now) == self.now
         moved = self._advance()
@@ -156,6 +158,7 @@ class DryRun(Control):
         return True
 
     def _ready(self, task: Task, lane: Lane, block: Block, request: demands.MoveTo) -> None:
+        lines.check(request.way, request.via, {**lane.factors, **dict(request.factors)})
         self.specials.functions.prepared(block)
 
     def _cut(self, block: Block) -> bool:
@@ -200,6 +203,44 @@ class DryRun(Control):
     def set_belt(self, channel: int, value: float) -> None:
         """Sets the counter of a belt."""
         self.belts[channel % 500] += value - self.belt(channel)
+
+    def _on_belt(self, task: Task, request: Request) -> object:
+        if isinstance(request, demands.SyncBelt):
+            return self._sync(request)
+        if isinstance(request, demands.Synchronise) and request.channel:
+            lane = self.lane(request.kinematic)
+            if lane.owner not in (None, task) or lane.ridden_for(task):
+                return PENDING
+            lane.off_belt()
+            lane.belt, lane.rider = request.channel, task
+        elif isinstance(request, demands.Synchronise):
+            for _, lane in self.lanes.on_belts(task, request.belt):
+                lane.off_belt()
+        return None
+
+    def _sync(self, request: demands.SyncBelt) -> object:
+        value = self.belt(request.channel)
+        compare = {">=": value >= request.at, ">": value > request.at, "<=": value <= request.at, "<": value < request.at}
+        if not (request.test() if request.test is not None else compare[request.sign]):
+            return PENDING
+        inside = any(lane.belt == request.channel for lane in self.lanes.values())
+        self.set_belt(
+            request.channel, value - request.at if inside and request.test is None else self.specials.reset_value(request.channel)
+        )
+        return None
+
+    def kinematic_wait(self, task: Task) -> Wait | None:
+        """Another process has it, or has it in a synchronous part."""
+        first, asked = task.queue[0] if task.queue else None, task.process.waits_for
+        name = first.kinematic if isinstance(first, Block) and first.began is None else None
+        if name is None and isinstance(asked, demands.Synchronise | demands.MoveTo):
+            name = asked.kinematic
+        lane = self.lanes.get(name) if name is not None else None
+        if lane is None or name is None:
+            return None
+        if lane.rider is not None and lane.ridden_for(task):
+            return Wait(KINEMATIC, name, lane.rider)
+        return None if lane.owner is None or lane.owner is task else Wait(KINEMATIC, name, lane.owner, blocks=True)
 
     def position(self, task: Task, kinematic: str, name: str) -> tuple[float, ...]:
         """POS, @POS, @MPOS now."""

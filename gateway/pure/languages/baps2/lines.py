@@ -10,7 +10,7 @@ from gateway.pure.languages.baps2.robots import CellRobot
 from motion.errors import MotionError
 from motion.geometry.units import from_si, to_si
 from motion.program.blocks import Interpolation
-from motion.program.passing import Passing, Presets
+from motion.program.passing import Passing, Presets, Range
 from motion.program.text.values import LONGEST_WITHIN_S
 
 LEAST, MOST = 0.01, 500.0  # % of a speed, as the text form takes it
@@ -63,7 +63,15 @@ def line(wanted: Wanted, world: Sequence[float], shares: Sequence[float], throug
         target = f"via {_point(through, world)} to {_point(wanted, world)}"
     else:
         target = _target(wanted, world)
-    return " ".join([way, target, *_speeds(wanted, shares), *_passed(wanted), *(each for each in (wanted.on_belt, wanted.until) if each)])
+    speeds = _speeds(way, wanted.factors, shares)
+    return " ".join([way, target, *speeds, *_passed(wanted), *(each for each in (wanted.on_belt, wanted.until) if each)])
+
+
+def check(way: str, via: bool, factors: Mapping[str, float], presets: Presets | None = None) -> None:
+    """Speeds, accelerations and blending of a block that is prepared; a runtime error.  In a dry run as in a cell."""
+    _speeds(way, factors, (1.0, 1.0, 1.0))
+    if via:
+        _passing(way, factors, presets or Presets())
 
 
 def leg(wanted: Wanted, here: Sequence[float], shares: Sequence[float]) -> Wanted | None:
@@ -107,45 +115,43 @@ def _point(wanted: Wanted, near: Sequence[float]) -> str:
     return robot.text("pose", robot.six(world) if robot.plain else robot.filled(world, near))
 
 
-def _speeds(wanted: Wanted, shares: Sequence[float]) -> list[str]:
+def _speeds(way: str, factors: Mapping[str, float], shares: Sequence[float]) -> list[str]:
     """V, A, D in mm/s and mm/s2 of lines and circles, V_PTP and its like as shares of what the axes can; times the factors."""
-    found, factors = [], wanted.factors
+    found = []
     for name, path, ptp, share, place in KINDS:
+        own = ptp if way == "ptp" else name
         factor = factors.get(f"{name}FACTOR", 1.0) * shares[place]
-        if wanted.way == "ptp":
-            found.append(f"{share}={_percent(ptp, factors.get(ptp, 1.0) * factor)}")
-        elif name in factors:
-            if factors[name] * factor <= 0.0:
-                raise fault(218, f"{name} = {factors[name]:g}")
-            found.append(f"{path}={factors[name] * factor:.10g}")
-        elif factor != 1.0:
-            found.append(f"{share}={_percent(f'{name}FACTOR', factor)}")
+        value = factors.get(own, 1.0)
+        if value * factor <= 0.0:  # nothing moves at 0
+            raise fault(218, f"{own} = {value:g}" if value <= 0.0 else f"{name}FACTOR = {factor:g}")
+        if way != "ptp" and name in factors:
+            found.append(f"{path}={value * factor:.10g}")
+        elif way == "ptp" or factor != 1.0:
+            percent = 100.0 * factor * (value if way == "ptp" else 1.0)
+            found.append(f"{share}={min(max(percent, LEAST), MOST):.10g}")
     return found
-
-
-def _percent(name: str, share: float) -> str:
-    """A share in %; nothing moves at 0."""
-    if share <= 0.0:
-        raise fault(218, f"{name} = {share:g}")
-    return f"{min(max(100.0 * share, LEAST), MOST):.10g}"
 
 
 def _passed(wanted: Wanted) -> list[str]:
     """R of lines, R_PTP of PTP; TO stops."""
     if not wanted.via:
         return []
-    passing = Passing(wanted.presets)
-    try:
-        if "R" in wanted.factors:
-            passing.set_radius(wanted.factors["R"])
-        if "R_PTP" in wanted.factors:
-            passing.set_factor(wanted.factors["R_PTP"])
-        found = passing.block(Interpolation(wanted.way))
-    except MotionError as error:
-        raise fault(218, str(error)) from error
+    found = _passing(wanted.way, wanted.factors, wanted.presets)
     if found.off:
         return []
     if not found.axes:
         return [f"radius={found.radius:.10g}"]
     size = wanted.robot.size
     return [f"zone={','.join(f'{each:.10g}' for each in (*found.axes, *[0.0] * size)[:size])}"]
+
+
+def _passing(way: str, factors: Mapping[str, float], presets: Presets) -> Range:
+    passing = Passing(presets)
+    try:
+        if "R" in factors:
+            passing.set_radius(factors["R"])
+        if "R_PTP" in factors:
+            passing.set_factor(factors["R_PTP"])
+        return passing.block(Interpolation(way))
+    except MotionError as error:
+        raise fault(218, str(error)) from error

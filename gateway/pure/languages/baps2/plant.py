@@ -4,6 +4,8 @@ from abc import ABC, abstractmethod
 
 from gateway.pure.languages.baps2.tasks import Block, Lane, Task
 from gateway.pure.languages.baps2.translation import Unit
+from gateway.pure.languages.baps2.waiting import Wait
+from gateway.pure.languages.base.requests import PENDING, Request
 
 
 class Plant(ABC):
@@ -20,6 +22,14 @@ class Plant(ABC):
     @abstractmethod
     def _halted(self, task: Task, lane: Lane) -> None:
         """The process that had this kinematic has ended; the lane gets the position at which the axes rest."""
+
+    @abstractmethod
+    def kinematic_wait(self, task: Task) -> Wait | None:
+        """The kinematic that the next block of this process, or its SYNCHRON, waits for."""
+
+    def _on_belt(self, task: Task, request: Request) -> object:
+        """SYNC, SYNCHRON and SYNCHRON_END of a dry run; a cell tells them to its planner."""
+        return PENDING
 
     @abstractmethod
     def prepared(self, task: Task) -> bool:

@@ -56,6 +56,19 @@ class _Reader:
             else:
                 self._stream.take()
 
+    def _open_begin(self) -> int:
+        """Tokens up to and with the BEGIN of the routine, where what stands in front of it was no declaration: the one that no END
+        closes; 0: there is none."""
+        opened: list[int] = []
+        place = 0
+        while (token := self._stream.ahead(place)).kind is not Kind.END and token.word not in ROUTINE_ENDS:
+            if token.word == "BEGIN":
+                opened.append(place)
+            elif token.word == "END" and opened:
+                opened.pop()
+            place += 1
+        return opened[0] + 1 if opened else 0
+
     def _more(self) -> bool:
         """Whether another routine follows; anything else behind an end is reported once."""
         self._instructions()
@@ -106,6 +119,8 @@ class _Reader:
         """From BEGIN to the end of the routine."""
         if not self._stream.word(*BEGINS):
             self._faults.error("no-begin", self._stream.token.position, f"BEGIN is expected, not {self._stream.token}")
+            for _ in range(self._open_begin()):
+                self._stream.take()
         statements = StatementReader(self._stream, expressions, declarations, self._head)
         found: list[Statement] = []
         while True:

@@ -13,6 +13,15 @@ class Semaphores:
     def __init__(self) -> None:
         self._holders: dict[tuple[str, str], Task] = {}
 
+    @property
+    def held(self) -> bool:
+        """Whether any is."""
+        return bool(self._holders)
+
+    def holder_of(self, semaphore: tuple[str, str]) -> Task | None:
+        """The process that has it."""
+        return self._holders.get(semaphore)
+
     def enter(self, task: Task, semaphore: tuple[str, str]) -> object:
         """Takes a free one; PENDING while another process holds it, or blocks of this one run that are in its part before."""
         holder = self._holders.get(semaphore)

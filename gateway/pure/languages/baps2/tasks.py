@@ -94,6 +94,7 @@ class Lane:
     measured: tuple[float, ...] | None = None
     frame: tuple[float, ...] = (0.0,) * 6
     belt: int = 0  # channel while it is synchronous
+    rider: "Task | None" = None  # the process that has it in its synchronous part: those of other programs wait (L6111)
     belt_way: float = 0.0  # of the last block there, whose sign the next one must have
     belt_values: dict[int, float] = field(default_factory=dict)  # belt -> its value in the last point that was programmed
     before: tuple[str, ...] = ()  # statements that begin with its next block (in a cell)
@@ -103,6 +104,14 @@ class Lane:
     distance: float = 0.0  # special function 42
     referenced: bool = False
 
+    def ridden_for(self, task: "Task") -> bool:
+        """Whether another program has it in a synchronous part."""
+        return self.rider is not None and self.rider.main is not task.main
+
+    def off_belt(self) -> None:
+        """Its synchronous part is over."""
+        self.belt, self.belt_way, self.rider = 0, 0.0, None
+
 
 class Lanes(dict[str, Lane]):
     """Kinematics by the names that programs have for them.  numbers: name -> number of the kinematic."""
@@ -110,6 +119,12 @@ class Lanes(dict[str, Lane]):
     def __init__(self) -> None:
         super().__init__()
         self.numbers: dict[str, int] = {}
+
+    def on_belts(self, task: "Task", channel: int) -> list[tuple[str, Lane]]:
+        """Those that SYNCHRON_END of this process takes off their belt: its own, on this belt (0: on any), else those of its program."""
+        found = [(name, lane) for name, lane in self.items() if lane.rider is not None and channel in (0, lane.belt)]
+        own = [(name, lane) for name, lane in found if lane.rider is task]
+        return own or [(name, lane) for name, lane in found if not lane.ridden_for(task)]
 
     def renamed(self, kinematic: str) -> Lane | None:
         """The kinematic of this number where another program names it otherwise: its workpiece system and position are the same."""

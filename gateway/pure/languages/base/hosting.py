@@ -85,6 +85,9 @@ class ProcessRow:
     task: str = ""  # name of a task that runs the program; "": programs of the language are their own processes
     error: str = ""  # with which it has stopped, in words
     done: int = 0  # line executed last, of the same program; 0: not known
+    held: str = ""  # what it waits for and another process has: `semaphore NAME`, `kinematic NAME`
+    holder: str = ""  # that process, in words
+    stuck: bool = False  # it waits for one that waits for it
 
 
 class Port(Protocol):

@@ -67,6 +67,12 @@ export function mount(root, { t, cell, get, me, post, unable }) {
     });
   }
   const button = (td, id, words, press) => td.querySelector(`[data-do=${id}]`) || td.appendChild(h("button", { type: "button", "data-do": id, onclick: press }, words));
+  const waiting = (row) => { // what another process has, and which one: semaphore ZONE, held by PICK line 12
+    if (!row.holder) return t(row.waits);
+    const [what, name] = row.held.split(" ");
+    const told = `${t(what)} ${name}, ${t("held by")} ${row.holder.replace(" line ", ` ${t("line")} `).replace("(branch)", `(${t("branch")})`)}`;
+    return row.stuck ? `${t("blocked, they wait for each other")}: ${told}` : told;
+  };
   const programs = new Table([
     { title: t("program"), cell: (row, td) => { const link = td.firstElementChild || td.appendChild(h("button", { type: "button", class: "value", onclick: () => open(row.name) })); put(link, row.name); } },
     { title: "", cell: (row, td) => {
@@ -99,7 +105,7 @@ export function mount(root, { t, cell, get, me, post, unable }) {
     } },
     { title: t("kind"), cell: text((row) => (tested(row) ? `${t(row.kind)}, ${t("test")}` : t(row.kind))) },
     { title: t("line"), n: true, cell: text((row) => row.line) },
-    { title: t("waits for"), free: true, cell: text((row) => (row.state === "held" ? t("held") : row.waits)) },
+    { title: t("waits for"), free: true, cell: text((row) => (row.state === "held" ? t("held") : waiting(row))) },
   ], (row) => `${row.run} ${row.program} ${row.kind}`, { label: t("Processes"), row: (row) => (row.program === shown ? "chosen" : "") });
   const whose = h("p", { class: "soft small", id: "whose" });
   const gone = h("p", { class: "badq", id: "programs-gone" });

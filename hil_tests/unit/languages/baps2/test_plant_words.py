@@ -1,8 +1,10 @@
 """What programmers of a plant write: one kinematic under two names, several values behind WITH, another point file for another product, one
 WRITE of much (rho 3 releases L1858-1880, 1938, 5795-5912, 8884)."""
 
+import pytest
+
 from hil_tests.lab.virtual.baps2_bench import HEAD, ProgramCell, one
-from hil_tests.unit.languages.baps2.running import run, short, written
+from hil_tests.unit.languages.baps2.running import body, run, short, written
 
 SET = """;;KINEMATICS : (1=ROB)
 ;;ROB.WC_NAMES = X,Y,Z,A,B,C
@@ -77,3 +79,18 @@ def test_a_write_by_3964r_of_more_than_a_block_is_condition_8() -> None:
     feed = "[devices.V24_1]\nprotocol = 8\n"
     assert written(run(text.format("-"), feed)) == ["-8"], "two TEXTs of 80 characters"
     assert short(run(text.format("+"), feed), "error") == [(0.0, "error", 212)]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("V = 0\nMOVE LINEAR TO @(1)", "V = 0"),
+        ("WAIT 0\nMOVE WITH V_PTP = 0 TO @(1)", "V_PTP = 0"),
+        ("AFACTOR = 0\nMOVE LINEAR TO @(1)", "AFACTOR = 0"),
+        ("K.AFACTOR = 0\nMOVE TO @(1)", "AFACTOR = 0"),
+        ("R_PTP = 101\nMOVE VIA @(1) TO @(2)", "R_PTP 101 is outside 0.01 .. 100 (0: off)"),
+    ],
+)
+def test_a_dry_run_refuses_speeds_that_a_cell_refuses(text: str, words: str) -> None:
+    events = run(";;KINEMATICS : (1 = K)\n;;K.JC_NAMES = X\n" + body(text))
+    assert [(e["line"], e["code"], e["text"]) for e in events if e["event"] == "error"] == [(7, 218, f"value out of range: {words}")]

@@ -220,3 +220,8 @@ def test_any_row_of_words_gives_faults_and_never_an_exception(row: list[str]) ->
 def test_any_text_gives_faults_and_never_an_exception(text: str) -> None:
     _, faults = read_text(text)
     assert len(faults) > 0
+
+
+def test_what_is_no_declaration_is_one_fault() -> None:
+    _, faults = read_text("PROGRAM P\nPRIORITY = 5\nEXTERNAL : Q (VALUE INTEGER : N)\nBEGIN\nIF 1 = 1 THEN BEGIN WAIT 1 END\nPROGRAM_END")
+    assert [(fault.id, fault.position.line) for fault in faults] == [("no-begin", 2)]

@@ -65,6 +65,8 @@ _TEXTS: dict[str, tuple[str, str]] = {
     "channel_off": ("the panel is not ready", "das PHG ist nicht bereit"),
     # states and kinds of processes
     "READY": ("ready", "bereit"), "RUNNING": ("active", "aktiv"), "WAITING": ("waits", "wartet"), "FAULTY": ("error", "Fehler"),
+    "STUCK": ("blocked", "block."),
+    "held_by": (" has: {0}", " hat: {0}"),
     "NORMAL": ("normal", "normal"), "PERMANENT": ("perm.", "perm."), "SUB": ("sub", "sub"), "TEST": ("test", "Test"),
     # groups of error codes (L2953-3017)
     "group_0": ("process runtime errors", "Prozesslaufzeitfehler"),

@@ -72,6 +72,9 @@ class Process:
     level: int = 0
     external: str = ""
     place: str = ""  # of its error: file and line
+    wants: str = ""  # what it waits for and another process has
+    holder: str = ""  # that process and its line
+    stuck: bool = False  # it waits for one that waits for it
     turns: int = 0
 
 

@@ -79,7 +79,7 @@ class SystemVariables:
         values: dict[int, int | str] = {
             34311: say(process.kind.name, self._language),
             34312: process.priority,
-            34313: say(process.state.name, self._language),
+            34313: say("STUCK" if process.stuck else process.state.name, self._language),
             34314: process.external,
             34315: process.level,
             34316: process.name,

@@ -6,7 +6,7 @@ from typing import Protocol
 
 from gateway.pure.controllers.rho3.functions.display import COLUMNS
 from gateway.pure.controllers.rho3.functions.messages import say
-from gateway.pure.controllers.rho3.functions.processes import ProcessFault, ProcessTable
+from gateway.pure.controllers.rho3.functions.processes import Process, ProcessFault, ProcessTable
 from gateway.pure.controllers.rho3.pendant.infos import Condition
 from gateway.pure.controllers.rho3.pendant.modes import MODES, RESET, Mode, spoken
 from gateway.pure.controllers.rho3.pendant.user_memory import PointFile
@@ -146,7 +146,7 @@ def page_of(mode: Mode, source: Source, language: str) -> Page:
         case (7, 2) | (7, 13):
             return _listed(title, mode, source, language)
         case (7, 3, 2):
-            rows = tuple(f"{each.name:<11} {say(each.state.name, language)}"[:COLUMNS] for each in source.processes.processes)
+            rows = tuple(row for each in source.processes.processes for row in _process(each, language))
             return Page(title, rows or (say("phg_no_process", language),))
         case (7, 3, 3):
             words = (say("phg_manual", language), say("phg_automatic", language))
@@ -155,6 +155,15 @@ def page_of(mode: Mode, source: Source, language: str) -> Page:
             return ORDERING[mode](title, mode, source, language)
     below = tuple(f"{each[-1]} {name}" for each, name in MODES.items() if each[:-1] == mode)
     return Page(title, below or (say("phg_not_here", language),))
+
+
+def _process(process: Process, language: str) -> tuple[str, ...]:
+    """Its state; below it what it waits for and another process has, and that process with its line (AX-1731)."""
+    state = say("STUCK" if process.stuck else process.state.name, language)
+    rows = [f"{process.name:<11} {state}"]
+    if process.holder:
+        rows += [f" {process.wants.removeprefix('semaphore ')}", say("held_by", language, process.holder.replace(" line ", " "))]
+    return tuple(row[:COLUMNS] for row in rows)
 
 
 def _listed(title: str, mode: Mode, source: Source, language: str) -> Page:

@@ -141,10 +141,10 @@ class HostedPrograms:
                 self.control.processes.programs.pop(str(row["name"]), None)
             self.programs = programs
             self.control.processes.programs |= {str(row["name"]): self._program(row) for row in programs if row["kind"] != "subroutine"}
-        for row in self.rows:
+        for row in sorted(self.rows, key=lambda row: bool(row["branch"])):  # the process itself first
             body = self._bodies.get(_int(row["run"]))
-            if body is not None and body.process is not None and not row["branch"]:
-                body.process.line = _int(row["line"])
+            if body is not None and body.process is not None:
+                _seen(body.process, row)
 
     def _program(self, row: Mapping[str, object]) -> Program:
         name = str(row["name"])
@@ -320,6 +320,15 @@ class HostedPrograms:
         process = self.control.processes.named(program)
         body = process.body if process is not None else None
         return body.door if isinstance(body, HostedBody) else 0
+
+
+def _seen(process: Process, row: Mapping[str, object]) -> None:
+    """Where a process is, and what it waits for; what a branch of it waits for as well."""
+    if not row["branch"]:
+        process.line = _int(row["line"])
+        process.wants, process.holder, process.stuck = str(row["held"]), str(row["holder"]), bool(row["stuck"])
+    elif row["holder"] and not process.holder:
+        process.wants, process.holder = str(row["held"]), str(row["holder"])
 
 
 def _rows(found: object) -> list[dict[str, object]]:
