@@ -56,9 +56,22 @@ class _Reader:
             else:
                 self._stream.take()
 
+    def _no_declaration(self) -> bool:
+        """Something else stands among the declarations: it is reported, and read on with the next one.  False: the body begins."""
+        token = self._stream.token
+        left = 0 if token.word in BEGINS else self._open_begin()
+        if not left:
+            return False
+        self._faults.error("no-begin", token.position, f"a declaration or BEGIN is expected, not {token}")
+        for _ in range(left):
+            line = self._stream.take().position.line
+            following = self._stream.token
+            if following.kind is Kind.INSTRUCTION or (following.word in STARTERS and following.position.line != line):
+                break
+        return True
+
     def _open_begin(self) -> int:
-        """Tokens up to and with the BEGIN of the routine, where what stands in front of it was no declaration: the one that no END
-        closes; 0: there is none."""
+        """Tokens in front of the BEGIN of the routine: the one that no END closes; 0: there is none."""
         opened: list[int] = []
         place = 0
         while (token := self._stream.ahead(place)).kind is not Kind.END and token.word not in ROUTINE_ENDS:
@@ -67,7 +80,7 @@ class _Reader:
             elif token.word == "END" and opened:
                 opened.pop()
             place += 1
-        return opened[0] + 1 if opened else 0
+        return opened[0] if opened else 0
 
     def _more(self) -> bool:
         """Whether another routine follows; anything else behind an end is reported once."""
@@ -103,7 +116,7 @@ class _Reader:
             self._instructions()
             place = self._stream.place
             found += declarations.read()
-            if self._stream.place == place and not declarations.misspelt():
+            if self._stream.place == place and not declarations.misspelt() and not self._no_declaration():
                 break
         return Routine(at, name, parameters, tuple(found), self._body(word, at, expressions, declarations))
 
@@ -119,8 +132,6 @@ class _Reader:
         """From BEGIN to the end of the routine."""
         if not self._stream.word(*BEGINS):
             self._faults.error("no-begin", self._stream.token.position, f"BEGIN is expected, not {self._stream.token}")
-            for _ in range(self._open_begin()):
-                self._stream.take()
         statements = StatementReader(self._stream, expressions, declarations, self._head)
         found: list[Statement] = []
         while True:

@@ -319,7 +319,7 @@ class StatementReader:
             choices.append(Choice(place, tuple(values), self.required("behind the constants")))
         if not choices:
             self._stream.wrong(f"EQUAL and its constants are expected behind the expression, not {self._stream.token}")
-        if self._stream.word("DEFAULT"):
+        if self._stream.word("DEFAULT", "ELSE"):  # German SONST
             self._stream.sign(":")
             otherwise = self.required("behind DEFAULT")
         self._close("CASE_END", "CASE", at)
