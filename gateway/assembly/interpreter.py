@@ -16,13 +16,14 @@ from gateway.assembly.printer import print_text
 from gateway.assembly.program_memory import memory_folder
 from gateway.assembly.programs import numbers_of
 from gateway.assembly.run import RunPlan
-from gateway.assembly.sram_card import DEFECTIVE, card_refused, format_card, in_place, in_use
+from gateway.assembly.sram_card import DEFECTIVE, card_refused, format_card, in_place, in_use, without_card
 from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.rho3.pendant.user_memory import SIZES
 from gateway.pure.controllers.rho3.signals.timers import TimersAndCounters
 from gateway.pure.languages.baps2.cell_belts import CellBelt, CellSetup
 from gateway.pure.languages.baps2.cell_eeprom import (
+    BACKUP,
     INIT,
     NO_INTERFACE,
     NOT_VALID,
@@ -31,6 +32,7 @@ from gateway.pure.languages.baps2.cell_eeprom import (
     PROTECTED,
     SAVE,
     Wanted,
+    backup_refused,
     card_not_now,
     refused,
     save_refused,
@@ -139,7 +141,8 @@ class Baps2Programs:
         self._printer = pathlib.Path(plan.cell.file).parent / controller.printer if controller is not None and controller.printer else None
         self._card = pathlib.Path(plan.cell.file).parent / controller.sram_card if controller is not None and controller.sram_card else None
         self._cards = controller is not None and controller.hardware == "rho3.0"
-        self._size = SIZES[controller.hardware] if controller is not None else 0
+        self._internal = self._size = SIZES[controller.hardware] if controller is not None else 0
+        self._pic = (controller.pic or "").upper() if controller is not None else ""
         self._stamps = self._stamped()
         self.memory = folder_memory(folder)
         self.language = language_of(plan.cell, self.memory, port, plan.p5_ms)
@@ -167,9 +170,35 @@ class Baps2Programs:
         if why or card is None:
             return why
         format_card(card, self.folder)
-        for name in list(self.memory.files):
-            del self.memory.files[name]
-            language.file_changed(name)
+        self._replace(self._pic_files())
+        self._look_at_card(CARD_GONE)
+        return ""
+
+    def _pic_files(self) -> dict[str, bytes]:
+        """Of the PIC program, which is retained (L11565)."""
+        return {name: self.memory.files[name] for name in (f"{self._pic}.QLS", f"{self._pic}.SYM") if name in self.memory.files}
+
+    def _replace(self, files: Mapping[str, bytes]) -> None:
+        """The whole memory."""
+        for name in self.memory.files.keys() | files.keys():
+            self.memory.files.pop(name, None)
+            self.language.file_changed(name)
+        self.memory.files.update(files)
+
+    def _back_up(self, wanted: Wanted) -> str:
+        """The keys of the EPROM backup: the memory is empty, or what the EEPROM has of this size (L4901, L11546-11576; AX-1732)."""
+        shown = self.language.pendant.files
+        why = backup_refused(wanted, error=bool(shown.card[0]), running=bool(self.language.tasks))
+        if why:
+            return why
+        if in_use(self.folder) and self._card is not None and not card_refused(self._card):
+            format_card(self._card, self.folder)
+        else:
+            without_card(self.folder)
+            self._size = self._internal
+        kept = load_eeprom(self._eeprom) if self._eeprom is not None and wanted.stop else None
+        self._replace(self._pic_files() | (kept[1] if kept is not None and kept[0] == self._size else {}))
+        shown.card = 0, 0
         self._look_at_card(CARD_GONE)
         return ""
 
@@ -225,10 +254,7 @@ class Baps2Programs:
             return NOT_VALID
         if found[0] != self._size:
             return OTHER_SIZE
-        for name in files.keys() | found[1].keys():
-            files.pop(name, None)
-            language.file_changed(name)
-        files.update(found[1])
+        self._replace(found[1])
         return ""
 
     def _done(self, wanted: Wanted) -> str:
@@ -238,6 +264,8 @@ class Baps2Programs:
                 return self._print(wanted.file)
             case "init":
                 return self._initialise_card(wanted)
+            case "backup":
+                return self._back_up(wanted)
         return self._save_or_load(wanted)
 
     def _print(self, file: str) -> str:
@@ -258,6 +286,7 @@ class Baps2Programs:
                 path, answer, lost = {
                     PRINT: (self._printer, NO_INTERFACE, "it is not printed"),
                     INIT: (self._card, DEFECTIVE, "it is not initialised"),
+                    BACKUP: (self._card, DEFECTIVE, "the user memory is as it was"),
                 }.get(wanted.what, (self._eeprom, PROTECTED, "the user memory is not saved"))
                 faults.append(f"{path}: {error.strerror}; {lost}")
             self._port.tell("answered", ticket=wanted.ticket, error=answer)

@@ -41,6 +41,11 @@ def format_card(card: pathlib.Path, folder: pathlib.Path) -> None:
     write_whole(folder / MARK, mark)
 
 
+def without_card(folder: pathlib.Path) -> None:
+    """The memory is the internal one again.  OSError."""
+    (folder / MARK).unlink(missing_ok=True)
+
+
 def in_use(folder: pathlib.Path) -> bool:
     """A card was initialised here."""
     return (folder / MARK).exists()

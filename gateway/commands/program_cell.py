@@ -116,7 +116,8 @@ def _status(client: ToolClient, options: argparse.Namespace) -> int:
         if row["holder"]:
             waits = f", waits for {row['held']}, held by {row['holder']}"
         waits += ": blocked, they wait for each other" if row["stuck"] else ""
-        print(f"process {row['program']:<13} {row['kind']:<10} line {row['line']}{waits}")
+        where = f"{row['line']} of {row['external']}" if row["external"] else row["line"]
+        print(f"process {row['program']:<13} {row['kind']:<10} line {where}{waits}")
     return DONE
 
 

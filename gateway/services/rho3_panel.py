@@ -3,7 +3,7 @@
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.controllers.rho3.pendant.modes import RESET
-from gateway.pure.controllers.rho3.pendant.unit import UNIT
+from gateway.pure.controllers.rho3.pendant.unit import BACKUP, UNIT
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.coupling import Coupled
 from gateway.pure.image.reasons import CommandState, text
@@ -56,7 +56,9 @@ class Rho3Panel:
         if "key" in request:
             self._pressed, self._source = now, source
             key = self.rho.memory.keys.named(str(request["key"]), functions.phg.mode)
-            if key is not None:
+            if key == BACKUP:
+                self._back_up()
+            elif key is not None:
                 functions.press(key)
         if "mode" in request:
             self._pressed, self._source = now, source
@@ -67,6 +69,11 @@ class Rho3Panel:
         display = functions.display
         shown = {"screen": list(display.screen()), "mode": functions.phg.mode, "lost_keys": display.lost_keys, "unit": UNIT.facts()}
         return shown | {"graphic": self.rho.screen.shown()}
+
+    def _back_up(self) -> None:
+        why = self.rho.panel_view.order_memory("backup")
+        if why:
+            self.rho.panel.refuse(why)
 
     # ---- variables of the PHG 2000 -----------------------------------------------------------------------------------
     def read(self, name: str) -> Value:

@@ -53,6 +53,7 @@ class Bodies:
         self._parts: list[tuple[str, int]] = []  # EXCLUSIVE parts around the statement: semaphore, line
         self._by_main: dict[str, int] = {}  # of those around the PARALLEL whose branch it is in
         self.before_move = False
+        self.included = False  # some statements stand in included files
         self._at: Position | None = None  # of the statement under translation
 
     def new(self, letter: str) -> str:
@@ -142,9 +143,11 @@ class Bodies:
 
     def _one(self, statement: Statement) -> None:
         self.function.count += 1
-        if not isinstance(statement, Label | Instruction | Block) and statement.at.line != self.function.line:
+        if not isinstance(statement, Label | Instruction | Block) and (statement.at.line != self.function.line or self.included):
             self.function.line = statement.at.line
             self.out.add(f"p.line = {statement.at.line}")
+            if self.included:
+                self.out.add(f"p.file = {statement.at.file!r}")
         if self._flow(statement):
             return
         match statement:

@@ -11,7 +11,7 @@ NO_OPTION, NO_STOP, OPEN, ACTIVE = "Option not found", "no EMERGENCY STOP", "Fil
 TOO_SMALL, TOO_FULL, PROTECTED = "EEPROM not enough", "Memory too full", "EEPROM write protect."
 NO_INTERFACE = "Interface: n.avail."
 OTHER_SIZE, NOT_VALID = "Memory <> EEPROM", "EEPROM data n. valid"
-SAVE, LOAD, PRINT, INIT = "save", "load", "print", "init"
+SAVE, LOAD, PRINT, INIT, BACKUP = "save", "load", "print", "init", "backup"
 NO_CARD_OPTION, NO_STOP_INPUT = "Option not active", "EMERGENCY STOP input"
 
 
@@ -34,7 +34,7 @@ class EepromOrders:
 
     def hear(self, order: Mapping[str, Fact]) -> bool:
         """Whether it is one."""
-        if order["do"] not in (SAVE, LOAD, PRINT, INIT):
+        if order["do"] not in (SAVE, LOAD, PRINT, INIT, BACKUP):
             return False
         wanted = Wanted(int(order["ticket"]), str(order["do"]), bool(order["stop"]), bool(order["active"]), str(order.get("file", "")))
         self.waiting.append(wanted)
@@ -60,6 +60,12 @@ def refused(wanted: Wanted, *, option: bool, open_files: bool, running: bool) ->
 def card_not_now(wanted: Wanted, *, option: bool, running: bool) -> str:
     """Why no SRAM card is initialised now (L11474-11526); empty: it may be."""
     found = ((not option, NO_CARD_OPTION), (not wanted.stop, NO_STOP_INPUT), (running or wanted.active, ACTIVE))
+    return next((words for applies, words in found if applies), "")
+
+
+def backup_refused(wanted: Wanted, *, error: bool, running: bool) -> str:
+    """Why the user memory is not deleted now (AX-1732); empty: it is.  error: the control stands with a system error of its memory."""
+    found = ((not error and not wanted.stop, NO_STOP), (running or wanted.active, ACTIVE))
     return next((words for applies, words in found if applies), "")
 
 

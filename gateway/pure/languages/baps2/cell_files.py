@@ -33,7 +33,7 @@ class CellFiles:
         """The services have begun anew: all of it."""
         self._out.clear()
         self._lists.clear()
-        self._listed, self._keys, self._due, self._card = (), True, 0, NO_CARD
+        self._listed, self._keys, self._due, self._card = (), True, 0, (-1, 0)  # also that there is no card
 
     def turn(self, files: Mapping[str, bytes], now: int) -> None:
         """The memory as it is."""

@@ -366,18 +366,18 @@ class CellRun(CellMotion):
         task = self.tasks[process.number]
         failed = process.fault if process.state is ProcessState.FAILED else None
         if failed is not None and task.root is not None:
-            task.root.branch_fault = failed, process.line
+            task.root.branch_fault = failed, _place(task)
         super().ended(process, now)
         self._read.pop(process.number, None)
         if isinstance(self.units, CellDevices):
             self.units.ended(task, aborted=failed is not None or bool(task.how))
         if task.root is not None:
             return
-        line = process.line
+        place = _place(task)
         if failed is None and task.branch_fault is not None:
-            failed, line = task.branch_fault
+            failed, place = task.branch_fault
         self._runs.pop(task.run, None)
-        self.port.over(task.run, task.how or "ended", failed, f"{task.unit.name}.QLL line {line}")
+        self.port.over(task.run, task.how or "ended", failed, place)
 
     def rows(self) -> list[ProcessRow]:
         """The processes, branches too."""
@@ -394,9 +394,16 @@ class CellRun(CellMotion):
                 held=f"{held.what} {held.name}" if held is not None else "",
                 holder=place_of(held.holder) if held is not None else "",
                 stuck=self._watch.has(task),
+                external="" if task.process.file in ("", f"{task.unit.name}.QLL") else task.process.file.removesuffix(".QLL"),
+                level=task.depth,
             )  # fmt: skip
             found.append(row)
         return found
+
+
+def _place(task: Task) -> str:
+    """File and line where the process is."""
+    return f"{task.process.file or f'{task.unit.name}.QLL'} line {task.process.line}"
 
 
 def numbered(error: RuntimeFault) -> RuntimeFault:

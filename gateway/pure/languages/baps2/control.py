@@ -61,8 +61,7 @@ class Control(Plant):
     def _look_for_circles(self) -> None:
         """Processes that wait for each other, once they do."""
         if self._semaphores.held or any(lane.rider is not None for lane in self.lanes.values()):
-            found = self._watch.look(self.tasks.values(), self)
-            if found:
+            if found := self._watch.look(self.tasks.values(), self):
                 self.event(found[0][0], "warning", found[0][0].process.line, text=words(found))
 
     def library_of(self, task: Task | None) -> Library:
@@ -105,7 +104,9 @@ class Control(Plant):
 
     def named(self, program: str) -> Task | None:
         """The main process of a program that runs."""
-        return next((task for task in self.tasks.values() if task.root is None and task.unit.name == program.upper()), None)
+        return next(
+            (task for task in self.tasks.values() if task.root is None and program.upper() in (task.unit.file, task.unit.name)), None
+        )
 
     def stop(self, task: Task, how: str) -> None:
         """Ends a process and its branches; what it started too, where it is stopped."""
@@ -421,7 +422,7 @@ class Control(Plant):
             task.began = self.now
             for body in bodies:
                 process = self.scheduler.start(task.unit.name, lambda process: None, task.process.priority, task.process)
-                process.line = task.process.line
+                process.line, process.file = task.process.line, task.process.file
                 self.tasks[process.number] = Task(process, task.unit, "branch", root=task.main, names=task.names)
                 if callable(body):
                     process.body = body(process)

@@ -142,8 +142,8 @@ class Handle:
         unit, _ = self._machine.library_of(self._task).unit(program)
         if unit is None or unit.make is None:
             raise fault(1092, program)
-        line = process.line
+        line, file, process.file = process.line, process.file, f"{program.upper()}.QLL"
         self.deeper(process)
         yield from unit.make(self)(process, *values)
         self.back(process)
-        process.line = line
+        process.line, process.file = line, file

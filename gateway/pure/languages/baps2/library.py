@@ -98,6 +98,8 @@ class Library:
                 unit, faults = None, self._without_source(name)
             else:
                 _, unit, faults = self._examined(f"{name}.QLL", text, self._uses.setdefault(name, set()))
+            if unit is not None:
+                unit.file = name
             self._units[name] = (unit if unit is not None and unit.load(faults, watched=self._watched) else None), faults
         return self._units[name]
 

@@ -165,7 +165,7 @@ class Task:
     run: int = 0  # number of the process to those outside
     tested: bool = False  # in the test system: breakpoints and single step act
     watches: dict[str, tuple[Peek, Poke]] = field(default_factory=dict)  # program -> its variables, of a tested process
-    branch_fault: tuple[RuntimeFault, int] | None = None  # of a branch that took it along, and its line
+    branch_fault: tuple[RuntimeFault, str] | None = None  # of a branch that took it along, and its place
 
     @property
     def main(self) -> "Task":

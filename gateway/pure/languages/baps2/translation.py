@@ -39,6 +39,7 @@ class Unit:
     name: str
     program: Program
     text: str = ""
+    file: str = ""  # its source without the ending, by which others start and stop it
     parameters: int = 0
     imports: str = ""
     files: dict[str, Type] = field(default_factory=dict)
@@ -144,9 +145,10 @@ class _Translation:
             symbol.parameters = tuple((self._naming.type_of(each.type), each.by_value) for each in routine.parameters)
 
     def _started(self, body: tuple[Statement, ...]) -> None:
-        """START of other programs."""
+        """START of other programs, and whether statements stand in included files."""
         for outer in body:
             for each in inside(outer):
+                self._bodies.included |= each.at.included_from is not None
                 if isinstance(each, StartStop) and each.word == "START":
                     self._naming.started(each.program, each.at)
                 elif isinstance(each, Parallel):

@@ -88,6 +88,8 @@ class ProcessRow:
     held: str = ""  # what it waits for and another process has: `semaphore NAME`, `kinematic NAME`
     holder: str = ""  # that process, in words
     stuck: bool = False  # it waits for one that waits for it
+    external: str = ""  # the external program, or the included file, that it executes just now
+    level: int = 0  # subroutines one in the other
 
 
 class Port(Protocol):

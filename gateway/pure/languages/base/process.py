@@ -33,6 +33,7 @@ class Process:
     parent: "Process | None" = None  # of a branch or of an internal subprocess
     permanent: bool = False
     line: int = 0
+    file: str = ""  # of this line, where it is not the source of the program
     left: int = 0
     state: ProcessState = ProcessState.READY
     fault: RuntimeFault | None = None

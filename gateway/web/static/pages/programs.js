@@ -49,7 +49,7 @@ export function mount(root, { t, cell, get, me, post, unable }) {
   const toggle = (line) => ordered("breakpoints", { name: shown, lines: stops().includes(line) ? stops().filter((each) => each !== line) : [...stops(), line].sort((a, b) => a - b) });
   const ordered = (what, body, done) => post(`/api/program/${what}`, body, done);
   function marks() {
-    const at = new Set(processes.filter((row) => row.program === shown).map((row) => row.line));
+    const at = new Set(processes.filter((row) => (row.external || row.program) === shown).map((row) => row.line));
     const held = new Set(stops());
     const done = new Set(processes.filter((row) => row.program === shown && row.done && !["running", "waiting"].includes(row.state)).map((row) => row.done));
     rows.forEach((row, n) => {

@@ -8,6 +8,7 @@ import pytest
 from gateway.commands.program import main
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
+from hil_tests.lab.virtual.baps2_bench import HEAD, ProgramCell
 from hil_tests.unit.languages.baps2.running import body, faults_of
 from hil_tests.unit.languages.baps2.words import WORDS
 
@@ -54,3 +55,20 @@ def test_check_names_the_included_file_with_its_path(tmp_path: pathlib.Path, cap
     ]
     main(["check", str(tmp_path / "main.qll")])
     assert f"{head}:2:12: warning: program GONE is not there" in capsys.readouterr().out
+
+
+def test_an_error_is_in_the_file_of_its_line() -> None:
+    """Of an external program, and of an included file; variables 34314 and 34315 of the PHG 2000."""
+    files = {
+        "P.QLL": f"{HEAD}PROGRAM P\nEXTERNAL : S1\nINTEGER : I\nBEGIN\nWAIT 0.1\nS1(I)\nPROGRAM_END\n",
+        "S1.QLL": "SUBROUTINE S1(INTEGER : A)\nBEGIN\nWAIT 0.2\nA = 1 / A\nSUB_END\n",
+        "Q.QLL": f"{HEAD}PROGRAM Q\nINTEGER : I\nBEGIN\nI = 5\n;;INCLUDE BODY\nI = 1\nPROGRAM_END\n",
+        "BODY.QLL": "I = 0\nI = 1 / I\n",
+    }
+    cell = ProgramCell(files)
+    run = cell.start("P")
+    cell.bench.run(0.2)
+    process = cell.control.processes.processes[0]
+    assert (process.external, process.level, process.line) == ("S1", 1, 3)
+    assert cell.ends(run)[1:] == (209, "division by zero", "S1.QLL line 4")
+    assert cell.run("Q")[3] == "BODY.QLL line 2"

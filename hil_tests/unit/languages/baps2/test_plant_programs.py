@@ -75,3 +75,12 @@ def test_an_input_ends_a_circle() -> None:
     assert cell.ends(run_number)[:2] == ("ended", 0)
     x, y, *_ = cell.at()
     assert (x - 150) ** 2 + (y - 100) ** 2 == pytest.approx(2500.0, rel=1e-3) and 105 < x < 195, "stopped on the circle"
+
+
+def test_a_program_is_stopped_by_the_name_of_its_file() -> None:
+    """File names have up to 8 characters (L649-672), names of programs more."""
+    events = run(body("START Q\nWAIT 1\nSTOP Q", "EXTERNAL : Q"), Q="PROGRAM CONVEYOR_2\nBEGIN\nWAIT 9\nPROGRAM_END\n")
+    assert [(event["t"], event["process"], event["how"]) for event in events if event["event"] == "end"] == [
+        (1.0, "CONVEYOR_2", "stopped"),
+        (1.0, "P", "ended"),
+    ]

@@ -65,3 +65,40 @@ def test_a_card_in_use_is_the_memory_and_has_to_stay(tmp_path: pathlib.Path) -> 
     (tmp_path / "card.img").write_bytes(bytes(MEGABYTE))
     blank = EepromCell(tmp_path, hardware="rho3.0", card="card.img")
     blank.until(lambda: 3883 in codes(blank), 2.0)
+
+
+def backed_up(cell: EepromCell) -> str:
+    """The keys of the EPROM backup; line 3 then."""
+    cell.panel.answer({"key": "ALT+MODE+DELETE+PERMISSION"}, 1, cell.bench.now)
+    cell.bench.run(0.6)
+    return str(cell.control.functions.display.screen()[2]).rstrip()
+
+
+def test_the_keys_of_the_eprom_backup_empty_the_memory_in_emergency_stop_alone(tmp_path: pathlib.Path) -> None:
+    cell = EepromCell(tmp_path)
+    (cell.folder / "KEY.BNR").write_bytes(b"faulty")
+    assert backed_up(cell) == "no EMERGENCY STOP" and (cell.folder / "P.QLL").exists()
+    cell.stopped().mode("9.6")
+    (cell.folder / "Q.QLL").write_text("PROGRAM Q\nBEGIN\nPROGRAM_END\n")
+    cell.programs.refresh(lambda: None)
+    assert backed_up(cell) == "" and cell.control.functions.phg.mode == "0", "the control starts up"
+    assert sorted(each.name for each in cell.folder.glob("*.QLL")) == ["P.QLL"], "what the EEPROM has"
+    cell.eeprom.unlink()
+    backed_up(cell)
+    assert list(cell.folder.glob("*.*")) == []
+
+
+def test_the_keys_of_the_eprom_backup_take_another_card_or_the_internal_memory(tmp_path: pathlib.Path) -> None:
+    cell = cell_with(tmp_path).stopped()
+    initialised(cell)
+    (tmp_path / "card.img").write_bytes(bytes(2 * MEGABYTE))
+    other = EepromCell(tmp_path, hardware="rho3.0", card="card.img")
+    other.until(lambda: 3883 in codes(other), 2.0)
+    backed_up(other)
+    other.until(lambda: other.control.phg.read("phg.34568") == 2 * MEGABYTE, 2.0)
+    assert 3883 not in codes(other), "the new card is the memory"
+    (tmp_path / "card.img").unlink()
+    other.until(lambda: 3622 in codes(other), 2.0)
+    backed_up(other)
+    other.until(lambda: other.control.phg.read("phg.34568") == 128 * 1024, 2.0)
+    assert codes(other).count(3622) == 0, "the internal memory again"

@@ -89,6 +89,9 @@ class Source(Protocol):
     def print_points(self, file: str) -> str:
         """Mode 9.4.2; why it is refused at once."""
 
+    def refusal(self) -> str:
+        """Why an EPROM backup was refused, once; empty: none was."""
+
     def parameters(self) -> Sequence[tuple[str, str]]:
         """Machine parameters of the cell: name, value."""
 

@@ -63,6 +63,8 @@ class Panel:
         fresh = self._selection.mode != self._mode
         if fresh:
             self._enter()
+        if refusal := self._source.refusal():
+            self.refuse(refusal)
         while (key := self._key()) is not None:
             fresh = True
             if self._entry is not None or not self.reader.take(key):

@@ -14,4 +14,5 @@ TYPED = {
     "up": "UP", "down": "DOWN", "left": "LEFT", "right": "RIGHT",
 }  # fmt: skip
 PLACES = tuple(f"{level}K{number}" for level in ("", "SHIFT+", "ALT+") for number in range(1, 37))  # by their place: KEY.BNR says what
-UNIT = HandUnit("rho 3", 20, 4, KEYPAD, TYPED, (*LETTERS, *PLACES))
+BACKUP = "ALT+MODE+DELETE+PERMISSION"  # pressed together: EPROM backup, whatever KEY.BNR makes of the keys (L10386, L11553)
+UNIT = HandUnit("rho 3", 20, 4, KEYPAD, TYPED, (*LETTERS, *PLACES, BACKUP))

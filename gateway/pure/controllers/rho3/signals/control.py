@@ -157,7 +157,7 @@ class RhoControl:
         told += [refusal.text(setup.functions.language) for refusal in self.functions.step(inputs, image.outputs, now)]
         self.panel.step(now)
         self.written.echo()
-        if "" in map(self.panel_view.memory_outcome, ("save", "load", "init")):
+        if self.panel_view.memory_done():
             self._start_up()
         self._look_at_memory(now)
         self._end_moves()

@@ -24,7 +24,7 @@ class PanelView:
     """Reads one control; starts programs and sets factors as the operator at the pendant may."""
 
     def __init__(self, control: ControlState) -> None:
-        self._control = control
+        self._control, self._refusal = control, ""
 
     @property
     def processes(self) -> ProcessTable:
@@ -88,6 +88,21 @@ class PanelView:
         control = self._control
         ordered, ticket = control.memory.ordered
         return control.hosted.answers.get(ticket) if control.hosted is not None and ordered == what else None
+
+    def memory_done(self) -> bool:
+        """An order was carried out behind which the control starts up."""
+        memory, what = self._control.memory, self._control.memory.ordered[0]
+        outcome = self.memory_outcome(what) if what not in ("", "print") else None
+        if what == "backup" and outcome:
+            memory.ordered, self._refusal = ("", 0), outcome
+        elif what == "backup" and outcome == "" and memory.error_code:
+            self._control.errors.drop(memory.error_code, "", RHO3)
+            memory.system_error = 0
+        return outcome == ""
+
+    def refusal(self) -> str:
+        why, self._refusal = self._refusal, ""
+        return why
 
     def entered(self, mode: Mode) -> int:
         row = self._control.memory.enter(points=mode in POINT_MODES)

@@ -59,6 +59,9 @@ class Control:
     def order_memory(self, what: str) -> str:
         return ""
 
+    def refusal(self) -> str:
+        return ""
+
     def memory_outcome(self, what: str) -> str | None:
         return None
 
