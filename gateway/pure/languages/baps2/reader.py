@@ -13,6 +13,7 @@ from gateway.pure.languages.base.source import Position, SourceFile
 from gateway.pure.languages.base.store import ProgramStore
 
 BEGINS = ("BEGIN", "START")
+MOST_GARBLED = 20  # then the declarations are left for the body
 ENDS = {"PROGRAM": ("PROGRAM_END", "END"), "SUBROUTINE": ("SUB_END", "END")}
 
 
@@ -24,6 +25,7 @@ def read(source: SourceFile, words: Words, store: ProgramStore, faults: Faults) 
 class _Reader:
     def __init__(self, stream: Stream, faults: Faults) -> None:
         self._stream, self._faults, self._head = stream, faults, Head()
+        self._garbled = 0  # places among declarations that are none
         self._main: tuple[ExpressionReader, DeclarationReader] | None = None  # its names are known in the subroutines too
 
     def program(self) -> Program | None:
@@ -63,10 +65,12 @@ class _Reader:
         if not left:
             return False
         self._faults.error("no-begin", token.position, f"a declaration or BEGIN is expected, not {token}")
+        self._garbled += 1
         for _ in range(left):
             line = self._stream.take().position.line
             following = self._stream.token
-            if following.kind is Kind.INSTRUCTION or (following.word in STARTERS and following.position.line != line):
+            begins = following.word in STARTERS and following.position.line != line
+            if self._garbled < MOST_GARBLED and (begins or following.kind is Kind.INSTRUCTION):
                 break
         return True
 

@@ -148,7 +148,7 @@ class Reader:
         elif token.kind is Kind.NAME and self._ahead().text == ":" and token.word not in RESERVED:
             self._label(self._take())
             self._take()
-        elif token.kind is Kind.NAME and token.word in LIST and self._ahead().text not in ("=", ":"):
+        elif token.kind is Kind.NAME and token.word in LIST and (token.last or self._ahead().text not in ("=", ":")):
             self._list()
         elif (token.kind is Kind.NAME and token.word not in RESERVED) or token.kind is Kind.BIT:
             self._assignment()
@@ -196,10 +196,11 @@ class Reader:
         self._go(Code.JUMP, line)
 
     def _go(self, code: Code, line: int) -> None:
-        if self._sign("-"):
+        symbol = self._sign("-")  # behind it any word is a name
+        if symbol:
             self._take()
         token = self.token
-        if token.kind is not Kind.NAME or token.word in RESERVED:
+        if token.kind is not Kind.NAME or (token.word in RESERVED and not symbol):
             raise self._fail("label", token.at, "the name of a label is expected")
         self._take()
         self._outside(token.at)

@@ -171,3 +171,18 @@ def test_nesting_has_an_end() -> None:
 @pytest.mark.parametrize("wrong", ["A( I88.0 )", "A( NOT I88.0 )", "O( -LAMP )", "A( A I88.0 AND I88.1 )", "A( I88.0\nA I88.2\n)"])
 def test_a_mistake_in_a_bracket_is_one_fault(wrong: str) -> None:
     assert len(faults_of(f"A I88.1\n{wrong}\n= O70.0\n")) == 1
+
+
+def test_a_symbol_may_be_a_word_of_the_language() -> None:
+    bench = Bench("A I88.0\nJC -END\nA I88.1\n= O58.0\n-END\nEP")
+    bench.set("I88.1", value=True)
+    bench.scan()
+    assert bench.get("O58.0") is True
+    bench.set("I88.0", value=True)
+    bench.set("I88.1", value=False)
+    bench.scan()
+    assert bench.get("O58.0") is True, "it is jumped over"
+
+
+def test_an_instruction_without_operand_is_one_fault() -> None:
+    assert faults_of("A\n= O58.0\n") == [(2, 1, "operand")]
