@@ -4,6 +4,7 @@ import pathlib
 
 from gateway.pure.controllers.rho3.functions.system_variables import SystemVariables
 from gateway.pure.controllers.rho3.pendant.pages import page_of
+from gateway.web.german import german
 from hil_tests.lab.virtual.baps2_bench import ProgramCell
 from hil_tests.unit.languages.baps2.running import Event, body, faults_of, run, short
 from hil_tests.unit.languages.baps2.test_two_robots_in_a_cell import memory, two_portals
@@ -23,6 +24,7 @@ def test_a_branch_that_enters_what_its_program_holds() -> None:
     assert faults_of(text) == [("semaphore-held", 6)]
     words = "P line 5 waits for its branch in line 6; P line 6 (branch) waits for semaphore S, held by P line 5"
     assert told(run(text)) == [(0.0, words)]
+    assert german(BEGINS + words).endswith("P Zeile 6 (Zweig) wartet auf Semaphor S, belegt durch P Zeile 5")
 
 
 def test_two_semaphores_the_other_way_round() -> None:
