@@ -393,7 +393,7 @@ class CellRun(CellMotion):
                 main.run, task.unit.name, task.kind, task.process.state.value, task.process.line, waits, parent, task.root is not None,
                 held=f"{held.what} {held.name}" if held is not None else "",
                 holder=place_of(held.holder) if held is not None else "",
-                stuck=self._watch.has(task),
+                stuck=self._semaphores.watch.has(task),
                 external="" if task.process.file in ("", f"{task.unit.name}.QLL") else task.process.file.removesuffix(".QLL"),
                 level=task.depth,
             )  # fmt: skip

@@ -19,7 +19,7 @@ from gateway.pure.languages.baps2.teach_points import TeachPoints
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.baps2.values import Shared
-from gateway.pure.languages.baps2.waiting import Watch, words
+from gateway.pure.languages.baps2.waiting import words
 from gateway.pure.languages.baps2.working_range import check_range
 from gateway.pure.languages.base.process import Process, ProcessState
 from gateway.pure.languages.base.requests import PENDING, Request, RuntimeFault
@@ -47,7 +47,7 @@ class Control(Plant):
         self.units = Outside(self)
         self.specials = Specials(self)
         self._shared: dict[str, Shared] = {}
-        self._semaphores, self._watch = Semaphores(), Watch()
+        self._semaphores = Semaphores()
         self._asked: Request | None = None  # what is answered just now
         self.teach_points = TeachPoints(memory, feed)
         self._moves = self._round = 0
@@ -61,7 +61,7 @@ class Control(Plant):
     def _look_for_circles(self) -> None:
         """Processes that wait for each other, once they do."""
         if self._semaphores.held or any(lane.rider is not None for lane in self.lanes.values()):
-            if found := self._watch.look(self.tasks.values(), self):
+            if found := self._semaphores.watch.look(self.tasks.values(), self):
                 self.event(found[0][0], "warning", found[0][0].process.line, text=words(found))
 
     def library_of(self, task: Task | None) -> Library:

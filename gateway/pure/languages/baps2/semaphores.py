@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 from gateway.pure.languages.baps2.demands import Enter
 from gateway.pure.languages.baps2.tasks import Release, Task
+from gateway.pure.languages.baps2.waiting import Watch
 from gateway.pure.languages.base.requests import PENDING
 
 
@@ -12,6 +13,7 @@ class Semaphores:
 
     def __init__(self) -> None:
         self._holders: dict[tuple[str, str], Task] = {}
+        self.watch = Watch()  # of processes that wait for each other
 
     @property
     def held(self) -> bool:
