@@ -222,6 +222,6 @@ def test_any_text_gives_faults_and_never_an_exception(text: str) -> None:
     assert len(faults) > 0
 
 
-def test_what_is_no_declaration_is_one_fault() -> None:
+def test_each_line_that_is_no_declaration_is_one_fault() -> None:
     _, faults = read_text("PROGRAM P\nPRIORITY = 5\nEXTERNAL : Q (VALUE INTEGER : N)\nBEGIN\nIF 1 = 1 THEN BEGIN WAIT 1 END\nPROGRAM_END")
-    assert [(fault.id, fault.position.line) for fault in faults] == [("no-begin", 2)]
+    assert [(fault.id, fault.position.line) for fault in faults] == [("no-begin", 2), ("no-begin", 3)]
