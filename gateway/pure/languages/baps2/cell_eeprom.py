@@ -64,7 +64,7 @@ def card_not_now(wanted: Wanted, *, option: bool, running: bool) -> str:
 
 
 def backup_refused(wanted: Wanted, *, error: bool, running: bool) -> str:
-    """Why the user memory is not deleted now (AX-1732); empty: it is.  error: the control stands with a system error of its memory."""
+    """Why the user memory is not deleted now (AX-1732); empty: it is.  error: a system error of its memory is pending."""
     found = ((not error and not wanted.stop, NO_STOP), (running or wanted.active, ACTIVE))
     return next((words for applies, words in found if applies), "")
 

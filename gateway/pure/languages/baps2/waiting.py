@@ -105,7 +105,7 @@ def words(found: Iterable[tuple[Task, Wait]]) -> str:
 
 
 class Watch:
-    """Tells of each circle once."""
+    """Finds each circle once."""
 
     def __init__(self) -> None:
         self._told: frozenset[int] = frozenset()
@@ -115,7 +115,7 @@ class Watch:
         return task.process.number in self._told
 
     def look(self, tasks: Iterable[Task], held: Holders) -> list[tuple[Task, Wait]]:
-        """A circle that has not been told."""
+        """A circle that has not been reported."""
         found = circle(tasks, held)
         members = frozenset(task.process.number for task, _ in found)
         new = members != self._told
