@@ -193,6 +193,8 @@ KEYS: dict[str, dict[str, Check]] = {
         "boot_ms": _number(1, 600_000),
         "speed": _whole(1, 0x7FFFFFFF),
         "way": _whole(1, 0x3FFFFFFF),
+        "turn": _whole(1, 0x3FFFFFFF),
+        "stop_ms": _number(1, 600_000),
     },
     "touch": {
         "db": _numbers(255),

@@ -25,8 +25,10 @@ from gateway.conformance.peers.canopen301_frames import (
     sub_for_index,
     tires,
     toggle_zero,
+    unknown_unheard,
     when,
 )
+from gateway.conformance.peers.canopen301_history import Shifted
 from gateway.conformance.peers.canopen301_parts import (
     KeepsUnsaved,
     Late,
@@ -199,12 +201,7 @@ MUTANT_ROWS: tuple[Row, ...] = (
     _row("short-taken", "refuses a wrong length, and writes", "SDO_BI_03 SDO_BI_04", sets_too),
     _row("any-size", "takes more than announced", "SDO_BI_05", server(AnySize)),
     _row("crc-unchecked", "takes a block with a wrong CRC", "SDO_BI_06", server(NoCrcCheck)),
-    _row(
-        "unknown-silent",
-        "an unknown command is not answered",
-        "SDO_BI_07",
-        hears=on(cobid.sdo_request(NODE), lambda drive, frame: [] if frame.data[:1] == b"\xe0" else [frame]),
-    ),
+    _row("unknown-silent", "an unknown command is not answered", "SDO_BI_07", hears=on(cobid.sdo_request(NODE), unknown_unheard)),
     _row("segment-alone", "a segment without transfer: 06060000h", "SDO_BI_08 SDO_BO_01", says=abort_code(Abort.COMMAND, Abort.HARDWARE)),
     _row("any-block", "takes a block size of 0", "SDO_BI_09", server(AnyBlock)),
     _row(
@@ -395,6 +392,7 @@ SHEET: dict[str, object] = {**LINK, "eds": str(find_config("axisgate_402.eds", "
 MUTANTS = (
     *(Mutant(name, what, expects, make, LINK, {}) for name, what, expects, make in MUTANT_ROWS),
     Mutant("takes-constants", "takes a write to a constant", ("CO301_DIC_BI_08",), lambda: Drive(takes_constants), SHEET, {}),
+    Mutant("shifted", "TPDO 1 is shifted after power-on", ("CO301_SUP_RC_04",), Shifted, LINK, {}),
 )
 
 

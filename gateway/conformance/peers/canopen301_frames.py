@@ -110,6 +110,11 @@ def tires(drive: Drive, frame: Frame) -> Sequence[Frame]:
     return [] if drive.tally % 250 == 0 else [frame]
 
 
+def unknown_unheard(drive: Drive, frame: Frame) -> Sequence[Frame]:
+    """An SDO with an unknown command specifier."""
+    return [] if frame.data[:1] == b"\xe0" else [frame]
+
+
 def on_heartbeat_silent(drive: Drive, frame: Frame) -> list[Frame]:
     return [] if frame.identifier == cobid.heartbeat(NODE) else [frame]
 

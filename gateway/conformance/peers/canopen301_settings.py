@@ -5,6 +5,14 @@ from collections.abc import Sequence
 from drivers.emulator.canopen.objects import OK, SAVE
 from gateway.conformance.peers.can_devices import NODE, Drive, Says, Tune, put
 from gateway.conformance.peers.canopen301_frames import deaf, on
+from gateway.conformance.peers.canopen301_history import (
+    always_event,
+    cleared_by_refusal,
+    entries_stay,
+    newest_only_first,
+    oldest_first,
+    refuses_one,
+)
 from protocols.base.machine import Frame
 from protocols.canopen import cob_id as cobid
 from protocols.canopen.dictionary import Key
@@ -129,4 +137,10 @@ SETTINGS: tuple[tuple[str, str, str, Tune | None, Says | None, Says | None], ...
     ("one-tpdo", "sends the first TPDO only", "PDO_BV_18", None, on(cobid.tpdo(2, NODE), lambda drive, frame: []), None),
     ("second-contents", "TPDO 2 holds a wrong bit", "PDO_BV_18", None, on(cobid.tpdo(2, NODE), last_bit), None),
     ("one-rpdo", "takes the first RPDO only", "PDO_BV_19", None, None, deaf(cobid.rpdo(2, NODE))),
+    ("oldest-first", "1003h:01 is the oldest error", "ERR_BV_21", oldest_first, None, None),
+    ("overwrites", "a second error overwrites the first one in 1003h", "ERR_BV_21", newest_only_first, None, None),
+    ("entries-stay", "1003h:01 can be read after 1003h was emptied", "ERR_BV_22", entries_stay, None, None),
+    ("cleared-by-refusal", "a refused value empties 1003h", "ERR_BI_04", cleared_by_refusal, None, None),
+    ("refuses-one", "1003h:00 refuses 1 and 2, greater values empty it", "ERR_BI_01", refuses_one, None, None),
+    ("always-event", "a TPDO of type 0 comes with each SYNC", "PDO_BV_20", always_event, None, None),
 )

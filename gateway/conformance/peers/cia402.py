@@ -9,6 +9,21 @@ from drivers.emulator.servo.settings import DriveSettings, ServoSettings
 from gateway.conformance.peers.can_devices import NODE, QUICK, Drive, Says, Tune, put
 from gateway.conformance.peers.canopen301_frames import chatty, deaf, on
 from gateway.conformance.peers.canopen301_parts import Late
+from gateway.conformance.peers.cia402_effects import (
+    STEEP,
+    absolute_offset,
+    halt_unheard_in_homing,
+    halt_unshown,
+    in_mode,
+    mode_shown_only,
+    motor_speed,
+    moves_during_halt,
+    other_sign,
+    relative_queued_to_actual,
+    relative_to_actual,
+    set_point_by_level,
+    zero_at_reset,
+)
 from gateway.conformance.peers.cia402_states import (
     SLOW_BRAKE,
     SMALLEST,
@@ -339,6 +354,24 @@ ROWS: tuple[Row, ...] = (
     _row("quick-5-as-6", "605Ah = 5 acts like 6", "OPT_BV_10", _as(od.QUICK_STOP_OPTION, 5, 6)),
     _row("quick-6-as-5", "605Ah = 6 acts like 5", "OPT_BV_11", _as(od.QUICK_STOP_OPTION, 6, 5)),
     _row("lag-at-once", "6066h does not count", "FLT_BI_04", _value(od.FOLLOWING_TIME, lambda value: 0)),
+    _row("no-ramp-up", "6083h does not count in profile position", "POS_BV_09", in_mode(1, od.ACCELERATION, lambda value: STEEP)),
+    _row("no-ramp-down", "6084h does not count in profile position", "POS_BV_10", in_mode(1, od.DECELERATION, lambda value: STEEP)),
+    _row("relative-to-actual", "relative set-points count from the actual position", "POS_BV_11", relative_to_actual),
+    _row("relative-queued", "waiting relative set-points count from the actual position", "POS_BV_11", relative_queued_to_actual),
+    _row("halt-unshown", "bit 10 is clear during halt", "POS_BV_12", halt_unshown),
+    _row("moves-during-halt", "a set-point ends halt", "POS_BO_03", moves_during_halt),
+    _row("set-point-by-level", "bit 4 that stays set counts again", "POS_BI_04", set_point_by_level),
+    _row("no-window-time", "6068h does not count", "POS_BV_13", in_mode(1, od.POSITION_TIME, lambda value: 0)),
+    _row("mode-shown-only", "6061h shows a mode that is not in force", "MOD_BV_03", mode_shown_only),
+    _row("zero-at-reset", "6064h is 0 after a fault reset", "FLT_BV_10", zero_at_reset),
+    _row("window-fixed", "6065h does not count", "FLT_BI_05", _value(od.FOLLOWING_WINDOW, lambda value: 400)),
+    _row("no-motor-speed", "6080h may be written and does not count", "VEL_BV_08", motor_speed(False)),
+    _row("shutdown-0-as-1", "605Bh = 0 acts like 1", "OPT_BV_12", _as(od.SHUTDOWN_OPTION, 0, 1)),
+    _row("fault-1-as-2", "605Eh = 1 acts like 2", "OPT_BV_13", _as(od.FAULT_OPTION, 1, 2)),
+    _row("fault-0-as-1", "605Eh = 0 acts like 1", "OPT_BV_14", _as(od.FAULT_OPTION, 0, 1)),
+    _row("offset-reversed", "607Ch counts with the other sign", "HOM_BV_01", other_sign),
+    _row("offset-unsigned", "607Ch has no sign", "HOM_BV_01", absolute_offset),
+    _row("homing-goes-on", "bit 8 does not count in homing", "HOM_BO_02", halt_unheard_in_homing),
 )
 MUTANTS = tuple(Mutant(name, what, expects, make, LINK, {}) for name, what, expects, make in ROWS)
 
@@ -365,6 +398,7 @@ VARIANTS = (
     _good("has-reference", "an absolute encoder", lambda: Drive(has_reference)),
     _good("slow-brake", "its brake needs 0.8 s", lambda: Drive(settings=SLOW_BRAKE)),
     _good("no-6502", "6502h is missing", lambda: Drive(lacks=(0x6502,)), pp=True, pv=True, hm=True, csp=True),
+    _good("motor-speed", "6080h may be written", lambda: Drive(motor_speed(True))),
     _good("mode-fixed-at-work", "no other mode while enabled", lambda: Drive(mode_fixed_at_work)),
     _good("heavy", "five times the load", lambda: Drive(settings=DriveSettings(QUICK.__class__(boot_s=0.01, load_inertia_kgm2=0.006)))),
 )

@@ -6,6 +6,7 @@ from typing import Any
 
 from drivers.emulator.servo.settings import ServoSettings
 from drivers.emulator.servodyn.axis import Fault, State
+from gateway.conformance.peers import servodyn_phase as phase
 from gateway.conformance.peers.boosters import CYCLE_MS, QUICK, Answered, Booster, Heard, Late, Raw, Told, Tune, codec
 from gateway.conformance.peers.stations import Mutant, Variant
 from protocols.base.machine import Frame, Ns, ms
@@ -46,6 +47,11 @@ def _answers(name: str, what: str, expects: str, answered: Answered) -> Row:
 
 def _tuned(name: str, what: str, expects: str, tune: Tune) -> Row:
     return _row(name, what, expects, lambda: Booster(tune=tune))
+
+
+def _servo(**changes: Any) -> Callable[[], object]:
+    settings: ServoSettings = replace(QUICK, **changes)
+    return lambda: Booster(settings=settings)
 
 
 def _always(**bits: Any) -> Told:
@@ -364,6 +370,28 @@ ROWS: tuple[Row, ...] = (
         "PAR_BO_01",
         _takes(Status.DRIVES_ON),
     ),
+    _told("latches-late", "its position is that of the SYNC before", "MOV_BV_08", phase.one_before),
+    _told("own-timer", "its position is that of a timer of its own", "MOV_BV_08", phase.own_timer),
+    _told("as-sent", "its position is that of the moment of sending", "FLT_BV_06", phase.as_sent),
+    _hears("at-once", "a set value acts when it comes", "MOV_BO_01", phase.at_once),
+    _hears("first-counts", "of two set values the first counts", "MOV_BV_09", phase.first_counts),
+    _row("ff-reversed", "the feed-forward is reversed", "MOV_BV_10", lambda: Booster(sets=phase.feed_forward(-1), settings=phase.FED)),
+    _row("ff-unit", "the feed-forward is ten times as much", "MOV_BV_10", lambda: Booster(sets=phase.feed_forward(10), settings=phase.FED)),
+    _told("torque-reversed", "the torque has the other sign", "MOV_BV_11", phase.torque(lambda value: -value)),
+    _told("torque-absent", "the torque is always 0", "MOV_BV_11", phase.torque(lambda value: 0)),
+    _told("torque-unsigned", "the torque has no sign", "MOV_BV_11", phase.torque(abs)),
+    _told("torque-bytes", "the torque has its high byte first", "MOV_BV_11", phase.torque(phase.swapped)),
+    _row("stops-slowly", "its ramps last seconds", "FLT_BV_06 PWR_BV_06 PWR_BV_07", _servo(quick_stop_rad_s2=1.0, stop_timeout_s=9.0)),
+    _told("brake-first", "the brake closes with the fault", "FLT_BV_06", lambda b, v: v._replace(brake_open=v.brake_open and not v.fault)),
+    _told("code-changes", "the fault code changes", "FLT_BV_06", phase.code_changes),
+    _told("code-once", "the fault code comes once", "FLT_BV_06", phase.code_once),
+    _heard("enable-edge", "enable is an edge", "PWR_BV_08", phase.enable_edge),
+    _heard("one-life", "one unchanged life counter is a fault", "FLT_BO_04", phase.one_life),
+    _row("late-life", "an unchanged life counter is noticed three cycles later", "FLT_BV_02", phase.LateLife),
+    _hears("sets-unwatched", "set values that stay away are not missed", "FLT_BV_07", phase.sets_unwatched),
+    _heard("set-24", "set positions have 24 bits", "FLT_BV_08", phase.narrow(24)),
+    _row("creeps", "goes to a set position far away when control begins", "FLT_BI_04", phase.Creeps),
+    _tuned("zero-at-reset", "its position is 0 after a fault reset", "FLT_BV_09", phase.zero_at_reset),
     _row("starts-itself", "power is on again when its supply returns", "SUP_RC_01", SelfStarting),
     _row("speaks-without-supply", "sends on without supply", "SUP_RC_01", SpeaksWithoutSupply),
 )
@@ -372,11 +400,6 @@ MUTANTS = tuple(Mutant(name, what, expects, make, {**LINK, "module": 1}, {}) for
 
 def _good(name: str, what: str, make: Callable[[], object], link: dict[str, object] | None = None, **pics: object) -> Variant:
     return Variant(name, what, make, LINK if link is None else link, dict(pics))
-
-
-def _servo(**changes: Any) -> Callable[[], object]:
-    settings: ServoSettings = replace(QUICK, **changes)
-    return lambda: Booster(settings=settings)
 
 
 def _chatty(booster: Booster, frame: Frame) -> Sequence[Frame]:
@@ -393,6 +416,10 @@ VARIANTS = (
     _good("heavy", "five times the load", _servo(load_inertia_kgm2=0.006)),
     _good("slow-charge", "power takes two seconds, booting one", _servo(charge_s=2.0, boot_s=1.0)),
     _good("gravity", "a vertical axis", _servo(gravity_nm=2.0)),
+    _good("feed-forward", "with speed feed-forward", _servo(speed_feed_forward=1.0)),
+    _good("stiff", "three times the gain", _servo(kv_per_s=240.0)),
+    _good("soft", "a third of the gain", _servo(kv_per_s=27.0)),
+    _good("high-friction", "three times the friction", _servo(coulomb_nm=0.9, stiction_nm=1.1)),
     _good("no-parameters", "no parameters over the bus", lambda: Booster(into=lambda b, f: [] if f.identifier == 310 else [f])),
     _good(
         "other-codes",

@@ -21,7 +21,7 @@ LINE_KEYS = _keys("profile priority times layer block_check missing_db db words 
 MODBUS_KEYS = _keys("times unit missing_unit answer_ms", "touch.holding touch.coils known.input known.holding known.coil known.discrete")
 CANOPEN_KEYS = _keys("node eds answer_ms boot_ms cycle_ms", "touch.objects touch.store touch.node")
 DRIVE_KEYS = CANOPEN_KEYS | _keys("speed way", "touch.motion")
-BOOSTER_KEYS = _keys("module layout cycle_ms boot_ms answer_ms way", "touch.motion touch.store")
+BOOSTER_KEYS = _keys("module layout cycle_ms boot_ms answer_ms way turn stop_ms", "touch.motion touch.store")
 
 LINE = (
     Question("profile", "text", "link profile of the station (axisgate line probe -h lists them)", "Profil der Station"),

@@ -95,6 +95,7 @@ def _modbus_rtu() -> Sequence[Purpose[Tester]]:
 def _canopen301() -> Sequence[Purpose[Tester]]:
     from gateway.conformance.suites.canopen301 import (
         dictionary,
+        history,
         keep,
         life,
         network,
@@ -122,8 +123,10 @@ def _canopen301() -> Sequence[Purpose[Tester]]:
         watching.WATCH,
         watching.GUARD,
         watching.BEATS,
+        history.ERR,
         pdo.PDO,
         pdo_states.SENT,
+        history.EVENT,
         pdo_states.HEARD,
         pdo_wrong.RULES,
         pdo_states.MAPPED,
@@ -137,23 +140,26 @@ def _canopen301() -> Sequence[Purpose[Tester]]:
         keep.LSS,
         network.TRC,
         supply.SUP,
+        history.SUP,
     )
 
 
 def _cia402() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.cia402 import bounds, faults, lasting, modes, positioning, power, supply
+    from gateway.conformance.suites.cia402 import bounds, effects, faults, lasting, modes, positioning, power, setpoints, supply
 
     return _generic(
         *(power.PWR, lasting.PWR, faults.FLT, lasting.FLT, modes.MOD, lasting.MOD, positioning.POS, lasting.POS, modes.VEL, lasting.VEL),
-        *(bounds.FLT, bounds.POS, bounds.VEL),
-        *(faults.OPT, modes.HOM, lasting.HOM, modes.CYC, lasting.CYC, bounds.CYC, supply.SUP),
+        *(bounds.FLT, effects.KEPT, effects.WIDE, bounds.POS, setpoints.POS, bounds.VEL, effects.MOTOR, effects.EFFECT),
+        *(faults.OPT, effects.OPTIONS, modes.HOM, lasting.HOM, effects.STOPPED, modes.CYC, lasting.CYC, bounds.CYC, supply.SUP),
     )
 
 
 def _servodyn() -> Sequence[Purpose[Tester]]:
-    from gateway.conformance.suites.servodyn import cycle, faults, motion, power
+    from gateway.conformance.suites.servodyn import cycle, faults, motion, phase, power, stops
 
-    return _generic(cycle.CYC, power.PWR, faults.FLT, motion.MOV, motion.PAR, power.SUP)
+    return _generic(
+        *(cycle.CYC, power.PWR, stops.PWR, faults.FLT, stops.FLT, motion.MOV, phase.PHASE, phase.SWING, stops.RUNS, motion.PAR, power.SUP)
+    )
 
 
 def _interop() -> Sequence[Purpose[Tester]]:

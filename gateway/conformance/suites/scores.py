@@ -5,8 +5,8 @@ SCORES: dict[str, tuple[int, int]] = {
     "rk512": (74, 74),
     "modbus-tcp": (85, 85),
     "modbus-rtu": (76, 76),
-    "cia402": (92, 92),
-    "canopen-301": (143, 143),
-    "servodyn": (60, 60),
+    "cia402": (110, 110),
+    "canopen-301": (150, 150),
+    "servodyn": (82, 82),
     "interop": (51, 51),
 }

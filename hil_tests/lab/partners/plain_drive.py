@@ -214,7 +214,8 @@ class PlainDrive:
         way = goal - self._position
         rate = self._values[0x6084] * self._unit / 1000
         wanted = math.copysign(min(self._values[0x6081] * self._unit, math.sqrt(2000 * rate * abs(way))), way)
-        self._speed = max(min(wanted, self._speed + rate), self._speed - rate)
+        step = self._values[0x6083] * self._unit / 1000 if abs(wanted) > abs(self._speed) else rate
+        self._speed = max(min(wanted, self._speed + step), self._speed - step)
         if abs(way) <= max(abs(self._speed) / 1000, rate / 1000) and abs(self._speed) <= 3 * rate:
             self._position, self._speed = goal, 0.0
             self._goal, self._waiting = self._waiting, None

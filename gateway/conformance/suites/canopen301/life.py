@@ -279,10 +279,9 @@ def behaviour(t: NodeTester) -> None:
 
 @ERR.case("BI_01", "1003h:00 takes only 0", "1003h:00 nimmt nur 0", clause="CiA 301, 7.5.2.4", condition=("history",), preamble=(BASIC,))
 def history_value(t: NodeTester) -> None:
-    codes = (Abort.VALUE, Abort.TOO_HIGH)
-    t.refused(
-        sdo.expedited(Request.INITIATE_DOWNLOAD, HISTORY, b"\x01"), codes, "1 to 1003h:00", (Abort.GENERAL, Abort.READ_ONLY, Abort.ACCESS)
-    )
+    codes, others = (Abort.VALUE, Abort.TOO_HIGH), (Abort.GENERAL, Abort.READ_ONLY, Abort.ACCESS)
+    for value in (255, 16, 2, 1):
+        t.refused(sdo.expedited(Request.INITIATE_DOWNLOAD, HISTORY, bytes((value,))), codes, f"{value} to 1003h:00", others)
 
 
 @ERR.case(

@@ -331,17 +331,25 @@ def coast(t: NodeTester) -> None:
     preamble=(*POWER, "CIA402_VEL_BV_01", LOST),
     beside=RAMPED,
 )
-def fault_in_motion(t: NodeTester) -> None:
-    with t.kept(FAULT_OPTION, QUICK_DECELERATION), moving(t) as speed:
+def quick_reaction(t: NodeTester) -> None:
+    fault_in_motion(t, 2, QUICK_DECELERATION)
+
+
+def fault_in_motion(t: NodeTester, option: int, rate: tuple[int, int]) -> None:
+    """Judged: 605Eh = option, with half a second along this ramp; 0 ends at once."""
+    what = f"fault reaction, 605Eh = {option}"
+    with t.kept(FAULT_OPTION, rate), moving(t) as speed:
         with t.given():
-            choose(t, FAULT_OPTION, 2)
-            t.download(QUICK_DECELERATION, max(2 * speed, 1), 4)
+            choose(t, FAULT_OPTION, option)
+            t.download(rate, max(2 * speed, 1), 4)
         with supervised(t, 1):
             lost = _lost(t)
             if lost is None:
                 raise Fail("no fault when the master is lost in motion", "fault reaction active", named(status(t)))
-            _ramp(t, speed, QUICK_DECELERATION, "fault reaction, 605Eh = 2")
-            reaches(t, FAULT, "fault reaction")
+            if not option:
+                return t.timed(what, reaches(t, FAULT, what), None, ms(200))
+            _ramp(t, speed, rate, what)
+            reaches(t, FAULT, what)
 
 
 def _lost(t: NodeTester) -> Ns | None:

@@ -184,13 +184,14 @@ def _here(t: NodeTester) -> int:
 
 @HOM.case("BV_01", "homing on the spot: bit 12, and 6064h is 607Ch", "Referenzieren auf der Stelle: Bit 12, und 6064h ist 607Ch")
 def on_the_spot(t: NodeTester) -> None:
-    with homing(t, _here(t)):
-        with t.given():
-            t.download(OFFSET, 1234, 4)
-        control(t, 0x1F)
-        until(t, lambda: status(t) & (BIT12 | BIT13) == BIT12 and bool(status(t) & REACHED), "homing attained (bits 10 and 12)")
-        if abs((got := position(t)) - 1234) > max(plan(t)[1] // 100, 20):
-            raise Fail(f"6064h is {got} after homing", "1234, as 607Ch", str(got))
+    for wanted in (-4321, 1234):
+        with homing(t, _here(t)):
+            with t.given():
+                t.download(OFFSET, wanted, 4)
+            control(t, 0x1F)
+            until(t, lambda: status(t) & (BIT12 | BIT13) == BIT12 and bool(status(t) & REACHED), "homing attained (bits 10 and 12)")
+            if abs((got := position(t)) - wanted) > max(plan(t)[1] // 100, 20):
+                raise Fail(f"6064h is {got} after homing", f"{wanted}, as 607Ch", str(got))
 
 
 @HOM.case(

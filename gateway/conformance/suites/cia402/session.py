@@ -20,6 +20,8 @@ OBJECTS = {
     "limits": (0x607D, 1),
     "period": (0x60C2, 1),
     "window": (0x6067, 0),
+    "window_time": (0x6068, 0),
+    "motor_speed": (0x6080, 0),
     "velocity": (0x606C, 0),
     "top_speed": (0x607F, 0),
     "modes": (0x6502, 0),

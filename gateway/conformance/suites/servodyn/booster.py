@@ -29,6 +29,8 @@ class BoosterSetup:
     boot: Ns = ms(10_000)
     way: int = 2000  # increments of a motion
     way_stated: bool = False
+    turn: int = 16_384  # increments of one turn of the motor (AX-084)
+    stop: Ns = ms(500)  # longest time of a stop
     pics: Mapping[str, object] = field(default_factory=dict)
 
 
@@ -41,6 +43,7 @@ class BoosterTester(CanTester):
         self.value = SetValue()
         self.last: ActualValue | None = None
         self.life_runs = True
+        self.home: int | None = None  # where the first motion that did not come back began
         self._grid: Ns = 0
         self._sequence = 0
         self.answers = False  # to a parameter, right or wrong

@@ -54,12 +54,12 @@ def sync_lost(t: BoosterTester) -> None:
     "an unchanged life counter is a fault",
     "ein stehender Lebenszähler ist ein Fehler",
     condition=("life",),
-    beside=Particulars(limits="within 4 x P5"),
+    beside=Particulars(limits="at the fourth SYNC after the last change"),
 )
 def life_lost(t: BoosterTester) -> None:
     with t.powered():
         t.life_runs = False
-        found = t.turn(6)
+        found = t.turn(5)
         t.life_runs = True
         coded(found, LIFE_LOST, "an unchanged life counter")
 
@@ -95,8 +95,10 @@ def reset(t: BoosterTester) -> None:
 def stays(t: BoosterTester) -> None:
     with t.powered():
         with t.given():
-            coded(lose_sync(t), SYNC_LOST, "a lost SYNC")
+            first = lose_sync(t)
+            coded(first, SYNC_LOST, "a lost SYNC")
         t.stays(lambda actual: actual.fault and not actual.power_on, "fault, no power", ms(500))
+        t.stays(lambda actual: actual.fault_code == first.fault_code, f"fault code {first.fault_code} until reset", ms(100))
         t.give(drive_on=False)
         t.stays(lambda actual: actual.fault, "fault, drive on taken back", ms(300))
         t.give(drive_on=True, enable=True)
@@ -112,9 +114,12 @@ def stays(t: BoosterTester) -> None:
 def level(t: BoosterTester) -> None:
     with t.powered():
         t.give(fault_reset=True)
-        t.turn(3)
+        t.turn(4)
+        found = t.spontaneous(10 * t.setup.cycle)
         with t.given():
-            coded(lose_sync(t), SYNC_LOST, "a lost SYNC")
+            if not found or not found[0][1].fault:
+                raise Fail("no actual value at the fault", "one with the fault bit, without SYNC", "nothing")
+        t.drain()
         t.stays(lambda actual: actual.fault, "fault, reset held", ms(600))
 
 
@@ -129,8 +134,8 @@ def held(t: BoosterTester) -> None:
         with t.given():
             coded(lose_sync(t), SYNC_LOST, "a lost SYNC")
             t.turn(100)
-            t.give(fault_reset=True)
-            t.until(lambda actual: not actual.fault, "no fault", ms(2000))
+        t.give(fault_reset=True)
+        t.until(lambda actual: not actual.fault, "no fault", ms(2000))
         t.give(fault_reset=False)
         t.stays(lambda actual: not actual.power_on, "no power, drive on held", ms(2000))
 

@@ -27,13 +27,15 @@ class BoosterSession:
         self.assumed: list[str] = []
         self.pics: dict[str, object] = dict(opened.pics)
         self.setup = BoosterSetup(_codec(opened))
-        for name in ("cycle", "boot"):
+        for name in ("cycle", "boot", "stop"):
             if isinstance(value := bench.link.get(f"{name}_ms"), (int, float)):
                 setattr(self.setup, name, ms(value))
         if isinstance(value := bench.link.get("answer_ms"), (int, float)):
             self.setup.wait = ms(value)
         if isinstance(way := bench.link.get("way"), int):
             self.setup.way, self.setup.way_stated = way, True
+        if isinstance(turn := bench.link.get("turn"), int):
+            self.setup.turn = turn
         stated = bench.link.get("module", self.pics.get("module"))
         self._module = stated if isinstance(stated, int) else None
         self.setup.module = self._module or 1
