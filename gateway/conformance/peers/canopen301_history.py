@@ -1,4 +1,4 @@
-"""CANopen: wrong error histories, TPDOs of type 0 with each SYNC, contents shifted by power-on (used by peers.canopen301)."""
+"""CANopen: wrong error histories, TPDOs of type 0 with each SYNC, contents shifted by power-on, wrong forms (used by peers.canopen301)."""
 
 from collections.abc import Callable, Sequence
 
@@ -97,3 +97,27 @@ def _shifts(drive: Drive, frame: Frame) -> Sequence[Frame]:
     size = len(frame.data)
     value = int.from_bytes(frame.data, "little") << 1 & ((1 << 8 * size) - 1)
     return [frame._replace(data=value.to_bytes(size, "little"))]
+
+
+# ---- forms that many cases see
+def two_as_four(drive: Drive, frame: Frame) -> Sequence[Frame]:
+    is_it = frame.identifier == cobid.sdo_answer(NODE) and frame.data[:1] == b"\x4b"
+    return [frame._replace(data=b"\x43" + frame.data[1:])] if is_it else [frame]
+
+
+def _aborts(frame: Frame, data: bytes) -> Sequence[Frame]:
+    return [frame._replace(data=data)] if frame.identifier == cobid.sdo_answer(NODE) and frame.data[:1] == b"\x80" else [frame]
+
+
+def short_aborts(drive: Drive, frame: Frame) -> Sequence[Frame]:
+    return _aborts(frame, frame.data[:7])
+
+
+def turned_aborts(drive: Drive, frame: Frame) -> Sequence[Frame]:
+    return _aborts(frame, frame.data[:4] + frame.data[:3:-1])
+
+
+def starts_for_others(drive: Drive, frame: Frame) -> Sequence[Frame]:
+    """Start acts whatever node it names."""
+    is_it = frame.identifier == cobid.NMT and frame.data[:1] == b"\x01"
+    return [frame._replace(data=b"\x01\x00")] if is_it else [frame]

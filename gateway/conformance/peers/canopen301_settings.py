@@ -12,6 +12,10 @@ from gateway.conformance.peers.canopen301_history import (
     newest_only_first,
     oldest_first,
     refuses_one,
+    short_aborts,
+    starts_for_others,
+    turned_aborts,
+    two_as_four,
 )
 from protocols.base.machine import Frame
 from protocols.canopen import cob_id as cobid
@@ -137,6 +141,10 @@ SETTINGS: tuple[tuple[str, str, str, Tune | None, Says | None, Says | None], ...
     ("one-tpdo", "sends the first TPDO only", "PDO_BV_18", None, on(cobid.tpdo(2, NODE), lambda drive, frame: []), None),
     ("second-contents", "TPDO 2 holds a wrong bit", "PDO_BV_18", None, on(cobid.tpdo(2, NODE), last_bit), None),
     ("one-rpdo", "takes the first RPDO only", "PDO_BV_19", None, None, deaf(cobid.rpdo(2, NODE))),
+    ("two-as-four", "two bytes are answered as four", "SDO_BV_14", None, two_as_four, None),
+    ("abort-7", "aborts of seven bytes", "SDO_BI_12", None, short_aborts, None),
+    ("abort-order", "abort codes with their high byte first", "SDO_BI_12", None, turned_aborts, None),
+    ("starts-for-others", "start for another node acts", "NMT_BI_01", None, None, starts_for_others),
     ("oldest-first", "1003h:01 is the oldest error", "ERR_BV_21", oldest_first, None, None),
     ("overwrites", "a second error overwrites the first one in 1003h", "ERR_BV_21", newest_only_first, None, None),
     ("entries-stay", "1003h:01 can be read after 1003h was emptied", "ERR_BV_22", entries_stay, None, None),

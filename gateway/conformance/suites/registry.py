@@ -2,7 +2,7 @@
 
 import importlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from gateway.conformance.framework.base import Tester
@@ -46,6 +46,20 @@ class Suite:
     def sim(self) -> object:
         """The emulated device of `url = "sim"`: the first correct one of its peers."""
         return importlib.import_module(self.peers).VARIANTS[0].make()
+
+
+REFUSES = ("CO301_SDO_BO_01", "CO301_DIC_BV_06", "CO301_ERR_BV_22")  # judge an abort though they are no BI
+
+
+def _behind_aborts(purposes: Sequence[Purpose[Tester]]) -> Sequence[Purpose[Tester]]:
+    """What judges aborts starts from their form: one wrong form is one FAIL."""
+    form = "CO301_SDO_BI_12"
+
+    def behind(one: Purpose[Tester]) -> Purpose[Tester]:
+        wants = one.id != form and (one.group == "BI" or one.id in REFUSES)
+        return replace(one, preamble=(*one.preamble, form)) if wants else one
+
+    return [behind(one) for one in purposes]
 
 
 def _generic(*parts: object) -> Sequence[Purpose[Tester]]:
@@ -111,36 +125,38 @@ def _canopen301() -> Sequence[Purpose[Tester]]:
         watching,
     )
 
-    return _generic(
-        sdo.SDO,
-        sdo_wrong.REFUSED,
-        transfers.MORE,
-        dictionary.DIC,
-        transfers.NAMES,
-        network.NMT,
-        watching.LIFE,
-        life.ERR,
-        watching.WATCH,
-        watching.GUARD,
-        watching.BEATS,
-        history.ERR,
-        pdo.PDO,
-        pdo_states.SENT,
-        history.EVENT,
-        pdo_states.HEARD,
-        pdo_wrong.RULES,
-        pdo_states.MAPPED,
-        keep.STO,
-        settings.SETTINGS,
-        settings.FORGETS,
-        settings.SHEET,
-        settings.SERVER,
-        series.BEATS,
-        series.PDOS,
-        keep.LSS,
-        network.TRC,
-        supply.SUP,
-        history.SUP,
+    return _behind_aborts(
+        _generic(
+            sdo.SDO,
+            sdo_wrong.REFUSED,
+            transfers.MORE,
+            dictionary.DIC,
+            transfers.NAMES,
+            network.NMT,
+            watching.LIFE,
+            life.ERR,
+            watching.WATCH,
+            watching.GUARD,
+            watching.BEATS,
+            history.ERR,
+            pdo.PDO,
+            pdo_states.SENT,
+            history.EVENT,
+            pdo_states.HEARD,
+            pdo_wrong.RULES,
+            pdo_states.MAPPED,
+            keep.STO,
+            settings.SETTINGS,
+            settings.FORGETS,
+            settings.SHEET,
+            settings.SERVER,
+            series.BEATS,
+            series.PDOS,
+            keep.LSS,
+            network.TRC,
+            supply.SUP,
+            history.SUP,
+        )
     )
 
 

@@ -6,7 +6,7 @@ SCORES: dict[str, tuple[int, int]] = {
     "modbus-tcp": (85, 85),
     "modbus-rtu": (76, 76),
     "cia402": (110, 110),
-    "canopen-301": (150, 150),
+    "canopen-301": (154, 154),
     "servodyn": (82, 82),
     "interop": (51, 51),
 }

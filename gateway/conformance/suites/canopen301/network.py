@@ -114,9 +114,10 @@ def forgets(t: NodeTester) -> None:
 )
 def other_node(t: NodeTester) -> None:
     with t.beating():
-        t.command(Command.STOP, t.setup.node % cobid.MAX_NODE + 1)
-        t.pause(ms(5))
-        entered(t, State.PRE_OPERATIONAL, "after a command to another node")
+        for command in (Command.STOP, Command.START):
+            t.command(command, t.setup.node % cobid.MAX_NODE + 1)
+            t.pause(ms(5))
+            entered(t, State.PRE_OPERATIONAL, f"after {command.name.lower()} to another node")
 
 
 @NMT.case("BI_02", "an unknown command has no effect", "ein unbekannter Befehl wirkt nicht", condition=BEATS, preamble=(BASIC, STATES))

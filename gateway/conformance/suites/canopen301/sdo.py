@@ -39,7 +39,7 @@ def upload(t: NodeTester) -> None:
 def judge_form(t: NodeTester, got: bytes, name: str, size: int) -> None:
     """WARN for the other forms a server may choose: expedited without its size, or in segments (CiA 301, 7.2.4.3.5)."""
     wanted = f"{Answer.INITIATE_UPLOAD << 5 | 4 - size << 2 | sdo.EXPEDITED | sdo.SIZED:02X}h"
-    expected = f"{wanted}: expedited, {'four bytes' if size == 4 else 'one byte'}"
+    expected = f"{wanted}: expedited, {({1: 'one byte', 2: 'two bytes'}).get(size, 'four bytes')}"
     if f"{got[0]:02X}h" == wanted:
         return
     what = f"upload of {name}: command byte {got[0]:02X}h"
@@ -56,6 +56,30 @@ def judge_form(t: NodeTester, got: bytes, name: str, size: int) -> None:
 def one_byte(t: NodeTester) -> None:
     got = t.asked(sdo.initiate(Request.INITIATE_UPLOAD, (0x1001, 0)), "upload of 1001h", (0x1001, 0))
     judge_form(t, got, "1001h", 1)
+
+
+@SDO.case(
+    "BV_14", "an upload of two bytes is answered with 4Bh", "ein Upload von zwei Byte wird mit 4Bh beantwortet", condition=("heartbeat",)
+)
+def two_bytes(t: NodeTester) -> None:
+    got = t.asked(sdo.initiate(Request.INITIATE_UPLOAD, HEARTBEAT), "upload of 1017h", HEARTBEAT)
+    judge_form(t, got, "1017h", 2)
+
+
+@SDO.case(
+    "BI_12",
+    "an abort has 8 bytes, with a code of the standard",
+    "ein Abbruch hat 8 Byte, mit einem Code der Norm",
+    clause="CiA 301, 7.2.4.3.17",
+)
+def abort_form(t: NodeTester) -> None:
+    got = t.ask(sdo.initiate(Request.INITIATE_UPLOAD, (0x1FF0, 0)))
+    if got[:1] != bytes((Answer.ABORT << 5,)):
+        return  # judged by CO301_DIC_BI_01
+    if len(got) != 8:
+        raise Fail(f"an abort of {len(got)} bytes", "8 bytes", hexed(got))
+    if (code := sdo.abort_of(got).code) not in sdo.TEXTS:
+        raise Fail(f"abort code {code:08X}h", "a code of CiA 301, table 22, low byte first", hexed(got))
 
 
 @SDO.case(

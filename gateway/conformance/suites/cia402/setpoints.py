@@ -232,7 +232,7 @@ def window_time(t: NodeTester) -> None:
             until(t, lambda: abs(position(t) - target) <= window and standing(t), f"inside 6067h of {target}", patience(t))
         inside = t.now()
         if status(t) & REACHED and not status(t) & BIT12:
-            raise Fail("bit 10 is set as soon as it stands", f"{time} ms later (6068h)", named(status(t)))
+            raise Fail("bit 10 is set as soon as it is at rest", f"{time} ms later (6068h)", named(status(t)))
         until(t, lambda: bool(status(t) & REACHED), "target reached", ms(time + 2000))
         took = t.now() - inside
         t.download(POSITION_TIME, 0, 2)

@@ -79,7 +79,7 @@ def quick_stop(t: BoosterTester) -> None:
             raise Fail("the brake closes while it moves", "brake open until standstill", words(told))
         t.drain()
         _standing(t, "a lost SYNC in motion")
-        t.remark(f"it stood {(t.now() - begin) / 1e6:.0f} ms after the last SYNC at the latest")
+        t.remark(f"at rest {(t.now() - begin) / 1e6:.0f} ms after the last SYNC at the latest")
         now = t.turn()
         if now.fault_code != told.fault_code:
             raise Fail(f"the fault code changes from {told.fault_code} to {now.fault_code}", "the first code until reset", words(now))
@@ -127,7 +127,7 @@ def together(t: BoosterTester) -> None:
 # ---- life counter and set values
 @FLT.case(
     "BO_04",
-    "a life counter that stands once is no fault",
+    "a life counter that is once unchanged is no fault",
     "ein Lebenszähler, der einmal steht, ist kein Fehler",
     condition=("life",),
 )
@@ -140,7 +140,7 @@ def stands_once(t: BoosterTester) -> None:
             t.life_runs = True
             found = t.turn(2)
             if found.fault:
-                raise Fail("a life counter that stands once is taken for a loss", "no fault", words(found))
+                raise Fail("a life counter that is once unchanged is taken for a loss", "no fault", words(found))
 
 
 @FLT.case(
