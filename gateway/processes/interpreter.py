@@ -30,6 +30,7 @@ from gateway.pure.image.records.interpreter import (
 from gateway.pure.image.records.planner import SAY_LAYOUT, BlockRecord, PlannerState, Say, pack_block, unpack_planner
 from gateway.pure.languages.base.hosting import PathState, View, paths_of
 from gateway.pure.languages.base.requests import RuntimeFault
+from gateway.pure.planning.ahead import StatementsAhead
 from gateway.registry import language_in
 from gateway.runtime.journal import Journal
 from gateway.runtime.realtime import Timerfd, die_with_parent, go_ahead
@@ -54,6 +55,7 @@ class CellPort:
         self._channels = RegionReader(fds["channels"], "channels", SEEN_LAYOUT)
         self._counters = RegionReader(fds["belt_counters"], "belt_counters", COUNTERS_LAYOUT) if "belt_counters" in fds else None
         self._belt_units = [belt.unit for belt in plan.cell.belt]
+        self._ahead, self._said = StatementsAhead(), PlannerState()
         self._says = RingWriter(fds["program-says"], "program-says", TEXT_LAYOUT)
         self._lines = RingWriter(fds["lines"], "lines", SAY_LAYOUT)
         self._correction = RegionWriter(fds["correction"], "correction", CORRECTION_LAYOUT) if "correction" in fds else None
@@ -62,7 +64,7 @@ class CellPort:
         """The cell in a new turn."""
         payload, seen, said = self._axes.read(), self._channels.read(), self._planner.read()
         state = CellState() if payload is None else unpack_cell_state(payload)
-        planner = PlannerState() if said is None else unpack_planner(said)
+        self._said = planner = PlannerState() if said is None else unpack_planner(said)
         axes = list(zip(self._units, state.axes, strict=False))
         self.view = View(
             Channels() if seen is None else unpack_channels(seen),
@@ -98,7 +100,9 @@ class CellPort:
         self.say("path", ticket=ticket, program=program, robot=robot)
 
     def _line(self, say: Say, job: int, text: str = "") -> None:
-        self._lines.put(pack_block(BlockRecord(say, job, text)))
+        record = self._ahead.passed(BlockRecord(say, job, text), self._said)
+        if record is not None:
+            self._lines.put(pack_block(record))
 
     def line(self, job: int, text: str) -> None:
         """A statement for the planner."""

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.image.reasons import Reason
-from gateway.pure.image.records.planner import BLOCKS, TEXT_BYTES, BlockRecord, PlannerState, Say
+from gateway.pure.image.records.planner import TEXT_BYTES, BlockRecord, PlannerState, Say
+from gateway.pure.planning.ahead import room
 
 AHEAD = 512  # blocks said and not over
-KEPT = 64  # records of the ring that orders to the cell and to streams have for themselves
 ORDERS = ("hold", "go", "retrace", "flush", "cut", "single", "step", "end_here")
 MOVES = ("ptp", "linear", "circular", "spline", "move", "move_file")
 THEN = {"": None, "finish": Say.FINISH, "end": Say.END}
@@ -60,8 +60,7 @@ class ToolStreams:
 
     def _floods(self, stream: "_Stream", count: int, heard: int) -> bool:
         """More statements than the ring has room for beside those of the other lanes: the stream ends, and no other (AX-1788)."""
-        planner = self._office.planner
-        most = BLOCKS // (1 + (0 if planner is None else len(planner.others))) - KEPT
+        most = room(self._office.planner or PlannerState())
         if stream.records - heard + count <= most:
             return False
         self._add(stream, BlockRecord(Say.LOST, stream.job.id, f"{count} {most}"))

@@ -6,8 +6,9 @@ import pytest
 
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.image.reasons import CommandState, Reason
-from gateway.pure.image.records.planner import BLOCKS, BlockRecord
-from gateway.services.tool_streams import KEPT, ToolStreams
+from gateway.pure.image.records.planner import BLOCKS, BlockRecord, PlannerState, Say
+from gateway.pure.planning.ahead import KEPT, StatementsAhead
+from gateway.services.tool_streams import ToolStreams
 from hil_tests.lab.cells.arm_and_scara import CELL
 from hil_tests.lab.virtual.cell_402_bench import Cell402Bench
 from hil_tests.lab.virtual.lanes_bench import Lanes
@@ -70,15 +71,26 @@ def in_small_parts(tools: Tools) -> None:
         tools.say(tools.scara, *["set path=100"] * 100, then="")
 
 
+def as_an_interpreter(tools: Tools) -> None:
+    """It writes statements one by one, and does not ask how many wait."""
+    ahead, job = StatementsAhead(), tools.scara.id
+    for _ in range(3 * MOST):
+        record = ahead.passed(BlockRecord(Say.LINE, job, "set path=100"), tools.lanes.office.planner or PlannerState())
+        tools.lanes.lines.extend([] if record is None else [record])
+    assert len(tools.lanes.lines) <= BLOCKS // 2
+
+
 def die(tools: Tools) -> None:
     tools.lanes.office.stop_move(tools.scara)
     tools.lanes.bench._hand_over()
 
 
-FLOODED = f"statements of the stream are lost: more than {MOST} came ahead of the planner"
+TOO_MANY = f"lost: more than {MOST} came ahead of the planner"
+FLOODED = f"statements of the stream are {TOO_MANY}"
 CASES: dict[str, tuple[tuple[str, ...], Callable[[Tools], None] | None, str]] = {
     "floods": ((AWAY,), flood, f"scara: block 2: {MOST + 1} {FLOODED}"),
     "floods in small parts": ((AWAY, FURTHER), in_small_parts, f"scara: block 3: 100 {FLOODED}"),
+    "floods from a program": ((AWAY,), as_an_interpreter, f"scara: block 2: a statement of the stream is {TOO_MANY}"),
     "starves": ((AWAY,), None, ""),
     "dies in the middle": ((AWAY, FURTHER), die, ""),
     "out of range": ((AWAY, "ptp joints 400 90 -200 0"), None, "scara: block 2, axis S1: target 400 deg is outside"),

@@ -1,0 +1,44 @@
+"""How far the statements of a stream may be ahead of the planner: the ring to it is one for all lanes of a cell (AX-1788).  Pure."""
+
+from gateway.pure.image.records.planner import BLOCKS, BlockRecord, PlannerState, Say
+
+KEPT = 64  # records of the ring that orders to the cell and to streams have for themselves
+REMEMBERED = 64  # streams that are counted; of older ones nothing comes any more
+
+
+def room(planner: PlannerState) -> int:
+    """Statements of one stream that may be on their way, beside those of the other lanes."""
+    return BLOCKS // (1 + len(planner.others)) - KEPT
+
+
+class StatementsAhead:
+    """Of the streams of an interpreter, whose programs do not know how many statements wait."""
+
+    def __init__(self) -> None:
+        self._said: dict[int, int] = {}  # job -> records
+        self._read: dict[int, int] = {}  # job -> of them, as the planner said last
+        self._over: set[int] = set()  # jobs that have lost one
+
+    def passed(self, record: BlockRecord, planner: PlannerState) -> BlockRecord | None:
+        """What the ring gets: the record; where there is no room for it, that its stream has lost statements; of that stream, nothing
+        more."""
+        job = record.job
+        if job in self._over:
+            return None
+        said = self._said.setdefault(job, 0)
+        self._forget()
+        state = planner.of(job)
+        if state.job == job:
+            self._read[job] = state.heard
+        if said - self._read.get(job, 0) >= (most := room(planner)):
+            self._over.add(job)
+            return BlockRecord(Say.LOST, job, f"1 {most}")
+        self._said[job] = said + 1
+        return record
+
+    def _forget(self) -> None:
+        while len(self._said) > REMEMBERED:
+            oldest = next(iter(self._said))
+            del self._said[oldest]
+            self._read.pop(oldest, None)
+            self._over.discard(oldest)
