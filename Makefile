@@ -28,7 +28,7 @@ help:
 	@echo "make mutants          would those tests notice their function breaking? rewrites docs/proof.tsv and docs/proof.md (MUTANTS=--missing: what changed; '-k NAME', '--sample 60 --seed 7': a part)"
 	@echo "make docs             pages made of decisions, errors, evidence; the site in build/site"
 	@echo "make pictures         docs/pictures from the last run of the page's tests"
-	@echo "make soak             a million 3964R and RK512 telegrams, a tenth of them spoiled (SOAK=50000: fewer); 1,000 motion programs (MOTION='100 20000': fewer); 10,000 lines beside a wrist pole (POLE=1000: fewer) and three minutes of curve in a cell; 60,000 emergency messages; 200 deaths of interpreter and PLC under PALTEST (KILLS=20: fewer); ten minutes of everything hostile at once (HOSTILE=60: fewer seconds); then make losses"
+	@echo "make soak             a million 3964R and RK512 telegrams, a tenth of them spoiled (SOAK=50000: fewer); 1,000 motion programs and 200 on belts (MOTION='100 20000': fewer); 10,000 lines beside a wrist pole (POLE=1000: fewer) and three minutes of curve in a cell; 60,000 emergency messages; 200 deaths of interpreter and PLC under PALTEST (KILLS=20: fewer); ten minutes of everything hostile at once (HOSTILE=60: fewer seconds); then make losses"
 	@echo "make losses           100 deaths of the cycle under moving drives of both families"
 	@echo "make branches         every branch of the serial protocols is tested"
 	@echo "make fuzz             bad input for Modbus, 3964R and RK512 from a seed (FUZZ='--seed 7 --seconds 600 --only rk512')"

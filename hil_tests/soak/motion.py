@@ -4,7 +4,8 @@ code 1 when a limit, the path or the stream was lost.  PROCESSES 0: one on each 
 Programs of a six-axis arm, a SCARA and a portal in equal parts (hil_tests.soak.robots).  Each is driven twice by the stepper at 1 ms:
 as it is, and with random overrides, stops and ways back (looking ahead in C where that was built, as a cell does).  Its set values are
 judged by differences: speed 1.00, acceleration 1.02, jerk 1.05 of the limits (1.10 while speed changes), never 1 um or urad off the
-path as it is driven without orders; and on paper the tool keeps the speeds of its blocks.
+path as it is driven without orders; and on paper the tool keeps the speeds of its blocks.  A fifth as many programs have parts on belts
+(hil_tests.soak.belts).
 """
 
 import math
@@ -26,6 +27,7 @@ from hil_tests.bench.path_figures import corner_dev
 from hil_tests.lab.cells import arms
 from hil_tests.lab.judges.tool_speed import sampled
 from hil_tests.lab.virtual.contour import SPEED, Streamed, stream
+from hil_tests.soak.belts import rides
 from hil_tests.soak.robots import drawn
 from motion.execution.stepper import State, Stepper
 from motion.execution.timed import TimedPiece
@@ -42,6 +44,7 @@ OFF = 1e-6  # m or rad
 TOOL = (1.002, 1.002, 1.02)  # path speed, turning speed, acceleration along the path, of those programmed
 ORIGIN = (0.0, 0.0, 0.0)
 MOST = 400_000  # periods
+RIDES = 5  # of so many programs there is one more with a part on a belt
 
 
 class Judged(NamedTuple):
@@ -187,7 +190,10 @@ def streamed(found: Streamed) -> tuple[list[str], list[str]]:
 def main() -> int:
     count, segments, seed, processes = (int(text) for text in (*sys.argv[1:5], *("1000", "150000", "1", "0")[len(sys.argv) - 1 :]))
     begin = time.monotonic()
-    lines, wrong = programs(count, seed, processes or os.cpu_count() or 1)
+    processes = processes or os.cpu_count() or 1
+    lines, wrong = programs(count, seed, processes)
+    more, bad = rides(-(-count // RIDES), seed, processes)
+    lines, wrong = lines + more, wrong + bad
     corner = corner_dev(10 * count)
     lines.append(f"corners: {10 * count}, {corner['value']} um beyond their tolerance")
     if not corner["met"]:
