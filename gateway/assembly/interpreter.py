@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from gateway.assembly.controllers import installation
 from gateway.assembly.data_block_signals import signals_of
 from gateway.assembly.eeprom import is_protected, load_eeprom, save_eeprom
-from gateway.assembly.lanes import lanes_of_cell
+from gateway.assembly.lanes import move_apart
 from gateway.assembly.pic import pic_bytes
 from gateway.assembly.printer import print_text
 from gateway.assembly.program_memory import memory_folder
@@ -104,7 +104,7 @@ def language_of(cell: Cell, memory: Memory, port: Port, p5_ms: int) -> CellRun:
         robots_of_cell(cell),
         ms(p5_ms),
         setup=CellSetup(presets_of(cell), belts_in(cell), {each.channel: each.input for each in cell.measuring}),
-        one=not lanes_of_cell(cell),
+        one=not move_apart(cell),
     )
     if cell.controller is not None and cell.controller.phg_unit:
         language.devices[cell.controller.phg_unit] = Device(UnitFeed())

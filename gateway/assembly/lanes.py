@@ -10,9 +10,14 @@ def lane_masks(cell: Cell) -> list[int]:
     return masks_of(kinematic_by_axis(cell), one=not move_apart(cell))
 
 
+def several(cell: Cell) -> bool:
+    """It has kinematics with feed inputs and an override of their own (AX-1787)."""
+    return len(cell.robot) > 1 and all(robot.model for robot in cell.robot)
+
+
 def move_apart(cell: Cell) -> bool:
     """Its kinematics have a lane each."""
-    return len(cell.robot) > 1 and all(robot.model for robot in cell.robot) and not cell.belt and cell.alter is None
+    return several(cell) and not cell.belt and cell.alter is None
 
 
 def robot_axes(cell: Cell) -> dict[str, int]:
@@ -23,6 +28,6 @@ def robot_axes(cell: Cell) -> dict[str, int]:
 
 
 def lanes_of_cell(cell: Cell) -> int:
-    """How many a record of the cell has; 0: one, which is the whole cell."""
-    count = len(lane_masks(cell))
+    """How many a record of the cell has, one for each kinematic also where they are led together; 0: the cell has one."""
+    count = len(masks_of(kinematic_by_axis(cell), one=False))
     return count if count > 1 else 0

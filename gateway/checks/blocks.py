@@ -1,7 +1,7 @@
 """Data blocks: places, types, names, ranges, who writes which word, and the bits of the handshakes."""
 
 from gateway.assembly.data_block_signals import flag_operand, number_of, operand, parsed, place_of, rc_place
-from gateway.assembly.lanes import move_apart
+from gateway.assembly.lanes import several
 from gateway.checks.context import Context, near, number
 from gateway.checks.controller import names_of, phg_fault
 from gateway.pure.cell.cell import Axis, Db, Entry, Handshake
@@ -211,8 +211,8 @@ def _kind(check: Context, block: Db, entry: Entry, found: Found) -> None:
     if found.which and found.which != "*":
         if check.unknown(key, found.which, found.kind):
             return
-        if found.kind == "robot" and entry.to and not move_apart(check.cell):
-            check.fault(key, entry.signal, "the kinematics of this cell do not move for themselves (AX-920); use cell.override")
+        if found.kind == "robot" and entry.to and not several(check.cell):
+            check.fault(key, entry.signal, "the cell has one kinematic only, or a [[robot]] without a model; use cell.override")
     if not (found.name.to if entry.to else found.name.from_):
         way = "read (from = ..)" if entry.to else "written (to = ..)"
         check.fault(key, entry.signal, f"this name is only {way}")

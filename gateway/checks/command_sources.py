@@ -2,7 +2,7 @@
 
 from gateway.assembly.axis_signals import SINGLE
 from gateway.assembly.data_block_signals import rc_place
-from gateway.assembly.lanes import move_apart
+from gateway.assembly.lanes import several
 from gateway.assembly.pic import own_sources
 from gateway.checks.context import Context, near, program_lines, twice
 from gateway.pure.cell.cell import Line
@@ -128,7 +128,7 @@ def rc_inputs(check: Context) -> None:
 
 
 def _wired(check: Context) -> None:
-    """Feed inputs of single kinematics: of those that move for themselves (AX-1787)."""
+    """Feed inputs of single kinematics: of one of several (AX-1787)."""
     for name in check.cell.rc_inputs.wired:
         signal = check.signals.named(name)
         row = SINGLE.fullmatch(signal.name) if signal is not None else None
@@ -136,8 +136,8 @@ def _wired(check: Context) -> None:
             check.fault("rc_inputs.wired", name, "names feed inputs of single kinematics", "KIN_n_FEED_ALLOW_RCI | KIN_n_FEED_HOLD_N_RCI")
         elif int(row[1]) > len(check.cell.robot):
             check.fault("rc_inputs.wired", name, f"the cell has {len(check.cell.robot)} kinematics", f"1..{len(check.cell.robot)}")
-        elif not move_apart(check.cell):
-            hint = "the kinematics of this cell do not move for themselves (AX-920); use FEED_ALLOW_RCI and FEED_HOLD_N_RCI"
+        elif not several(check.cell):
+            hint = "the cell has one kinematic only, or a [[robot]] without a model; use FEED_ALLOW_RCI and FEED_HOLD_N_RCI"
             check.fault("rc_inputs.wired", name, hint)
 
 

@@ -239,7 +239,7 @@ class CommandDispatcher:
             raise Refusal(Reason.NOT_READY, "the cycle does not run")
         self.control.demand(move.door, move.span)
         self._may_move(cell, self.admission.to_be_enabled(move, cell), idle=False)
-        if cell.override_of(move.span) <= 0.0:
+        if cell.override_of(move.mask) <= 0.0:
             raise Refusal(Reason.OVERRIDE_ZERO)
         if not back:
             move.reason, move.detail = Reason.NONE, ""
@@ -299,7 +299,8 @@ class CommandDispatcher:
                     self.admission.check_named(job)
                 if not 0.0 <= command.velocity <= 1.0:
                     raise Refusal(Reason.RATE, f"override {command.velocity:.2%}; 0..100 %")
-                self._order(Order.OVERRIDE, job.id, mask=_named(job.span), value=self.overrides.ordered(job.span, command.velocity))
+                axes = cell.kinematics(job.mask) if code is Code.AXES_OVERRIDE else job.span
+                self._order(Order.OVERRIDE, job.id, mask=_named(axes), value=self.overrides.ordered(axes, command.velocity))
 
     def _resume(self, job: Job, cell: CellState) -> None:
         """Every move of its lanes that was stopped goes on."""
@@ -325,7 +326,7 @@ class CommandDispatcher:
             raise Refusal(Reason.MASK, f"{job.mask:04X}h; {len(command.targets)} targets are given, none for {missing}")
         alone = self._first_try and relative and job.mask.bit_count() == 1
         self._may_move(cell, job.mask, referenced=not alone)
-        self.admission.check_rates(command, cell.override_of(job.span))
+        self.admission.check_rates(command, cell.override_of(job.mask))
         start = [axis.set for axis in cell.axes[: len(self.axes)]]
         target = self.admission.ptp_targets(job.mask, command, start, relative=relative)
         piece = self._plan(start, target, job.mask, command.velocity, command.acceleration, job.id)
@@ -350,7 +351,7 @@ class CommandDispatcher:
             job.span = cell.span(mask)
             self.control.demand(door, job.span)
             self._may_move(cell, self.admission.to_be_enabled(job, cell))
-            if cell.override_of(job.span) <= 0.0:
+            if cell.override_of(job.mask) <= 0.0:
                 raise Refusal(Reason.OVERRIDE_ZERO)
             self._begin(job, ProgramOrder(job.id, 0, 1.0, 1.0, robot))
         except Refusal as refusal:
@@ -369,7 +370,7 @@ class CommandDispatcher:
         job.span = cell.span(job.mask)
         self.control.demand(job.door, job.span)
         self._may_move(cell, self.admission.to_be_enabled(job, cell))
-        self.admission.check_rates(command, cell.override_of(job.span))
+        self.admission.check_rates(command, cell.override_of(job.mask))
         self._begin(job, ProgramOrder(job.id, number, command.velocity, command.acceleration))
 
     def _begin(self, job: Job, order: ProgramOrder) -> None:

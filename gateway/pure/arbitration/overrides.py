@@ -24,7 +24,7 @@ class Overrides:
             return []
         groups: dict[float, int] = {}
         for number, ordered in enumerate(self._ordered):
-            shown = cell.lane_of(1 << number).override
+            shown = cell.override_of(1 << number)
             system = (shown / before if before else 0.0) if ordered is None else ordered
             groups[system] = groups.get(system, 0) | 1 << number
         return [(mask, min(system * factor, 1.0)) for system, mask in groups.items()]

@@ -176,7 +176,7 @@ class CycleLogic:
     def _apply_override(self) -> None:
         """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""
         for lane in self.lanes:
-            ordered = lane.ramp.step(lane.override) * lane.factor
+            ordered = lane.ramp.step(lane.ordered) * lane.factor
             value = ordered if self._permits & FLOW & ~lane.withheld == FLOW else 0.0
             if value != lane.mover.override:
                 lane.mover.set_override(value)
@@ -239,7 +239,7 @@ class CycleLogic:
             return
         lane.held = record.reason == Reason.SERVICES_LOST
         if not lane.busy:
-            lane.factor = 1.0
+            lane.factor, lane.moves = 1.0, record.mask or EVERY_AXIS
         if record.order is Order.MOVE:
             lane.mover.move(record)
         else:
@@ -275,7 +275,7 @@ class CycleLogic:
         elif not lane.mover.all_enabled(record.mask):
             self.state.fail(record.job, Reason.DRIVES_OFF)
         else:
-            lane.held = record.reason == Reason.SERVICES_LOST
+            lane.held, lane.moves = record.reason == Reason.SERVICES_LOST, record.mask
             lane.homings.begin(record.job, record.mask)
 
     def feed(self, record: PieceRecord) -> None:
@@ -438,7 +438,7 @@ class CycleLogic:
             if lane.homings.under_way:
                 lane.homings.look()
             lane.state.motion = lane.motion
-            lane.state.override = lane.override
+            lane.state.override = lane.highest
             lane.state.job = lane.homings.job or lane.mover.running
         if len(self.lanes) > 1:
             self.state.motion = worst(lane.state.motion for lane in self.lanes)

@@ -12,7 +12,7 @@ from gateway.pure.cycle.homing import Homings
 from gateway.pure.cycle.mover import Mover
 from gateway.pure.cycle.single_inputs import SingleInputs
 from gateway.pure.image.reasons import Reason
-from gateway.pure.image.records.cell import CellState, InputImage, LaneState, Motion, Order, OrderRecord
+from gateway.pure.image.records.cell import EVERY_AXIS, CellState, InputImage, LaneState, Motion, Order, OrderRecord
 from motion.execution.stepper import State
 from motion.timing.override_ramp import OverrideRamp
 from protocols.base.machine import Ns
@@ -38,6 +38,9 @@ class Lane:
         self.held = False  # what moves is hold-to-run: it stops without the services
         self.own = self.holds = own  # axes (bit n-1 = axis n)
         self.places: tuple[int, ...] = ()  # of those it holds, from 0
+        self.kinematics: list[LaneState] = []  # of several that it leads together for good: what is each one's own
+        self._single: dict[int, float] = {}  # axes of a kinematic -> override ordered for it alone, since the last one for all
+        self.moves = own  # axes of the order under way
         self.hold(own)
 
     @property
@@ -51,6 +54,28 @@ class Lane:
         if motion is Motion.IDLE and (self.mover.running or self.mover.program.job):
             return Motion.RUNNING  # the axes are still on their last increments, or a program is being prepared
         return motion
+
+    @property
+    def ordered(self) -> float:
+        """Override of what is under way: with several kinematics the lowest of those it moves."""
+        single = self._single
+        return min((single.get(each.own, self.override) for each in self.kinematics if each.own & self.moves), default=self.override)
+
+    @property
+    def highest(self) -> float:
+        """Override of the kinematic that has the highest one."""
+        return max((self._single.get(each.own, self.override) for each in self.kinematics), default=self.override)
+
+    def set_override(self, value: float, mask: int) -> None:
+        """As ordered for these axes."""
+        named = [each for each in self.kinematics if each.own & mask]
+        if len(named) < len(self.kinematics):
+            self._single |= {each.own: value for each in named}
+        else:
+            self.override = value
+            self._single.clear()
+        for each in named:
+            each.override = value
 
     def hold(self, mask: int) -> None:
         """These axes are led by it; where no path leads, one begins where they are."""
@@ -84,7 +109,7 @@ class Lane:
             case Order.RETRACE:
                 self.mover.retrace()
             case Order.OVERRIDE:
-                self.override = min(max(record.value, 0.0), 1.0)
+                self.set_override(min(max(record.value, 0.0), 1.0), record.mask or EVERY_AXIS)
             case Order.DISTANCE:
                 self.mover.measure.distance = record.value
             case Order.FACTOR if record.job in (self.mover.program.job, self.mover.running):
@@ -156,8 +181,14 @@ def give_back(lanes: Sequence[Lane]) -> None:
 
 
 def withhold(lanes: Sequence[Lane], single: SingleInputs, inputs: InputImage, services_ns: Ns, now: Ns) -> int:
-    """Feed inputs of single kinematics hold their lanes; axes of those with an input that has just been lost."""
+    """Feed inputs of single kinematics hold what moves these; axes that lose their path with an input that has just been lost."""
     just_lost = single.judge(inputs, services_ns, now)
     for lane in lanes:
-        lane.withheld = single.withheld(lane.holds or lane.own)
+        if not lane.kinematics:
+            lane.withheld = single.withheld(lane.holds or lane.own)
+            continue
+        for each in lane.kinematics:
+            each.withheld = single.withheld(each.own)
+        lane.withheld = single.withheld(lane.moves)
+        just_lost &= lane.moves
     return just_lost

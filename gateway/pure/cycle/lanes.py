@@ -12,7 +12,7 @@ from gateway.pure.cycle.homing import Homings
 from gateway.pure.cycle.lane import Lane
 from gateway.pure.cycle.lane_masks import masks_of
 from gateway.pure.image.reasons import Reason
-from gateway.pure.image.records.cell import CellState, LaneState
+from gateway.pure.image.records.cell import EVERY_AXIS, CellState, LaneState
 from motion.execution.stepper import Sample
 from motion.timing.foresight import Foresight
 from motion.timing.override_ramp import OverrideRamp
@@ -39,15 +39,19 @@ class LaneParts:
 
 def make_lanes(parts: LaneParts) -> list[Lane]:
     """In the order of the kinematics; axes of none come last."""
-    masks = masks_of([axis.plan.kinematic for axis in parts.axes], one=parts.belts is not None or parts.alter is not None)
+    state, numbers = parts.state, [axis.plan.kinematic for axis in parts.axes]
+    masks = masks_of(numbers, one=False)
     if len(masks) == 1:
-        return [_lane(masks[0], parts.state, parts)]
-    state = parts.state
-    state.lanes = [LaneState(own=mask, holds=mask) for mask in masks]
+        return [_lane(masks[0], state, parts)]
     if parts.functions is not None:
-        numbers = [axis.plan.kinematic for axis in parts.axes]
         parts.functions.cell = state
         parts.functions.masks = {number: sum(1 << n for n, own in enumerate(numbers) if own == number) for number in set(numbers)}
+    if parts.belts is not None or parts.alter is not None:
+        state.lanes = [LaneState(own=mask) for mask in masks]
+        lane = _lane(EVERY_AXIS, state, parts)
+        lane.kinematics = state.lanes
+        return [lane]
+    state.lanes = [LaneState(own=mask, holds=mask) for mask in masks]
     return [_lane(mask, CellState(generation=state.generation, axes=state.axes), parts) for mask in masks]
 
 

@@ -46,7 +46,7 @@ class CoreOutputs:
         self._running = 0  # at most so many functions run
         self._failed = 0  # job that failed last
         self.cell: CellState | None = None  # of all lanes, where there are several
-        self.masks: Mapping[int, int] = {}  # in a cell of several lanes: kinematic -> its axes (bit n-1 = axis n)
+        self.masks: Mapping[int, int] = {}  # in a cell of several kinematics: kinematic -> its axes (bit n-1 = axis n)
         self._failed_of: dict[int, int] = {}  # kinematic -> job of its lane that failed last
 
     def call(self, asked: Function, state: CellState, image: bytearray) -> None:
@@ -107,7 +107,8 @@ class CoreOutputs:
 
 def _failed_in(state: CellState, mask: int) -> int:
     """The newest order that failed in a lane with these axes."""
-    return max((lane.failed_job for lane in state.lanes if lane.holds & mask), default=0)
+    lanes = state.apart
+    return max((lane.failed_job for lane in lanes if lane.holds & mask), default=0) if lanes else state.failed_job
 
 
 def _raw(value: float, place: OutputPlace) -> int:

@@ -122,7 +122,7 @@ class CellState:
     failed_4: U64 = 0
     reason_4: U16 = 0
     axes: list[AxisState] = field(default_factory=lambda: [AxisState() for _ in range(MOST_AXES)])  # published: those of the cell
-    lanes: list["LaneState"] = field(default_factory=list)  # of a cell of several; the rest of the record is then of all together
+    lanes: list["LaneState"] = field(default_factory=list)  # of a cell of several kinematics; the rest is then of all together
 
     def fail(self, job: int, reason: int) -> None:
         """This order ended badly; 0: there was none."""
@@ -142,25 +142,35 @@ class CellState:
         return found
 
     # ---- by lanes: what a cell of one answers for itself ---------------------------------------------------------------
+    @property
+    def apart(self) -> list["LaneState"]:
+        """Those that lead axes; empty: one lane leads the axes of all kinematics, whose records say what is each one's own alone."""
+        return self.lanes if any(lane.holds for lane in self.lanes) else []
+
     def done(self, job: int) -> bool:
         """The last order of a lane that ended well is this one."""
-        return any(lane.done_job == job for lane in self.lanes) if self.lanes else self.done_job == job
+        lanes = self.apart
+        return any(lane.done_job == job for lane in lanes) if lanes else self.done_job == job
 
     def moves(self, job: int) -> bool:
         """This order moves axes now."""
-        return any(lane.job == job for lane in self.lanes) if self.lanes else self.job == job
+        lanes = self.apart
+        return any(lane.job == job for lane in lanes) if lanes else self.job == job
 
     def span(self, mask: int) -> int:
         """Every axis of the lanes with some of these axes; 0: of all lanes."""
+        return self.kinematics(mask) if self.apart else EVERY_AXIS
+
+    def kinematics(self, mask: int) -> int:
+        """Every axis of the kinematics with some of these axes; 0: of all."""
         if not self.lanes:
             return EVERY_AXIS
         return functools.reduce(operator.or_, (lane.own for lane in self.lanes if lane.own & mask or not mask), 0)
 
     def motion_of(self, mask: int) -> Motion:
         """Of the lanes that hold some of these axes (bit n-1 = axis n)."""
-        if not self.lanes:
-            return self.motion
-        return worst(lane.motion for lane in self.lanes if lane.holds & mask)
+        lanes = self.apart
+        return worst(lane.motion for lane in lanes if lane.holds & mask) if lanes else self.motion
 
     def lane_of(self, mask: int) -> "CellState | LaneState":
         """The lane that holds the first of these axes."""
@@ -168,29 +178,30 @@ class CellState:
 
     def rests(self, since: int) -> bool:
         """Nothing moves but what was ordered after this order."""
-        if not self.lanes:
-            return self.motion in AT_REST
-        return all(lane.motion in AT_REST or lane.job > since for lane in self.lanes)
+        lanes = self.apart
+        return all(lane.motion in AT_REST or lane.job > since for lane in lanes) if lanes else self.motion in AT_REST
 
     def stopped(self, mask: int) -> int:
         """Every axis of the lanes with some of these that rest with a rest of their path; 0: there is none."""
-        if not self.lanes:
+        if not (lanes := self.apart):
             return EVERY_AXIS if self.motion is Motion.STOPPED else 0
-        return functools.reduce(operator.or_, (lane.holds for lane in self.lanes if lane.holds & mask and lane.motion is Motion.STOPPED), 0)
+        return functools.reduce(operator.or_, (lane.holds for lane in lanes if lane.holds & mask and lane.motion is Motion.STOPPED), 0)
 
     def withheld(self, mask: int) -> int:
         """Permit bits that feed inputs of the kinematics with some of these axes withhold."""
         return functools.reduce(operator.or_, (lane.withheld for lane in self.lanes if lane.own & mask), 0)
 
     def override_of(self, mask: int) -> float:
-        """The lowest of these lanes, as ordered."""
-        return min((lane.override for lane in self.lanes if lane.holds & mask), default=self.override)
+        """The lowest of these lanes or kinematics, as ordered."""
+        lanes = self.apart
+        return min((lane.override for lane in self.lanes if (lane.holds if lanes else lane.own) & mask), default=self.override)
 
 
 @dataclass(slots=True)
 class LaneState:
     """One lane of a cell of several: a kinematic that moves for itself, or the axes of none.  What its fields mean is what those of
-    CellState mean, for these axes alone."""
+    CellState mean, for these axes alone.  Where one lane leads all (belts, a correction) they hold nothing, and own, override and
+    withheld alone count."""
 
     own: U32 = 0  # axes (bit n-1 = axis n) of its kinematic
     holds: U32 = 0  # axes it leads now: its own, and those of others while it moves them, too; 0: another lane has them

@@ -51,7 +51,7 @@ class View:
 def paths_of(planner: PlannerState, state: CellState) -> tuple[PathState, ...]:
     """Of the lanes of a cell, as planner and cycle report them."""
     states = (planner, *planner.others)
-    met = [lane.met for lane in state.lanes] or [state.met]
+    met = [lane.met for lane in state.apart] or [state.met]
     return tuple(
         PathState(each.job, each.passed, each.failed_job, each.fault_block, one, each.block, each.share, each.fault_code)
         for each, one in zip(states, met, strict=False)

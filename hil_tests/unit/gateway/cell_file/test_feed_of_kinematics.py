@@ -45,7 +45,7 @@ def test_one_that_is_written_and_not_named_is_a_warning() -> None:
     [
         (two_robots('wired = ["FEED_HOLD_N_RCI"]'), "names feed inputs of single kinematics"),
         (two_robots('wired = ["KIN_3_FEED_HOLD_N_RCI"]'), "the cell has 2 kinematics"),
-        (ARM.read_text().replace("[rc_inputs]", '[rc_inputs]\nwired = ["KIN_1_FEED_HOLD_N_RCI"]', 1), "do not move for themselves"),
+        (ARM.read_text().replace("[rc_inputs]", '[rc_inputs]\nwired = ["KIN_1_FEED_HOLD_N_RCI"]', 1), "has one kinematic only"),
     ],
 )
 def test_what_cannot_be_wired_is_refused_with_its_reason(text: str, words: str) -> None:

@@ -116,7 +116,7 @@ class AxisCommands:
 
     @property
     def _lanes(self) -> bool:
-        return self._office.cell is not None and bool(self._office.cell.lanes)
+        return self._office.cell is not None and bool(self._office.cell.apart)
 
     def _motion(self, door: int, cell: CellState | None) -> Motion:
         """Of what this command source has control of."""
