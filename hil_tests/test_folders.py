@@ -23,7 +23,6 @@ OWN_TIME = (  # in guests with a clock of their own: whole cells that a late cyc
         "canopen/test_emulator_nodes.py",
         "canopen/test_first_enable.py",
         "canopen/test_judge_p402.py",
-        "canopen/test_look_before_talking.py",
         "canopen/test_master_goes_on.py",
         "canopen/test_route_to_a_parameter.py",
         "canopen/test_s5_plays.py",
@@ -52,8 +51,10 @@ COMMANDS = (  # they start commands or call them and read files; no clock runs i
 BESIDE = (  # real processes that wait more than they compute, and whose times are long ones: they stood a machine six times too busy
     *(
         "bus_tools",
+        "canopen/test_commissioning_on_a_bus.py",
         "canopen/test_emergency_storm.py",
         "canopen/test_endless_upload.py",
+        "canopen/test_look_before_talking.py",
         "doctor",
         "monitor",
         "northbound",

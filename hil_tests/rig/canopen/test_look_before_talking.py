@@ -1,11 +1,9 @@
 """A second master says nothing: the one that is there (of the `canopen` package) is heard first and refused; a running cell reports it."""
 
-import pathlib
-import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
+from typing import NamedTuple, Protocol
 
 import can
 import canopen
@@ -15,6 +13,7 @@ from drivers.drives.cia402 import Cia402Set
 from drivers.drives.cia402_family import Cia402Family
 from drivers.drives.family import Actual
 from drivers.ports.can.broker import BrokerPort
+from gateway.__main__ import main
 from gateway.cycle.bus_link import BusLink
 from gateway.tools.drives.without_cycle import QUIET_S
 from hil_tests.lab.partners.durand_drive import DurandDrive
@@ -25,10 +24,17 @@ from protocols.canopen.cob_id import sdo_answer, sdo_request
 SYNC_S = 0.02
 
 
-@pytest.fixture
-def bus(tmp_path: pathlib.Path) -> Iterator[Bus]:
-    with running_bus(tmp_path, name="look", log=False) as bus:
+@pytest.fixture(scope="module")
+def bus(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bus]:
+    with running_bus(tmp_path_factory.mktemp("look"), name="look", log=False) as bus:
         yield bus
+
+
+@pytest.fixture
+def listener(bus: Bus) -> Iterator[BrokerPort]:
+    port = bus.port()
+    yield port
+    port.close()
 
 
 @pytest.fixture
@@ -41,9 +47,26 @@ def master(bus: Bus) -> Iterator[canopen.Network]:
     network.disconnect()
 
 
-def axisgate(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "gateway", *words]
-    return subprocess.run(command, check=False, capture_output=True, text=True, timeout=30, stdin=subprocess.DEVNULL)
+class Called(NamedTuple):
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+class Axisgate(Protocol):
+    def __call__(self, *words: str) -> Called: ...
+
+
+@pytest.fixture
+def axisgate(capsys: pytest.CaptureFixture[str]) -> Axisgate:
+    """The command in this process."""
+
+    def call(*words: str) -> Called:
+        capsys.readouterr()
+        code = main(words)
+        return Called(code, *capsys.readouterr())
+
+    return call
 
 
 @pytest.mark.parametrize(
@@ -57,30 +80,28 @@ def axisgate(*words: str) -> subprocess.CompletedProcess[str]:
     ],
     ids=["commission", "scan", "scan-cell", "nmt", "run"],
 )
-def test_a_foreign_sync_is_reported_and_nothing_is_sent(bus: Bus, master: canopen.Network, command: tuple[str, ...]) -> None:
-    listener = bus.port()
+def test_a_foreign_sync_is_reported_and_nothing_is_sent(
+    listener: BrokerPort, master: canopen.Network, axisgate: Axisgate, command: tuple[str, ...]
+) -> None:
     told = axisgate(*command)
     assert told.returncode == 3, told
     assert "broker:look: another master is active on this bus: SYNC (080h, " in told.stderr and "Traceback" not in told.stderr
     assert {frame.identifier for frame in listener.receive()} == {0x080}, "the SYNC of the master that was there, and nothing else"
-    listener.close()
 
 
-def test_a_heartbeat_of_a_gateway_and_an_sdo_client_are_masters_too(bus: Bus) -> None:
+def test_a_heartbeat_of_a_gateway_and_an_sdo_client_are_masters_too(bus: Bus, axisgate: Axisgate) -> None:
     for frame in (Frame(0x77F, b"\x05"), Frame(0x602, bytes.fromhex("4041600000000000"))):
         with talking(frame):
             told = axisgate("drive", "commission", "demo-402", "A2", "--port", "broker:look")
         assert told.returncode == 3 and f"{frame.identifier:03X}h" in told.stderr, told
 
 
-def test_nmt_beside_a_master_leaves_when_it_is_asked_for(bus: Bus, master: canopen.Network) -> None:
-    listener = bus.port()
+def test_nmt_beside_a_master_leaves_when_it_is_asked_for(listener: BrokerPort, master: canopen.Network, axisgate: Axisgate) -> None:
     assert axisgate("bus", "send", "broker:look", "--nmt", "start", "--node", "3", "--beside").returncode == 0
     assert Frame(0, b"\x01\x03") in [frame._replace(stamp_ns=0) for frame in listener.receive()]
-    listener.close()
 
 
-def test_a_scan_asks_beside_a_master_when_it_is_asked_for_and_names_the_way(bus: Bus, master: canopen.Network) -> None:
+def test_a_scan_asks_beside_a_master_when_it_is_asked_for_and_names_the_way(bus: Bus, master: canopen.Network, axisgate: Axisgate) -> None:
     assert "or ask all the same with --beside" in axisgate("drive", "scan", "broker:look").stderr
     drive = DurandDrive("look", 5)
     try:
@@ -90,7 +111,7 @@ def test_a_scan_asks_beside_a_master_when_it_is_asked_for_and_names_the_way(bus:
         drive.stop()
 
 
-def test_a_scan_that_listened_has_its_second_round(bus: Bus) -> None:
+def test_a_scan_that_listened_has_its_second_round(bus: Bus, axisgate: Axisgate) -> None:
     """A loaded machine: every answer comes later than the first round waits."""
     device, ended = bus.port(), threading.Event()
     waiting: list[tuple[float, Frame]] = []
@@ -114,13 +135,13 @@ def test_a_scan_that_listened_has_its_second_round(bus: Bus) -> None:
     assert told.returncode == 0 and "node   5: drive, vendor 0x00020192" in told.stdout, told
 
 
-def test_a_silent_bus_is_talked_on(bus: Bus) -> None:
+def test_a_silent_bus_is_talked_on(bus: Bus, axisgate: Axisgate) -> None:
     assert axisgate("bus", "send", "broker:look", "--nmt", "start").returncode == 0
     told = axisgate("drive", "commission", "demo-402", "A2", "--port", "broker:look")
     assert told.returncode == 1 and "does not answer" in told.stderr
 
 
-def test_drives_are_not_emulated_beside_those_with_their_numbers(bus: Bus) -> None:
+def test_drives_are_not_emulated_beside_those_with_their_numbers(bus: Bus, axisgate: Axisgate) -> None:
     with talking(Frame(0x702, b"\x7f")):
         told = axisgate("emulate", "demo-402", "--bus", "broker:look")
     assert told.returncode == 3 and "node 2 is on this bus already" in told.stderr, told
