@@ -109,10 +109,11 @@ check: $(JUDGES) native
 	test $$lint -eq 0 || { echo "make check: lint failed (above the tests)" >&2; exit 1; }; \
 	exit $$tests
 
-# Lint and branches first, all tests whatever they said; pytest's closing line is the last one.
+# Lint and branches first, beside each other, then all tests whatever they said; pytest's closing line is the last one.
 test: $(JUDGES) references native kernel pythons
-	@mkdir -p build; lint=0; $(MAKE) --no-print-directory lint || lint=1; \
-	branches=0; $(MAKE) --no-print-directory branches || branches=1; \
+	@mkdir -p build || exit 1; $(MAKE) --no-print-directory branches > build/branches.txt 2>&1 & pid=$$!; trap "kill $$pid" INT TERM; \
+	lint=0; $(MAKE) --no-print-directory lint || lint=1; \
+	branches=0; wait $$pid || branches=1; trap - INT TERM; cat build/branches.txt; \
 	$(PY) -m pytest $(SLOWEST) --matrix=build/matrix/results.json; tests=$$?; \
 	test $$lint -eq 0 || { echo "make test: lint failed (above the tests)" >&2; exit 1; }; \
 	test $$branches -eq 0 || { echo "make test: a branch of the serial protocols is not tested (above the tests)" >&2; exit 1; }; \
