@@ -68,7 +68,7 @@ class Device:
         if request.unit not in (1, 0, 255) and not self._any_unit:
             return b"" if self.rtu else answer(request.pdu, None)
         if request.pdu[:1] and request.pdu[0] in self._without:
-            return bytes((request.pdu[0] | 0x80, 1))
+            return b"" if broadcast else bytes((request.pdu[0] | 0x80, 1))
         said = answer(request.pdu, self.tables, True, self.station)
         if self._changed is not None and said:
             said = self._changed(self, request.pdu, said)
@@ -127,3 +127,12 @@ class Device:
         self._queue.clear()
         self.framing = RtuFraming(timing(9600)) if self.rtu else Framing()
         return []
+
+
+class Busy(Device):
+    """Has no time for each 40th request: exception 06, the client asks again."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        if self.count % 40 == 39 and request.pdu and request.unit == 1:
+            return bytes((request.pdu[0] | 0x80, 6))
+        return super().serve(request, now)

@@ -24,7 +24,7 @@ from gateway.conformance.peers.modbus_answers import (
     writes_bad,
     writes_unread,
 )
-from gateway.conformance.peers.modbus_devices import Answer, Device, Tables
+from gateway.conformance.peers.modbus_devices import SIZE, Answer, Busy, Device, Tables
 from gateway.conformance.peers.modbus_tables import (
     AsFarAsCoilsGo,
     AsFarAsThereIs,
@@ -79,6 +79,31 @@ ROWS: tuple[Row, ...] = (
         lambda device, asked, said: b"\x80" + said[1:] if asked[0] == 0x41 else said,
     ),
     _answers("unknown-is-04", "refuses unknown functions with 04", ["FUN_BI_01"], number(1, 4, (0x41, 9, 0x64, 0x6E))),
+    _answers(
+        "seven-bits",
+        "executes function 83h as function 3",
+        ["FUN_BI_02"],
+        lambda device, asked, said: b"\x83\x02\0\0" if asked[0] == 0x83 else said,
+    ),
+    _answers(
+        "end-refused",
+        "refuses two input registers that end at the last one",
+        ["ANS_BV_06"],
+        lambda device, asked, said: b"\x84\x02" if asked == bytes((4, 0, SIZE - 2, 0, 2)) else said,
+    ),
+    _answers(
+        "end-unwritten",
+        "refuses FC 16 of two registers that end at the last one",
+        ["ANS_BV_07"],
+        lambda device, asked, said: b"\x90\x02" if asked[:5] == bytes((16, 0, SIZE - 2, 0, 2)) else said,
+    ),
+    _answers("loop-cut", "FC 8 returns two bytes of four", ["ANS_CA_08"], rewritten(8, lambda asked, said: said[:5])),
+    _answers(
+        "any-diagnosis",
+        "executes sub-functions of FC 8 that are none",
+        ["ANS_CA_08"],
+        lambda device, asked, said: asked if asked[:2] == b"\x08\x7f" else said,
+    ),
     _answers("amount-0", "serves an amount of 0", ["FUN_BI_30"], any_amount),
     _answers("amount-126", "serves 126 registers", ["FUN_BI_31"], too_many),
     _answers("limit-100", "serves 100 registers of 120 in one request", ["FUN_BV_32", "FUN_BV_42"], limited(100)),
@@ -205,6 +230,7 @@ def variants(rtu: bool) -> tuple[Variant, ...]:
             lambda: Device(rtu, limited(100)),
             most_registers=100,
         ),
+        one("busy", "refuses each 40th request with 06: busy", lambda: Busy(rtu)),
         one("powered", "its supply can be switched", lambda: Powered(lambda: Device(rtu))),
         one("any-unit", "answers for any unit" if not rtu else "one more of the usual", lambda: Device(rtu, any_unit=not rtu)),
         one(

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from gateway.conformance.peers.modbus_devices import Device
 from gateway.conformance.peers.modbus_rows import Row, mutants, variants
-from protocols.base.machine import Ns
+from protocols.base.machine import Damage, Ns
 from protocols.modbus.crc import crc, sealed
 from protocols.modbus.mbap import Request
 from protocols.modbus.rtu import Dropped, Fault
@@ -137,7 +137,66 @@ class NoSilence(Device):
         return 1 <= function <= 6
 
 
+class SevenBitUnit(Device):
+    """The top bit of a unit does not count."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        return super().serve(request._replace(unit=request.unit & 0x7F), now)
+
+
+class OtherInputs(Device):
+    """Answers FC 4 for every unit."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        return super().serve(request._replace(unit=1) if request.pdu[:1] == b"\x04" else request, now)
+
+
+class OtherCoils(Device):
+    """FC 15 for another unit is executed, without an answer."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        if request.unit > 1 and request.pdu[:1] == b"\x0f":
+            super().serve(request._replace(unit=1), now)
+        return super().serve(request, now)
+
+
+class NoCoilBroadcast(Device):
+    """Broadcasts to registers are executed, those to coils are not."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        return b"" if request.unit == 0 and request.pdu[:1] in (b"\x05", b"\x0f") else super().serve(request, now)
+
+
+class RefusesBroadcast(Device):
+    """A broadcast that it cannot execute is answered with an exception."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        said = super().serve(request._replace(unit=1) if request.unit == 0 else request, now)
+        return said if request.unit or (said and said[0] & 0x80 and request.pdu[0] in (5, 15, 16)) else b""
+
+
+class SkipsDamage(Device):
+    """A damaged character is left out, and the rest taken."""
+
+    def damaged(self, kind: Damage, now: Ns) -> Sequence[object]:
+        return []
+
+
+class LongCrc(Device):
+    """The CRC of answers of more than a hundred bytes is wrong."""
+
+    def framed(self, said: bytes) -> bytes:
+        return said if len(said) < 100 else said[:-1] + bytes((said[-1] ^ 1,))
+
+
 MORE: tuple[Row, ...] = (
+    ("seven-bit-unit", "the top bit of a unit does not count", ("STA_BI_01",), lambda rtu: SevenBitUnit(True)),
+    ("other-inputs", "answers FC 4 for every unit", ("STA_BI_01",), lambda rtu: OtherInputs(True)),
+    ("other-coils", "executes FC 15 for other units", ("STA_BI_01",), lambda rtu: OtherCoils(True)),
+    ("no-coil-broadcast", "a broadcast to coils has no effect", ("STA_BV_01",), lambda rtu: NoCoilBroadcast(True)),
+    ("refuses-broadcast", "answers a bad broadcast with an exception", ("STA_BI_02",), lambda rtu: RefusesBroadcast(True)),
+    ("skips-damage", "leaves a damaged character out", ("STA_BI_04",), lambda rtu: SkipsDamage(True)),
+    ("long-crc", "the CRC of long answers is wrong", ("ANS_BV_05",), lambda rtu: LongCrc(True)),
     ("bad-crc", "sends its CRC high byte first", ("FUN_BV_01",), lambda rtu: BadCrc(True)),
     ("other-unit", "answers as unit 9", ("FUN_BV_01",), lambda rtu: OtherUnit(True)),
     ("any-crc", "does not look at the CRC", ("RTU_BI_01",), lambda rtu: AnyCrc(True)),

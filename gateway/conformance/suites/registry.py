@@ -101,9 +101,10 @@ def _modbus_rtu() -> Sequence[Purpose[Tester]]:
     from gateway.conformance.suites.modbus.framing import RTU
     from gateway.conformance.suites.modbus.functions import RTU_FUN
     from gateway.conformance.suites.modbus.lengths import RTU_LEN
+    from gateway.conformance.suites.modbus.station import STA
     from gateway.conformance.suites.modbus.supply import RTU_SUP
 
-    return _generic(RTU_FUN, RTU_LEN, RTU_CON, RTU_EFF, RTU, RTU_ANS, RTU_SUP)
+    return _generic(RTU_FUN, RTU_LEN, RTU_CON, RTU_EFF, RTU, RTU_ANS, STA, RTU_SUP)
 
 
 def _canopen301() -> Sequence[Purpose[Tester]]:

@@ -3,8 +3,8 @@
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (110, 110),
     "rk512": (74, 74),
-    "modbus-tcp": (85, 85),
-    "modbus-rtu": (76, 76),
+    "modbus-tcp": (90, 90),
+    "modbus-rtu": (88, 88),
     "cia402": (110, 110),
     "canopen-301": (154, 154),
     "servodyn": (82, 82),

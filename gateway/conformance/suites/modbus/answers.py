@@ -4,13 +4,15 @@ import struct
 from collections.abc import Iterator
 
 from gateway.conformance.suites.modbus.content import kept, same_values, write_back
+from gateway.conformance.suites.modbus.functions import end_of, reads_well
 from gateway.conformance.suites.modbus.tester import ModbusTester
 from gateway.pure.conformance.purpose import Purposes
-from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable
+from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable, Warn
 from protocols.modbus.crc import sealed
 
 OTHERS = (b"\x07", b"\x08\x00\x00\xa5\x37", b"\x0b", b"\x0c", b"\x11", b"\x2b\x0e\x01\x00")
 PLACES = (0x0080, 0x8000, 0x00FF, 0xFF00, 0x7FFF, 0x8001, 0x0100)
+NEEDED = {1: "write_coils", 3: "write_holding"}
 ROW = 20  # coils: more than two bytes
 
 
@@ -112,11 +114,76 @@ def _places(p: Purposes[ModbusTester], con: str) -> None:
                 same_values(list(struct.unpack(f">{count}H", got[2:])), values[:count], "what FC 23 read")
 
 
+def _ends(p: Purposes[ModbusTester], basic: str) -> None:
+    @p.case(
+        "BV_06",
+        "a range that ends at the last address is served, in each table",
+        "ein Bereich, der an der letzten Adresse endet, wird in jeder Tabelle bedient",
+        clause="V1.1b3, 6.1 to 6.4",
+        preamble=(basic,),
+    )
+    def reads(t: ModbusTester) -> None:
+        for function, base in t.setup.base.items():
+            end = end_of(t, function, base)
+            if end > base and reads_well(t, function, end - 1, 1):
+                got = t.ask(struct.pack(">BHH", function, end - 1, 2))
+                if not got or got[0] & 0x80:
+                    why = f"FC {function}: {end - 1} and {end} are read one by one, not together"
+                    raise Fail(why, "both: the range ends at the last address", t.words(got))
+
+    @p.case(
+        "BV_07",
+        "a write that ends at the last address that may be written is done",
+        "ein Schreiben, das an der letzten beschreibbaren Adresse endet, wird ausgeführt",
+        clause="V1.1b3, 6.11, 6.12",
+        preamble=(basic,),
+    )
+    def writes(t: ModbusTester) -> None:
+        found = False
+        for function, single, table, touched in ((15, 5, 1, t.setup.coils), (16, 6, 3, t.setup.holding)):
+            at = max(touched, default=0) - 1
+            allowed = t.setup.pics.get(NEEDED[table]) and t.setup.pics.get(f"fc{function}") and t.setup.pics.get(f"fc{single}")
+            if not allowed or at not in touched:
+                continue
+            found = True
+            with kept(t, table, at, 2):
+                first, last = t.read(table, at, 2)
+                values = struct.pack(">HH", first, last) if table == 3 else bytes((first | last << 1,))
+                pdu = struct.pack(">BHHB", function, at, 2, len(values)) + values
+                got = t.ask(pdu)
+                if got != pdu[:5]:
+                    why = f"FC {function}: {at} and {at + 1}, which may be written, are not written together"
+                    raise Fail(why, t.words(pdu[:5]), t.words(got))
+        if not found:
+            raise NotApplicable("no two addresses in a row may be written, or by one function only")
+
+
+def _diagnostics(p: Purposes[ModbusTester], basic: str) -> None:
+    @p.case(
+        "CA_08",
+        "FC 8: data of four bytes come back whole, and a sub-function that is none is refused",
+        "FC 8: vier Datenbytes kommen ganz zurück, und eine Unterfunktion, die keine ist, wird abgelehnt",
+        clause="V1.1b3, 6.8",
+        condition=("fc8",),
+        preamble=(basic, basic.replace("BV_01", "CA_08")),
+    )
+    def body(t: ModbusTester) -> None:
+        asked = b"\x08\0\0\x12\x34\x56\x78"
+        got = t.ask(asked)
+        if got and not got[0] & 0x80 and got != asked:
+            raise Fail("FC 8/0 with four bytes: they do not come back", t.words(asked), t.words(got))
+        lived = t.exception(b"\x08\x7f\xff\0\0", 1, "FC 8/32767, which is none", (2, 3))
+        if lived is not None:
+            raise Warn(f"FC 8/32767, which is none, is refused with {lived:02X}h", "01h", f"{lived:02X}h")
+
+
 def _collect(prefix: str) -> Purposes[ModbusTester]:
     basic = f"{prefix}_FUN_BV_01"
     p = Purposes[ModbusTester](f"{prefix}_ANS", "server", "V1.1b3, 4", preamble=(basic,))
     _frames(p, basic)
     _places(p, prefix)
+    _ends(p, basic)
+    _diagnostics(p, basic)
     return p
 
 

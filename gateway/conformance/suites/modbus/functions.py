@@ -136,7 +136,7 @@ def _reads(reading: Reading) -> None:
         base, span = t.setup.base[function], t.setup.span[function]
         if span >= reading.most:
             return
-        if base + span > 0xFFFF or not (_reads_well(t, function, base + span, 1) and _reads_well(t, function, base + span - 1, 2)):
+        if base + span > 0xFFFF or not (reads_well(t, function, base + span, 1) and reads_well(t, function, base + span - 1, 2)):
             raise NotApplicable(f"what can be read ends at {base + span - 1}")
         stated = t.setup.most(function, reading.most)
         if span < stated:
@@ -146,7 +146,7 @@ def _reads(reading: Reading) -> None:
             raise Fail(f"FC {function}: {span} are read, {span + 1} are not, though all of them can be read", wanted, t.words(got))
 
 
-def _reads_well(t: ModbusTester, function: int, at: int, count: int) -> bool:
+def reads_well(t: ModbusTester, function: int, at: int, count: int) -> bool:
     got = t.ask(struct.pack(">BHH", function, at, count))
     return bool(got) and not got[0] & 0x80
 
@@ -172,7 +172,7 @@ def _refused_reads(reading: Reading) -> None:
     refusal(3, "a range beyond address 65535", "ein Bereich über Adresse 65535", struct.pack(">BHH", function, 0xFFFF, 2), 2, (3,))
 
 
-def _end(t: ModbusTester, function: int, low: int) -> int:
+def end_of(t: ModbusTester, function: int, low: int) -> int:
     """The last address that can be read, where the table has no gap."""
     high = 0x10000
     while high - low > 1:
@@ -193,8 +193,8 @@ def _misread(reading: Reading) -> None:
     )
     def partly(t: ModbusTester) -> None:
         base, span = t.setup.base[function], t.setup.span[function]
-        if span >= reading.most or (base + span <= 0xFFFF and _reads_well(t, function, base + span, 1)):
-            end = _end(t, function, base + span - 1)
+        if span >= reading.most or (base + span <= 0xFFFF and reads_well(t, function, base + span, 1)):
+            end = end_of(t, function, base + span - 1)
             start, count = end, 2
         else:
             end, start, count = base + span - 1, base, span + 1
@@ -249,7 +249,7 @@ def _other(p: Purposes[ModbusTester], basic: str) -> None:
         pdu = found[1:-2] if t.rtu else found[7:]
         if pdu == b"\x03\x01":  # 83h + 80h, cut to a byte: meant as a refusal
             raise Warn("function 83h is refused as function 03h with 01h: bit 7 is added, not set", "83 01", t.words(pdu))
-        if pdu and not pdu[0] & 0x80:
+        if pdu and (not pdu[0] & 0x80 or len(pdu) > 2):
             raise Fail("function 83h was executed", "exception 01h, or silence", t.words(pdu))
 
     @p.case(

@@ -28,6 +28,7 @@ TABLES = {1: "coils", 2: "discrete_inputs", 3: "holding_registers", 4: "input_re
 MOST_FRAME = 600
 QUIET = ms(30)
 LINE_QUIET = ms(60)
+BUSY = 4  # times that one who is busy is asked
 
 
 @dataclass(slots=True)
@@ -185,6 +186,16 @@ class ModbusTester(Tester):
         return 0 if self.wire.simulated else self.wire.char_ns + self._host.within(self.wire, since)
 
     def ask(self, pdu: bytes, unit: int | None = None, judge: bool = False, wait: Ns | None = None) -> bytes:
+        """The answer PDU.  A server that is busy (exception 06) is asked again, as V1.1b3, 7, has it."""
+        for turn in range(BUSY):
+            got = self._asked(pdu, unit, judge, wait)
+            if got[1:] != b"\x06" or not got[0] & 0x80 or turn == BUSY - 1:
+                break
+            self.remark(f"function {pdu[0]:02X}h was refused with 06h (busy) and asked again")
+            self.hear(self.wire.now() + LINE_QUIET)
+        return got
+
+    def _asked(self, pdu: bytes, unit: int | None, judge: bool, wait: Ns | None) -> bytes:
         """The answer PDU; b"": silence, or closed.  What is wrong with its frame is judged by one purpose, and INCONC elsewhere."""
         self.quiet()
         frame = self.frame(pdu, unit)
