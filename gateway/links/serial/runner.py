@@ -13,6 +13,7 @@ from typing import Generic, TypeVar
 from drivers.ports.base import BytePort, PortError
 from drivers.ports.timerfd import Timer
 from gateway.links.serial.machine_loop import PAUSE_NS, LineCore, LineState
+from gateway.links.serial.shared_turn import shared_turn
 from protocols.base.machine import Machine, Ns
 
 E = TypeVar("E")
@@ -23,6 +24,7 @@ class LineRunner(Generic[E]):
 
     def __init__(self, open_port: Callable[[], BytePort], machine: Machine[E], on_event: Callable[[E, Ns], None]) -> None:
         self._loop = asyncio.get_running_loop()
+        self._turn = shared_turn(self._loop)
         self._open_port = open_port
         self._core = LineCore(machine, on_event, self._report)
         self._timer = Timer()
@@ -54,6 +56,10 @@ class LineRunner(Generic[E]):
         self._core.disconnect("closed", time.monotonic_ns())
         self._loop.remove_reader(self._timer.fileno())
         self._timer.close()
+
+    def _on_readable(self) -> None:
+        if self._turn.may_read(self):
+            self._guarded(self._core.readable)
 
     def _on_timer(self) -> None:
         self._timer.clear()
@@ -123,7 +129,7 @@ class LineRunner(Generic[E]):
                 break
         self._opener = None
         self._watched = port.fileno()
-        self._loop.add_reader(self._watched, self._guarded, self._core.readable)
+        self._loop.add_reader(self._watched, self._on_readable)
         self._guarded(lambda now: self._core.connect(port, now))
 
     def _report(self, error: Exception) -> None:
