@@ -186,9 +186,9 @@ class ToolInterface:
         if code is Code.STOP or self._holder is connection:
             return
         if self.held_by_another(connection):
-            raise Refusal(Reason.NOT_OWNER, f"another {self._name}")
+            raise Refusal(Reason.NOT_OWNER, f"another {self._name} has it")
         if code is not Code.REQUEST_CONTROL:
-            raise Refusal(Reason.NOT_OWNER, "request control first")
+            raise Refusal(Reason.NOT_OWNER, "request it first")
         if self._office.owns(self._door):  # left by a connection that is gone or silent
             self._office.control.release(self._door, at_rest=self._at_rest)
 

@@ -31,7 +31,7 @@ class Ownership:
         others = {other: own for other, own in self._axes.items() if other != door and own & axes}
         for other in others:
             if other not in self._dead:
-                raise Refusal(Reason.NOT_OWNER, f"command source {other}")
+                raise Refusal(Reason.NOT_OWNER, f"command source {other} has it")
         if not at_rest:
             raise Refusal(Reason.NOT_AT_REST)
         for other, own in others.items():
@@ -52,7 +52,7 @@ class Ownership:
         if own and own & axes == axes:
             return
         other = next((each for each, theirs in self._axes.items() if each != door and (theirs & axes or not axes)), NOBODY)
-        raise Refusal(Reason.NOT_OWNER, f"command source {other}" if other else "no command source; request control first")
+        raise Refusal(Reason.NOT_OWNER, f"command source {other} has it" if other else "nobody has it; request it first")
 
     def _set(self, door: int, axes: int) -> None:
         if axes:

@@ -86,7 +86,7 @@ class Refusal(Exception):
 # fmt: off
 _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.NONE: ("", ""),
-    Reason.NOT_OWNER: ("another command source has control: {0}", "eine andere Befehlsquelle hat die Steuerung: {0}"),
+    Reason.NOT_OWNER: ("this command source does not have control: {0}", "diese Befehlsquelle hat die Steuerung nicht: {0}"),
     Reason.DRIVES_OFF: ("drives are off: {0}", "Antriebe sind aus: {0}"),
     Reason.NOT_REFERENCED: ("axis is not referenced: {0}", "Achse ist nicht referenziert: {0}"),
     Reason.TARGET_LIMIT: ("target outside the limits: {0}", "Ziel ausserhalb der Grenzen: {0}"),

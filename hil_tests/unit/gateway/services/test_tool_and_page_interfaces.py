@@ -43,7 +43,7 @@ def test_control_belongs_to_the_connection_that_asked_and_ends_with_it(bench: So
     tool = tool_of(bench)
     assert (tool.answer(CONTROL, "one") or {})["state"] == "DONE" and bench.office.owner == TOOL_DOOR
     refused = tool.answer(CONTROL, "two") or {}
-    assert (refused["state"], refused["words"], refused["detail"]) == ("REFUSED", "NOT_OWNER", "another commissioning tool")
+    assert (refused["state"], refused["words"], refused["detail"]) == ("REFUSED", "NOT_OWNER", "another commissioning tool has it")
     assert tool.held_by_another("two") and not tool.held_by_another("one")
     tool.closed("one")
     tool.wake(1)

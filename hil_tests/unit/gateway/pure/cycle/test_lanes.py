@@ -61,7 +61,7 @@ def test_a_lane_is_busy_for_its_own_orders_alone_and_its_owner_is_named(lanes: L
     assert again.reason is Reason.BUSY and again.detail.endswith(": program 1 1 of command source 1 is under way"), again.detail
     assert again.detail.startswith(", ".join(axis.name for axis in lanes.cell.axis[:6])), "the axes that both would move"
     other = lanes.order(2, 1)
-    assert (other.reason, other.detail) == (Reason.NOT_OWNER, "command source 1")
+    assert (other.reason, other.detail) == (Reason.NOT_OWNER, "command source 1 has it")
     whole = lanes.give(3, Code.REQUEST_CONTROL)
     assert (whole.state, whole.reason) == (CommandState.REFUSED, Reason.NOT_OWNER)
 
