@@ -107,9 +107,11 @@ class Bodies:
     def several(self, statements: Iterable[Statement]) -> None:
         """Statements one after the other."""
         rows = tuple(statements)
-        for place, statement in enumerate(rows, 1):
-            following = next((rows[at] for at in range(place, len(rows)) if not isinstance(rows[at], Label | Instruction)), None)
-            self.before_move = isinstance(following, Move)
+        followed, before = [False] * len(rows), False
+        for place in range(len(rows) - 1, -1, -1):
+            followed[place] = before
+            before = before if isinstance(rows[place], Label | Instruction) else isinstance(rows[place], Move)
+        for statement, self.before_move in zip(rows, followed, strict=True):
             self.one(statement)
 
     def _nested(self, *statements: Statement) -> None:
@@ -184,6 +186,8 @@ class Bodies:
 
     def _flow(self, statement: Statement) -> bool:
         """Statements that hold others or jump; False: it is none of them."""
+        if isinstance(statement, Set | Move | Wait):  # the most frequent ones
+            return False
         match statement:
             case Label(name=name):
                 self.function.counted[name] = self.function.count

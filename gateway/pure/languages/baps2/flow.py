@@ -6,10 +6,13 @@ from gateway.pure.languages.baps2.tree import Block, Case, Exclusive, If, Jump, 
 from gateway.pure.languages.base.faults import Faults
 
 Path = tuple[int, ...]
+HOLDERS = (Block, Repeat, Exclusive, If, Case, Move, WaitUntil)  # statements with others inside
 
 
 def children(statement: Statement) -> tuple[tuple[Statement, ...], ...]:
     """The bodies inside of a statement; those of PARALLEL are functions of their own and not among them."""
+    if not isinstance(statement, HOLDERS):  # most statements of a program
+        return ()
     match statement:
         case Block(body=body) | Repeat(body=body) | Exclusive(body=body):
             return (body,)
@@ -19,7 +22,6 @@ def children(statement: Statement) -> tuple[tuple[Statement, ...], ...]:
             return (*((choice.body,) for choice in choices), *(((otherwise,),) if otherwise is not None else ()))
         case Move(otherwise=otherwise) | WaitUntil(otherwise=otherwise):
             return ((otherwise,),) if otherwise is not None else ()
-    return ()
 
 
 def inside(statement: Statement) -> Iterator[Statement]:

@@ -28,11 +28,9 @@ class Lines:
     def too_deep(self) -> bool:
         """Whether a row since the last look has more brackets one in the other than Python takes."""
         first, self.looked_at = self.looked_at, len(self.rows)
-        for at in range(first, self.looked_at):
-            row = self.rows[at]
-            if len(row) > LONG_ROW and brackets(row) > MOST_BRACKETS:
-                return True
-        return False
+        if first == self.looked_at:
+            return False
+        return any(len(row) > LONG_ROW and brackets(row) > MOST_BRACKETS for row in self.rows[first:])
 
 
 def brackets(row: str) -> int:

@@ -2,24 +2,25 @@
 
 from dataclasses import dataclass, field
 
+from gateway.pure.languages.base.node import node
 from gateway.pure.languages.base.source import Position
 
 # ---- expressions
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Number:
     at: Position
     value: int | float
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Text:
     at: Position
     value: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Name:
     """A variable, constant, channel, point ('@' belongs to its name) or a function without parameters."""
 
@@ -27,7 +28,7 @@ class Name:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Member:
     """`base.name`: component of a point, or a standard variable of a kinematic."""
 
@@ -36,7 +37,7 @@ class Member:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Index:
     """`base[index]` of an array or a text."""
 
@@ -45,7 +46,7 @@ class Index:
     index: "Expression"
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class PointValue:
     """`(a, b, ..)` in world coordinates, `@(a, b, ..)` in joint coordinates."""
 
@@ -54,7 +55,7 @@ class PointValue:
     joint: bool
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Call:
     """A function with its parameters."""
 
@@ -63,7 +64,7 @@ class Call:
     arguments: "tuple[Expression, ...]"
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Unary:
     """`-x`, `+x`, `NOT x`, or `x %` (140 % is 1.4, L1878)."""
 
@@ -72,7 +73,7 @@ class Unary:
     value: "Expression"
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Binary:
     at: Position
     sign: str
@@ -85,7 +86,7 @@ Expression = Number | Text | Name | Member | Index | PointValue | Call | Unary |
 # ---- declarations
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class TypeName:
     """A type as it is written.  `base`: token of the type word; bounds of an array; kinematic and element type where given."""
 
@@ -97,7 +98,7 @@ class TypeName:
     element: str = ""  # of FILE: type of what the file holds
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Declared:
     """One name of a declaration.  `channel`: of inputs, outputs, belts."""
 
@@ -109,14 +110,14 @@ class Declared:
     teach: bool = False  # DEF
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Constant:
     at: Position
     name: str
     value: Expression
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class External:
     """`EXTERNAL program : names`; without a program the names are programs."""
 
@@ -125,7 +126,7 @@ class External:
     names: tuple[tuple[str, Position], ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Parameter:
     at: Position
     name: str
@@ -133,7 +134,7 @@ class Parameter:
     by_value: bool
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class SpecialFunction:
     at: Position
     number: Expression
@@ -146,13 +147,13 @@ Declaration = Declared | Constant | External | SpecialFunction
 # ---- statements
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Label:
     at: Position
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Instruction:
     """A compiler instruction among the statements: KINEMATICS = name, INT = LINEAR."""
 
@@ -161,14 +162,14 @@ class Instruction:
     value: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Set:
     at: Position
     target: Expression
     value: Expression
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Leg:
     """One target of a MOVE.  `through`: VIA, the point is passed."""
 
@@ -176,7 +177,7 @@ class Leg:
     through: bool
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Move:
     at: Position
     relative: bool
@@ -189,13 +190,13 @@ class Move:
     legs: tuple[Leg, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Wait:
     at: Position
     seconds: Expression
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class WaitUntil:
     at: Position
     condition: Expression
@@ -203,7 +204,7 @@ class WaitUntil:
     otherwise: "Statement | None"
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class If:
     at: Position
     condition: Expression
@@ -211,20 +212,20 @@ class If:
     otherwise: "Statement | None"
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Block:
     at: Position
     body: "tuple[Statement, ...]"
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Choice:
     at: Position
     values: tuple[Expression, ...]
     body: "Statement"
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Case:
     at: Position
     selector: Expression
@@ -232,33 +233,33 @@ class Case:
     otherwise: "Statement | None"
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Repeat:
     at: Position
     times: Expression
     body: "tuple[Statement, ...]"
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Parallel:
     at: Position
     branches: "tuple[tuple[Statement, ...], ...]"
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Exclusive:
     at: Position
     semaphore: str
     body: "tuple[Statement, ...]"
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Jump:
     at: Position
     label: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Simple:
     """HALT, BREAK, REF_PNT and SYNCHRON_END (with its belt)."""
 
@@ -267,14 +268,14 @@ class Simple:
     name: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class StartStop:
     at: Position
     word: str  # START, STOP
     program: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Sync:
     """`SYNC belt, input = 1` or `SYNC belt >= mm`: the belt counter is set, or waited for."""
 
@@ -283,21 +284,21 @@ class Sync:
     condition: Expression
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Synchron:
     at: Position
     kinematic: str
     belt: str
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Read:
     at: Position
     device: str  # "": the PHG
     targets: tuple[Expression, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Write:
     at: Position
     device: str
@@ -305,7 +306,7 @@ class Write:
     open: bool  # `..`: the output goes on with the next WRITE
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class FileOrder:
     """READ_BEGIN, WRITE_BEGIN, WRITE_END, CLOSE, ASSIGN; `value`: offset or name."""
 
@@ -315,7 +316,7 @@ class FileOrder:
     value: Expression | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class CallStatement:
     at: Position
     name: str
@@ -350,7 +351,7 @@ Statement = (
 # ---- programs
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Routine:
     """The main part of a program, or a subroutine."""
 
@@ -378,7 +379,7 @@ class Head:
     over: bool = False  # the main part has been read
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Program:
     """A whole source: main part and subroutines."""
 

@@ -1,11 +1,10 @@
 """An expression with its type and its Python text.  Pure."""
 
-from dataclasses import dataclass
-
 from gateway.pure.languages.baps2.types import NONE, Type
+from gateway.pure.languages.base.node import node
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Typed:
     """An expression with its Python text.  `constant`: its value where it is known."""
 
