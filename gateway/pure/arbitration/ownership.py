@@ -52,7 +52,7 @@ class Ownership:
         if own and own & axes == axes:
             return
         other = next((each for each, theirs in self._axes.items() if each != door and (theirs & axes or not axes)), NOBODY)
-        raise Refusal(Reason.NOT_OWNER, f"command source {other} has it" if other else "nobody has it; request it first")
+        raise Refusal(Reason.NOT_OWNER, f"command source {other} has it" if other else "no command source has it; request it first")
 
     def _set(self, door: int, axes: int) -> None:
         if axes:

@@ -30,7 +30,7 @@ KG_1200_5_AS_REAL = struct.unpack(">f", bytes.fromhex("0B4B0800"))[0]
 class TestControl:
     def test_one_door_at_a_time_and_the_refusal_names_the_owner(self) -> None:
         control = Ownership()
-        with pytest.raises(Refusal, match="does not have control: nobody has it; request it first"):
+        with pytest.raises(Refusal, match="does not have control: no command source has it; request it first"):
             control.demand(2)
         assert control.request(1, at_rest=True)
         with pytest.raises(Refusal, match="does not have control: command source 1 has it") as refusal:
