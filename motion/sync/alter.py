@@ -140,6 +140,11 @@ class Alter:
         self.mode = Mode.FROZEN
         return DONE
 
+    @property
+    def waits(self) -> bool:
+        """alterBegin waits for its alterable path."""
+        return self.mode is Mode.PENDING or self._next is not None
+
     def stop_time(self) -> float:
         """alterStopTime: negative: no stop is pending; 0: alter is locked, or its mode is off (D15)."""
         if self.mode is not Mode.ACTIVE:

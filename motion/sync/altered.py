@@ -15,7 +15,7 @@ from motion.geometry.frames import IDENTITY, Pose, compose
 from motion.kinematics.base import Kinematics, KinematicsError
 from motion.kinematics.group import on_course
 from motion.program.blocks import Block, Frame, PoseTarget, Target, Tool
-from motion.sync.alter import Alter, AlterFault, Mode, Reference, limits_of
+from motion.sync.alter import DONE, WAITS, Alter, AlterFault, Mode, Reference, limits_of
 from motion.val3.mdesc import Mdesc
 from motion.val3.stack import MotionStack, Place
 
@@ -198,6 +198,7 @@ class AlterMotion:
     arm: AlteredArm
     nominal: Sequence[float]
     unit_m: float = 1e-3
+    _asked: bool = field(init=False, default=False)  # alterBegin has answered 0, and no later one 1
 
     def alter_movej(self, target: Target, tool: Tool, mdesc: Mdesc, frame: Frame | None = None) -> int | None:
         """As movej, alterable (doubt D14); the configuration cannot change along the altered path."""
@@ -224,6 +225,14 @@ class AlterMotion:
             self.arm.alterable = False
 
     def alter_begin(self, reference: Frame | Tool, mdesc: Mdesc) -> int:
-        """alterBegin(frame or tool, mdesc): 1, 0, -1, -2, -3; RuntimeFault 100..106 for the descriptor."""
+        """alterBegin(frame or tool, mdesc): 0 waits for its path, 1 (once when asked again on it), -1, -2, -3; RuntimeFault 100..106."""
         kind = Reference.FRAME if isinstance(reference, Frame) else Reference.TOOL
-        return self.arm.alter.begin(kind, reference.pose, limits_of(mdesc, self.nominal, self.unit_m), apart=self.arm.apart)
+        limits = limits_of(mdesc, self.nominal, self.unit_m)
+        if self._asked and self.arm.alter.waits:
+            return WAITS
+        if self._asked and self.arm.alter.mode is Mode.ACTIVE:
+            self._asked = False
+            return DONE
+        answer = self.arm.alter.begin(kind, reference.pose, limits, apart=self.arm.apart)
+        self._asked = answer == WAITS
+        return answer

@@ -40,6 +40,7 @@ class CellAlter:
     on_path: bool = False  # the path of the part has been handed on
     used: bool = False  # the path is over after its alterEnd, and no standard move came behind it
     _next: Alteration | None = None  # alterBegin of the path to come
+    _asked: bool = False  # alterBegin has answered 0, and no later one 1
     _value: Trsf = NOTHING
     _count: int = 0
     _sent: bool = False
@@ -54,7 +55,7 @@ class CellAlter:
 
     # ---- instructions
     def begin(self, reference: BlockFrame | BlockTool, mdesc: Mdesc, unit_m: float, *, apart: bool = False) -> int:
-        """alterBegin: 0 waits for its path, -1, -2, -3; RuntimeFault 100..106.
+        """alterBegin: 0 waits for its path, 1 once when asked again on it, then -1; -2, -3; RuntimeFault 100..106.
 
         apart: a standard move is queued behind the path under way: after alterEnd the order is for the next one (L6294).
         """
@@ -63,6 +64,8 @@ class CellAlter:
             return NO_OPTION
         if self.locked:
             return IN_ERROR
+        if (answer := self._again()) is not None:
+            return answer
         coming = self.on_path and self.ended and apart and self._next is None
         if self.used or ((self.part is not None or self.on_path) and not coming):
             return IGNORED
@@ -75,7 +78,21 @@ class CellAlter:
             self._next = part
         else:
             self._begun(part)
+        self._asked = True
         return WAITS
+
+    def _again(self) -> int | None:
+        """Answer to a program that repeats an alterBegin until its path begins; None: nothing was asked."""
+        if not self._asked or self._next is not None:
+            return WAITS if self._asked else None
+        if self.part is None or self.ended:
+            self._asked = False
+            return None
+        mode, _ = self._status
+        if not self.on_path or mode not in (Mode.ACTIVE, Mode.ERROR):
+            return WAITS
+        self._asked = False
+        return DONE if mode is Mode.ACTIVE else IN_ERROR
 
     def _begun(self, part: Alteration | None) -> None:
         self.part, self.on_path, self.ended, self._value = part, False, False, NOTHING

@@ -69,6 +69,15 @@ def test_too_fast_an_alteration_locks_until_reset_motion_and_the_next_move_is_15
     assert found[:6] == [0, 1, -3, 150, -3, -1] and found[6] == pytest.approx(0, abs=1e-3)
 
 
+def test_a_program_repeats_alter_begin_until_its_path_begins() -> None:
+    code = (
+        "n=0\na[0]=alterBegin(f,mA)\na[1]=alterBegin(f,mA)\nalterMovel(p[1],t,m)\nwhile alterBegin(f,mA)!=1\nn=n+1\ndelay(0)\nendWhile\n"
+        "a[2]=alter(tr)\na[3]=alterBegin(f,mA)\na[4]=alterEnd()\nwaitEndMove()"
+    )
+    found = data_of(READY + code)
+    assert numbers(found)[:5] == [0, 0, 1, -1, 1], "0 waits, -1 has begun (L6388-6390)"
+
+
 def test_alter_is_locked_after_the_stop_time_and_acts_again_after_the_stop() -> None:
     code = (
         "m.vel=1\nalterMovel(p[1],t,m)\ndelay(0.1)\nalterBegin(f,mA)\na[0]=alterStopTime()\nstopMove()\ndelay(0.05)\n"

@@ -90,7 +90,25 @@ def test_a_synchronous_task_alters_the_path_and_the_standard_move_goes_on_from_t
     done(cell, 3.0)
     cell.bench.run(0.1)
     assert tip(cell) == pytest.approx(START, abs=0.01)
-    assert numbers(cell)[:8] == [1, -1, -1, 0, -1, 1, -1, 0]
+    assert numbers(cell)[:8] == [1, -1, -1, 0, 0, 1, -1, 0], "0 while it waits for its path (L6389)"
+
+
+def test_a_program_repeats_alter_begin_until_its_path_begins() -> None:
+    code = """alterMovel(p[1],flange,mSlow)
+while alterBegin(f,mA)!=1
+n[0]=n[0]+1
+delay(0)
+endWhile
+n[1]=alter(tr)
+n[2]=alterBegin(f,mA)
+n[3]=alterEnd()
+waitEndMove()
+nDone=1
+wait(diPart)"""
+    cell = cell_of(code)
+    cell.start()
+    done(cell)
+    assert numbers(cell)[0] > 0 and numbers(cell)[1:4] == [1, -1, 1], "0 while it waits, then 1, then -1 (L6388-6390)"
 
 
 @pytest.mark.requirement("VAL-ALT-02", by="gateway.pure.languages.val3.cell_alter:CellAlter.begin")
