@@ -113,9 +113,11 @@ def test_a_device_that_a_late_host_hid_for_a_while_is_found_again(late: Ns, verd
     """Thirty-five cases were not run because a station had not been reached nine times on a host that was very late."""
     session = Busy(Late(late))
     session.alive()
-    first = Purpose("X_BV_01", "server", "one", "eins", "1", lambda t: None)
+    first: Purpose[base.Tester] = Purpose("X_BV_01", "server", "one", "eins", "1", lambda t: None)
     second = Purpose("X_BV_02", "server", "two", "zwei", "1", leaves_it_busy(session, 30))
-    others = [Purpose(f"X_BV_{number:02}", "server", "more", "mehr", "1", lambda t: None) for number in range(3, 12)]
+    others: list[Purpose[base.Tester]] = [
+        Purpose(f"X_BV_{number:02}", "server", "more", "mehr", "1", lambda t: None) for number in range(3, 12)
+    ]
     results = Runner(session, [first, second, *others]).run()
     assert results[-1].verdict is verdict
 
