@@ -1,5 +1,6 @@
 """CANopen: wrong error histories, TPDOs of type 0 with each SYNC, contents shifted by power-on, wrong forms (used by peers.canopen301)."""
 
+import functools
 from collections.abc import Callable, Sequence
 
 from drivers.emulator.canopen.guard import HISTORY, HISTORY_DEPTH
@@ -9,6 +10,7 @@ from gateway.conformance.peers.can_devices import NODE, Drive, Tune, put
 from protocols.base.machine import Frame, Ns
 from protocols.canopen import cob_id as cobid
 from protocols.canopen import pdo
+from protocols.canopen.emcy import Register
 from protocols.canopen.sdo import Abort
 from protocols.canopen.types import Value
 
@@ -16,7 +18,7 @@ from protocols.canopen.types import Value
 def _entries(drive: Drive, entry: Callable[[list[int], int], Value]) -> None:
     history = drive.node.emergencies.history
     for sub in range(1, HISTORY_DEPTH + 1):
-        drive.node.objects.readers[HISTORY, sub] = lambda sub=sub: entry(history, sub)  # type: ignore[misc]
+        drive.node.objects.readers[HISTORY, sub] = functools.partial(entry, history, sub)
 
 
 def oldest_first(drive: Drive) -> None:
@@ -46,8 +48,8 @@ def newest_only_first(drive: Drive) -> None:
     """The entry before is overwritten by a second error."""
     raise_ = drive.node.emergencies.raise_
 
-    def raised(code: int, register: object, now: Ns, detail: bytes = b"") -> None:
-        raise_(code, register, now, detail)  # type: ignore[arg-type]
+    def raised(code: int, register: Register, now: Ns, detail: bytes = b"") -> None:
+        raise_(code, register, now, detail)
         history = drive.node.emergencies.history
         if len(history) > 1:
             history[1] = history[0]
