@@ -49,7 +49,7 @@ class Control(Plant):
         self._shared: dict[str, Shared] = {}
         self._semaphores = Semaphores()
         self._asked: Request | None = None  # what is answered just now
-        self.teach_points = TeachPoints(memory, feed)
+        self.teach_points = TeachPoints(memory, feed, library.file_of)
         self._moves = self._round = 0
 
     # ---- processes
@@ -237,6 +237,7 @@ class Control(Plant):
             self.teach_points.forget(program)
         else:
             self.library.forget(program)
+            self.teach_points.forget_sources()
 
     def shared(self, program: str) -> Shared:
         """The PUBLIC variables of a program, made when first asked for; they stay when it ends."""

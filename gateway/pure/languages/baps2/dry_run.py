@@ -13,7 +13,6 @@ from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Task, betw
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.tree import Declared
 from gateway.pure.languages.baps2.waiting import KINEMATIC, Wait
-from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.process import ProcessState
 from gateway.pure.languages.base.requests import PENDING, Request, RuntimeFault
 from gateway.pure.languages.base.trace import Trace
@@ -260,7 +259,7 @@ class DryRun(Control):
 
     def _components(self, task: Task) -> int:
         """Of the points of a program that names no kinematic: as many as the points have that are known, else those of six axes."""
-        points = {**self.memory.points(task.unit.name, Faults()), **self.feed.points.get(task.unit.name, {})}
+        points = {**self.teach_points.of_file(task.unit.name), **self.feed.points.get(task.unit.name, {})}
         return next((len(point) for point in points.values()), SIX)
 
     def where(self, kinematic: str) -> tuple[float, ...]:

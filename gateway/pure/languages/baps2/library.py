@@ -51,6 +51,13 @@ class Library:
         """Whether there is a source."""
         return self._store.text(f"{name}.QLL") is not None
 
+    def file_of(self, program: str) -> str:
+        """Name of the source of a program without its ending: PROGRAM A may lie in B.QLL, its points in B.PKT (L668)."""
+        if self.has(program):
+            return program
+        units = [*self._units.values(), *(self._twin._units.values() if self._twin is not None else ())]
+        return next((unit.file for unit, _ in units if unit is not None and unit.name == program), program)
+
     def tree(self, name: str) -> Program | None:
         """The tree of a program, its faults left to its own check."""
         name = name.upper()

@@ -6,6 +6,8 @@ import pathlib
 import pytest
 
 from gateway.commands.program import main
+from gateway.pure.languages.baps2.dry_run import DryRun
+from gateway.pure.languages.baps2.feed import Feed
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from hil_tests.lab.virtual.baps2_bench import HEAD, ProgramCell
@@ -72,3 +74,14 @@ def test_an_error_is_in_the_file_of_its_line() -> None:
     assert (process.external, process.level, process.line) == ("S1", 1, 3)
     assert cell.ends(run)[1:] == (209, "division by zero", "S1.QLL line 4")
     assert cell.run("Q")[3] == "BODY.QLL line 2"
+
+
+@pytest.mark.parametrize("points, kept", [("DANA.PKT", "DANA.PKT"), ("P.PKT", "P.PKT")], ids=["of the source", "of the program"])
+def test_points_are_those_of_the_source_of_a_program(points: str, kept: str) -> None:
+    """DANA.PKT belongs to DANA.QLL (L668), whatever its program is called; a file of the program's name is taken where that is missing."""
+    text = body("MOVE TO HOME\nLAST = HOME", "DEF POINT : LAST")
+    memory = Memory({"DANA.QLL": text.encode(), points: b"HOME = (1, 2, 3, 4)\n"})
+    machine = DryRun(Library(WORDS, memory), memory, Feed())
+    assert machine.run("DANA") is None
+    assert [event["target"] for event in machine.trace if event["event"] == "move"] == [[1, 2, 3, 4]]
+    assert memory.text(kept) == "HOME = (1, 2, 3, 4)\nLAST = (1, 2, 3, 4)\n" and len(memory.files) == 2
