@@ -150,15 +150,18 @@ class CellRun:
         with (self.folder / "run.log").open("ab") as log:
             process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True)
         until = time.monotonic() + COMES_UP_S
-        while not wait_up(self.name, 1.0):
-            if process.poll() is not None or time.monotonic() > until or self._dies_again():
-                process.kill()
-                process.wait()
-                raise AssertionError(f"the run did not come up:\n{self.words()}")
+        try:
+            while not wait_up(self.name, 1.0):
+                if process.poll() is not None or time.monotonic() > until or self._dies_again():
+                    raise AssertionError(f"the run did not come up:\n{self.words()}")
+        except BaseException:  # a run left behind would take its processor from all tests that follow
+            process.kill()
+            process.wait()
+            raise
         return process
 
     def _dies_again(self) -> bool:
-        with contextlib.suppress(PortError):
+        with contextlib.suppress(PortError, TimeoutError):  # on a busy machine its answer takes longer than its socket waits
             return any(process["restarts"] > 1 for process in self.processes().values())
         return False
 
