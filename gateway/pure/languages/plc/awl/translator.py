@@ -6,12 +6,15 @@ from dataclasses import dataclass, field
 
 from gateway.pure.languages.plc.awl.constants import Kind, constant_of
 from gateway.pure.languages.plc.awl.reader import Block, Refused, Statement
+from gateway.pure.languages.plc.awl.reasons import INDIRECT, NO_STATUS, REASONS, REST, WORD_ORDER
 from gateway.pure.languages.plc.steps import Wrong, step_of
 
 END = "_END"
 ONE = ("O M0.0", "ON M0.0")  # 1 whatever the marker holds
 BIT = re.compile(r"([EAM])\s*(\d+)\.(\d)\b")
 LOCAL = re.compile(r"L\s*(\d+)\.([0-7])\b")
+LOCAL_BYTE, LOCAL_WORD = re.compile(r"LB\s*(\d+)\b"), re.compile(r"L[WD]\s*\d")
+STATUS = re.compile(r"(?:==|<>|>=|<=|>|<)0|OV\b|OS\b|UO\b|BIE\b|BR\b|STW\b")
 CELL = re.compile(r"([TZ])\s*(\d+)\b(?!\.)")
 BYTE = re.compile(r"([EAM])B\s*(\d+)\b")
 OPERAND_LIKE = re.compile(r"[A-Z]{1,3}\s*\d|[=#\"-]")  # anything else behind a single O is a comment
@@ -36,35 +39,6 @@ SHIFTS = {"SLW": "SH L", "SRW": "SH R", "SLD": "SH L", "SRD": "SH R", "RLD": "RO
 SAVING = {"SPBB": "SPB", "SPBNB": "SPBN"}  # they keep the VKE in BIE, which is refused where it is read
 EDGES = ("FP", "FN")  # constants that are loaded between an edge and its use leave the result alone
 NARROW = {"SLW", "KEW", "INVI", "XF", "*I", "+F", "+I", "-F", "-I", "/I", ":F"}
-INDIRECT = "operands cannot be indirect"
-REASONS = {
-    "SS": "the integrated PLC has no latching switch-on delay; use a marker that holds the start",
-    "FR": "timers and counters cannot be freed",
-    "LC": "timers and counters cannot be loaded",
-    "B": INDIRECT,
-    **dict.fromkeys(("LAR1", "LAR2", "TAR1", "TAR2", "CAR", "+AR1", "+AR2"), INDIRECT),
-    "LIR": "there is no access by address",
-    "TIR": "there is no access by address",
-    "TNB": "there is no access by address",
-    "STP": "a program cannot stop the PLC",
-    "STS": "a program cannot stop the PLC",
-    "AS": "there are no interrupts",
-    "AF": "there are no interrupts",
-    "CALL": "subprograms have no parameters",
-    **dict.fromkeys(("SU", "RU"), "bits are set and reset by the result alone; write O M0.0, ON M0.0 in front of S or R"),
-    **dict.fromkeys(("P", "PN"), "a bit is tested with U or UN"),
-    "E": "the integrated PLC has no data blocks",
-    "SAVE": "there is no bit BIE; keep the result in a marker",
-    **dict.fromkeys(("PUSH", "POP", "ENT", "LEAVE"), "there are two accumulators; TA exchanges them"),
-    **dict.fromkeys(("MCRA", "MCRD", "MCR(", ")MCR"), "there is no master control relay; put its condition into each chain"),
-    **dict.fromkeys(("LOOP", "JL"), "no jump counts or selects by a number; compare and jump"),
-    **dict.fromkeys(("SVW", "SVD", "SSI", "SSD"), "shifts fill with 0, also those of a negative number"),
-    **dict.fromkeys(("ITD", "DTR", "RND", "RND+", "RND-", "TRUNC", "+R", "-R", "*R", "/R"), "numbers have 32 bits, and none is real"),
-    **dict.fromkeys(
-        ("SPZ", "SPN", "SPP", "SPM", "SPO", "SPMZ", "SPPZ", "SPS", "SPU", "SPL", "SPBI", "SPBIN"), "there are no condition bits; compare"
-    ),
-}
-WORD_ORDER = "byte order of words: STEP has the high byte first, the integrated PLC the low one; give the word a marker with --words"
 
 
 class NoCounterpart(Exception):
@@ -102,6 +76,7 @@ class Translator:
     _ends: bool = False  # a jump to the end
     _edges: int = 0
     _next: Statement | None = None
+    _rest: list[Statement] = field(default_factory=list)  # the statement and those behind it
     _line: int = 0
     _call: int | None = None  # place of a conditional call behind which no chain has begun
 
@@ -111,6 +86,7 @@ class Translator:
         if statements and statements[-1].word == "BE" and not statements[-1].label:
             statements = statements[:-1]
         for at, statement in enumerate(statements):
+            self._rest = statements[at:]
             self._next = next(
                 (each for each in statements[at + 1 :] if statement.word not in EDGES or each.word != "L" or each.label), None
             )
@@ -135,7 +111,7 @@ class Translator:
         word, operand = statement.word, statement.operand
         if statement.label:
             self._close_or()
-            if self._family(word) in (self._use, self._branch, self._leave):  # who falls into the label brings the 1 along
+            if self._family(word) in (self._use, self._branch, self._leave) or self._goes_on():  # who falls into the label brings the 1
                 self._result_is_one()
             self.lines.append(f"M {statement.label}")
             self._loaded, self._one, self._call = None, False, None
@@ -143,7 +119,8 @@ class Translator:
             raise NoCounterpart("this line is no statement")
         family = self._family(word)
         if family is None:
-            raise NoCounterpart(REASONS.get(word, f"the integrated PLC has no {word}"))
+            formal = operand.startswith("=")  # LW, SVZ, SAR and others of a formal operand
+            raise NoCounterpart(REASONS.get(word, REASONS["CALL"] if formal else f"the integrated PLC has no {word}"))
         family(word, operand)
 
     def _family(self, word: str) -> Callable[[str, str], None] | None:
@@ -151,7 +128,7 @@ class Translator:
             return self._link
         if word in OPENS or word in OPENS_NOT or word == ")":
             return self._bracket
-        if word in COMPARES or word in CALCULATES or word in SHIFTS:
+        if word in COMPARES or word in CALCULATES or word in SHIFTS or word == "MOD":
             return self._calculate
         if word in TIMERS or word in ("S", "R", "=", "ZV", "ZR", "FP", "FN"):
             return self._use
@@ -164,6 +141,18 @@ class Translator:
             "I": self._count_accu, "D": self._count_accu, "INC": self._count_accu, "DEC": self._count_accu,
             "+": self._add, "ADD": self._add,
         }.get(word)  # fmt: skip
+
+    def _goes_on(self) -> bool:
+        """Whether the result is used further on before a chain begins or a jump leads away."""
+        for each in self._rest:
+            family = self._family(each.word)
+            if family in (self._link, self._bracket) or each.word in COMPARES or each.word in ("SET", "CLR"):
+                return each.word == ")"
+            if family in (self._use, self._constant) or each.word in ("SPB", "SPBN", "SPBB", "SPBNB", "CC", "BAB", "BEB"):
+                return True
+            if family in (self._branch, self._leave):
+                return False
+        return False
 
     def _nothing(self, word: str, operand: str) -> None:
         """NOP and BLD have no effect."""
@@ -195,6 +184,10 @@ class Translator:
         return self.local[byte]
 
     def _symbol(self, operand: str) -> None:
+        if STATUS.match(operand):
+            raise NoCounterpart(NO_STATUS)
+        if LOCAL_WORD.match(operand):
+            raise NoCounterpart("local words: write marker words in their place, and give them markers with --words")
         if operand.startswith("="):
             raise NoCounterpart(REASONS["CALL"])
         if "[" in operand or operand.startswith("P#"):
@@ -336,6 +329,8 @@ class Translator:
         self._loaded = None
         if found := BYTE.match(operand):
             self.lines.append(f"L {self._marker(found[1], int(found[2]))}")
+        elif found := LOCAL_BYTE.match(operand):
+            self.lines.append(f"L {self._local(int(found[1]))}")
         elif CELL.match(operand):
             raise NoCounterpart(REASONS["LC"])
         elif re.match(r"P[YEAW]|P[EA][BWD]|QB|QW", operand):
@@ -354,6 +349,8 @@ class Translator:
     def _store(self, word: str, operand: str) -> None:
         if found := BYTE.match(operand):
             self.lines.append(f"T {self._marker(found[1], int(found[2]))}")
+        elif found := LOCAL_BYTE.match(operand):
+            self.lines.append(f"T {self._local(int(found[1]))}")
         elif found := TABLED.match(operand):
             self.lines.append(f"{'T' if found[2] in ('DL', 'DR', 'DBB') else 'TD'} {self._tabled(operand)}")
         else:
@@ -362,6 +359,8 @@ class Translator:
 
     def _calculate(self, word: str, operand: str) -> None:
         self._loaded = None
+        if word in ("MOD", "/D", "/I") and self._reads_second():
+            raise NoCounterpart(REST)
         if word in NARROW:
             self.narrow.append(self._line)
         if word == "SRW" and (places := re.match(r"(\d+)\b", operand)) and int(places[1]):
@@ -371,8 +370,19 @@ class Translator:
         elif word in COMPARES:
             self.lines.append(COMPARES[word])
             self._fresh, self._one, self._call = False, False, None
+        elif word == "MOD":
+            self.lines += ["DI", "TA"]
         else:
             self.lines.append(CALCULATES[word])
+
+    def _reads_second(self) -> bool:
+        """Whether a statement behind this one uses ACCU2 before a load fills it."""
+        for each in self._rest[1:]:
+            if each.word == "L" or each.label:
+                return False
+            if each.word in COMPARES or each.word == "MOD" or CALCULATES.get(each.word, "K E") not in ("K E", "K Z", "DH", "HD"):
+                return True
+        return False
 
     def _count_accu(self, word: str, operand: str) -> None:
         self._loaded = None

@@ -7,7 +7,7 @@ from gateway.pure.languages.plc.awl.reader import Statement
 from gateway.pure.languages.plc.awl.translator import CALCULATES, COMPARES, SHIFTS
 
 ALONE = {*SHIFTS, *(word for word, to in CALCULATES.items() if to in ("K E", "K Z", "DH", "HD")), "I", "D", "INC", "DEC", "+", "ADD"}
-BOTH = {*COMPARES, *CALCULATES} - ALONE - {"TAK"}
+BOTH = {*COMPARES, *CALCULATES, "MOD"} - ALONE - {"TAK"}
 LOADS = ("L", "LC", "LIR")
 FILLS = ("ITD", "DTR", "RND", "RND+", "RND-", "TRUNC", "+R", "-R", "*R", "/R", "SVW", "SVD", "SSI", "SSD", "PUSH", "POP", "ENT", "LEAVE")
 
