@@ -23,6 +23,8 @@ def call(bodies: Writer, statement: CallStatement) -> None:
     if statement.behind is not None:
         faults.error("syntax", statement.behind[0], f"a statement is expected, not {statement.behind[1]}")
         return
+    if symbol.misread:
+        return
     if symbol.kind not in ("subroutine", "special", "program"):
         faults.error("no-subroutine", statement.at, f"{statement.name} is {with_article(symbol.kind)}, no subroutine")
         return
@@ -59,6 +61,8 @@ def _arguments(bodies: Writer, statement: CallStatement, symbol: Symbol) -> list
 
 
 def _argument(bodies: Writer, tree: Expression, kind: Type, by_value: bool) -> str:
+    if kind is NONE:
+        return "None"  # the declaration of the parameter is faulty and reported
     if kind.base in (*UNITS, "INPUT", "OUTPUT"):
         return _place(bodies, tree, kind)
     if not by_value:
@@ -91,7 +95,8 @@ def _place(bodies: Writer, tree: Expression, kind: Type) -> str:
             return text
     elif symbol is not None and symbol.kind == kind.base.lower():
         return symbol.python if symbol.reference else str(symbol.channel)
-    bodies.names.faults.error("type", tree.at, f"{kind.base} is expected here")
+    if symbol is None or not symbol.misread:
+        bodies.names.faults.error("type", tree.at, f"{kind.base} is expected here")
     return ""
 
 

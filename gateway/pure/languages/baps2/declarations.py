@@ -32,26 +32,28 @@ class DeclarationReader:
         self._stream, self._expressions, self._head = stream, expressions, head
         self.files: set[str] = set()
         self.belts: set[str] = set()
+        self._begun: list[Token] = []  # names of the declaration that is read
 
     def read(self) -> tuple[Declaration, ...]:
         """All declarations in front of the body."""
         found: list[Declaration] = []
         while self._begins():
             place, depth = self._stream.place, self._stream.depth
+            self._begun.clear()
             try:
                 found += self._one()
             except Misread:
-                self._pass_over(place)
+                found += [*map(_misread, self._begun), *self._pass_over(place)]
                 self._stream.back_to(depth)
             self._stream.sign(",")
         return tuple(found)
 
-    def misspelt(self) -> bool:
-        """Passes over a declaration whose type is none (reported), if declarations or BEGIN follow."""
+    def misspelt(self, found: list[Declaration]) -> bool:
+        """Passes over a declaration whose type is none (reported), if declarations or BEGIN follow; its names go to `found`."""
         if self._stream.token.kind is not Kind.NAME or self._stream.is_word(BODY) or not self._declares_on():
             return False
         self._stream.faults.error("syntax", self._stream.token.position, f"a declaration or BEGIN is expected, not {self._stream.token}")
-        self._pass_over(self._stream.place)
+        found += self._pass_over(self._stream.place)
         return True
 
     def _declares_on(self) -> bool:
@@ -71,14 +73,32 @@ class DeclarationReader:
     def _is_kinematic(self, token: Token) -> bool:
         return token.kind is Kind.NAME and self._stream.ahead().text == "." and token.key in self._head.kinematics
 
-    def _pass_over(self, place: int) -> None:
-        """To the next declaration or the body."""
-        if self._stream.place == place:
+    def _pass_over(self, place: int) -> list[Declaration]:
+        """To the next declaration or the body; the names on the way are declared, as anything: their uses are no further faults."""
+        listed = self._stream.place != place  # behind the type
+        if not listed:
             self._stream.take()
-        depth = 0  # of brackets: a type inside them begins no declaration
-        while not (self._stream.is_word(BODY) or self._stream.token.kind is Kind.END or (depth <= 0 and self._begins())):
-            depth += self._stream.is_sign("(") - self._stream.is_sign(")")
-            self._stream.take()
+        depth, before = 0, ""  # of brackets: a type inside them, and one behind the bounds of an array, begins no declaration
+        named, found = False, list[Declaration]()
+        while not (self._in_body(before) or self._stream.token.kind is Kind.END):
+            if depth <= 0 and before != "]" and (self._begins() or (named and self._another())):
+                break
+            token = self._stream.take()
+            depth += (token.text in ("(", "[")) - (token.text in (")", "]"))
+            listed = listed or token.text == ":"
+            named = token.kind is Kind.NAME and depth <= 0 and before in (":", ",", "=")
+            if listed and named and token.key not in self._expressions.names:
+                found.append(_misread(self._declare(token, None)))
+            before = token.text
+        return found
+
+    def _in_body(self, before: str) -> bool:
+        """Whether the body is next; START may be the name of a constant (L5960)."""
+        return self._stream.is_word(BODY) and not (before in (":", ",") and self._stream.ahead().text == "=")
+
+    def _another(self) -> bool:
+        """Whether another misspelt type is next."""
+        return self._stream.token.kind is Kind.NAME and self._stream.ahead().text in (":", "[")
 
     def _one(self) -> list[Declaration]:
         if self._stream.word("CONST"):
@@ -138,6 +158,7 @@ class DeclarationReader:
 
     def _declare(self, token: Token, kind: TypeName | None) -> Token:
         self._expressions.names.add(token.key)
+        self._begun.append(token)
         self._stream.length(token)
         if kind is not None and kind.base in ("FILE", "BNR_FILE"):
             self.files.add(token.key)
@@ -198,12 +219,26 @@ class DeclarationReader:
 
     def parameters(self) -> tuple[Parameter, ...]:
         """Groups of parameters in brackets; one VALUE serves its group, no comma is needed between groups (L1721, 9730)."""
-        found: list[Parameter] = []
         if not self._stream.sign("("):
             return ()
+        try:
+            return tuple(self._parameters())
+        except Misread:
+            self._to_bracket()
+            raise
+
+    def _to_bracket(self) -> None:
+        """Behind the bracket that closes faulty parameters."""
+        depth = 1
+        while depth and not (self._stream.is_word(BODY) or self._stream.token.kind is Kind.END):
+            token = self._stream.take()
+            depth += (token.text == "(") - (token.text == ")")
+
+    def _parameters(self) -> list[Parameter]:
+        found: list[Parameter] = []
         while not self._stream.sign(")"):
-            by_value = self._stream.word("VALUE")
-            kind = self.type_name()
+            by_value = self._by_value()
+            kind = self._parameter_type()
             self._stream.expect_sign(":", "behind the type of a parameter")
             while True:
                 token = self._stream.name("the name of a parameter")
@@ -212,8 +247,31 @@ class DeclarationReader:
                     break
             if not (self._group() or self._stream.is_sign(")")):
                 self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}")
-        return tuple(found)
+        return found
+
+    def _by_value(self) -> bool:
+        """VALUE; a word in front of a type that is another one is reported."""
+        token = self._stream.token
+        if token.kind is Kind.NAME and not token.word and self._stream.ahead().word in TYPES:
+            self._stream.faults.error("syntax", token.position, f"VALUE or a type is expected, not {token}")
+            self._stream.take()
+            return True
+        return self._stream.word("VALUE")
+
+    def _parameter_type(self) -> TypeName:
+        """A type; one that is misspelt is reported, and the parameter may be anything."""
+        token = self._stream.token
+        if token.kind is not Kind.NAME or token.word in TYPES or self._stream.ahead().text != ":":
+            return self.type_name()
+        self._stream.faults.error("syntax", token.position, f"a type is expected, not {token}")
+        return TypeName(self._stream.take().position, "")
 
     def _group(self) -> bool:
         """Whether a group of parameters begins here."""
-        return self._stream.is_word((*TYPES, "VALUE")) or self._is_kinematic(self._stream.token)
+        misspelt = self._stream.token.kind is Kind.NAME and self._stream.ahead().text == ":"
+        return misspelt or self._stream.is_word((*TYPES, "VALUE")) or self._is_kinematic(self._stream.token)
+
+
+def _misread(token: Token) -> Declared:
+    """A name whose declaration is faulty."""
+    return Declared(token.position, token.key, TypeName(token.position, ""))

@@ -18,6 +18,8 @@ def _unit(bodies: Writer, name: str, statement: Read | Write | FileOrder) -> tup
     symbol = bodies.names.find(name) if name else None
     if symbol is not None and symbol.kind == "file":
         return (symbol.python if symbol.reference else repr(name)), symbol
+    if symbol is not None and symbol.misread:
+        return repr(name), None
     if symbol is not None or (name and name not in DEVICES):
         bodies.names.faults.error("file-unknown", statement.at, f"{name} is no file and no device")
     return repr(name or "PHG"), None

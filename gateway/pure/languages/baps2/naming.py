@@ -55,6 +55,8 @@ class Naming:
 
     def type_of(self, written: TypeName, *, joint: bool = False) -> Type:
         """The type that is written; NONE where its bounds are faulty (reported).  `joint`: WC_POINT of an @ name (D-34)."""
+        if not written.base:  # it was misspelt
+            return NONE
         kind = Type("JC_POINT" if joint and written.base == "POINT" else written.base, written.kinematic, element=written.element)
         if written.base == "WC_FRAME":
             return FRAME
@@ -75,7 +77,7 @@ class Naming:
         base = each.type.base
         if (each.public or each.teach) and level:
             self.fault("public-place", each.at, "PUBLIC and DEF stand in the declarations of the main program only")
-        if each.teach and base not in ("POINT", "JC_POINT"):
+        if each.teach and base and base not in ("POINT", "JC_POINT"):
             self.fault("teach-type", each.at, f"DEF is for points, {each.name} is {base}")
         if base == "JC_POINT" and not each.name.startswith("@"):
             self.fault("at-sign", each.at, f"the name of a JC_POINT begins with @: {each.name}")

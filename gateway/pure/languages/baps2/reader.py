@@ -120,7 +120,7 @@ class _Reader:
             self._instructions()
             place = self._stream.place
             found += declarations.read()
-            if self._stream.place == place and not declarations.misspelt() and not self._no_declaration():
+            if self._stream.place == place and not declarations.misspelt(found) and not self._no_declaration():
                 break
         return Routine(at, name, parameters, tuple(found), self._body(word, at, expressions, declarations))
 

@@ -32,6 +32,11 @@ class Symbol:
     level: int = 0
     kept: str = ""  # a teach point: the program in whose point file it stays
 
+    @property
+    def misread(self) -> bool:
+        """Whether its declaration is faulty and reported: it may be anything."""
+        return self.kind == "variable" and self.type is NONE
+
 
 @dataclass(slots=True)
 class Names:

@@ -52,9 +52,10 @@ def _until(bodies: Writer, statement: Move) -> str:
     """Python text of the condition that ends the movement."""
     if statement.until is None:
         return ""
-    channel = _channel(bodies, _input_of(statement.until))
+    name = _input_of(statement.until)
+    channel, symbol = _channel(bodies, name), bodies.names.find(name)
     condition = _direct(bodies, statement.until, "the condition behind UNTIL")
-    if not channel:
+    if not channel and (symbol is None or not symbol.misread):
         bodies.names.faults.error("until-condition", statement.until.at, "UNTIL of a MOVE takes one binary input, = or <>, and 0 or 1")
     limit = "None" if statement.until_time is None else bodies.typing.number(statement.until_time, "MAX_TIME").code
     return f"Until({channel or 0}, lambda: {condition}, {limit}, {_level(bodies, statement.until)})"
@@ -119,7 +120,8 @@ def _is_fast(symbol: Symbol) -> bool:
 def _belt(bodies: Writer, statement: Sync | Synchron) -> int | None:
     symbol = bodies.names.find(statement.belt)
     if symbol is None or symbol.kind != "belt":
-        bodies.names.faults.error("belt-unknown", statement.at, f"{statement.belt} is no belt")
+        if symbol is None or not symbol.misread:
+            bodies.names.faults.error("belt-unknown", statement.at, f"{statement.belt} is no belt")
         return None
     return symbol.channel
 

@@ -219,7 +219,8 @@ class Typing:
             return NOTHING if any(part.type is NONE for part in parts) else Typed(FRAME, numbers_text(parts))
         known = self.names.find(tree.name)
         if known is not None:
-            return self.fault("no-value", tree.at, f"{tree.name} is a {known.kind}, no function")
+            told = f"{tree.name} is {with_article(known.kind)}, no function"
+            return NOTHING if known.misread else self.fault("no-value", tree.at, told)
         return self.fault("name-unknown", tree.at, f"{tree.name} is no function")
 
     def _function(self, tree: Call) -> Typed:
@@ -283,7 +284,7 @@ class Typing:
             return ""
         symbol = self.names.find(tree.name)
         if symbol is not None:
-            if symbol.kind != "file":
+            if symbol.kind != "file" and not symbol.misread:
                 return ""
             return symbol.python if symbol.reference else repr(tree.name)
         return repr(tree.name) if tree.name in DEVICES else ""

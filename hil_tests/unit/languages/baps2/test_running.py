@@ -69,6 +69,8 @@ def test_case_chooses_by_its_constants_and_does_nothing_without_default() -> Non
     text = "CASE B EQUAL 9,10 : O = 0 EQUAL 13 : O = 2 CASE_END WRITE O"
     assert written(run(body(f"O = 5 B = 13 {text}", "INTEGER : B, O"))) == ["2"]
     assert written(run(body(f"O = 5 B = 14 {text}", "INTEGER : B, O"))) == ["5"]
+    german = "FALLS B GLEICH 1, 2 : O = 0 GLEICH 3 : WENN B = 3 DANN O = 3 SONST O = 4 SONST O = 7 FALLS_ENDE SCHREIBE O"
+    assert [written(run(body(f"B = {value} {german}", "GANZ : B, O"))) for value in (2, 3, 9)] == [["0"], ["3"], ["7"]]
 
 
 @pytest.mark.requirement("RHO-BAP-05", by="gateway.pure.languages.baps2.values:int_asc")
