@@ -149,7 +149,9 @@ class Bodies:
             self.function.line = statement.at.line
             self.out.add(f"p.line = {statement.at.line}")
             if self.included:
-                self.out.add(f"p.file = {statement.at.file!r}")
+                *above, root = statement.at.stack()
+                within = (root.file, root.line) if above else None
+                self.out.add(f"p.file, p.within = {statement.at.file!r}, {within!r}")
         if self._flow(statement):
             return
         match statement:
@@ -352,10 +354,9 @@ class Bodies:
 
     def _exclusive(self, statement: Exclusive) -> None:
         symbol = self.names.find(statement.semaphore)
-        if symbol is None or symbol.kind != "semaphore":
+        if symbol is None or (symbol.kind != "semaphore" and not symbol.misread):
             self.names.faults.error("semaphore", statement.at, f"{statement.semaphore} is no semaphore")
-            return
-        key = f"{(symbol.owner, symbol.name)!r}"
+        key = f"{(symbol.owner if symbol is not None else '', statement.semaphore)!r}"
         self.out.add(f"yield Enter({key})")
         self.function.path.append(id(statement))
         self.function.exclusives.append((id(statement), key))
@@ -387,7 +388,7 @@ class Bodies:
 
     def _startstop(self, statement: StartStop, request: str, program: str) -> None:
         symbol = self.names.find(program)
-        if symbol is not None and symbol.kind != "program":
+        if symbol is not None and symbol.kind != "program" and not symbol.misread:
             self.names.faults.error("no-program", statement.at, f"{program} is a {symbol.kind}, no program")
         self.out.add(f"yield {request}({program!r})")
 

@@ -120,11 +120,11 @@ class CellActs:
         """REF_PNT: all axes of the kinematic; the program waits for the end of the reference run."""
         if task.said is not None:
             return self._over(task)
-        return self._cell.tell(task, Statement(self._cell.robot_of(kinematic).number, (), task.process.line, alone=True, reference=True))
+        return self._cell.tell(task, Statement(self._cell.robot_of(kinematic).number, (), task.process.place, alone=True, reference=True))
 
     def _alone(self, task: Task, robot: int, *texts: str, dummy: bool = False, block: bool = False) -> object:
         self._cell.robot(robot)
-        return self._cell.tell(task, Statement(robot, texts, task.process.line, alone=True, dummy=dummy, block=block))
+        return self._cell.tell(task, Statement(robot, texts, task.process.place, alone=True, dummy=dummy, block=block))
 
     # ---- belts
 
@@ -147,7 +147,7 @@ class CellActs:
         if name is None:
             return self._alone(task, min(belt.robots), text)
         robot = self._cell.robot_of(name)
-        statement = Statement(robot.number, (text,), task.process.line, dummy=True)
+        statement = Statement(robot.number, (text,), task.process.place, dummy=True)
         return self._cell.tell(task, statement)
 
     def synchronise(self, task: Task, request: demands.Synchronise) -> object:
@@ -156,7 +156,7 @@ class CellActs:
         if not channel:
             for name, lane in self._cell.lanes.on_belts(task, request.belt):
                 lane.off_belt()
-                self._cell.tell(task, Statement(self._cell.robot_of(name).number, ("synchron_end",), task.process.line))
+                self._cell.tell(task, Statement(self._cell.robot_of(name).number, ("synchron_end",), task.process.place))
             return None
         lane, robot = self._cell.lane(kinematic), self._cell.robot_of(kinematic)
         if lane.ridden_for(task):
@@ -172,7 +172,7 @@ class CellActs:
             at = lane.belt_values.get(number, self.belts.counter(number))
             text += f" at={self.belts.length(number, at)}"
         lane.belt, lane.rider = channel, task
-        self._cell.tell(task, Statement(robot.number, (text,), task.process.line))
+        self._cell.tell(task, Statement(robot.number, (text,), task.process.place))
         return None
 
     def target(self, robot: CellRobot, lane: Lane, request: demands.MoveTo, values: tuple[float, ...]) -> str:

@@ -197,13 +197,13 @@ class CellMotion(CellView):
         if stretch is None:
             return False
         for text in item.texts:
-            path.hand_on(stretch, text, item.line, block=False)
+            path.hand_on(stretch, text, item.place, block=False)
         if item.dummy:
             zeros = " ".join(["0"] * self.robot(item.robot).size)
-            item.index = path.hand_on(stretch, f"ptp rel joints {zeros}", item.line)
+            item.index = path.hand_on(stretch, f"ptp rel joints {zeros}", item.place)
         elif item.block:
             stretch.count += 1
-            stretch.places.append(item.line)
+            stretch.places.append(item.place)
         item.stretch = stretch
         if item.alone:
             path.release(task)
@@ -228,15 +228,15 @@ class CellMotion(CellView):
     def _say(self, stretch: Stretch, item: Block, through: Block | None) -> None:
         assert item.wanted is not None
         for text in item.before:
-            self.paths.of(stretch.robot).hand_on(stretch, text, item.line, block=False)
+            self.paths.of(stretch.robot).hand_on(stretch, text, item.place, block=False)
         frame = item.wanted.frame
         if self._systems.get(stretch.ticket) != frame:
             self._systems[stretch.ticket] = frame
             for text in lines.system(frame):
-                self.paths.of(stretch.robot).hand_on(stretch, text, item.line, block=False)
+                self.paths.of(stretch.robot).hand_on(stretch, text, item.place, block=False)
         near, shares = self.lane(item.kinematic).position, self.port.view.channels.factors
         text = lines.line(self._leg(item, item.wanted), near, shares, None if through is None else through.wanted)
-        item.index = self.paths.of(stretch.robot).hand_on(stretch, text, item.line)
+        item.index = self.paths.of(stretch.robot).hand_on(stretch, text, item.place)
         item.stretch = stretch
         if through is not None:
             through.index, through.stretch = item.index, stretch
@@ -261,7 +261,7 @@ class CellMotion(CellView):
         except RuntimeFault as error:
             first = task.queue[0] if task.queue else None
             if isinstance(first, Block):
-                task.process.line = first.line
+                task.process.place = first.place
             self.scheduler.fail(task.process, error, self.now)
             return False
 

@@ -186,8 +186,8 @@ class CellRun(CellMotion):
         if stretch is None or error is None or not isinstance(stretch.owner, Task):
             return
         task = stretch.owner
-        if line := self.paths.of(stretch.robot).place_of(stretch):
-            task.process.line = line
+        if place := self.paths.of(stretch.robot).place_of(stretch):
+            task.process.place = place
         self.scheduler.fail(task.process, numbered(error), now)
 
     def file_changed(self, name: str) -> None:
@@ -389,16 +389,24 @@ class CellRun(CellMotion):
             held = wait if wait is not None and wait.name else None
             main = task.main
             parent = task.starter.main.run if task.root is None and task.starter is not None else 0
+            within = task.process.within or ("", 0)
             row = ProcessRow(
                 main.run, task.unit.name, task.kind, task.process.state.value, task.process.line, waits, parent, task.root is not None,
                 held=f"{held.what} {held.name}" if held is not None else "",
                 holder=place_of(held.holder) if held is not None else "",
                 stuck=self._semaphores.watch.has(task),
-                external="" if task.process.file in ("", f"{task.unit.name}.QLL") else task.process.file.removesuffix(".QLL"),
+                external=_other(task, task.process.file),
                 level=task.depth,
+                including=_other(task, within[0]),
+                included=within[1],
             )  # fmt: skip
             found.append(row)
         return found
+
+
+def _other(task: Task, file: str) -> str:
+    """A source that is not the one of the program; "": it is."""
+    return "" if file in ("", f"{task.unit.file}.QLL", f"{task.unit.name}.QLL") else file.removesuffix(".QLL")
 
 
 def _place(task: Task) -> str:

@@ -381,7 +381,7 @@ class Control(Plant):
         if lane.limits:
             self._check_range(lane, request, target)
         self._moves += 1
-        block = Block(self._moves, request.kinematic, target, task.process.line, request.until, stops=not request.via)
+        block = Block(self._moves, request.kinematic, target, task.process.place, request.until, stops=not request.via)
         self._ready(task, lane, block, request)
         self.event(
             task, "move", block.line, n=block.number, kinematic=request.kinematic or UNNAMED, way=request.way, target=list(target),
@@ -423,7 +423,7 @@ class Control(Plant):
             task.began = self.now
             for body in bodies:
                 process = self.scheduler.start(task.unit.name, lambda process: None, task.process.priority, task.process)
-                process.line, process.file = task.process.line, task.process.file
+                process.place = task.process.place
                 self.tasks[process.number] = Task(process, task.unit, "branch", root=task.main, names=task.names)
                 if callable(body):
                     process.body = body(process)

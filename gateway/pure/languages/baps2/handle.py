@@ -10,7 +10,7 @@ from gateway.pure.languages.baps2.machine import Machine
 from gateway.pure.languages.baps2.tasks import Peek, Poke, Task
 from gateway.pure.languages.baps2.values import KeptArray, Shared
 from gateway.pure.languages.baps2.working_range import check_limits
-from gateway.pure.languages.base.process import Process
+from gateway.pure.languages.base.process import Place, Process
 from gateway.pure.languages.base.requests import Request
 
 MOST_CALLS = 100  # subroutines one in the other
@@ -142,8 +142,8 @@ class Handle:
         unit, _ = self._machine.library_of(self._task).unit(program)
         if unit is None or unit.make is None:
             raise fault(1092, program)
-        line, file, process.file = process.line, process.file, f"{program.upper()}.QLL"
+        place, process.place = process.place, Place(process.line, f"{program.upper()}.QLL")
         self.deeper(process)
         yield from unit.make(self)(process, *values)
         self.back(process)
-        process.line, process.file = line, file
+        process.place = place

@@ -8,7 +8,7 @@ from gateway.pure.languages.baps2.demands import Until
 from gateway.pure.languages.baps2.lines import Wanted
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.base.path import Stretch
-from gateway.pure.languages.base.process import Process
+from gateway.pure.languages.base.process import Place, Process
 from gateway.pure.languages.base.requests import RuntimeFault
 
 Peek = Callable[[], dict[str, object]]
@@ -23,7 +23,7 @@ class Block:
     number: int
     kinematic: str
     target: tuple[float, ...]
-    line: int
+    place: Place
     until: Until | None = None
     start: tuple[float, ...] = ()
     began: int | None = None
@@ -35,6 +35,11 @@ class Block:
     stretch: Stretch | None = None  # it was handed on with
     stops: bool = True  # at its end
     before: tuple[str, ...] = ()  # statements that begin with it
+
+    @property
+    def line(self) -> int:
+        """Of the program."""
+        return self.place.line
 
 
 @dataclass(slots=True, eq=False)
@@ -71,7 +76,7 @@ class Statement:
 
     robot: int
     texts: tuple[str, ...]
-    line: int
+    place: Place
     alone: bool = False
     dummy: bool = False
     block: bool = False  # one of the texts is a block

@@ -90,6 +90,8 @@ class ProcessRow:
     stuck: bool = False  # it waits for one that waits for it
     external: str = ""  # the external program, or the included file, that it executes just now
     level: int = 0  # subroutines one in the other
+    including: str = ""  # the external program that includes this file; "": the program itself does, or it is not included
+    included: int = 0  # line of the instruction there that includes it; 0: it is not included
 
 
 class Port(Protocol):

@@ -10,12 +10,15 @@ from dataclasses import dataclass, field
 from itertools import count
 
 from gateway.pure.languages.base.hosting import Port
+from gateway.pure.languages.base.process import Place
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
+
+NOWHERE = Place()
 
 
 @dataclass(slots=True, eq=False)
 class Stretch:
-    """One order.  job 0: not given yet; count: blocks handed on; places: line of the program of each."""
+    """One order.  job 0: not given yet; count: blocks handed on; places: in the program, of each."""
 
     owner: object
     program: str
@@ -23,7 +26,7 @@ class Stretch:
     ticket: int
     job: int = 0
     count: int = 0
-    places: list[int] = field(default_factory=list)
+    places: list[Place] = field(default_factory=list)
     finished: bool = True  # nothing was handed on since the last word that nothing follows
     ended: bool = False
     whole: bool = False  # a movement that an input ends: alone, and read whole
@@ -82,12 +85,12 @@ class Path:
         self.port.tell("reference", ticket=self.now.ticket, program=program, robot=robot)
         return self.now
 
-    def hand_on(self, stretch: Stretch, text: str, line: int, *, block: bool = True) -> int:
+    def hand_on(self, stretch: Stretch, text: str, place: Place = NOWHERE, *, block: bool = True) -> int:
         """A statement; the number of its block, counted from 1."""
         self.port.line(stretch.job, text)
         if block:
             stretch.count += 1
-            stretch.places.append(line)
+            stretch.places.append(place)
         stretch.finished, stretch.dry = False, None
         return stretch.count
 
@@ -150,11 +153,11 @@ class Path:
         if path.job == stretch.job:
             stretch.passed = max(stretch.passed, min(path.passed, stretch.count))
 
-    def place_of(self, stretch: Stretch) -> int:
-        """Line of the block that failed; 0: none did."""
+    def place_of(self, stretch: Stretch) -> Place | None:
+        """Of the block that failed; None: none did."""
         path = self.port.view.path_of(stretch.robot)
         if path.failed_job != stretch.job or not 0 < path.fault_block <= len(stretch.places):
-            return 0
+            return None
         return stretch.places[path.fault_block - 1]
 
 

@@ -3,10 +3,20 @@
 from collections.abc import Generator
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import NamedTuple
 
 from gateway.pure.languages.base.requests import Ns, Request, RuntimeFault
 
 Body = Generator[Request, object, None]
+
+
+class Place(NamedTuple):
+    """Where a process is: a line; the file of this line, "": the source of the program; `within`: source and line of the instruction
+    that includes this file, None: it is not included."""
+
+    line: int = 0
+    file: str = ""
+    within: tuple[str, int] | None = None
 
 
 class ProcessState(Enum):
@@ -24,7 +34,8 @@ class ProcessState(Enum):
 class Process:
     """Runs `body`, a generator that yields requests and is resumed with their answers.
 
-    The body keeps `line` (line in front of or in which it is) and `left` (statements it may still run in this turn) up to date.
+    The body keeps `line` (line in front of or in which it is; `file` and `within` as in Place) and `left` (statements it may still run
+    in this turn) up to date.
     """
 
     number: int
@@ -33,7 +44,8 @@ class Process:
     parent: "Process | None" = None  # of a branch or of an internal subprocess
     permanent: bool = False
     line: int = 0
-    file: str = ""  # of this line, where it is not the source of the program
+    file: str = ""
+    within: tuple[str, int] | None = None
     left: int = 0
     state: ProcessState = ProcessState.READY
     fault: RuntimeFault | None = None
@@ -41,6 +53,15 @@ class Process:
     answer: object = None  # what the body is resumed with
     children: list["Process"] = field(default_factory=list)
     body: Body | None = None
+
+    @property
+    def place(self) -> Place:
+        """Where it is."""
+        return Place(self.line, self.file, self.within)
+
+    @place.setter
+    def place(self, place: Place) -> None:
+        self.line, self.file, self.within = place
 
     @property
     def over(self) -> bool:

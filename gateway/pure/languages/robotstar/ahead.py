@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.base.path import Path, Stretch
+from gateway.pure.languages.base.process import Place
 from gateway.pure.languages.robotstar.arm import Arm, tool_values
 from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.lines import line, past_via, rest_of_circle, tool_line
@@ -167,7 +168,7 @@ class Ahead:
                 return
             self._begin(stretch)
             self._way_back(stretch, block, places)
-            block.stretch, block.index = stretch, self.path.hand_on(stretch, self._line(stretch, block, places), block.place[1])
+            block.stretch, block.index = stretch, self.path.hand_on(stretch, self._line(stretch, block, places), Place(block.place[1]))
 
     def settle(self) -> None:
         """Nothing follows for the time being: what was handed on is run to its end.  A circle without its end is not gone to yet."""
@@ -186,7 +187,7 @@ class Ahead:
         """To where the path was left, at a moderate speed (L1262)."""
         here, there, self.interrupted = self.arm.own(places), self.interrupted, ()
         if _left(here, there):
-            self._return = self.path.hand_on(stretch, _back_to(there), block.place[1]), there
+            self._return = self.path.hand_on(stretch, _back_to(there), Place(block.place[1])), there
 
     def _line(self, stretch: Stretch, block: Block, places: tuple[float, ...]) -> str:
         if block.text:
@@ -195,7 +196,7 @@ class Ahead:
         name = self._tools.get(values)
         if name is None:
             name = self._tools[values] = f"T{len(self._tools) + 1}"
-            self.path.hand_on(stretch, tool_line(name, values), block.place[1], block=False)
+            self.path.hand_on(stretch, tool_line(name, values), block=False)
         if block.through is None:
             return line(block.go, self.arm.text(block.go.target, block.start), name)
         through = block.through.go

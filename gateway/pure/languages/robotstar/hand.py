@@ -109,11 +109,11 @@ class Hand:
         if self.wanted.frame in ("XYZ", "UVW"):
             if self.arm.plain:
                 raise StepFault("Cartesian movements need the geometry of the robot")
-            self.path.hand_on(stretch, tool_line("T1", tool_values(self.tool())), 0, block=False)
+            self.path.hand_on(stretch, tool_line("T1", tool_values(self.tool())), block=False)
         if self.wanted.kind == "keys":
             text = self._axes_way(places) if self.wanted.frame.startswith("AXIS") else self._straight_way(places)
             if text:
-                self.path.hand_on(stretch, text, 0)
+                self.path.hand_on(stretch, text)
             self.path.finish(stretch)
 
     def _go_on(self, stretch: Stretch, places: Sequence[float], now: Ns) -> None:
@@ -184,7 +184,7 @@ class Hand:
             raise StepFault(wrong)
         text = self._line(target, path, turn)
         self._at = target
-        self.path.hand_on(stretch, f"{text} radius=10000 share=40 flyby=100 arcs=yes", 0)
+        self.path.hand_on(stretch, f"{text} radius=10000 share=40 flyby=100 arcs=yes")
 
     def _line(self, target: Target, path: float = 0.0, turn: float = 0.0) -> str:
         speed, turning = self.speeds()

@@ -60,12 +60,15 @@ def test_check_names_the_included_file_with_its_path(tmp_path: pathlib.Path, cap
 
 
 def test_an_error_is_in_the_file_of_its_line() -> None:
-    """Of an external program, and of an included file; variables 34314 and 34315 of the PHG 2000."""
+    """Of an external program, and of an included file; variables 34314 to 34318 of the PHG 2000."""
     files = {
         "P.QLL": f"{HEAD}PROGRAM P\nEXTERNAL : S1\nINTEGER : I\nBEGIN\nWAIT 0.1\nS1(I)\nPROGRAM_END\n",
         "S1.QLL": "SUBROUTINE S1(INTEGER : A)\nBEGIN\nWAIT 0.2\nA = 1 / A\nSUB_END\n",
         "Q.QLL": f"{HEAD}PROGRAM Q\nINTEGER : I\nBEGIN\nI = 5\n;;INCLUDE BODY\nI = 1\nPROGRAM_END\n",
-        "BODY.QLL": "I = 0\nI = 1 / I\n",
+        "BODY.QLL": "I = 0\n;;INCLUDE SLOW\nI = 1 / I\n",
+        "SLOW.QLL": "\n\nWAIT 0.1\n",
+        "T.QLL": f"{HEAD}PROGRAM T\nINTEGER : I\nBEGIN\n;;INCLUDE FAR\nMOVE TO (210, 60, 40, 12)\nWAIT 1\nPROGRAM_END\n",
+        "FAR.QLL": "MOVE TO (200, 60, 40, 12)\n\nMOVE LINEAR TO (200, 60, 40, 999)\n",
     }
     cell = ProgramCell(files)
     run = cell.start("P")
@@ -73,7 +76,12 @@ def test_an_error_is_in_the_file_of_its_line() -> None:
     process = cell.control.processes.processes[0]
     assert (process.external, process.level, process.line) == ("S1", 1, 3)
     assert cell.ends(run)[1:] == (209, "division by zero", "S1.QLL line 4")
-    assert cell.run("Q")[3] == "BODY.QLL line 2"
+    run = cell.start("Q")
+    cell.bench.run(0.05)
+    process = cell.control.processes.processes[0]
+    assert (process.external, process.line, process.include_line) == ("", 9, 3), "34317: INCLUDE in the program; 34318: line of its file"
+    assert cell.ends(run)[3] == "BODY.QLL line 3"
+    assert cell.run("T")[3] == "FAR.QLL line 3", "the program is prepared further than the block that failed"
 
 
 @pytest.mark.parametrize("points, kept", [("DANA.PKT", "DANA.PKT"), ("P.PKT", "P.PKT")], ids=["of the source", "of the program"])

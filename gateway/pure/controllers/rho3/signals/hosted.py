@@ -325,8 +325,9 @@ class HostedPrograms:
 def _seen(process: Process, row: Mapping[str, object]) -> None:
     """Where a process is, and what it waits for; what a branch of it waits for as well."""
     if not row["branch"]:
-        process.line = _int(row["line"])
-        process.external, process.level = str(row["external"]), _int(row["level"])
+        line, included = _int(row["line"]), _int(row["included"])
+        process.line, process.include_line = (included, line) if included else (line, 0)
+        process.external, process.level = str(row["including" if included else "external"]), _int(row["level"])
         process.wants, process.holder, process.stuck = str(row["held"]), str(row["holder"]), bool(row["stuck"])
     elif row["holder"] and not process.holder:
         process.wants, process.holder = str(row["held"]), str(row["holder"])
