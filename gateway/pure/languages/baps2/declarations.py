@@ -32,6 +32,7 @@ class DeclarationReader:
         self._stream, self._expressions, self._head = stream, expressions, head
         self.files: set[str] = set()
         self.belts: set[str] = set()
+        self.programs: set[str] = set()  # external ones, which are called by their names
         self._begun: list[Token] = []  # names of the declaration that is read
 
     def read(self) -> tuple[Declaration, ...]:
@@ -201,6 +202,7 @@ class DeclarationReader:
         found = [self._stream.name("the name of a program")]
         while self._stream.sign(","):
             found.append(self._stream.name("the name of a program"))
+        self.programs.update(token.key for token in found)
         return found
 
     def _special_function(self) -> SpecialFunction:

@@ -107,6 +107,7 @@ class _Reader:
             expressions.names |= self._main[0].names
             declarations.files |= self._main[1].files
             declarations.belts |= self._main[1].belts
+            declarations.programs |= self._main[1].programs
         parameters: tuple[Parameter, ...] = ()
         try:
             name = self._name("the name of the program" if word == "PROGRAM" else "the name of the subroutine")

@@ -43,6 +43,7 @@ CLOSERS = frozenset(
     "END PROGRAM_END SUB_END REPEAT_END PARALLEL_END ALSO EXCLUSIVE_END CASE_END EQUAL DEFAULT ELSE SUBROUTINE PROGRAM".split()
 )
 BEHIND_KINEMATIC = ("LINEAR", "PTP", "CIRCULAR", "WITH", "UNTIL", "TO", "VIA")
+OPERATORS = ("UNTIL", "AND", "OR", "NOT", "WITH")  # a value follows, not a statement
 ROUTINE_ENDS = frozenset("PROGRAM_END SUB_END SUBROUTINE PROGRAM".split())
 
 
@@ -135,10 +136,13 @@ class StatementReader:
         if self._stream.place == place:
             self._stream.take()
         while self._stream.token.kind is not Kind.END:
-            token, following = self._stream.token, self._stream.ahead()
+            before, token, following = self._stream.ahead(-1), self._stream.token, self._stream.ahead()
+            if before.word == "ERROR" and token.word in ("JUMP", "HALT"):  # of the statement that is passed over
+                self._stream.take()
+                continue
             if token.word in self._readers or token.word in CLOSERS or token.kind is Kind.INSTRUCTION:
                 return
-            if token.kind is Kind.NAME and following.kind is Kind.SIGN and following.text in ("=", ":"):
+            if before.word not in OPERATORS and token.kind is Kind.NAME and following.kind is Kind.SIGN and following.text in ("=", ":"):
                 return
             self._stream.take()
 
@@ -199,12 +203,23 @@ class StatementReader:
     def _call(self, name: Token) -> CallStatement:
         """A call, with what cannot follow it: a misspelt word is one mistake, not two."""
         arguments, token = self._arguments(), self._stream.token
+        if self._operand(name):
+            self._pass_over(-1)
+            return CallStatement(name.position, name.key, arguments, (token.position, str(token)))
         if token.kind in (Kind.END, Kind.INSTRUCTION) or token.word in self._readers or token.word in CLOSERS or token.text == ",":
             return CallStatement(name.position, name.key, arguments)
         if token.kind is Kind.NAME and (not token.word or self._expressions.names_it(token) or self._stream.ahead().text in ("=", ":")):
             return CallStatement(name.position, name.key, arguments)
         self._pass_over(-1)
         return CallStatement(name.position, name.key, arguments, (token.position, str(token)))
+
+    def _operand(self, name: Token) -> bool:
+        """Whether a declared name is next that no statement begins with, in the line of a name that may be a misspelt word."""
+        token, names = self._stream.token, self._expressions.names
+        if token.kind is not Kind.NAME or token.position.line != name.position.line or name.key in names:
+            return False
+        known = token.key in DEVICES or (token.key in names and token.key not in self._declarations.programs)
+        return known and self._stream.ahead().text not in ("=", "[", ".", ":", "(")
 
     def _arguments(self) -> tuple[Expression, ...]:
         if not self._stream.sign("("):
