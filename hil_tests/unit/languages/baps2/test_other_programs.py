@@ -78,8 +78,9 @@ def test_an_error_is_in_the_file_of_its_line() -> None:
     assert cell.ends(run)[1:] == (209, "division by zero", "S1.QLL line 4")
     run = cell.start("Q")
     cell.bench.run(0.05)
-    process = cell.control.processes.processes[0]
-    assert (process.external, process.line, process.include_line) == ("", 9, 3), "34317: INCLUDE in the program; 34318: line of its file"
+    included = cell.control.processes.named("Q")
+    assert included is not None
+    assert (included.external, included.line, included.include_line) == ("", 9, 3), "34317: INCLUDE in the program; 34318: line of its file"
     assert cell.ends(run)[3] == "BODY.QLL line 3"
     assert cell.run("T")[3] == "FAR.QLL line 3", "the program is prepared further than the block that failed"
 
