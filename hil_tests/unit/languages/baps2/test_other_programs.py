@@ -68,7 +68,7 @@ def test_an_error_is_in_the_file_of_its_line() -> None:
         "BODY.QLL": "I = 0\n;;INCLUDE SLOW\nI = 1 / I\n",
         "SLOW.QLL": "\n\nWAIT 0.1\n",
         "T.QLL": f"{HEAD}PROGRAM T\nINTEGER : I\nBEGIN\n;;INCLUDE FAR\nMOVE TO (210, 60, 40, 12)\nWAIT 1\nPROGRAM_END\n",
-        "FAR.QLL": "MOVE TO (200, 60, 40, 12)\n\nMOVE LINEAR TO (200, 60, 40, 999)\n",
+        "FAR.QLL": "MOVE TO (200, 60, 40, 12)\n\nMOVE LINEAR TO (99999, 60, 40, 12)\n",
     }
     cell = ProgramCell(files)
     run = cell.start("P")
