@@ -4,7 +4,20 @@ from collections.abc import Callable, Iterable
 
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.model import MOST_VALUES
-from gateway.pure.languages.val3.values import Container, FrameV, Grid, PointV, Structure, ToolV, UserV, copied, may_hang, places, rounded
+from gateway.pure.languages.val3.values import (
+    Container,
+    FrameV,
+    Grid,
+    PointV,
+    Structure,
+    ToolV,
+    UserV,
+    copied,
+    grown,
+    may_hang,
+    places,
+    rounded,
+)
 
 Maker = Callable[[], object]
 
@@ -126,12 +139,12 @@ def f_insert(container: Container, place: object, make: Maker, local: bool) -> b
         if name in container:
             return False
         _growing(container, local)
-        container[name] = make()
+        container[name] = grown(container, make)()
         return True
     _growing(container, local)
     if not isinstance(container, list) or not isinstance(place, int) or place > len(container):
         raise Rte(20, f"index {place}")
-    container.insert(place, make())
+    container.insert(place, grown(container, make)())
     return True
 
 
@@ -153,7 +166,7 @@ def f_delete(container: Container, place: object, make: Maker, local: bool) -> b
 def f_append(container: list[object], make: Maker, local: bool) -> None:
     """A new value at the end."""
     _growing(container, local)
-    container.append(make())
+    container.append(grown(container, make)())
 
 
 def f_resize(container: Container, dimension: float, size: float, make: Maker, local: bool) -> None:
@@ -161,7 +174,7 @@ def f_resize(container: Container, dimension: float, size: float, make: Maker, l
     if local:
         raise Rte(71)
     which, wanted = rounded(dimension), rounded(size)
-    dims = container.dims if isinstance(container, Grid) else (len(container),)
+    dims, make = container.dims if isinstance(container, Grid) else (len(container),), grown(container, make)
     if not 1 <= which <= len(dims) or wanted < 1:
         raise Rte(70, f"resize of dimension {which} to {wanted}")
     if isinstance(container, Grid):

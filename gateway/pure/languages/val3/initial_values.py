@@ -8,6 +8,7 @@ from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.model import FIELDS, WORDS, Declaration, Initial, Type, UserType
 from gateway.pure.languages.val3.values import (
     AioV,
+    Collection,
     ConfigV,
     Container,
     DioV,
@@ -81,7 +82,7 @@ Link = Callable[[str, object], None]  # joins a value with the frame or tool tha
 def container_of(declared: Declaration, home: Surroundings, linked: bool, link: Link | None = None) -> Container:
     """A container with its initial values.  Raises Rte 70 for a value its type does not have."""
     if declared.dims == 0:
-        found: dict[str, object] = {}
+        found = Collection()
         for value in declared.values:
             found[value.key] = initial(declared, value, home, linked, link)
         return found

@@ -194,9 +194,9 @@ class Instance:
             raise Rte(80, f"{identifier}:{name}() has other parameters")
         return program
 
-    def maker(self, kind: str) -> Callable[[], object]:
-        """Makes default values of a type; `type:PATH` for a user type."""
+    def maker(self, kind: str, linked: bool = True) -> Callable[[], object]:
+        """Makes default values of a type; `type:PATH` for a user type.  linked: frames, tools and points hang on world or flange."""
         if kind.startswith("type:"):
             found = self.machine.loader.user_types()[kind[5:]]
             return lambda: default(found, self.home)
-        return lambda: default(kind, self.home, linked=True)
+        return lambda: default(kind, self.home, linked=linked)

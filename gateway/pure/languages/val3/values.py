@@ -4,7 +4,7 @@ frames, tools and references that point to them keep doing so."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Protocol, cast
 
 from gateway.pure.languages.val3.errors import Rte
@@ -230,10 +230,11 @@ class PointV(Structure):
 class UserV(Structure):
     """A value of a user type: each field is a container."""
 
-    __slots__ = ("__dict__", "type")
+    __slots__ = ("__dict__", "local", "type")
 
     def __init__(self, kind: UserType) -> None:
         self.type = kind
+        self.local = False  # as of a frame
 
     def names(self) -> tuple[str, ...]:
         """Attributes of its fields."""
@@ -250,6 +251,16 @@ class UserV(Structure):
         for name in self.names():
             setattr(made, name, copy_container(getattr(self, name)))
         return made
+
+
+class Collection(dict[str, object]):
+    """Values by their keys; it may be empty, so it knows itself whether it ends with its program."""
+
+    __slots__ = ("local",)
+
+    def __init__(self, values: Mapping[str, object] | None = None) -> None:
+        super().__init__(values or {})
+        self.local = False
 
 
 class Grid:
@@ -343,9 +354,12 @@ def mark_local(what: object) -> None:
     if isinstance(what, FrameV | ToolV | PointV):
         what.local = True
     elif isinstance(what, UserV):
+        what.local = True
         for name in what.names():
             mark_local(getattr(what, name))
     elif isinstance(what, list | dict | Grid):
+        if isinstance(what, Collection):
+            what.local = True
         for each in what.flat if isinstance(what, Grid) else what.values() if isinstance(what, dict) else what:
             mark_local(each)
 
@@ -356,10 +370,23 @@ def may_hang(what: FrameV | ToolV | PointV, father: FrameV | ToolV | None) -> No
         raise Rte(165, "linked to a local variable")
 
 
+def is_local(container: object) -> bool:
+    """Whether what a container holds ends with its program."""
+    if isinstance(container, list | Grid):
+        flat = container.flat if isinstance(container, Grid) else container
+        return bool(flat) and bool(getattr(flat[0], "local", False))
+    return isinstance(container, Collection) and container.local
+
+
+def grown(container: object, make: Callable[[], object]) -> Callable[[], object]:
+    """Makes values that live as long as those that are there."""
+    return (lambda: passed(make())) if is_local(container) else make
+
+
 def copy_container(container: object) -> Container:
     """Deep."""
     if isinstance(container, dict):
-        return {key: copied(value) for key, value in container.items()}
+        return Collection({key: copied(value) for key, value in container.items()})
     if isinstance(container, Grid):
         return Grid(container.dims, [copied(value) for value in container.flat])
     assert isinstance(container, list)
@@ -367,22 +394,41 @@ def copy_container(container: object) -> Container:
 
 
 def replace_container(mine: object, other: object) -> None:
-    """The values of another container; structures that are there stay the same objects."""
+    """The values of another container; structures that are there stay the same objects.  165: a reference to what ends before it."""
     if isinstance(mine, dict) and isinstance(other, dict):
-        taken = {key: _kept(mine.get(key), value) for key, value in other.items()}
+        local = is_local(mine)
+        taken = {key: _kept(mine.get(key), value, local) for key, value in other.items()}
         mine.clear()
         mine.update(taken)
     elif isinstance(mine, Grid) and isinstance(other, Grid):
         mine.dims = other.dims
         replace_container(mine.flat, other.flat)
     elif isinstance(mine, list) and isinstance(other, list):
-        old: list[object] = list(mine)
-        mine[:] = [_kept(old[at] if at < len(old) else None, value) for at, value in enumerate(other)]
+        old, local = list(mine), is_local(mine)
+        mine[:] = [_kept(old[at] if at < len(old) else None, value, local) for at, value in enumerate(other)]
 
 
-def _kept(mine: object, value: object) -> object:
-    if isinstance(mine, Structure) and isinstance(value, Structure):
-        if mine is not value:
-            mine.set(value)
+def _kept(mine: object, value: object, local: bool) -> object:
+    if not isinstance(value, Structure):
+        return value
+    if mine is value:
         return mine
-    return copied(value)
+    taken = mine if isinstance(mine, Structure) else passed(value) if local else copied(value)
+    if isinstance(taken, FrameV | ToolV | PointV) and isinstance(value, FrameV | ToolV | PointV):
+        may_hang(taken, value.father)
+    if taken is mine and isinstance(mine, Structure):
+        mine.set(value)
+    elif isinstance(taken, UserV):
+        _judge(taken)
+    return taken
+
+
+def _judge(value: UserV) -> None:
+    """165 for a reference of a new value to what ends before it."""
+    for name in value.names():
+        container = getattr(value, name)
+        for each in container.flat if isinstance(container, Grid) else container.values() if isinstance(container, dict) else container:
+            if isinstance(each, UserV):
+                _judge(each)
+            elif isinstance(each, FrameV | ToolV | PointV):
+                may_hang(each, each.father)

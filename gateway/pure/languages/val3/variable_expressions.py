@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from gateway.pure.languages.val3.scope import Value
-from gateway.pure.languages.val3.syntax import Index, Invoke, Name, Node
+from gateway.pure.languages.val3.syntax import Field, Index, Invoke, Name, Node
 from gateway.pure.languages.val3.value_expressions import ValueTranslator
 
 
@@ -114,7 +114,8 @@ class VariableTranslator(ValueTranslator):
 
     def _maker(self, value: Value) -> str:
         kind = value.type if isinstance(value.type, str) else f"type:{value.type.path}"
-        return f"maker({kind!r})"
+        component = isinstance(value.node.base if isinstance(value.node, Index) else value.node, Field)
+        return f"maker({kind!r}{', linked=False' if component else ''})"  # L4151: components hang on nothing
 
     def _on_first(self, node: Invoke, value: Value) -> Value:
         return self._key(node, value, "first", False)

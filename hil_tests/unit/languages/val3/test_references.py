@@ -1,5 +1,6 @@
 """What frames, tools and points of files hang on: elements of arrays, data of libraries, nothing (L3674-3676, L4811-4829)."""
 
+import re
 from typing import Any
 
 import pytest
@@ -122,6 +123,49 @@ def test_a_global_takes_no_local_reference_with_any_assignment() -> None:
     lines += [f'n[{at}]=taskStatus("t{at}")' for at in range(len(HANGS))]
     result: Any = run(App(data=data, programs={"start": "\n".join(lines), **programs, **HANGING_ON}), arm=True, until=1.0)
     assert dict(zip(HANGS, result["globals"]["n"], strict=True)) == HANGS
+
+
+BODY = App(
+    "body",
+    datum("f", "frame") + datum("aP", "point", "2") + datum("cP", "point", "") + datum("pGrid", "point", "1,1"),
+    programs={"start": ""},
+)
+GROWN = {
+    "append(l_u.aP)\nlink(l_u.aP[2],l_f)": -1,
+    "insert(l_u.aP[0])\nlink(l_u.aP[0],l_f)": -1,
+    "resize(l_u.aP,1,4)\nlink(l_u.aP[3],l_f)": -1,
+    "resize(l_u.pGrid,2,2)\nlink(l_u.pGrid[0,1],l_f)": -1,
+    'insert(l_u.cP["a"])\nlink(l_u.cP["a"],l_f)': -1,
+    'append(u.aP)\ninsert(u.cP["a"])\nl_u=u\nlink(l_u.aP[2],l_f)\nlink(l_u.cP["a"],l_f)\ncall given(u,l_f)': -1,
+    "append(u.aP)\nlink(u.aP[2],l_f)": 165,
+    "append(u.aP)\nn=position(u.aP[2],world).x": 162,
+    "link(l_u.aP[1],l_f)\nu=l_u": 165,
+    "append(l_u.aP)\nlink(l_u.aP[2],l_f)\nu=l_u": 165,
+    "link(l_u.f,l_f)\naU[1]=l_u": 165,
+    "link(l_u.aP[0],f)\nu=l_u\nn=position(u.aP[0],world).x": -1,
+    "link(l_p,l_f)\nn=setFrame(l_p,l_q,l_r,u.f)": 165,
+    "link(l_p,l_f)\nn=setFrame(l_p,l_q,l_r,l_u.f)": -1,
+    "n=setFrame(l_p,l_q,l_r,u.f)\nn=position(u.f,world).x": -1,
+    "link(l_p,l_f)\nn=setFrame(l_p,l_q,l_r,f)": -1,
+}
+
+
+def test_what_grows_in_a_user_type_lives_as_long_as_its_variable() -> None:
+    """Containers inside local user types grow, too (L4123, L4147); setFrame gives a frame without a reference that of the origin."""
+    data = datum("f", "frame", values=value(fatherId="world[0]")) + datum("n", "num") + datum("nCodes", "num", str(len(GROWN)))
+    data += "".join(datum(f"u{at}", "Body") for at in range(len(GROWN))) + datum("aU", "Body", "2")
+    locals_ = ["frame l_f", "Body l_u", "point l_p", "point l_q", "point l_r"]
+    head = "link(l_f,world)\nlink(l_p,f)\nlink(l_q,f)\nlink(l_r,f)\nl_q.trsf.x=10\nl_r.trsf.y=10\n"
+    programs: dict[str, Any] = {
+        f"v{at}": (locals_, head + re.sub(r"(?<![\w_])u(?=[.=,)]|$)", f"u{at}", code, flags=re.MULTILINE)) for at, code in enumerate(GROWN)
+    }
+    lines = [f'taskCreate "t{at}",10,v{at}()' for at in range(len(GROWN))] + ["delay(0.1)"]
+    lines += [f'nCodes[{at}]=taskStatus("t{at}")' for at in range(len(GROWN))]
+    programs["given(Body x_u,frame& x_f)"] = "link(x_u.aP[2],x_f)"
+    types = '<Type name="Body" path="body" />'
+    result: Any = run(App(data=data, types=types, programs={"start": "\n".join(lines), **programs}), BODY, arm=True, until=1.0)
+    assert "globals" in result, result
+    assert dict(zip(GROWN, result["globals"]["nCodes"], strict=True)) == GROWN, result["log"]
 
 
 def test_what_is_saved_hangs_on_the_same_data() -> None:
