@@ -40,7 +40,7 @@ from gateway.web.trends import LEAST_S, MOST_S
 from gateway.web.word_forces import forced_words
 
 Row = dict[str, Any]
-VAL3_PAGE = (("folder", "string"), ("name", "string"))
+VAL3_PAGE = (("folder", "string"), ("name", "string"), ("image", "string"))
 PLC_STEPS = (("name", "string"), ("first", "number"))
 ALARM_FILTER = (("q", "string"), ("state", "string"), ("source", "string"), ("from", "string"), ("to", "string"))
 SEARCH = (("q", "string"), ("group", "string"), ("id", "string"))
@@ -200,7 +200,8 @@ class Api:
 
     async def val3_page(self, call: Call) -> Row:
         try:
-            return await self.live.val3.page(call.query.get("folder", "")[:256], call.query.get("name", "")[:128])
+            folder, name, image = (call.query.get(key, "")[:256] for key in ("folder", "name", "image"))
+            return await (self.live.val3.image(folder, name, image) if image else self.live.val3.page(folder, name))
         except OSError as error:
             raise KeyError(str(error)) from None
 
@@ -302,7 +303,14 @@ def plc_endpoints(api: Api) -> list[Endpoint]:
     v, o, s = Role.VIEWER, Role.OPERATOR, Role.SETTER
     row = Endpoint
     return [
-        row("GET", "/api/val3/page", v, "a user page of the VAL 3 application, without scripts", api.val3_page, query=VAL3_PAGE),
+        row(
+            "GET",
+            "/api/val3/page",
+            v,
+            "a user page of the VAL 3 application, without scripts, or an image beside it",
+            api.val3_page,
+            query=VAL3_PAGE,
+        ),
         row("POST", "/api/val3/act", o, "click, entry, answer, value, hold or connection move of it", api.val3_act, Val3Act, True),
         row("GET", "/api/plc/listing", v, "steps of a program of the integrated PLC", api.plc_listing, query=PLC_STEPS),
         row("GET", "/api/plc/shown", v, "its test display: state, VKE and accumulators behind each step", api.plc_shown, query=PLC_STEPS),

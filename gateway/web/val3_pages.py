@@ -7,8 +7,10 @@ import base64
 import html
 import pathlib
 import posixpath
+import re
 from collections.abc import Callable
 from html.parser import HTMLParser
+from urllib.parse import unquote
 
 from gateway.pure.languages.val3.disk import PathFault
 from gateway.pure.languages.val3.page_catalogue import page_place
@@ -18,6 +20,9 @@ VOID = frozenset("area br col hr img input link source track wbr".split())
 SOURCES = ("src", "href", "action", "formaction", "background", "poster", "data", "srcset", "xlink:href", "srcdoc", "ping")
 IMAGES = {".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg", ".gif": "image/gif", ".bmp": "image/bmp"}
 LARGEST = 2 << 20
+ADDRESS = re.compile(r"""url\(\s*(["']?)([^"')]*)\1\s*\)""", re.IGNORECASE)  # url(lamp.png) in a style
+LOADING = re.compile(r"@import|image-set\(|expression\(|-moz-binding|(?<![\w-])behavior\s*:", re.IGNORECASE)
+ELSEWHERE = re.compile(r"\s*(?:[a-z][a-z0-9+.-]*:|//)", re.IGNORECASE)
 Reader = Callable[[str], bytes | None]
 
 
@@ -51,18 +56,17 @@ class _Cleaner(HTMLParser):
     def _sheet(self, given: dict[str, str]) -> None:
         data = self._read(given.get("href", "")) if "stylesheet" in given.get("rel", "").lower() else None
         if data is not None:
-            self.out.append(f"<style>{styled(data.decode('utf-8', 'replace'))}</style>")
+            self.out.append(f"<style>{styled(data.decode('utf-8', 'replace'), self._read, posixpath.dirname(given['href']))}</style>")
 
     def _kept(self, tag: str, name: str, value: str) -> str | None:
         if not name.replace("-", "").replace("_", "").isalnum():
             return None
         if name == "style":
-            return styled(value)
+            return styled(value, self._read)
         if name not in SOURCES:
             return value
         if tag == "img" and name == "src":
-            kind, data = IMAGES.get(posixpath.splitext(value)[1].lower()), self._read(value)
-            return f"data:{kind};base64,{base64.b64encode(data).decode()}" if kind and data is not None else None
+            return inlined(value, self._read)
         return value if name == "href" and value.startswith("#") else None
 
     def handle_endtag(self, tag: str) -> None:
@@ -77,7 +81,7 @@ class _Cleaner(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         if not self._dropping:
-            self.out.append(styled(data) if self._style else html.escape(data, quote=False))
+            self.out.append(styled(data, self._read) if self._style else html.escape(data, quote=False))
 
 
 def quoted(text: str) -> str:
@@ -85,10 +89,25 @@ def quoted(text: str) -> str:
     return f'"{html.escape(text)}"'
 
 
-def styled(text: str) -> str:
-    """Styles without what loads or runs something."""
+def inlined(file: str, read: Reader) -> str | None:
+    """An image beside the page as a data URL; None: there is none."""
+    kind = IMAGES.get(posixpath.splitext(file.partition("?")[0])[1].lower())
+    data = read(file) if kind else None
+    return None if data is None else f"data:{kind};base64,{base64.b64encode(data).decode()}"
+
+
+def styled(text: str, read: Reader, folder: str = "") -> str:
+    """Styles without what loads or runs something; images beside them are taken in.  folder: of the sheet, seen from the page."""
     plain = text.replace("\\", "").replace("<", "")
-    return "" if any(word in plain.lower() for word in ("url(", "@import", "expression(", "behavior", "-moz-binding")) else plain
+    if LOADING.search(plain) or any(ELSEWHERE.match(found[2]) for found in ADDRESS.finditer(plain)):
+        return ""
+
+    def taken(found: re.Match[str]) -> str:
+        image = inlined(posixpath.join(folder, found[2].strip()), read)
+        return "none" if image is None else f"url({image})"
+
+    made, left = ADDRESS.sub(taken, plain), ADDRESS.sub("", plain)
+    return "" if "url(" in left.lower() else made
 
 
 def clean(text: str, read: Reader) -> str:
@@ -101,19 +120,46 @@ def clean(text: str, read: Reader) -> str:
 
 def page_of(disk: pathlib.Path, folder: str, name: str) -> str | None:
     """The page NAME of the application in a folder of the disk, or where a VAL 3 path leads; None: there is none."""
+    placed = _placed(disk, folder, name)
+    if placed is None:
+        return None
+    read, page = placed
+    data = read(page)
+    return None if data is None else clean(data.decode("utf-8-sig", "replace"), read)
+
+
+def image_of(disk: pathlib.Path, folder: str, name: str, file: str) -> str | None:
+    """An image beside that page as a data URL; None: there is none."""
+    placed = _placed(disk, folder, name)
+    return None if placed is None else inlined(file, placed[0])
+
+
+def _placed(disk: pathlib.Path, folder: str, name: str) -> tuple[Reader, str] | None:
+    """What reads files beside a page, and the page's file name."""
     try:
         inside, page = page_place(folder, name)
     except PathFault:
         return None
-    interface = (disk / inside).resolve()
+    room = _cased(disk.resolve(), inside)
+    if not room.is_relative_to(disk.resolve()):
+        return None
+    beside, _, last = page.rpartition("/")
 
     def read(file: str) -> bytes | None:
-        path = (interface / file.partition("?")[0]).resolve()
-        if "://" in file or not path.is_relative_to(interface) or not path.is_file() or path.stat().st_size > LARGEST:
+        if "://" in file or "\0" in file:
             return None
-        return path.read_bytes()
+        path = _cased(room, posixpath.normpath(posixpath.join(beside, unquote(file.partition("?")[0]))))
+        return path.read_bytes() if path.is_relative_to(room) and path.is_file() and path.stat().st_size <= LARGEST else None
 
-    if not interface.is_relative_to(disk.resolve()):
-        return None
-    data = read(page)
-    return None if data is None else clean(data.decode("utf-8-sig", "replace"), read)
+    return read, last
+
+
+def _cased(folder: pathlib.Path, inside: str) -> pathlib.Path:
+    """A path below a folder; names are compared without case, as on the controller."""
+    path = folder
+    for part in inside.split("/"):
+        exact = path / part
+        if not exact.exists() and path.is_dir():
+            exact = next((each for each in sorted(path.iterdir()) if each.name.lower() == part.lower()), exact)
+        path = exact
+    return path.resolve()

@@ -6,7 +6,7 @@ from typing import Any
 from gateway.assembly.val3_application import disk_folder
 from gateway.observer.tool_link import ServicesLink
 from gateway.pure.cell.cell import Cell
-from gateway.web.val3_pages import page_of
+from gateway.web.val3_pages import image_of, page_of
 
 Row = dict[str, Any]
 
@@ -30,6 +30,14 @@ class Val3View:
         if text is None:
             raise KeyError(f"there is no user page {name}")
         return {"name": name, "html": text}
+
+    async def image(self, folder: str, name: str, file: str) -> Row:
+        """An image beside a user page.  KeyError: there is none; OSError."""
+        table = self._cell.val3
+        data = None if table is None else await asyncio.to_thread(image_of, disk_folder(self._cell, table), folder, name, file)
+        if data is None:
+            raise KeyError(f"there is no image {file} beside the user page {name}")
+        return {"name": file, "data": data}
 
     async def act(self, **facts: object) -> Row:
         """A click, an entry, an answer, a value.  Gone, Refused."""

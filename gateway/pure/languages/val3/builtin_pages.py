@@ -9,7 +9,7 @@ from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
 from gateway.pure.languages.val3.page_catalogue import doubt, objects_of, page_place
-from gateway.pure.languages.val3.pages import MOST, Where
+from gateway.pure.languages.val3.pages import MOST, Prompt, Where
 from gateway.pure.languages.val3.strings import f_to_string, finite
 from gateway.pure.languages.val3.values import ScreenV, cut
 
@@ -107,18 +107,23 @@ def f_page_set(own: Instance, page: str, name: str, attribute: str, value: objec
     _judge(own, page, name, attribute)
 
 
+def _asked(own: Instance, text: str, kind: str) -> Generator[Ns | None, None, str | None]:
+    """The operator's answer to this prompt, asked in its turn; None at once where a run has no operator."""
+    machine, asked = own.machine, Prompt(text, kind)
+    machine.prompts.append(asked)
+    try:
+        while machine.operator and not (machine.answers and machine.prompts[0] is asked):
+            yield None
+        return machine.answers.pop(0) if machine.answers else None
+    finally:
+        machine.prompts[:] = [each for each in machine.prompts if each is not asked]
+
+
 def _answer(own: Instance, text: str, otherwise: str, kind: str) -> Generator[Ns | None, None, str]:
     """The operator's answer; `otherwise` at once where a run has no operator."""
-    machine = own.machine
-    machine.popup(text)
-    asked = (text, kind)
-    try:
-        while machine.operator and not machine.answers:
-            machine.prompt = machine.prompt or asked
-            yield None
-    finally:
-        machine.prompt = None if machine.prompt is asked else machine.prompt
-    return machine.answers.pop(0) if machine.answers else otherwise
+    own.machine.popup(text)
+    answer = yield from _asked(own, text, kind)
+    return otherwise if answer is None else answer
 
 
 def f_user_page_alert(own: Instance, text: str) -> Waiting:
@@ -249,16 +254,9 @@ def f_screen_title_of(own: Instance, screen: ScreenV, text: str) -> None:
 
 def _entered(own: Instance) -> Generator[Ns | None, None, tuple[float, str | None]]:
     """Key that ended an entry, and what was entered; Esc at once where a run has no operator."""
-    machine = own.machine
-    yield machine.now
-    asked = ("", "prompt")
-    try:
-        while machine.operator and not machine.answers:
-            machine.prompt = machine.prompt or asked
-            yield None
-    finally:
-        machine.prompt = None if machine.prompt is asked else machine.prompt
-    word, separator, text = (machine.answers.pop(0) if machine.answers else "cancel").partition(":")
+    yield own.machine.now
+    answer = yield from _asked(own, "", "prompt")
+    word, separator, text = (answer or "cancel").partition(":")
     return (KEY_ESC, None) if word.lower() == "cancel" else (KEY_RETURN, text if separator else "")
 
 

@@ -36,16 +36,10 @@ def seen(machine: Machine, own: Instance, popups: list[str]) -> Seen:
         "page": machine.pages.current,
         "folder": machine.pages.folder,
         "title": machine.screen.title,
-        "prompt": machine.prompt[0] if machine.prompt else "",
-        "kind": machine.prompt[1] if machine.prompt else "",
+        "prompt": machine.prompts[0].text if machine.prompts else "",
+        "kind": machine.prompts[0].kind if machine.prompts else "",
     }
-    attributes = [
-        [name, attribute, text[:LONGEST]]
-        for page, objects in machine.pages.shown().items()
-        if page == machine.pages.current
-        for name, own_attributes in objects.items()
-        for attribute, text in own_attributes.items()
-    ]
+    attributes = [[name, attribute, text[:LONGEST]] for name, attribute, text in machine.pages.rows(machine.pages.current)]
     lines = [line.rstrip() for line in machine.screen.lines]
     while lines and not lines[-1]:
         lines.pop()
@@ -79,12 +73,12 @@ def act(machine: Machine, own: Instance, order: Mapping[str, Fact]) -> str:
             case "event":
                 if value not in EVENTS:
                     return f"{value}: there are {', '.join(EVENTS)}"
-                machine.pages.happen(machine.pages.current, what, value)
+                return machine.pages.happen(machine.pages.current, what, value)
             case "enter":
                 if not machine.pages.enter(machine.pages.current, what, str(order.get("attribute") or "value"), value):
                     return f"{what}: {value!r} is not taken"
             case "answer":
-                if not machine.prompt:
+                if not machine.prompts:
                     return "no prompt waits for an answer"
                 machine.answers.append(value)
             case "set":

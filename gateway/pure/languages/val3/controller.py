@@ -10,7 +10,7 @@ from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.languages.val3.errors import Rte, help_text
 from gateway.pure.languages.val3.loader import Loader, family_of_arm
 from gateway.pure.languages.val3.moves import Moves
-from gateway.pure.languages.val3.pages import PageBoard
+from gateway.pure.languages.val3.pages import PageBoard, Prompt
 from gateway.pure.languages.val3.robot_state import RobotState
 from gateway.pure.languages.val3.screen import Screen
 from gateway.pure.languages.val3.tasks import SYSTEM_CYCLE, Line, Owner, Step, Task
@@ -83,7 +83,7 @@ class Controller:
         self.pages = PageBoard(self.io)
         self.operator = False  # prompts wait for an answer; without an operator they are answered at once
         self.answers: list[str] = []
-        self.prompt: tuple[str, str] | None = None  # text and kind of the one that waits for its answer
+        self.prompts: list[Prompt] = []  # in the order in which they were asked; the operator sees and answers the first
         self.tasks: list[Task] = []
         self.current: Task | None = None
         self.log: list[str] = []

@@ -4,7 +4,9 @@ Nothing is drawn here.  A binding is a variable (container and place) and an att
 """
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
+from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.strings import finite
 from gateway.pure.languages.val3.values import AioV, DioV, cut, places
@@ -16,8 +18,10 @@ FORBIDDEN = frozenset(
 )  # of all objects (L6744-6828); on... and data-... besides
 WRITABLE = ("value",)  # L6982
 EITHER = ("selectedIndex", "value")  # L6983-6987: only one of them
+LIST = "options"  # one value for each element of the array
 EVENTS = ("mouseup", "mousedown", "click")
 MOST = 1000  # bindings of an application
+UNREADABLE = (Rte, RuntimeFault, LookupError)  # no link, a board in fault, an element or key that was deleted
 
 Where = tuple[object, object]  # container and place
 
@@ -55,6 +59,13 @@ class Reaction:
     value: object
 
 
+class Prompt(NamedTuple):
+    """A question that waits for the operator.  kind: alert, confirm or prompt."""
+
+    text: str
+    kind: str
+
+
 @dataclass(slots=True)
 class PageBoard:
     """All pages of the applications."""
@@ -64,7 +75,7 @@ class PageBoard:
     folder: str = ""  # on the disk, of the application that shows it
     bindings: list[Binding] = field(default_factory=list)
     reactions: list[Reaction] = field(default_factory=list)
-    fixed: dict[tuple[str, str, str], str] = field(default_factory=dict)
+    fixed: dict[tuple[str, str, str], list[str]] = field(default_factory=dict)
     objects: dict[tuple[str, str], dict[str, str] | None] = field(default_factory=dict)  # folder and page -> types by id
     judged: set[tuple[str, str, str, str]] = field(default_factory=set)  # attributes the catalogue was asked for
 
@@ -125,45 +136,67 @@ class PageBoard:
     def put(self, page: str, name: str, attribute: str, value: object) -> None:
         """userPageSet: once."""
         self._judge(attribute)
-        self.fixed[page, name, attribute] = _text(value)
+        text = _text(value)
+        self.fixed[page, name, attribute] = text.split(",") if attribute == LIST else [text]
 
     # ---- the operator --------------------------------------------------------------------------------------------------------
-    def happen(self, page: str, name: str, event: str) -> None:
-        """A click, or a button pressed or released."""
+    def happen(self, page: str, name: str, event: str) -> str:
+        """A click, or a button pressed or released; which variables could not be set and why, "" for none."""
+        faults = []
         for each in [each for each in self.reactions if (each.page, each.id, each.event) == (page, name, event)]:
-            old = self._value(each.where, 0)
-            self._write(each.where, (not old) if each.value is None else each.value)
+            try:
+                self._write(each.where, (not self._value(each.where, 0)) if each.value is None else each.value)
+            except UNREADABLE as fault:
+                faults.append(f"page {page}, {name}: {event} has no effect: {_why(fault)}")
+        return "; ".join(faults)
 
     def enter(self, page: str, name: str, attribute: str, text: str) -> bool:
         """An entry; False: nothing of this object can be written, or the text is no such value."""
         found = [each for each in self.bindings if (each.page, each.id, each.attribute) == (page, name, attribute) and each.writes]
         for each in found:
-            old = self._value(each.where, 0)
-            value = _value_of(old, text)
-            if value is None:
+            try:
+                value = _value_of(self._value(each.where, 0), text)
+                if value is None:
+                    return False
+                self._write(each.where, value)
+            except UNREADABLE:
                 return False
-            self._write(each.where, value)
         if found:
-            self.fixed[page, name, attribute] = text
+            self.fixed[page, name, attribute] = [text]
         return bool(found)
 
     # ---- what is seen ----------------------------------------------------------------------------------------------------------
     def shown(self) -> dict[str, dict[str, dict[str, str]]]:
         """Page -> object -> attribute -> text."""
-        now = dict(self.fixed)
-        for each in self.bindings:
-            if each.reads:
-                now[each.page, each.id, each.attribute] = self._texts(each)
         found: dict[str, dict[str, dict[str, str]]] = {}
-        for (page, name, attribute), text in now.items():
-            found.setdefault(page, {}).setdefault(name, {})[attribute] = text
+        for (page, name, attribute), texts in self._now().items():
+            found.setdefault(page, {}).setdefault(name, {})[attribute] = ",".join(texts)
         return found
+
+    def rows(self, page: str) -> list[list[str]]:
+        """Object, attribute and text of one page; a row for each option of a list."""
+        return [
+            [name, attribute, text]
+            for (of, name, attribute), texts in self._now().items()
+            if of == page
+            for text in (texts if attribute == LIST else [",".join(texts)])
+        ]
+
+    def _now(self) -> dict[tuple[str, str, str], list[str]]:
+        return self.fixed | {(each.page, each.id, each.attribute): self._texts(each) for each in self.bindings if each.reads}
 
     def _once(self, binding: Binding) -> None:
         self.fixed[binding.page, binding.id, binding.attribute] = self._texts(binding)
 
-    def _texts(self, binding: Binding) -> str:
-        return ",".join(_text(self._value(binding.where, at)) for at in range(binding.size))
+    def _texts(self, binding: Binding) -> list[str]:
+        return [self._readable(binding.where, at) for at in range(binding.size)]
+
+    def _readable(self, where: Where, at: int) -> str:
+        """ "" for what cannot be read now."""
+        try:
+            return _text(self._value(where, at))
+        except UNREADABLE:
+            return ""
 
     def _value(self, where: Where, at: int) -> object:
         container, place = where
@@ -197,6 +230,10 @@ def _same(one: Binding, other: Binding) -> bool:
         other.reads,
         other.writes,
     )
+
+
+def _why(fault: Exception) -> str:
+    return "the element does not exist any more" if isinstance(fault, LookupError) else str(fault)
 
 
 def _text(value: object) -> str:

@@ -260,7 +260,8 @@ def page(machine: Machine, name: str, event: Event) -> None:
     """page.PAGE.OBJECT=click, mousedown, mouseup; page.PAGE.OBJECT.ATTRIBUTE=VALUE is an entry."""
     parts = name.split(".", 2)
     if len(parts) == 2 and event.value.lower() in EVENTS:
-        machine.pages.happen(parts[0], parts[1], event.value.lower())
+        if fault := machine.pages.happen(parts[0], parts[1], event.value.lower()):
+            machine.note(fault, "PAGE")
     elif len(parts) == 3:
         if not machine.pages.enter(parts[0], parts[1], parts[2], event.value):
             machine.note(f"page {parts[0]}, {parts[1]}.{parts[2]}: the entry {event.value!r} is not taken", "PAGE")

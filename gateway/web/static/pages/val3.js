@@ -1,7 +1,6 @@
 // The VAL 3 application of a cell: state, start and stop, tasks, variables, popups, prompts, text page, user page.
 import { Table, chip, grey, h, mark, put, text } from "../dom.js";
-
-const KEPT = /^(innerHTML|textContent|value|className|selectedIndex|options|src|href|dataset\.\w+|style\.\w+)$/;
+import { UserPage } from "../userpage.js";
 
 export function mount(root, { t, get, post, unable }) {
   const state = h("span", { class: "chip", id: "val3-state" });
@@ -20,13 +19,14 @@ export function mount(root, { t, get, post, unable }) {
   ask.append(question, entry, h("button", { type: "submit", id: "val3-ok" }, "OK"), cancel);
   const screen = h("pre", { id: "val3-screen", "aria-label": t("Text page") });
   const popups = h("ul", { id: "val3-popups" });
-  const frame = h("iframe", { id: "val3-page", sandbox: "allow-same-origin", title: t("User page"), style: "width:100%;height:26rem;border:0;background:#fff", hidden: true });
+  const user = new UserPage(t("User page"), { act: (order) => act(order), image: async (file) => (await get(`${address(page)}&image=${encodeURIComponent(file)}`)).data, allowed: () => !unable("operator") });
   const variable = h("input", { id: "val3-name", "aria-label": t("variable"), placeholder: "nCount, sPart[2]", size: "14" });
   const value = h("input", { id: "val3-value", "aria-label": t("value"), size: "10" });
   const write = h("button", { type: "button", id: "val3-write", onclick: () => act({ act: "set", what: variable.value, value: value.value }) }, t("Write"));
   let name = "";
   let seen = {};
-  let page = "";
+  let page = { name: "", folder: "" };
+  const address = (of) => `/api/val3/page?folder=${encodeURIComponent(of.folder)}&name=${encodeURIComponent(of.name)}`;
   const act = (order) => post("/api/val3/act", order, "");
   const answer = (words) => { entry.value = ""; act({ act: "answer", value: words }); };
   const tasks = new Table([
@@ -45,55 +45,26 @@ export function mount(root, { t, get, post, unable }) {
     { title: t("value"), free: true, cell: text((row) => row[2]) },
   ], (row) => row[0], { tall: true, label: t("Variables") });
 
-  // ---- user page: attributes are put where they belong, texts as texts; scripts neither load nor run in the frame
-  async function load(wanted, folder) {
+  async function load(wanted) {
     page = wanted;
-    frame.hidden = !wanted;
-    if (!wanted) return;
+    user.hide();
+    if (!wanted.name) return;
     try {
-      const told = await get(`/api/val3/page?folder=${encodeURIComponent(folder)}&name=${encodeURIComponent(wanted)}`);
-      if (wanted === page) { frame.onload = listen; frame.srcdoc = told.html; }
-    } catch (error) { frame.hidden = true; put(gone, t(error.message)); }
-  }
-  function listen() {
-    const inside = frame.contentDocument;
-    if (!inside) return;
-    const id = (event) => event.target?.closest?.("[id]")?.id;
-    const send = (kind) => (event) => { const what = id(event); if (what && !unable("operator")) act({ act: "event", what, value: kind }); };
-    for (const kind of ["click", "mousedown", "mouseup"]) inside.addEventListener(kind, send(kind));
-    inside.addEventListener("touchstart", send("mousedown"), { passive: true });
-    inside.addEventListener("touchend", send("mouseup"), { passive: true });
-    inside.addEventListener("keydown", (event) => { if (event.key === "Enter" && event.target?.tagName === "BUTTON") return; if (event.key === " " && !event.repeat) send("mousedown")(event); });
-    inside.addEventListener("change", (event) => { const what = id(event); if (what && !unable("operator")) act({ act: "enter", what, attribute: "value", value: String(event.target.value) }); });
-    inside.addEventListener("submit", (event) => event.preventDefault());
-    draw(seen.shown || []);
-  }
-  function draw(rows) {
-    const inside = frame.contentDocument;
-    if (!inside || !page) return;
-    for (const [what, attribute, words] of rows) {
-      const element = inside.getElementById(what);
-      if (!element || !KEPT.test(attribute) || inside.activeElement === element) continue;
-      const [group, inner] = attribute.split(".");
-      if (group === "innerHTML" || group === "textContent") put(element, words);
-      else if (group === "style") element.style[inner] = words;
-      else if (group === "dataset") element.dataset[inner] = words;
-      else if (group === "options") { if (element.dataset.options !== words) { element.dataset.options = words; element.replaceChildren(...words.split(",").map((each) => { const option = inside.createElement("option"); option.textContent = each; return option; })); } }
-      else if (group === "src" || group === "href") { if (words.startsWith("#") || words.startsWith("data:image/")) element.setAttribute(group, words); }
-      else if (String(element[group]) !== words) element[group] = group === "selectedIndex" ? Number(words) : words;
-    }
+      const told = await get(address(wanted));
+      if (wanted === page) user.show(told.html);
+    } catch (error) { put(gone, t(error.message)); }
   }
 
   root.append(h("div", { class: "grid" },
     h("section", { class: "card w5" }, h("div", { class: "bar" }, h("h2", { style: "margin:0", id: "val3-application" }, "VAL 3"), state, start, stop, hold, connect, mode, speed, "%"), gone, facts, ask, tasks.element, h("h2", {}, t("Popups")), popups, h("h2", {}, t("Text page")), screen),
-    h("section", { class: "card w7" }, frame, h("h2", {}, t("Variables")), h("div", { class: "bar" }, variable, value, write), variables.element)));
+    h("section", { class: "card w7" }, user.element, h("h2", {}, t("Variables")), h("div", { class: "bar" }, variable, value, write), variables.element)));
   return {
     update(told) {
       if (!told) return;
       put(gone, told.gone || (told.id ? "" : t("The interpreter does not run.")));
       if (told.gone) return;
       name = told.programs[0]?.name || "";
-      seen = { ...(told.val3?.[0] || {}), shown: told.shown };
+      seen = { ...(told.val3?.[0] || {}) };
       const fault = told.programs[0]?.fault || "";
       const wrong = told.processes.some((row) => row.error);
       put(document.getElementById("val3-application"), name || "VAL 3");
@@ -115,8 +86,9 @@ export function mount(root, { t, get, post, unable }) {
       popups.replaceChildren(...(told.popups || []).map((words) => h("li", {}, words)));
       tasks.update(told.processes);
       variables.update(told.variables || []);
-      if ((seen.page || "") !== page) load(seen.page || "", seen.folder || "");
-      else draw(told.shown || []);
+      const wanted = { name: seen.page || "", folder: seen.page ? seen.folder || "" : "" };
+      if (wanted.name !== page.name || wanted.folder !== page.folder) load(wanted);
+      user.draw(told.shown || []);
     },
   };
 }

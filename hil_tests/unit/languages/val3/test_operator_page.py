@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from gateway.web.val3_pages import clean, page_of
+from gateway.web.val3_pages import clean, image_of, page_of
 from hil_tests.lab.virtual.val3_cell_bench import Val3Cell
 from hil_tests.unit.languages.val3.apps import App, datum, value
 
@@ -154,10 +154,15 @@ def test_an_application_that_does_not_run_is_not_operated() -> None:
         ('<meta http-equiv="refresh" content="0;url=http://x"><base href="http://x">s', "s"),
         ("<form action='http://x'><input name='n' value='\"'></form>", '<form><input name="n" value="&quot;"></form>'),
         ("<!-- a --><script", "&lt;script"),
+        ('<b style="background: URL( a.png ) no-repeat">x</b>', '<b style="background: url(data:image/png;base64,aW1n) no-repeat">x</b>'),
+        ("<style>p{background:url('no.png');scroll-behavior:smooth}</style>", "<style>p{background:none;scroll-behavior:smooth}</style>"),
+        ('<style>p{background:url("a.png), url(http://x)}</style>', "<style></style>"),
+        ("<style>p{behavior:url(a.png)}</style><p style='background:image-set(\"//x\")'>", '<style></style><p style="">'),
+        ('<link rel="stylesheet" href="css/t.css">', "<style>p{background:url(data:image/png;base64,aW1n)}</style>"),
     ],
 )
 def test_a_page_is_cleaned(given: str, kept: str) -> None:
-    files = {"a.png": b"img", "s.css": b"p{}"}
+    files = {"a.png": b"img", "s.css": b"p{}", "css/t.css": b"p{background:url('../a.png')}", "css/../a.png": b"img"}
     assert clean(given, files.get) == kept
 
 
@@ -180,3 +185,17 @@ def test_a_page_named_by_a_path_is_shown(tmp_path: pathlib.Path) -> None:
     (tmp_path / "out.html").write_text("secret")
     names = ("a", "./pages/b", "Disk://shared/c", "Disk://../out", "../out", "../../../out")
     assert [page_of(tmp_path / "disk", "menu", name) for name in names] == ["A", "B", "C", None, None, None]
+
+
+def test_files_of_a_page_are_found_beside_it_in_any_case(tmp_path: pathlib.Path) -> None:
+    """As on the controller, whose disk compares names without case; a page in a sub-folder has its images beside it."""
+    for path in ("menu/interface/Main.html", "menu/interface/sub/e.html"):
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text('<img src="My%20Lamp.PNG"><img src="../top.png">')
+    for path in ("menu/interface/my lamp.png", "menu/interface/sub/my lamp.png", "menu/interface/top.png", "menu/top.png"):
+        (tmp_path / path).write_bytes(path.encode()[-12:-4])
+    beside, above = '<img src="data:image/png;base64,L215IGxhbXA=">', '<img src="data:image/png;base64,'
+    assert page_of(tmp_path, "MENU", "main") == beside + "<img>", "nothing above the interface"
+    assert (page_of(tmp_path, "menu", "sub/E") or "").startswith(beside + above)
+    assert image_of(tmp_path, "menu", "main", "MY LAMP.png") == "data:image/png;base64,L215IGxhbXA="
+    assert [image_of(tmp_path, "menu", "main", each) for each in ("../top.png", "main.html", "no.png", "http://x/a.png")] == [None] * 4

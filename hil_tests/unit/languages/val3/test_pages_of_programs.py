@@ -213,3 +213,41 @@ def test_a_page_is_found_by_a_path_too() -> None:
     app = App(data=datum("n", "num", str(len(calls))), programs={"start": code})
     found = run(app, on=Machine(Disk({**app.files(), **pages})))["globals"]
     assert isinstance(found, dict) and found["n"] == list(calls.values())
+
+
+@pytest.mark.requirement("VAL-UI-02", by="gateway.pure.languages.val3.pages:PageBoard.rows")
+def test_what_cannot_be_read_or_written_any_more_is_shown_empty_and_logged() -> None:
+    data = datum("dX", "dio") + datum("aX", "aio") + datum("diIn", "dio", values=value(link="BasicIO-1\\%I0"))
+    binds = 'userPageBind("p","d","innerHTML",dX,1,"r")\nuserPageBind("p","a","value",aX,1,"rw")\n'
+    binds += 'userPageBind("p","k","innerHTML",sCol["a"],1,"r")\nuserPageBind("p","s","options",sList,3,"r1")\n'
+    binds += 'userPageBindClick("p","d",dX)\nuserPageBindClick("p","i",diIn,true)\nuserPageBindClick("p","e",sList[2],"x")\n'
+    code = binds + 'delete(sCol["a"])\ndelete(sList[2])\nnState=1\ndelay(1)'
+    app = App(data=DATA + data, programs={"start": code})
+    made = machine(app)
+    own = made.instance("demo", "demo", "")
+    assert own is not None
+    declare_links(made, own.data.values())
+    events = ["page.p.d=click", "page.p.i=click", "page.p.e=click", "page.p.a.value=3"]
+    Run(made, own, 10**9, [event_of("0.5", each) for each in events]).go()
+    assert made.pages.rows("p") == [
+        ["s", "options", "one"], ["s", "options", "two"], ["s", "options", "three"], ["d", "innerHTML", ""], ["a", "value", ""],
+        ["k", "innerHTML", ""],
+    ]  # fmt: skip
+    logged = [line.partition("PAGE:")[2] for line in made.log if "PAGE:" in line]
+    assert [line.rpartition(": ")[2].split(" (")[0] for line in logged] == [
+        "variable not linked to a system input or output",
+        "write to a system input",
+        "the element does not exist any more",
+        "the entry '3' is not taken",
+    ]
+
+
+@pytest.mark.requirement("VAL-UI-05", by="gateway.pure.languages.val3.builtin_pages:_asked")
+def test_an_answer_is_that_of_the_prompt_which_is_shown() -> None:
+    """Tasks take their turns in the order of their creation, prompts in the order in which they were asked."""
+    programs = {
+        "late": 'delay(0.5)\nbYes[1]=userPagePrompt("B?",sEntry)\nnEntry=clock()',
+        "early": 'bYes[0]=userPageConfirm("A?")\nnState=clock()',
+    }
+    found = Played('taskCreate "b",10,late()\ntaskCreate "a",10,early()', (1, "answer=cancel"), (2, "answer=ok:xx"), **programs).globals
+    assert (found["bYes"][:2], found["sEntry"], found["nState"], found["nEntry"]) == ([False, True], "xx", 1, 2)
