@@ -197,11 +197,6 @@ def f_link(own: Instance, what: FrameV | ToolV | PointV, reference: FrameV | Too
     what.father = reference
 
 
-def f_link_to_local(own: Instance, what: FrameV | ToolV | PointV, reference: FrameV | ToolV) -> None:
-    """165: a local frame or tool ends with its program, what hangs on it does not."""
-    raise Rte(165, "linked to a local variable")
-
-
 def f_distance_point(own: Instance, first: PointV, second: PointV) -> float:
     """In the world; 162."""
     return cartesian.distance(point_in(own, first), point_in(own, second)) / scale_of(own)

@@ -69,8 +69,6 @@ class Translator(VariableTranslator):
         function = form.function
         if function == "to_binary" and self.scope.app.version[:2].lower() not in ("", "s7"):
             function = "to_binary_of_what_is_there"  # s8 applications give the number of bytes
-        if function == "link" and values[1].local and not values[0].local:
-            function = "link_to_local"
         code = f"f_{function}({', '.join(codes)})"
         return Value(f"(yield from {code})" if form.waits else code, form.result, node, waits=waits)
 
