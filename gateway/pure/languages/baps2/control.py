@@ -214,9 +214,8 @@ class Control(Plant):
 
     def input(self, channel: int) -> int | float:
         """Value of an input now; of a probe that measures in flight: whether it has measured."""
-        if (measured := self.specials.measured(channel)) is not None:
-            return measured
-        return self.signal(channel, self.now)
+        measured = self.specials.measured(channel)
+        return self.signal(channel, self.now) if measured is None else measured
 
     def taught(self, program: str, name: str) -> tuple[float, ...] | None:
         """A point of the feed or the point file; None: not defined."""

@@ -245,9 +245,8 @@ def test_what_cannot_be_read_or_written_any_more_is_shown_empty_and_logged() -> 
 @pytest.mark.requirement("VAL-UI-05", by="gateway.pure.languages.val3.builtin_pages:_asked")
 def test_an_answer_is_that_of_the_prompt_which_is_shown() -> None:
     """Tasks take their turns in the order of their creation, prompts in the order in which they were asked."""
-    programs = {
-        "late": 'delay(0.5)\nbYes[1]=userPagePrompt("B?",sEntry)\nnEntry=clock()',
-        "early": 'bYes[0]=userPageConfirm("A?")\nnState=clock()',
-    }
-    found = Played('taskCreate "b",10,late()\ntaskCreate "a",10,early()', (1, "answer=cancel"), (2, "answer=ok:xx"), **programs).globals
+    late = 'delay(0.5)\nbYes[1]=userPagePrompt("B?",sEntry)\nnEntry=clock()'
+    early = 'bYes[0]=userPageConfirm("A?")\nnState=clock()'
+    answers = ((1.0, "answer=cancel"), (2.0, "answer=ok:xx"))
+    found = Played('taskCreate "b",10,late()\ntaskCreate "a",10,early()', *answers, late=late, early=early).globals
     assert (found["bYes"][:2], found["sEntry"], found["nState"], found["nEntry"]) == ([False, True], "xx", 1, 2)
