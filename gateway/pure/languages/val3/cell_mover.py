@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.base.path import Path, Stretch
+from gateway.pure.languages.base.process import Place
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
 from gateway.pure.languages.val3.cell_alter import CellAlter
 from motion.errors import MotionError
@@ -211,8 +212,8 @@ class StreamMover:
         if item.alterable and part is not None and not self.change.on_path:
             kind, way = ("tool", part.reference.pose) if isinstance(part.reference, Tool) else ("frame", part.reference.pose)
             values = " ".join(f"{value:.13g}" for value in WAYS.values(way))
-            self._path.hand_on(stretch, f"{kind} {part.reference.name} {values}", 0, block=False)
-            self._path.hand_on(stretch, written(part), 0, block=False)
+            self._path.hand_on(stretch, f"{kind} {part.reference.name} {values}", block=False)
+            self._path.hand_on(stretch, written(part), block=False)
             self.change.on_path, self._altered = True, stretch
         return True
 
@@ -222,7 +223,7 @@ class StreamMover:
         if stretch is None or stretch.ended or not self.change.ended:
             return
         if (self._waiting and not self._waiting[0].alterable) or (not self._waiting and stretch.passed >= stretch.count):
-            self._path.hand_on(stretch, "alter_end", 0, block=False)
+            self._path.hand_on(stretch, "alter_end", block=False)
             self._path.release(self)
 
     def _hand_on(self, stretch: Stretch, item: _Item) -> None:
@@ -232,10 +233,10 @@ class StreamMover:
             if name is None:
                 name = self._tools[block.tool.pose] = f"T{len(self._tools) + 1}"
                 values = " ".join(f"{value:.13g}" for value in WAYS.values(block.tool.pose))
-                self._path.hand_on(stretch, f"tool {name} {values}", 0, block=False)
+                self._path.hand_on(stretch, f"tool {name} {values}", block=False)
             block = replace(block, tool=Tool(name, block.tool.pose))
         units = tuple(limit.unit for limit in self.machine.limits)
-        item.index = self._path.hand_on(stretch, written_move(block, WAYS, units), item.number)
+        item.index = self._path.hand_on(stretch, written_move(block, WAYS, units), Place(item.number))
         self._handed.append(item)
 
     def given(self, ticket: int, job: int) -> None:
