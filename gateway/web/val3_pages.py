@@ -97,7 +97,7 @@ def inlined(file: str, read: Reader) -> str | None:
 
 
 def styled(text: str, read: Reader, folder: str = "") -> str:
-    """Styles without what loads or runs something; images beside them are embedded.  folder: of the style sheet, seen from the page."""
+    """Styles without what loads or runs something; images beside them are embedded.  folder: of the file of styles, seen from the page."""
     plain = text.replace("\\", "").replace("<", "")
     if LOADING.search(plain) or any(ELSEWHERE.match(found[2]) for found in ADDRESS.finditer(plain)):
         return ""

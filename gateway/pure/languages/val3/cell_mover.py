@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.base.path import Path, Stretch
-from gateway.pure.languages.base.process import Place
 from gateway.pure.languages.base.requests import Ns, RuntimeFault
 from gateway.pure.languages.val3.cell_alter import CellAlter
 from motion.errors import MotionError
@@ -236,7 +235,7 @@ class StreamMover:
                 self._path.hand_on(stretch, f"tool {name} {values}", block=False)
             block = replace(block, tool=Tool(name, block.tool.pose))
         units = tuple(limit.unit for limit in self.machine.limits)
-        item.index = self._path.hand_on(stretch, written_move(block, WAYS, units), Place(item.number))
+        item.index = self._path.hand_on(stretch, written_move(block, WAYS, units))
         self._handed.append(item)
 
     def given(self, ticket: int, job: int) -> None:
