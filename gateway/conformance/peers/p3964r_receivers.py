@@ -1,8 +1,8 @@
 """3964R: receivers with one fault each (used by peers.p3964r)."""
 
-from protocols.base.machine import Ns, ms
+from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char
-from protocols.p3964r.events import Refusal
+from protocols.p3964r.events import BlockReceived, Refusal
 from protocols.p3964r.receiver import Receiver
 from protocols.p3964r.receiver import State as Hearing
 
@@ -263,3 +263,33 @@ class AnyCheckAfterDamage(Receiver):
 
     def _judge(self, check: int) -> None:
         super()._judge(self._check if b"U" in self._data[1:] else check)
+
+
+class DamageEnds(TailOpens):
+    """NAK at once at a damaged character, and a 02h of the rest opens a block."""
+
+    def damaged(self, kind: Damage, now: Ns) -> None:
+        if kind is Damage.BREAK or self._state is not Hearing.DATA:
+            super().damaged(kind, now)
+        else:
+            self._broken_pair(0)
+
+
+class NaksGapTwice(Receiver):
+    """Two NAK for a block that broke off."""
+
+    def expire(self, now: Ns) -> None:
+        inside = self._state in (Hearing.DATA, Hearing.ESCAPED, Hearing.CHECK)
+        super().expire(now)
+        if inside:
+            self._box.output.append(Char.NAK)
+
+
+class TakesBrokenOff(Receiver):
+    """A block whose check never comes is refused, and handed over all the same."""
+
+    def expire(self, now: Ns) -> None:
+        data = bytes(self._data) if self._state is Hearing.CHECK else b""
+        super().expire(now)
+        if data:
+            self._box.tell(BlockReceived(data))

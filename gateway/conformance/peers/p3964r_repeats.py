@@ -1,6 +1,7 @@
 """3964R: stations whose repeats, counters or conflicts have one fault (used by peers.p3964r)."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from gateway.conformance.peers.p3964r_stations import is_block
 from gateway.conformance.peers.stations import STX, Built, fresh_link
@@ -149,3 +150,45 @@ class NaksLater(Built):
             if due is None:
                 self.link._box.output.append(Char.NAK)
         return super().wake(now) if due is not None and due <= now else []
+
+
+class ChangesThird(Sender):
+    """From its second repeat on a block has another last character; the check is right for it."""
+
+    def _transmit(self, now: Ns) -> None:
+        job = self.jobs[0]
+        if self._blocks > 1:
+            self.jobs[0] = replace(job, block=job.block[:-1] + b"!")
+        super()._transmit(now)
+        self.jobs[0] = job
+
+
+class FromTheBeginning(Sender):
+    """The wait for the acknowledgement runs from the first character of the block."""
+
+    def sent(self, now: Ns) -> None:
+        super().sent(now)
+        if self.state is Saying.ANSWER:
+            self.due = self._begun + self._profile.ack_delay
+
+
+class DropsAll(Sender):
+    """It gives up all jobs with the one that failed."""
+
+    def _give_up(self, why: Failure, stage: Stage) -> None:
+        super()._give_up(why, stage)
+        self.jobs.clear()
+
+
+class AsciiAcknowledges(Sender):
+    """06h (ACK) after the block acknowledges it as well."""
+
+    def hear(self, byte: int, now: Ns) -> bool:
+        return super().hear(Char.DLE if self.state is Saying.ANSWER and byte == 0x06 else byte, now)
+
+
+class AsciiConnects(Sender):
+    """06h (ACK) after STX lets it send."""
+
+    def _hear_answer_to_stx(self, byte: int, now: Ns) -> bool:
+        return super()._hear_answer_to_stx(Char.DLE if byte == 0x06 else byte, now)

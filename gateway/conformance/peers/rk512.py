@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from gateway.conformance.peers.p3964r_receivers import TakesBrokenOff
 from gateway.conformance.peers.p3964r_stations import check_counts_once, wrong_long_check
 from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.rk512_active import (
@@ -28,6 +29,7 @@ from gateway.conformance.peers.rk512_memories import (
     Growing,
     LosesLast,
     Memory,
+    NoMinusOne,
     NotWritten,
     OffByOne,
     Once,
@@ -43,6 +45,7 @@ from gateway.conformance.peers.rk512_passive import (
     Beside,
     Change,
     DiesOfErrors,
+    Ignores,
     KeepsPieces,
     LockedByFollowOn,
     LowAmount,
@@ -265,6 +268,13 @@ MUTANTS = (
     _mutant("rotates", "longer jobs from odd words begin with the second word", [f"{P}ST_03"], _memory(Rotates)),
     _mutant("63-words", "the last of 63 words is 0", [f"{P}ST_03"], _passive(_only_fetch(_last_of_63))),
     _mutant("once", "the same data are not written again, wherever", [f"{P}BV_19"], _memory(Once)),
+    _mutant("no-minus-one", "writes FFFFh as 0", [f"{P}BV_20"], _memory(NoMinusOne)),
+    _mutant(
+        "executes-broken-off",
+        "executes a command whose block check never came",
+        [f"{P}BO_07"],
+        lambda: Built(receiver=TakesBrokenOff),
+    ),
     _mutant("small-letters", "takes commands in small letters", [f"{P}BI_20"], SmallLetters),
 )
 
@@ -309,6 +319,9 @@ VARIANTS = (
     ),
     _variant("powered", "its supply can be switched", make=lambda: Powered(Built)),
     _variant("late-reactions", "reactions after 500 ms", make=lambda: Slow(ms(500))),
+    _variant(
+        "ignores-55h", "does not answer a telegram whose byte 1 is 55h", make=lambda: Built(passive=lambda station: Ignores(station.blocks))
+    ),
     _variant("active", "both roles", make=ActiveStation),
     _variant("active-patient", "both roles, waits 20 s for a reaction", make=lambda: ActiveStation(active=Patient)),
     _variant("active-long", "both roles, jobs of 300 bytes", make=LongJobs),

@@ -139,3 +139,11 @@ class AllAreas(Areas):
 
 def swap(data: bytes) -> bytes:
     return b"".join(data[at + 1 : at + 2] + data[at : at + 1] for at in range(0, len(data), 2))
+
+
+class NoMinusOne(Blocks):
+    """A word FFFFh is written as 0."""
+
+    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
+        words = (data[at : at + 2] for at in range(0, len(data), 2))
+        return super().write(db, word, b"".join(b"\0\0" if pair == b"\xff\xff" else pair for pair in words))

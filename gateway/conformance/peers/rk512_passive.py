@@ -76,6 +76,13 @@ class NoFirstByte(Passive):
         return super().telegram(b"\x00" + data[1:] if data[:1] == b"\x55" and len(data) > 9 else data, now)
 
 
+class Ignores(Passive):
+    """Correct: what begins neither with 00 nor with FF is no command to it."""
+
+    def telegram(self, data: bytes, now: Ns) -> list[PassiveEvent]:
+        return super().telegram(data, now) if data[:1] in (b"\0", b"\xff") else []
+
+
 class LockedByFollowOn(Passive):
     """A long job that is abandoned is waited for for ever."""
 

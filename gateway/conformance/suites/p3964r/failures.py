@@ -14,6 +14,7 @@ from protocols.p3964r.profiles import Interruption
 __all__ = ["SND"]  # the registry finds the whole group here
 
 RUN = 20
+OTHERS = b"U\x06\x03\x05\x04\x17"  # neither DLE, NAK nor STX; among them what other protocols answer with
 JOBS = 4  # that may wait one behind the other
 
 
@@ -33,15 +34,17 @@ def silent(t: LineTester) -> None:
 
 
 def answered(t: LineTester, answer: bytes | None, what: str) -> None:
+    """Each STX of a job is answered with the next of these characters, None: with a damaged one."""
     t.starts_sending()
     count, found = 0, None
     got: int | Damage | None = Char.STX
     while got == Char.STX and count < MOST:
-        count += 1
         if answer is None:
             t.spoil()
         else:
-            t.say(answer)
+            at = count % len(answer)
+            t.say(answer[at : at + 1])
+        count += 1
         got = found = t.awaited(t.profile.retry_pause + GAP)
     judge_count(t, f"connection attempts when STX is answered with {what}", count, attempts(t))
     gives_up(t, found)
@@ -66,7 +69,7 @@ def nak_to_stx(t: LineTester) -> None:
     preamble=(FIRST, SILENCE),
 )
 def other_to_stx(t: LineTester) -> None:
-    answered(t, b"U", "55h")
+    answered(t, OTHERS, f"other characters ({OTHERS.hex(' ').upper()})")
 
 
 @SND.case(
@@ -115,6 +118,11 @@ def _block_answered(t: LineTester, answer: bytes | None, what: str) -> None:
     same_block(t, first)
 
 
+def repeats(t: LineTester) -> int:
+    """So many times a block can be repeated in any profile: some count connections and blocks together."""
+    return max(1, min(t.profile.block_attempts, t.profile.connect_attempts) - 1)
+
+
 @SND.case(
     "BI_06",
     "NAK after the block: begins again with STX, the same block",
@@ -127,13 +135,19 @@ def nak_after(t: LineTester) -> None:
 
 @SND.case(
     "BI_07",
-    "another character after the block: begins again",
-    "ein anderes Zeichen nach dem Block: beginnt erneut",
+    "any other character after the block: begins again",
+    "jedes andere Zeichen nach dem Block: beginnt erneut",
     requirements=("RHO-SER-07",),
     preamble=(FIRST, REPEATS),
 )
 def other_after(t: LineTester) -> None:
-    _block_answered(t, b"U", "55h")
+    t.starts_sending()
+    t.take(acknowledge=False)
+    for char in OTHERS[: repeats(t)]:
+        t.say(bytes((char,)))
+        t.expect(Char.STX, t.profile.retry_pause + GAP, f"{named(char)} after the block")
+        t.take(acknowledge=False)
+    t.say(DLE)
 
 
 @SND.case(
@@ -218,14 +232,14 @@ def late_dle(t: LineTester) -> None:
     t.starts_sending()
     with t.given():
         for _ in range(JOBS):
-            _refused_to_the_end(t)
+            refused_to_the_end(t)
             if t.answer(BETWEEN) != Char.STX:  # another job that waits is refused as well
                 break
     t.say(DLE)
     stray_answer(t, "a DLE after it gave up")
 
 
-def _refused_to_the_end(t: LineTester) -> None:
+def refused_to_the_end(t: LineTester) -> None:
     """Answers each STX of the job with NAK; its first STX has been received."""
     got: int | Damage | None = Char.STX
     for _ in range(MOST):
@@ -265,7 +279,7 @@ def next_job(t: LineTester) -> None:
         t.take()
     t.settle()
     t.starts_sending()
-    _refused_to_the_end(t)
+    refused_to_the_end(t)
     t.settle()
     assert t.setup.stimulus is not None
     t.setup.stimulus(t)

@@ -1,13 +1,15 @@
 """3964R, what an earlier step leaves: times of later repeats, attempts after a conflict; long blocks (serial-protocols 1.2 to 1.6)."""
 
-from gateway.conformance.suites.line import NAK, STX, Block, LineTester
+from gateway.conformance.suites.line import DLE, NAK, STX, Block, LineTester, named
 from gateway.conformance.suites.p3964r.conflicts import gives_way
+from gateway.conformance.suites.p3964r.failures import refused_to_the_end
 from gateway.conformance.suites.p3964r.receive import BLOCK, CHECK, CONNECT, REFUSES, text
 from gateway.conformance.suites.p3964r.refusals import with_wrong_check
 from gateway.conformance.suites.p3964r.repeats import FORM, YIELDS
-from gateway.conformance.suites.p3964r.send import FIRST, GAP, REPEATS, SILENCE, attempts, judge_count, same_block, sent_once
+from gateway.conformance.suites.p3964r.send import FIRST, GAP, REACTS, REPEATS, SILENCE, attempts, judge_count, same_block, sent_once
+from gateway.conformance.suites.rk512.telegrams import fetch
 from gateway.pure.conformance.purpose import Particulars, Purposes
-from gateway.pure.conformance.verdict import NotApplicable
+from gateway.pure.conformance.verdict import Fail, NotApplicable
 from protocols.base.machine import ms
 from protocols.p3964r.characters import Char, wire_block
 
@@ -105,6 +107,57 @@ def nak_behind(t: LineTester) -> None:
         return block
 
     sent_once(t, taken, t.tolerance + ms(150), "NAK behind the acknowledged block: it")
+
+
+@REACTS.case(
+    "TI_07",
+    "a long reaction waits QVZ for its acknowledgement from its last character on",
+    "eine lange Reaktion wartet QVZ auf ihre Quittung, ab ihrem letzten Zeichen",
+    clause="serial-protocols 1.3",
+    requirements=("RHO-SER-08",),
+    preamble=(CONNECT, BLOCK, "3964R_SND_BV_06", "3964R_SND_TI_03"),
+    beside=QVZ,
+)
+def from_its_end(t: LineTester) -> None:
+    """A short block does not show from where the wait runs."""
+    if t.profile.silence_ends or t.profile.block_attempts < 2:
+        raise NotApplicable("this profile does not repeat a block that is not answered")
+    with t.given():
+        t.good(fetch(t.setup.db, 0, min(t.setup.words, t.setup.job)), "a command telegram")
+        t.first_stx(t.setup.reaction_wait)
+    block = t.take(acknowledge=False)
+    if len(block.raw) * t.wire.char_ns < 3 * t.tolerance:
+        t.say(DLE)
+        raise NotApplicable(f"its block of {len(block.raw)} characters takes no longer than the tolerance")
+    t.expect_at(Char.STX, t.profile.ack_delay + t.profile.retry_pause, f"a block of {len(block.raw)} characters and silence")
+    t.take()
+
+
+@SND.case(
+    "RC_04",
+    "a job that waits is sent after the one before was given up",
+    "ein wartender Auftrag wird gesendet, nachdem der vor ihm aufgegeben wurde",
+    preamble=(FIRST, SILENCE, "3964R_SND_RC_01"),
+)
+def waits_behind(t: LineTester) -> None:
+    assert t.setup.stimulus is not None
+    if not t.setup.stimulus_name.startswith("stimulate()") or not t.profile.nak_when_giving_up:
+        raise NotApplicable("no two jobs can be given to it at once")
+    wait = t.profile.char_delay + t.profile.ack_delay + ms(500)
+    t.setup.stimulus(t)
+    t.starts_sending()
+    t.take()
+    if t.answer(wait) != Char.STX:
+        raise NotApplicable("two jobs at once are not kept, or the second one waits for more than the acknowledgement")
+    t.take()
+    t.settle()
+    t.setup.stimulus(t)
+    t.starts_sending()
+    refused_to_the_end(t)
+    got = t.answer(wait)
+    if got != Char.STX:
+        raise Fail(f"after it gave up a job, the one that waited must be sent: {named(got)}, it is lost", "STX (02h)", named(got))
+    t.take()
 
 
 # ---- both send STX

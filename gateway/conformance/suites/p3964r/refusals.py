@@ -115,13 +115,18 @@ def rest(t: LineTester) -> None:
     body = b"U\x10A\x02V\x02W\x10\x03"
     t.connect()
     t.say(body + (bytes((check_of(body) ^ 0x01,)) if t.profile.block_check else b""))
+    _one_nak(t, "a refused block")
+
+
+def _one_nak(t: LineTester, what: str) -> None:
+    """Judged: its rest, which holds 02h, opens nothing; it is refused."""
     got = [t.answer(t.profile.ack_delay)]
     while (more := t.answer(t.profile.char_delay + t.tolerance)) is not None:
         got.append(more)
     if Char.DLE in got:
-        raise Fail("a 02h in the rest of a refused block was answered with DLE", "one NAK (15h)", ", ".join(map(named, got)))
+        raise Fail(f"a 02h in the rest of {what} was answered with DLE", "one NAK (15h)", ", ".join(map(named, got)))
     if Char.NAK not in got:
-        raise Fail("a refused block was not answered", "one NAK (15h)", ", ".join(map(named, got)))
+        raise Fail(f"{what} was not answered", "one NAK (15h)", ", ".join(map(named, got)))
 
 
 @RCV.case(
@@ -153,6 +158,23 @@ def parity_in_check(t: LineTester) -> None:
     t.say(wire_block(PAYLOAD)[:-1])
     t.spoil()
     t.expect(Char.NAK, t.profile.ack_delay, "a damaged block check")
+
+
+@RCV.case(
+    "BI_12",
+    "the rest of a block with a damaged character is no connection",
+    "der Rest eines Blocks mit einem gestörten Zeichen ist kein Verbindungsaufbau",
+    clause="serial-protocols 1.4: noted, heard to the end",
+    requirements=("RHO-SER-09",),
+    preamble=(*BAD, "3964R_RCV_BI_08"),
+)
+def rest_of_damaged(t: LineTester) -> None:
+    wire = wire_block(b"UA\x02V\x02W", t.profile.block_check)
+    t.connect()
+    t.say(wire[:1])
+    t.spoil()
+    t.say(wire[1:])
+    _one_nak(t, "a block with a damaged character")
 
 
 @RCV.case("BI_10", "BREAK inside a block: left without an answer", "BREAK im Block: ohne Antwort verlassen")

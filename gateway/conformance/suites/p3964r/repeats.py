@@ -2,7 +2,7 @@
 
 from gateway.conformance.suites.line import DLE, NAK, Block, LineTester
 from gateway.conformance.suites.p3964r.conflicts import both_wish, gives_way, takes_own_job
-from gateway.conformance.suites.p3964r.failures import answered
+from gateway.conformance.suites.p3964r.failures import answered, repeats
 from gateway.conformance.suites.p3964r.receive import BLOCK, CONNECT, PAYLOAD
 from gateway.conformance.suites.p3964r.refusals import with_wrong_check
 from gateway.conformance.suites.p3964r.send import FIRST, GAP, REPEATS, SILENCE, attempts, gives_up, judge_count
@@ -49,17 +49,20 @@ def after_stx(t: LineTester) -> None:
 
 @SND.case(
     "BV_05",
-    "the repeat of a block has the right form and block check",
-    "die Wiederholung eines Blocks hat die richtige Form und Blockprüfung",
+    "each repeat of a block is the same block, in the right form",
+    "jede Wiederholung eines Blocks ist derselbe Block, in der richtigen Form",
     requirements=("RHO-SER-04", "RHO-SER-07"),
     preamble=(FIRST, FORM, REPEATS),
 )
 def repeat(t: LineTester) -> None:
     t.starts_sending()
-    t.take(acknowledge=False)
-    for count in range(min(2, t.profile.block_attempts - 1)):
+    first = t.take(acknowledge=False)
+    for count in range(repeats(t)):
         _again(t, NAK, "NAK after the block")
-        _whole(t.take(acknowledge=False), f"repeat {count + 1} of the block")
+        block = t.take(acknowledge=False)
+        _whole(block, f"repeat {count + 1} of the block")
+        if block.data != first.data:
+            raise Fail(f"repeat {count + 1} of the block differs from the first", first.raw.hex(" ").upper(), block.raw.hex(" ").upper())
     t.say(DLE)
 
 

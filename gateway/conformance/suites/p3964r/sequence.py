@@ -1,7 +1,7 @@
 """3964R, what follows directly on something else: a repeat on a NAK, a block on the station's own block (serial-protocols 1.3, 1.4)."""
 
 from gateway.conformance.suites.line import LineTester
-from gateway.conformance.suites.p3964r.receive import BLOCK, CONNECT, PAYLOAD
+from gateway.conformance.suites.p3964r.receive import BLOCK, CONNECT, GAP, PAYLOAD
 from gateway.pure.conformance.purpose import Purposes
 from protocols.base.machine import ms
 from protocols.p3964r.characters import Char, wire_block
@@ -29,11 +29,32 @@ def _taken_now(t: LineTester, after: str) -> None:
 def one_nak(t: LineTester) -> None:
     with t.given():
         t.refused(_spoilt(t), "a spoilt block")
+    _nothing_more(t, "NAK to a spoilt block")
+
+
+def _nothing_more(t: LineTester, after: str) -> None:
     got = t.answer(AT_ONCE * t.wire.char_ns + ms(5))
     if got not in (None, Char.STX):
-        t.fail("NAK to a spoilt block", got, "nothing")
+        t.fail(after, got, "nothing")
     if got == Char.STX:
         t.serve()
+
+
+@SEQ.case(
+    "BI_02",
+    "a block that broke off brings one NAK",
+    "ein abgebrochener Block bringt ein NAK",
+    requirements=("RHO-SER-06",),
+    preamble=(CONNECT, BLOCK, GAP, "3964R_SEQ_BI_01"),
+)
+def one_nak_behind_gap(t: LineTester) -> None:
+    for part in (b"", b"UV"):
+        t.connect()
+        if part:
+            t.say(part)
+        with t.given():
+            t.expect(Char.NAK, t.profile.char_delay, "silence inside a block")
+        _nothing_more(t, "NAK to a block that broke off")
 
 
 @SEQ.case(

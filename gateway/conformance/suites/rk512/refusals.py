@@ -1,7 +1,7 @@
 """RK512, passive side: what is refused, what must leave nothing behind, and what the station serves after a disturbance."""
 
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 
 from gateway.conformance.suites.line import NAK, LineTester
 from gateway.conformance.suites.rk512.passive import BASIC, PAS, READ_BACK, REFUSES, WRITE, WRITES, borrowed, compared
@@ -28,6 +28,7 @@ from protocols.p3964r.characters import Char, wire_block
 __all__ = ["PAS"]  # the registry finds the whole group here
 
 CYCLES = 40
+FOREIGN = 7  # byte 1 is neither 00 nor FF
 
 
 @PAS.case(
@@ -53,7 +54,19 @@ def _refusal(
         preamble=(BASIC, REFUSES),
     )
     def body(t: LineTester) -> None:
-        refused(t, name, telegram(t), wanted, others)
+        with _may_be_silent(number):
+            refused(t, name, telegram(t), wanted, others)
+
+
+@contextmanager
+def _may_be_silent(number: int) -> Iterator[None]:
+    """What begins neither with 00 nor with FF may be taken for no command at all: its silence is WARN (AX-1781)."""
+    try:
+        yield
+    except Fail as failed:
+        if number == FOREIGN and failed.got == "nothing":
+            raise Warn("not answered; other makers refuse it with 10h", "10h: header error", failed.got) from failed
+        raise
 
 
 def _missing(t: LineTester) -> int:

@@ -21,6 +21,7 @@ from gateway.conformance.suites.rk512.telegrams import (
     Reaction,
     ask,
     db_of,
+    fetch,
     header,
     number_words,
     read,
@@ -31,6 +32,8 @@ from gateway.conformance.suites.rk512.telegrams import (
 )
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable
+from protocols.base.machine import ms
+from protocols.p3964r.characters import Char, wire_block
 
 PAS = Purposes[LineTester]("RK512_PAS", "passive", "serial-protocols 2", condition=("passive",), preamble=(BASIC,))
 DX = 0x58
@@ -179,6 +182,65 @@ def two_places(t: LineTester) -> None:
         for word in (0, 2):
             write(t, db, word, b"\x5a\x3c\x69\x96")
         compared(read(t, db, 0, 4), b"\x5a\x3c\x69\x96" * 2, f"DB{db}.DW0, 4 words after two SENDs of the same data")
+
+
+EXTREMES = (0x0000, 0xFFFF, 0x8000, 0x7FFF, 0x00FF, 0xFF00, *(1 << bit for bit in range(16)))
+
+
+@PAS.case(
+    "BV_20",
+    "0000h, FFFFh, 8000h, 7FFFh and each single bit read back as written",
+    "0000h, FFFFh, 8000h, 7FFFh und jedes einzelne Bit werden gelesen, wie sie geschrieben wurden",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, READ_BACK),
+)
+def extremes(t: LineTester) -> None:
+    words = room(t, len(EXTREMES))
+    with borrowed(t, words) as db:
+        for at in range(0, len(EXTREMES), words):
+            data = b"".join(value.to_bytes(2, "big") for value in EXTREMES[at : at + words])
+            write(t, db, 0, data)
+            compared(read(t, db, 0, len(data) // 2), data, f"DB{db}.DW0, {len(data) // 2} words")
+
+
+# ---- blocks that break off
+@PAS.case(
+    "BO_07",
+    "a FETCH that breaks off before its end is not executed",
+    "ein vor dem Ende abgebrochener FETCH wird nicht ausgeführt",
+    clause="serial-protocols 1.4",
+)
+def broken_off_fetch(t: LineTester) -> None:
+    wire = wire_block(fetch(t.setup.db, 0, 1), t.profile.block_check)
+    for left in (1, 3):
+        t.connect()
+        t.say(wire[:-left])
+        got = t.answer(2 * t.profile.char_delay + ms(500))  # the suite 3964r judges the NAK
+        if got != Char.STX:
+            got = t.answer(t.setup.reaction_wait // 4)
+        said = t.serve() if got == Char.STX else None
+        if said is not None and said[:3] in (b"\0\0\0", b"\xff\0\0"):
+            raise Fail(f"a FETCH without its last {left} characters was executed", "no reaction", said.hex(" ").upper())
+
+
+@PAS.case(
+    "BO_08",
+    "a SEND that breaks off before its end writes nothing",
+    "ein vor dem Ende abgebrochener SEND schreibt nichts",
+    clause="serial-protocols 1.4",
+    condition=WRITE,
+    preamble=(BASIC, WRITES, READ_BACK, "RK512_PAS_BO_07"),
+)
+def broken_off_send(t: LineTester) -> None:
+    with borrowed(t, 1) as db:
+        before = saved(t, db, 0, 1)
+        wire = wire_block(header(SEND, DB, db, 0, 1) + bytes(byte ^ 0x5A for byte in before), t.profile.block_check)
+        for left in (1, 3):
+            t.connect()
+            t.say(wire[:-left])
+            t.answer(2 * t.profile.char_delay + ms(500))
+            t.settle(ms(300))
+            compared(saved(t, db, 0, 1), before, f"the block after a SEND without its last {left} characters")
 
 
 # ---- coordination flags
