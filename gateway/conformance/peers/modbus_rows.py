@@ -53,6 +53,7 @@ from gateway.conformance.peers.modbus_tables import (
     Sticky,
     Swapped,
     WholeBytes,
+    WithoutCarry,
 )
 from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.stations import Maker, Mutant, Variant
@@ -104,6 +105,7 @@ ROWS: tuple[Row, ...] = (
         ["ANS_CA_08"],
         lambda device, asked, said: asked if asked[:2] == b"\x08\x7f" else said,
     ),
+    _answers("function-0", "executes function 0", ["FUN_BI_02"], lambda device, asked, said: b"\0\0" if not asked[0] else said),
     _answers("amount-0", "serves an amount of 0", ["FUN_BI_30"], any_amount),
     _answers("amount-126", "serves 126 registers", ["FUN_BI_31"], too_many),
     _answers("limit-100", "serves 100 registers of 120 in one request", ["FUN_BV_32", "FUN_BV_42"], limited(100)),
@@ -182,6 +184,7 @@ ROWS: tuple[Row, ...] = (
     _answers("writes-unread", "FC 23 writes though its reading part is missing", ["EFF_BI_20"], writes_unread),
     _answers("reads-126", "FC 23 serves 126 registers", ["EFF_BI_22"], reads_126),
     _tables("whole-bytes", "coils are read from whole bytes on", ["ANS_BV_03"], WholeBytes),
+    _tables("without-carry", "a read across address 256 begins again at 0", ["ANS_BV_08"], WithoutCarry),
     _tables("even-counts", "FC 16 writes an even number of registers", ["CON_BV_16"], EvenCounts),
     _tables("signed-bytes", "extends a value of one byte by its top bit", ["ANS_BV_02"], SignedBytes),
     _answers("counts-written", "FC 23 counts what was written", ["ANS_BV_04"], counts_written),

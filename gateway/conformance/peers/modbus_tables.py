@@ -201,3 +201,16 @@ class EvenCounts(Tables):
 
     def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None:
         return super().write_words(address, values[: len(values) // 2 * 2] if len(values) > 2 else values)
+
+
+class WithoutCarry(Tables):
+    """300 registers; a read that crosses 256 goes on at 0."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.words = {kind: [(values[0] + 5 * at) & 0xFFFF for at in range(300)] for kind, values in self.words.items()}
+
+    def read_words(self, kind: Kind, address: int, count: int) -> Sequence[int] | ExceptionCode:
+        if address + count > 300:
+            return ExceptionCode.ILLEGAL_DATA_ADDRESS
+        return [self.words[kind][address & 0xFF00 | (address + at) & 0xFF] for at in range(count)]

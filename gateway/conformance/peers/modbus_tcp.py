@@ -187,6 +187,54 @@ class BareRefusal(Device):
         return said[7:] if self._bare and len(said) == 9 and said[7] & 0x80 else said
 
 
+class OneData(Device):
+    """All requests of one segment are answered with the data of the first."""
+
+    def _take(self, events: Sequence[object], now: Ns) -> list[object]:
+        first = next((event for event in events if isinstance(event, Request)), None)
+        return super()._take([event._replace(pdu=first.pdu) if first and isinstance(event, Request) else event for event in events], now)
+
+
+class Halves(Device):
+    """What follows a whole request in its segment is dropped, unless it is whole."""
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        before = self.count
+        found = super().receive(data, now)
+        if self.count > before:
+            self.framing = Framing()
+        return found
+
+
+class LongInOne(Device):
+    """The first piece of a request of more than 40 bytes is dropped."""
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        long = len(data) >= HEADER.size and 40 < HEADER.unpack_from(data)[2] < 255
+        return [] if long and len(data) < 6 + HEADER.unpack_from(data)[2] else super().receive(data, now)
+
+
+class Remembers(Device):
+    """A number that was used before brings the answer of then."""
+
+    def __init__(self) -> None:
+        super().__init__(False)
+        self._answers: tuple[bytes, bytes] = (b"", b"")
+
+    def framed(self, said: bytes) -> bytes:
+        if said[:2] != self._answers[0]:
+            self._answers = said[:2], said
+        return self._answers[1]
+
+
+class ForeignWrites(Device):
+    """Executes FC 6 and 16 for every unit."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        self._any_unit = request.pdu[:1] in (b"\x06", b"\x10")
+        return super().serve(request, now)
+
+
 MORE: tuple[Row, ...] = (
     ("transaction", "answers with the next transaction number", ("FUN_BV_01",), lambda rtu: Framed(0)),
     ("protocol", "protocol identifier 1 in its answers", ("FUN_BV_01",), lambda rtu: Framed(1)),
@@ -208,6 +256,11 @@ MORE: tuple[Row, ...] = (
     ("hangs-at-count", "a wrong byte count ends its service for a while", ("FUN_BI_71",), lambda rtu: HangsAtCount(False)),
     ("tires", "silent after 80 requests", ("TCP_ST_01",), lambda rtu: Tires(False)),
     ("gives-up", "silent after ten refusals in a row", ("TCP_RC_03",), lambda rtu: GivesUp(False)),
+    ("one-data", "requests of one segment bring the data of the first", ("TCP_BV_04",), lambda rtu: OneData(False)),
+    ("halves", "drops what follows a request in its segment", ("TCP_BV_06",), lambda rtu: Halves(False)),
+    ("long-in-one", "a long request must come in one piece", ("TCP_BV_07",), lambda rtu: LongInOne(False)),
+    ("remembers", "a number used before brings the answer of then", ("TCP_BV_08",), lambda rtu: Remembers()),
+    ("foreign-writes", "executes FC 6 and 16 for every unit", ("TCP_BI_07",), lambda rtu: ForeignWrites(False)),
     ("sleeps", "silent after two seconds of rest", ("TCP_RC_04",), lambda rtu: Sleeps(False)),
 )
 MUTANTS = mutants("MBTCP", False, MORE, without=("after-refusals", "each-70th"))

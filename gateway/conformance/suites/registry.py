@@ -86,9 +86,9 @@ def _modbus_tcp() -> Sequence[Purpose[Tester]]:
     from gateway.conformance.suites.modbus.answers import TCP_ANS
     from gateway.conformance.suites.modbus.content import CON
     from gateway.conformance.suites.modbus.effects import TCP_EFF
-    from gateway.conformance.suites.modbus.framing import TCP
     from gateway.conformance.suites.modbus.functions import FUN
     from gateway.conformance.suites.modbus.lengths import LEN
+    from gateway.conformance.suites.modbus.streams import TCP
     from gateway.conformance.suites.modbus.supply import TCP_SUP
 
     return _generic(FUN, LEN, CON, TCP_EFF, TCP_ANS, TCP, TCP_SUP)

@@ -3,8 +3,8 @@
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (117, 117),
     "rk512": (76, 76),
-    "modbus-tcp": (90, 90),
-    "modbus-rtu": (88, 88),
+    "modbus-tcp": (97, 97),
+    "modbus-rtu": (90, 90),
     "cia402": (110, 110),
     "canopen-301": (154, 154),
     "servodyn": (82, 82),

@@ -14,6 +14,7 @@ OTHERS = (b"\x07", b"\x08\x00\x00\xa5\x37", b"\x0b", b"\x0c", b"\x11", b"\x2b\x0
 PLACES = (0x0080, 0x8000, 0x00FF, 0xFF00, 0x7FFF, 0x8001, 0x0100)
 NEEDED = {1: "write_coils", 3: "write_holding"}
 ROW = 20  # coils: more than two bytes
+EDGE = 256  # the low byte of an address begins again
 
 
 def _row(numbers: tuple[int, ...], least: int, what: str) -> int:
@@ -158,6 +159,44 @@ def _ends(p: Purposes[ModbusTester], basic: str) -> None:
             raise NotApplicable("no two addresses in a row may be written, or by one function only")
 
 
+def _across(p: Purposes[ModbusTester], basic: str) -> None:
+    @p.case(
+        "BV_08",
+        f"a range across address {EDGE} holds what single reads and writes hold",
+        f"ein Bereich über die Adresse {EDGE} hinweg enthält dasselbe wie einzelne Zugriffe",
+        clause="V1.1b3, 4.4",
+        preamble=(basic, basic.replace("FUN_BV_01", "CON_BV_19")),
+    )
+    def body(t: ModbusTester) -> None:
+        found = False
+        for function in t.setup.base:
+            if t.setup.pics.get(NEEDED.get(function, "")) and {EDGE - 1, EDGE} <= set(t.setup.holding if function == 3 else t.setup.coils):
+                found = True
+                with kept(t, function, EDGE - 1, 2):
+                    _written_across(t, function)
+                    _read_across(t, function)
+            elif reads_well(t, function, EDGE - 1, 2):
+                found = True
+                _read_across(t, function)
+        if not found:
+            raise NotApplicable(f"nothing can be read at {EDGE - 1} and {EDGE}")
+
+
+def _read_across(t: ModbusTester, function: int) -> None:
+    single = [t.read(function, at, 1)[0] for at in (EDGE - 1, EDGE)]
+    same_values(t.read(function, EDGE - 1, 2), single, f"FC {function}: {EDGE - 1} and {EDGE} together")
+
+
+def _written_across(t: ModbusTester, table: int) -> None:
+    function = 16 if table == 3 else 15
+    if not t.setup.pics.get(f"fc{function}"):
+        return
+    wanted = [value ^ (1 if table == 1 else flip) for value, flip in zip(t.read(table, EDGE - 1, 2), (0x5AA5, 0x1EE1), strict=True)]
+    values = struct.pack(">HH", *wanted) if table == 3 else bytes((wanted[0] | wanted[1] << 1,))
+    t.echo(struct.pack(">BHHB", function, EDGE - 1, 2, len(values)) + values, 5, f"FC {function}, 2 from {EDGE - 1}")
+    same_values([t.read(table, at, 1)[0] for at in (EDGE - 1, EDGE)], wanted, f"FC {function} of two from {EDGE - 1}")
+
+
 def _diagnostics(p: Purposes[ModbusTester], basic: str) -> None:
     @p.case(
         "CA_08",
@@ -183,6 +222,7 @@ def _collect(prefix: str) -> Purposes[ModbusTester]:
     _frames(p, basic)
     _places(p, prefix)
     _ends(p, basic)
+    _across(p, basic)
     _diagnostics(p, basic)
     return p
 

@@ -236,21 +236,27 @@ def _other(p: Purposes[ModbusTester], basic: str) -> None:
         beside=CROSS,
     )
     def none(t: ModbusTester) -> None:
-        for function in (0x41, 0x09, 0x64, 0x6E):
+        for function in (0x41, 0x09, 0x64, 0x6E, 0x7F):
             t.exception(bytes((function, 0, 0, 0, 1)), 1, f"FC {function:02X}h, which is none")
 
     @p.case(
-        "BI_02", "function 80h and above is never executed", "Funktion ab 80h wird nie ausgeführt", clause="V1.1b3, 4.1", preamble=(basic,)
+        "BI_02",
+        "functions 0 and from 80h are never executed",
+        "die Funktionen 0 und ab 80h werden nie ausgeführt",
+        clause="V1.1b3, 4.1",
+        preamble=(basic,),
     )
     def high(t: ModbusTester) -> None:
-        t.quiet()
-        t.send(t.frame(b"\x83\x00\x00\x00\x01"))
-        found = t.answer_frame()
-        pdu = found[1:-2] if t.rtu else found[7:]
-        if pdu == b"\x03\x01":  # 83h + 80h, cut to a byte: meant as a refusal
-            raise Warn("function 83h is refused as function 03h with 01h: bit 7 is added, not set", "83 01", t.words(pdu))
-        if pdu and (not pdu[0] & 0x80 or len(pdu) > 2):
-            raise Fail("function 83h was executed", "exception 01h, or silence", t.words(pdu))
+        for function in (0x83, 0xFF, 0x00):
+            t.quiet()
+            t.send(t.frame(bytes((function, 0, 0, 0, 1))))
+            found = t.answer_frame()
+            pdu = found[1:-2] if t.rtu else found[7:]
+            if function > 0x80 and pdu == bytes((function & 0x7F, 1)):  # 80h is added and cut to a byte: meant as a refusal
+                said = f"function {function:02X}h is refused as function {function & 0x7F:02X}h with 01h: bit 7 is added, not set"
+                raise Warn(said, f"{function:02X} 01", t.words(pdu))
+            if pdu and (not pdu[0] & 0x80 or len(pdu) > 2):
+                raise Fail(f"function {function:02X}h was executed", "exception 01h, or silence", t.words(pdu))
 
     @p.case(
         "CA_08",
