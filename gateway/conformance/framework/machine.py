@@ -1,6 +1,7 @@
 """`machine:FILE.py:FACTORY?key=value`: the object FACTORY returns is tested in virtual time (the seven methods of a byte machine)."""
 
 import importlib.util
+import math
 import pathlib
 import sys
 import urllib.parse
@@ -52,7 +53,7 @@ class Guarded:
     def _call(self, act: Callable[[], object], method: str) -> object:
         try:
             return act()
-        except Exception as error:
+        except (Exception, SystemExit) as error:  # a signal to the run is a KeyboardInterrupt
             raise MachineDied(0, f"{self._name}: {method} raised {type(error).__name__}: {error}") from error
 
     def _events(self, act: Callable[[], object], method: str) -> Sequence[object]:
@@ -75,11 +76,20 @@ class Guarded:
     def deadline(self) -> Ns | None:
         """Without supply none that a wake left as it was: no timer runs there."""
         due = self._call(self.device.deadline, "deadline")
-        return due if isinstance(due, int) and (self._on or due > self._woken) else None
+        if due is None:
+            return None
+        if not isinstance(due, (int, float)) or not math.isfinite(due):
+            raise MachineDied(0, f"{self._name}: deadline gave {due!r}; nanoseconds expected, or None")
+        moment = math.ceil(due)
+        return moment if self._on or moment > self._woken else None
 
     def take_output(self) -> bytes:
         said = self._call(self.device.take_output, "take_output")
-        return bytes(said) if isinstance(said, (bytes, bytearray)) else b""
+        if said is None:
+            return b""
+        if not isinstance(said, (bytes, bytearray)):
+            raise MachineDied(0, f"{self._name}: take_output gave {said!r:.60}; bytes expected")
+        return bytes(said)
 
     def lost(self, now: Ns) -> Sequence[object]:
         return self._events(lambda: self.device.lost(now), "lost")
@@ -108,7 +118,9 @@ class GuardedFrames:
 
     def take_output(self) -> list[Frame]:
         said = self._bytes._call(self.device.take_output, "take_output")
-        return [self._frame(one) for one in said] if isinstance(said, (list, tuple)) else []
+        if said is not None and not isinstance(said, (list, tuple)):
+            raise MachineDied(0, f"{self._name}: take_output gave {said!r:.60}; a list of pairs (identifier, data) expected")
+        return [self._frame(one) for one in said or ()]
 
     def _frame(self, one: object) -> Frame:
         good = isinstance(one, tuple) and len(one) >= 2 and isinstance(one[0], int) and isinstance(one[1], (bytes, bytearray))
@@ -135,8 +147,9 @@ def load_machine(url: str, folder: pathlib.Path, frames: bool = False) -> Callab
     def make() -> AnyGuarded:
         try:
             device = factory(**values)
-        except Exception as error:
-            raise BadFile([f"port.url {url}: {factory_name} raised {type(error).__name__}: {error}; check its keys and values"]) from error
+        except (Exception, SystemExit) as error:
+            said = " ".join(f"{type(error).__name__}: {error}".split())
+            raise BadFile([f"port.url {url}: {factory_name} raised {said}; check its keys and values"]) from error
         missing = [method for method in methods if not callable(getattr(device, method, None))]
         if missing:
             raise BadFile([f"port.url {url}: what {factory_name} returns lacks {', '.join(missing)}; a machine has {', '.join(methods)}"])
@@ -157,7 +170,7 @@ def _factory(path: pathlib.Path, name: str, url: str) -> Callable[..., object]:
     sys.path.insert(0, str(path.parent))
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise BadFile([f"port.url {url}: {path} cannot be loaded ({type(error).__name__}: {error})"]) from error
     finally:
         sys.path.remove(str(path.parent))

@@ -1,9 +1,14 @@
 """Devices in Python whose timers or supply are written plainly: what they leave out is not an error of the tester."""
 
+import pathlib
+import sys
 from collections.abc import Sequence
 
-from gateway.conformance.framework.bench_file import Bench
-from gateway.conformance.framework.machine import Guarded
+import pytest
+
+from drivers.ports.base import PortError
+from gateway.conformance.framework.bench_file import BadFile, Bench
+from gateway.conformance.framework.machine import Guarded, GuardedFrames, load_machine
 from gateway.conformance.framework.result import Result
 from gateway.conformance.framework.run import Runner, ordered
 from gateway.conformance.peers.score import with_preambles
@@ -90,3 +95,50 @@ def test_cases_that_switch_the_supply_come_last() -> None:
     for seed in (None, 1, 2):
         switching = ["power" in purpose.condition for purpose in ordered(SUITES["3964r"].purposes(), seed)]
         assert switching == sorted(switching)
+
+
+class Nonsense:
+    """A device whose methods give what they should not."""
+
+    def __init__(self, due: object = None, said: object = b"") -> None:
+        self._due, self._said = due, said
+
+    def deadline(self) -> object:
+        return self._due
+
+    def take_output(self) -> object:
+        return self._said
+
+    def receive(self, data: bytes, now: Ns) -> None:
+        sys.exit(3)
+
+
+@pytest.mark.parametrize("due", ["soon", float("nan"), float("inf"), b"1"])
+def test_a_deadline_that_is_no_time_is_named(due: object) -> None:
+    with pytest.raises(PortError, match=r"deadline gave .*; nanoseconds expected, or None"):
+        Guarded(Nonsense(due), "d.py:make").deadline()  # type: ignore[arg-type]
+
+
+def test_a_deadline_may_be_a_float() -> None:
+    assert Guarded(Nonsense(2.5e8), "d.py:make").deadline() == 250_000_000  # type: ignore[arg-type]
+    assert Guarded(Nonsense(0.5), "d.py:make").deadline() == 1  # type: ignore[arg-type]
+
+
+def test_output_of_another_type_is_named_and_none_is_nothing() -> None:
+    assert Guarded(Nonsense(said=None), "d").take_output() == b""  # type: ignore[arg-type]
+    assert GuardedFrames(Nonsense(said=None), "d").take_output() == []
+    with pytest.raises(PortError, match="d: take_output gave 'x'; bytes expected"):
+        Guarded(Nonsense(said="x"), "d").take_output()  # type: ignore[arg-type]
+    with pytest.raises(PortError, match=r"d: take_output gave b'x'; a list of pairs"):
+        GuardedFrames(Nonsense(said=b"x"), "d").take_output()
+
+
+def test_a_device_or_factory_that_exits_ends_itself_only(tmp_path: pathlib.Path) -> None:
+    with pytest.raises(PortError, match="d: receive raised SystemExit: 3"):
+        Guarded(Nonsense(), "d").receive(b"", 0)  # type: ignore[arg-type]
+    file = tmp_path / "d.py"
+    file.write_text('import sys\ndef make():\n    sys.exit(3)\ndef odd():\n    raise ValueError("a\\nb")\n')
+    with pytest.raises(BadFile, match="make raised SystemExit: 3; check its keys and values"):
+        load_machine("machine:d.py:make", tmp_path)()
+    with pytest.raises(BadFile, match="odd raised ValueError: a b; check"):
+        load_machine("machine:d.py:odd", tmp_path)()
