@@ -408,26 +408,41 @@ def load_waivers(path: pathlib.Path, ids: frozenset[str], today: datetime.date) 
     if not isinstance(rows, list) or set(found) - {"waiver"}:
         raise BadFile([f"{path}: only [[waiver]] tables with id, reason, who, until expected"])
     for number, row in enumerate(rows, 1):
-        missing = [key for key in ("id", "reason", "who", "until") if not (isinstance(row, dict) and row.get(key))]
-        if missing:
-            faults.append(f"{path}: waiver {number}: {', '.join(missing)} missing; each needs id, reason, who, until")
-            continue
-        until = row["until"] if isinstance(row["until"], datetime.date) else _date(str(row["until"]))
-        if row["id"] not in ids:
-            faults.append(f"{path}: waiver {number}: id {row['id']} is in no case of this suite{_near(str(row['id']), dict.fromkeys(ids))}")
-        elif until is None:
-            faults.append(f"{path}: waiver {number}: until {row['until']}: a date such as 2027-06-30 expected")
-        elif until < today:
-            faults.append(f"{path}: waiver {number}: {row['id']} expired on {until}; renew it with a new date, or remove it")
-        else:
-            waivers[str(row["id"])] = Waiver(str(row["id"]), str(row["reason"]), str(row["who"]), until.isoformat())
+        table = row if isinstance(row, dict) else {}
+        said = _waiver_faults(table, ids, today)
+        name = str(table.get("id", ""))
+        if name in waivers:
+            said.append(f"{name} is waived above already; remove one of them")
+        faults += [f"{path}: waiver {number}: {fault}" for fault in said]
+        if not said:
+            waivers[name] = Waiver(name, str(table["reason"]), str(table["who"]), str(_date(table["until"])))
     if faults:
         raise BadFile(faults)
     return waivers
 
 
-def _date(text: str) -> datetime.date | None:
+def _waiver_faults(row: Table, ids: frozenset[str], today: datetime.date) -> list[str]:
+    """All that is wrong with one row."""
+    keys = ("id", "reason", "who", "until")
+    missing = [key for key in keys if not row.get(key)]
+    faults = [f"{', '.join(missing)} missing; each needs id, reason, who, until"] if missing else []
+    faults += [f"{key}: no such key; there are {', '.join(keys)}" for key in row if key not in keys]
+    if row.get("id") and (name := str(row["id"])) not in ids:
+        faults.append(f"id {name} is in no case of this suite{_near(name, dict.fromkeys(ids))}")
+    until = _date(row["until"]) if row.get("until") else today
+    if until is None:
+        faults.append(f"until {row['until']}: a date such as 2027-06-30 expected")
+    elif until < today:
+        faults.append(f"{row.get('id', 'it')} expired on {until}; renew it with a new date, or remove it")
+    return faults
+
+
+def _date(value: object) -> datetime.date | None:
+    if isinstance(value, datetime.datetime):
+        return value.date()
+    if isinstance(value, datetime.date):
+        return value
     try:
-        return datetime.date.fromisoformat(text)
+        return datetime.date.fromisoformat(str(value))
     except ValueError:
         return None

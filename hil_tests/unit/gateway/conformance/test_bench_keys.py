@@ -1,5 +1,6 @@
 """Every key of a bench file acts or is refused: the supply, the marks of a pty, the stimulus."""
 
+import datetime
 import io
 import os
 import pathlib
@@ -15,7 +16,7 @@ import pytest
 from drivers.ports.serial.line_format import parse_format
 from drivers.ports.serial.pty import PtyPort
 from gateway.commands.conformance import main
-from gateway.conformance.framework.bench_file import BadFile, Bench, load_bench
+from gateway.conformance.framework.bench_file import BadFile, Bench, load_bench, load_waivers
 from gateway.conformance.framework.power import switch_of
 from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.score import fails, play
@@ -196,3 +197,26 @@ def test_faults_of_all_files_come_in_one_run(tmp_path: pathlib.Path, capsys: pyt
     for name, texts in wanted.items():
         for text in texts:
             assert any(f"{files[name]}: {text}" in line for line in lines), (text, lines)
+
+
+def test_all_faults_of_a_waiver_are_named_in_one_run(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "waivers.toml"
+    rows = (
+        'id = "X_1"\nreason = ""\nwho = "lab"\nuntil = 2020-01-01',
+        'id = "A_1"\nreason = "known"\nwho = "lab"\nuntil = 2099-01-01T10:00:00',
+        'id = "A_1"\nreason = "known"\nwho = "lab"\nuntil = 2099-01-01\ncolour = 1',
+        'id = ["A_1"]\nreason = "known"\nwho = "lab"\nuntil = "soon"',
+    )
+    path.write_text("".join(f"[[waiver]]\n{row}\n" for row in rows))
+    with pytest.raises(BadFile) as raised:
+        load_waivers(path, frozenset(("A_1",)), datetime.date(2026, 1, 1))
+    said = [line.removeprefix(f"{path}: waiver ") for line in str(raised.value).splitlines()]
+    assert [line.split(";")[0] for line in said] == [
+        "1: reason missing",
+        "1: id X_1 is in no case of this suite",
+        "1: X_1 expired on 2020-01-01",
+        "3: colour: no such key",
+        "3: A_1 is waived above already",
+        "4: id ['A_1'] is in no case of this suite",
+        "4: until soon: a date such as 2027-06-30 expected",
+    ]
