@@ -6,13 +6,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from gateway.conformance.suites.modbus.content import kept, write_back
-from gateway.conformance.suites.modbus.tester import TABLES, ModbusTester
-from gateway.pure.conformance.purpose import Particulars, Purposes
+from gateway.conformance.suites.modbus.other_functions import other_functions
+from gateway.conformance.suites.modbus.tester import CROSS, TABLES, ModbusTester
+from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, NotApplicable, Warn
 
 Body = Callable[[ModbusTester], None]
 Case = Callable[[str, int, str, str], Callable[[Body], Body]]  # name, function, what is judged in both languages
-CROSS = Particulars(cross="Modbus conformance test specification V3.0")
 GERMAN = {1: "Spulen", 2: "diskrete Eingänge", 3: "Halteregister", 4: "Eingangsregister"}
 
 
@@ -25,7 +25,7 @@ def _collect(prefix: str) -> Purposes[ModbusTester]:
         _reads(reading)
         _refused_reads(reading)
         _misread(reading)
-    _other(found, basic)
+    other_functions(found, basic)
     case = _write_case(found, basic)
     _single_writes(case)
     _counted_writes(case)
@@ -224,72 +224,6 @@ def _moves(t: ModbusTester, function: int) -> bool:
     """Values of a process change by themselves."""
     base, span = t.setup.base[function], t.setup.span[function]
     return t.read(function, base, span) != t.read(function, base, span)
-
-
-def _other(p: Purposes[ModbusTester], basic: str) -> None:
-    @p.case(
-        "BI_01",
-        "functions that are none are refused with 01h and the function with bit 7",
-        "Funktionen, die keine sind, werden mit 01h abgelehnt",
-        clause="V1.1b3, 7",
-        preamble=(basic, basic.replace("BV_01", "BI_04")),
-        beside=CROSS,
-    )
-    def none(t: ModbusTester) -> None:
-        for function in (0x41, 0x09, 0x64, 0x6E, 0x7F):
-            t.exception(bytes((function, 0, 0, 0, 1)), 1, f"FC {function:02X}h, which is none")
-
-    @p.case(
-        "BI_02",
-        "functions 0 and from 80h are never executed",
-        "die Funktionen 0 und ab 80h werden nie ausgeführt",
-        clause="V1.1b3, 4.1",
-        preamble=(basic,),
-    )
-    def high(t: ModbusTester) -> None:
-        for function in (0x83, 0xFF, 0x00):
-            t.quiet()
-            t.send(t.frame(bytes((function, 0, 0, 0, 1))))
-            found = t.answer_frame()
-            pdu = found[1:-2] if t.rtu else found[7:]
-            if function > 0x80 and pdu == bytes((function & 0x7F, 1)):  # 80h is added and cut to a byte: meant as a refusal
-                said = f"function {function:02X}h is refused as function {function & 0x7F:02X}h with 01h: bit 7 is added, not set"
-                raise Warn(said, f"{function:02X} 01", t.words(pdu))
-            if pdu and (not pdu[0] & 0x80 or len(pdu) > 2):
-                raise Fail(f"function {function:02X}h was executed", "exception 01h, or silence", t.words(pdu))
-
-    @p.case(
-        "CA_08",
-        "FC 8/0: the data come back",
-        "FC 8/0: die Daten kommen zurück",
-        clause="V1.1b3, 6.8",
-        condition=("fc8",),
-        preamble=(basic,),
-    )
-    def loop(t: ModbusTester) -> None:
-        for data in (b"\xa5\x37", b"\x00\x00", b"\xff\xff"):
-            t.echo(b"\x08\x00\x00" + data, 5, "FC 8/0")
-
-    @p.case(
-        "CA_43",
-        "FC 43/14: the basic stream names vendor, product and revision",
-        "FC 43/14: der Basisstrom nennt Hersteller, Produkt und Stand",
-        clause="V1.1b3, 6.21",
-        condition=("fc43",),
-        preamble=(basic,),
-    )
-    def identification(t: ModbusTester) -> None:
-        got = t.normal(b"\x2b\x0e\x01\x00", "FC 43/14")
-        if len(got) < 8 or got[1] != 0x0E or got[2] != 1 or got[6] < 1:
-            raise Fail("FC 43/14: badly built answer", "2B 0E 01, conformity, more, next, count, objects", t.words(got))
-        at = 7
-        for _ in range(got[6]):
-            if at + 2 > len(got):
-                raise Fail("FC 43/14: an object is cut off", "number, length, text", t.words(got))
-            at += 2 + got[at + 1]
-        if at != len(got):
-            raise Fail(f"FC 43/14: {len(got) - at} bytes behind the last object", "none", t.words(got))
-        t.exception(b"\x2b\x0e\x00\x00", 3, "FC 43/14, code 0")
 
 
 def _write_case(p: Purposes[ModbusTester], basic: str) -> Case:

@@ -3,8 +3,8 @@
 import struct
 from collections.abc import Callable, Iterator, Mapping
 
-from gateway.conformance.suites.modbus.functions import CROSS, unchanged
-from gateway.conformance.suites.modbus.tester import ModbusTester
+from gateway.conformance.suites.modbus.functions import unchanged
+from gateway.conformance.suites.modbus.tester import CROSS, ModbusTester
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
 from protocols.modbus.mbap import ANSWER

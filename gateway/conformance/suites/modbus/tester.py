@@ -8,6 +8,7 @@ from drivers.ports.base import PortError
 from gateway.conformance.framework.base import Seen, Tester, hexed
 from gateway.conformance.framework.host import Host
 from gateway.links.serial.tool_wire import Heard, Wire
+from gateway.pure.conformance.purpose import Particulars
 from gateway.pure.conformance.verdict import Fail, Inconclusive
 from protocols.base.machine import Damage, Ns, ms
 from protocols.modbus.crc import crc, sealed
@@ -24,6 +25,7 @@ EXCEPTIONS = {
     10: "gateway path unavailable",
     11: "gateway target silent",
 }
+CROSS = Particulars(cross="Modbus conformance test specification V3.0")
 TABLES = {1: "coils", 2: "discrete_inputs", 3: "holding_registers", 4: "input_registers"}
 MOST_FRAME = 600
 QUIET = ms(30)

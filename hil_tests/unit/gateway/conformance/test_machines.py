@@ -3,6 +3,7 @@
 import pathlib
 import sys
 from collections.abc import Sequence
+from typing import cast
 
 import pytest
 
@@ -17,7 +18,7 @@ from gateway.conformance.suites.opening import Opened
 from gateway.conformance.suites.registry import SUITES
 from gateway.links.serial.tool_wire import ToolPort
 from gateway.pure.conformance.verdict import Verdict
-from protocols.base.machine import Ns
+from protocols.base.machine import Machine, Ns
 from protocols.p3964r.profiles import RHO3, Priority
 
 
@@ -113,29 +114,33 @@ class Nonsense:
         sys.exit(3)
 
 
+def wrong(due: object = None, said: object = b"") -> Machine:
+    return cast(Machine, Nonsense(due, said))
+
+
 @pytest.mark.parametrize("due", ["soon", float("nan"), float("inf"), b"1"])
 def test_a_deadline_that_is_no_time_is_named(due: object) -> None:
     with pytest.raises(PortError, match=r"deadline gave .*; nanoseconds expected, or None"):
-        Guarded(Nonsense(due), "d.py:make").deadline()  # type: ignore[arg-type]
+        Guarded(wrong(due), "d.py:make").deadline()
 
 
 def test_a_deadline_may_be_a_float() -> None:
-    assert Guarded(Nonsense(2.5e8), "d.py:make").deadline() == 250_000_000  # type: ignore[arg-type]
-    assert Guarded(Nonsense(0.5), "d.py:make").deadline() == 1  # type: ignore[arg-type]
+    assert Guarded(wrong(2.5e8), "d.py:make").deadline() == 250_000_000
+    assert Guarded(wrong(0.5), "d.py:make").deadline() == 1
 
 
 def test_output_of_another_type_is_named_and_none_is_nothing() -> None:
-    assert Guarded(Nonsense(said=None), "d").take_output() == b""  # type: ignore[arg-type]
+    assert Guarded(wrong(said=None), "d").take_output() == b""
     assert GuardedFrames(Nonsense(said=None), "d").take_output() == []
     with pytest.raises(PortError, match="d: take_output gave 'x'; bytes expected"):
-        Guarded(Nonsense(said="x"), "d").take_output()  # type: ignore[arg-type]
+        Guarded(wrong(said="x"), "d").take_output()
     with pytest.raises(PortError, match=r"d: take_output gave b'x'; a list of pairs"):
         GuardedFrames(Nonsense(said=b"x"), "d").take_output()
 
 
 def test_a_device_or_factory_that_exits_ends_itself_only(tmp_path: pathlib.Path) -> None:
     with pytest.raises(PortError, match="d: receive raised SystemExit: 3"):
-        Guarded(Nonsense(), "d").receive(b"", 0)  # type: ignore[arg-type]
+        Guarded(wrong(), "d").receive(b"", 0)
     file = tmp_path / "d.py"
     file.write_text('import sys\ndef make():\n    sys.exit(3)\ndef odd():\n    raise ValueError("a\\nb")\n')
     with pytest.raises(BadFile, match="make raised SystemExit: 3; check its keys and values"):

@@ -1,0 +1,75 @@
+"""Modbus: functions that are none, FC 8 and FC 43 (suites modbus-tcp and modbus-rtu)."""
+
+from gateway.conformance.suites.modbus.tester import CROSS, ModbusTester
+from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.verdict import Fail, Warn
+
+
+def _never_executed(t: ModbusTester, function: int) -> None:
+    t.quiet()
+    t.send(t.frame(bytes((function, 0, 0, 0, 1))))
+    found = t.answer_frame()
+    pdu = found[1:-2] if t.rtu else found[7:]
+    if function > 0x80 and pdu == bytes((function & 0x7F, 1)):  # 80h is added and cut to a byte: meant as a refusal
+        said = f"function {function:02X}h is refused as function {function & 0x7F:02X}h with 01h: bit 7 is added, not set"
+        raise Warn(said, f"{function:02X} 01", t.words(pdu))
+    if pdu and (not pdu[0] & 0x80 or len(pdu) > 2):
+        raise Fail(f"function {function:02X}h was executed", "exception 01h, or silence", t.words(pdu))
+
+
+def other_functions(p: Purposes[ModbusTester], basic: str) -> None:
+    @p.case(
+        "BI_01",
+        "functions that are none are refused with 01h and the function with bit 7",
+        "Funktionen, die keine sind, werden mit 01h abgelehnt",
+        clause="V1.1b3, 7",
+        preamble=(basic, basic.replace("BV_01", "BI_04")),
+        beside=CROSS,
+    )
+    def none(t: ModbusTester) -> None:
+        for function in (0x41, 0x09, 0x64, 0x6E, 0x7F):
+            t.exception(bytes((function, 0, 0, 0, 1)), 1, f"FC {function:02X}h, which is none")
+
+    @p.case(
+        "BI_02",
+        "functions 0 and from 80h are never executed",
+        "die Funktionen 0 und ab 80h werden nie ausgeführt",
+        clause="V1.1b3, 4.1",
+        preamble=(basic,),
+    )
+    def high(t: ModbusTester) -> None:
+        for function in (0x83, 0xFF, 0x00):
+            _never_executed(t, function)
+
+    @p.case(
+        "CA_08",
+        "FC 8/0: the data come back",
+        "FC 8/0: die Daten kommen zurück",
+        clause="V1.1b3, 6.8",
+        condition=("fc8",),
+        preamble=(basic,),
+    )
+    def loop(t: ModbusTester) -> None:
+        for data in (b"\xa5\x37", b"\x00\x00", b"\xff\xff"):
+            t.echo(b"\x08\x00\x00" + data, 5, "FC 8/0")
+
+    @p.case(
+        "CA_43",
+        "FC 43/14: the basic stream names vendor, product and revision",
+        "FC 43/14: der Basisstrom nennt Hersteller, Produkt und Stand",
+        clause="V1.1b3, 6.21",
+        condition=("fc43",),
+        preamble=(basic,),
+    )
+    def identification(t: ModbusTester) -> None:
+        got = t.normal(b"\x2b\x0e\x01\x00", "FC 43/14")
+        if len(got) < 8 or got[1] != 0x0E or got[2] != 1 or got[6] < 1:
+            raise Fail("FC 43/14: badly built answer", "2B 0E 01, conformity, more, next, count, objects", t.words(got))
+        at = 7
+        for _ in range(got[6]):
+            if at + 2 > len(got):
+                raise Fail("FC 43/14: an object is cut off", "number, length, text", t.words(got))
+            at += 2 + got[at + 1]
+        if at != len(got):
+            raise Fail(f"FC 43/14: {len(got) - at} bytes behind the last object", "none", t.words(got))
+        t.exception(b"\x2b\x0e\x00\x00", 3, "FC 43/14, code 0")
