@@ -114,8 +114,8 @@ class Nonsense:
         sys.exit(3)
 
 
-def wrong(due: object = None, said: object = b"") -> Machine:
-    return cast(Machine, Nonsense(due, said))
+def wrong(due: object = None, said: object = b"") -> Machine[object]:
+    return cast(Machine[object], Nonsense(due, said))
 
 
 @pytest.mark.parametrize("due", ["soon", float("nan"), float("inf"), b"1"])
