@@ -20,7 +20,7 @@ RUN = 40  # cycles of a motion at constant speed
 LATES, BETWEEN = 5, 6  # SYNCs that come late, and cycles from one to the next
 JERK = 24  # cycles of a motion that speeds up and slows down
 SPREAD = 0.6  # of a step, between late SYNCs
-NOBODY = 10_000  # 0.1 % of rated: ten times the rated torque
+LARGEST_TORQUE = 10_000  # 0.1 % of rated: ten times the rated torque
 
 
 def paced(t: BoosterTester, late: Ns = 0) -> int:
@@ -180,8 +180,8 @@ def torque(t: BoosterTester) -> None:
             speeds_up, slows_down = _torques(t, sign * t.setup.way)
             values = [*speeds_up, *slows_down]
             worst = max(values, key=abs)
-            if abs(worst) > NOBODY:
-                raise Fail(f"a torque of {worst}", f"0.1 % of rated: less than {NOBODY}", str(worst))
+            if abs(worst) > LARGEST_TORQUE:
+                raise Fail(f"a torque of {worst}", f"0.1 % of rated: less than {LARGEST_TORQUE}", str(worst))
             if not any(values):
                 raise Fail("the torque is always 0 while it moves", "the torque of friction and acceleration", "0")
             mean = sum(speeds_up) / len(speeds_up) - sum(slows_down) / len(slows_down)

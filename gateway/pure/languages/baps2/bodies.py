@@ -53,7 +53,7 @@ class Bodies:
         self._parts: list[tuple[str, int]] = []  # EXCLUSIVE parts around the statement: semaphore, line
         self._by_main: dict[str, int] = {}  # of those around the PARALLEL whose branch it is in
         self.before_move = False
-        self.included = False  # some statements stand in included files
+        self.included = False  # some statements are in included files
         self._at: Position | None = None  # of the statement under translation
 
     def new(self, letter: str) -> str:

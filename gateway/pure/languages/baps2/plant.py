@@ -28,7 +28,7 @@ class Plant(ABC):
         """The kinematic that the next block of this process, or its SYNCHRON, waits for."""
 
     def _on_belt(self, task: Task, request: Request) -> object:
-        """SYNC, SYNCHRON and SYNCHRON_END of a dry run; a cell tells them to its planner."""
+        """SYNC, SYNCHRON and SYNCHRON_END of a dry run; a cell passes them to its planner."""
         return PENDING
 
     @abstractmethod

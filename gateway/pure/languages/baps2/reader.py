@@ -59,7 +59,7 @@ class _Reader:
                 self._stream.take()
 
     def _no_declaration(self) -> bool:
-        """Something else stands among the declarations: it is reported, and read on with the next one.  False: the body begins."""
+        """Anything else among the declarations is reported; reading goes on with the next one.  False: the body begins."""
         token = self._stream.token
         left = 0 if token.word in BEGINS else self._open_begin()
         if not left:

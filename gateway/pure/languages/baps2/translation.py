@@ -145,7 +145,7 @@ class _Translation:
             symbol.parameters = tuple((self._naming.type_of(each.type), each.by_value) for each in routine.parameters)
 
     def _started(self, body: tuple[Statement, ...]) -> None:
-        """START of other programs, and whether statements stand in included files."""
+        """START of other programs, and whether statements are in included files."""
         for outer in body:
             for each in inside(outer):
                 self._bodies.included |= each.at.included_from is not None
