@@ -72,17 +72,17 @@ def quick_stop(t: BoosterTester) -> None:
         with t.given():
             if not found or not found[0][1].fault:
                 raise Fail("no actual value at the fault", "one with the fault bit, without SYNC", "nothing")
-        told = found[0][1]
-        if told.position_inc != last:
-            raise Fail(f"the actual value of the fault holds {told.position_inc}", f"{last}, latched at the last SYNC", words(told))
-        if not told.brake_open:
-            raise Fail("the brake closes while it moves", "brake open until standstill", words(told))
+        reported = found[0][1]
+        if reported.position_inc != last:
+            raise Fail(f"the actual value of the fault holds {reported.position_inc}", f"{last}, latched at the last SYNC", words(reported))
+        if not reported.brake_open:
+            raise Fail("the brake closes while it moves", "brake open until standstill", words(reported))
         t.drain()
         _standing(t, "a lost SYNC in motion")
         t.remark(f"at rest {(t.now() - begin) / 1e6:.0f} ms after the last SYNC at the latest")
         now = t.turn()
-        if now.fault_code != told.fault_code:
-            raise Fail(f"the fault code changes from {told.fault_code} to {now.fault_code}", "the first code until reset", words(now))
+        if now.fault_code != reported.fault_code:
+            raise Fail(f"the fault code changes from {reported.fault_code} to {now.fault_code}", "the first code until reset", words(now))
 
 
 def _stop(number: int, clear: str, summary: str, german: str) -> None:
