@@ -10,7 +10,7 @@ from drivers.ports.base import PortError, runtime_dir
 from drivers.ports.can.adapter_url import is_adapter
 from gateway.assembly.contact_regions import chips, joined_regions, make_joined, reads_belts, simulated_couplers
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, listening
-from gateway.assembly.lanes import lanes_of_cell
+from gateway.assembly.lanes import lane_masks, lanes_of_cell
 from gateway.assembly.pic import own_sources
 from gateway.assembly.programs import ProgramPlan, plan_programs
 from gateway.pure.cell.cell import Bus, Cell
@@ -365,7 +365,7 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
         fds["blocks"] = create_ring("blocks", plannerrecords.SAY_SIZE, plannerrecords.BLOCKS, plannerrecords.SAY_LAYOUT)
         fds["pieces"] = create_ring("pieces", plannerrecords.piece_size(axes), plannerrecords.PIECES, plannerrecords.PIECE_LAYOUT)
         fds["pieces-taken"] = create_region("pieces-taken", plannerrecords.TAKEN_SIZE, plannerrecords.TAKEN_LAYOUT)
-        fds["planner"] = create_region("planner", plannerrecords.planner_bytes(lanes), "planner/1 json")
+        fds["planner"] = create_region("planner", plannerrecords.planner_bytes(len(lane_masks(plan.cell))), "planner/1 json")
     if any(child.name == "interpreter" for child in plan.children):
         texts = interpreterrecords.TEXT_SIZE, interpreterrecords.RECORDS, interpreterrecords.TEXT_LAYOUT
         fds["interpreter"] = create_region("interpreter", interpreterrecords.REPORT_BYTES, interpreterrecords.REPORT_LAYOUT)
