@@ -54,6 +54,8 @@ CARD_GONE, CARD_MISSING = 39, 300  # system errors (L11431-11436)
 if TYPE_CHECKING:
     from motion.program.passing import Presets
 
+CARD_LOOKED_AT_NS = ms(200)  # a person pulls it: looking takes a call to the file system
+
 
 def robots_of_cell(cell: Cell) -> tuple[CellRobot, ...]:
     """Every robot on its axes; MotionError: a model that does not fit."""
@@ -149,6 +151,7 @@ class Baps2Programs:
         self._kept = dict(self.memory.files)
         self.language.pendant.files.stamps.update(days_of(self._stamps))
         self._look_at_card(CARD_MISSING)
+        self._card_next = 0
 
     def _look_at_card(self, error: int) -> None:
         """A card that was initialised stays where it is: gone at the start is another system error than while it runs."""
@@ -278,7 +281,9 @@ class Baps2Programs:
     def write_back(self) -> list[str]:
         """Points and files that programs have written are on the disk before anything else happens."""
         faults = []
-        self._look_at_card(CARD_GONE)
+        if (now := time.monotonic_ns()) >= self._card_next:
+            self._card_next = now + CARD_LOOKED_AT_NS
+            self._look_at_card(CARD_GONE)
         for wanted in self.language.pendant.eeprom.take():
             try:
                 answer = self._done(wanted)

@@ -34,6 +34,7 @@ from gateway.pure.planning.ahead import StatementsAhead
 from gateway.registry import language_in
 from gateway.runtime.journal import Journal
 from gateway.runtime.realtime import Timerfd, die_with_parent, go_ahead
+from gateway.runtime.record_reader import RecordReader
 from gateway.runtime.regions import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
 from motion.geometry.units import from_si
 
@@ -51,7 +52,7 @@ class CellPort:
         self._journal = journal
         self._units = [axis.unit for axis in plan.cell.axis]
         self._axes = RegionReader(fds["axes"], "axes", CELL_STATE_LAYOUT)
-        self._planner = RegionReader(fds["planner"], "planner")
+        self._planner = RecordReader(RegionReader(fds["planner"], "planner"), unpack_planner, PlannerState())
         self._channels = RegionReader(fds["channels"], "channels", SEEN_LAYOUT)
         self._counters = RegionReader(fds["belt_counters"], "belt_counters", COUNTERS_LAYOUT) if "belt_counters" in fds else None
         self._belt_units = [belt.unit for belt in plan.cell.belt]
@@ -62,9 +63,9 @@ class CellPort:
 
     def look(self) -> None:
         """The cell in a new turn."""
-        payload, seen, said = self._axes.read(), self._channels.read(), self._planner.read()
+        payload, seen = self._axes.read(), self._channels.read()
         state = CellState() if payload is None else unpack_cell_state(payload)
-        self._said = planner = PlannerState() if said is None else unpack_planner(said)
+        self._said = planner = self._planner.read()
         axes = list(zip(self._units, state.axes, strict=False))
         self.view = View(
             Channels() if seen is None else unpack_channels(seen),

@@ -58,6 +58,8 @@ class PlannerProcess:
         self.programs = lane_programs_of(plan.cell, self.machine, self.text, self.team, self._mask)
         self.programs.cell.files = Files(self.file, plan.p5_ms * 1000)
         self.programs.cell.systems = self.count + len(plan.cell.belt)
+        self._said: PlannerState | None = None  # packed last
+        self._packed = b""
         said = self.region.latest()
         if said is not None:
             self.programs.follows(unpack_planner(said))
@@ -139,7 +141,9 @@ class PlannerProcess:
         pieces = self.programs.turn(records, state, self.count, waiting, spare)
         said = self.programs.state
         self._tell(said)
-        self.region.write(pack_planner(said), now)  # a fault's words are there before the cycle hears of it
+        if said != self._said:
+            self._said, self._packed = said, pack_planner(said)
+        self.region.write(self._packed, now)  # a fault's words are there before the cycle hears of it
         for record in pieces:
             self.pieces.put(pack_piece(record, self.pieces.size))
         self.region.beat(time.monotonic_ns())

@@ -13,6 +13,7 @@ from gateway.pure.image.records.planner import (
     run_record,
     unpack_planner,
 )
+from gateway.runtime.record_reader import RecordReader
 from gateway.runtime.regions import RegionReader, RingWriter
 from protocols.base.machine import ms
 
@@ -25,14 +26,13 @@ class PlannerLink:
     def __init__(self, fds: Mapping[str, int]) -> None:
         there = "blocks" in fds
         self._blocks = RingWriter(fds["blocks"], "blocks", SAY_LAYOUT) if there else None
-        self._region = RegionReader(fds["planner"], "planner") if there else None
+        self._reports = RecordReader(RegionReader(fds["planner"], "planner"), unpack_planner, PlannerState()) if there else None
 
     def state(self) -> PlannerState | None:
         """Its report; None: it is not there, or shows no life."""
-        if self._region is None or time.monotonic_ns() - self._region.life[1] > SILENT_NS:
+        if self._reports is None or time.monotonic_ns() - self._reports.region.life[1] > SILENT_NS:
             return None
-        payload = self._region.read()
-        return PlannerState() if payload is None else unpack_planner(payload)
+        return self._reports.read()
 
     def order(self, orders: Sequence[ProgramOrder]) -> None:
         """Hand them over."""

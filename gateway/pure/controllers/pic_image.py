@@ -16,12 +16,18 @@ class PicImage:
     outputs: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
     flags: bytearray = field(default_factory=lambda: bytearray(RC_BYTES))
     good: bytearray = field(default_factory=lambda: bytearray(b"\1" * RC_BYTES))  # input bytes that come from a living command source
+    _quality: bytearray = field(default_factory=bytearray)  # of each byte when `good` was made
+    _bad: tuple[int, ...] = ()
 
     def take(self, doors: InputImage) -> None:
         """The inputs as the command sources have them: an invalid byte is 0, a stale one stays and has no edges."""
-        for byte, quality in enumerate(doors.quality):
-            self.inputs[byte] = 0 if quality == Quality.BAD else doors.values[byte]
-            self.good[byte] = quality == Quality.GOOD
+        if doors.quality != self._quality:
+            self._quality[:] = doors.quality
+            self.good[:] = (quality == Quality.GOOD for quality in doors.quality)
+            self._bad = tuple(byte for byte, quality in enumerate(doors.quality) if quality == Quality.BAD)
+        self.inputs[:] = doors.values
+        for byte in self._bad:
+            self.inputs[byte] = 0
 
     def trusted(self, number: int) -> bool:
         """Whether RC input N comes from a living command source."""

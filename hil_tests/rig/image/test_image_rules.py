@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 import pytest
 
+from gateway.runtime.record_reader import RecordReader
 from gateway.runtime.regions import (
     ImageError,
     RegionReader,
@@ -218,3 +219,21 @@ def test_two_processes_at_full_speed_never_show_a_torn_payload_or_record() -> No
         os.waitpid(child, 0)
         os.close(region)
         os.close(ring)
+
+
+def test_a_record_is_unpacked_again_only_when_its_bytes_have_changed() -> None:
+    fd = create_region("axes", 64)
+    writer, unpacked = RegionWriter(fd), list[bytes]()
+
+    def unpack(data: bytes) -> int:
+        unpacked.append(data)
+        return number_of(data)
+
+    reader = RecordReader(RegionReader(fd), unpack, -1)
+    assert reader.read() == -1, "nothing was published"
+    seen = []
+    for number in (7, 7, 7, 8, 7):
+        writer.write(payload(number, 64), number)
+        seen.append(reader.read())
+    assert seen == [7, 7, 7, 8, 7]
+    assert unpacked == [payload(number, 64) for number in (7, 8, 7)]
