@@ -10,6 +10,7 @@ from gateway.links.serial.machine_loop import PAUSE_NS, LineCore, LineState
 from protocols.base.machine import Machine, Ns
 
 E = TypeVar("E")
+ASKED_NS = 100_000_000  # a predicate may look at something else than this line
 
 
 class SyncLine(Generic[E]):
@@ -31,14 +32,15 @@ class SyncLine(Generic[E]):
         return self._core.state
 
     def run_until(self, predicate: Callable[[], bool], timeout_s: float) -> bool:
-        """Serves the line until the predicate holds (True) or the time is over (False).  The predicate is asked after every step."""
+        """Serves the line until the predicate holds (True) or the time is over (False).  The predicate is asked after every
+        step, and every 100 ms while none is due."""
         end = time.monotonic_ns() + round(timeout_s * 1e9)
         self._step(self._core.pump)
         while not predicate():
             now = time.monotonic_ns()
             if now >= end:
                 return False
-            self._wait(min(end, self._core.next_wake() or end), now)
+            self._wait(min(end, now + ASKED_NS, self._core.next_wake() or end), now)
         return True
 
     def run_for(self, duration_s: float) -> None:
