@@ -53,7 +53,7 @@ def types(run: CellRun, command: str) -> str:
 
 
 def looks(run: CellRun, command: str) -> str:
-    """The same without a process of its own: one each 0.2 s would take the processor from the cell that is waited for."""
+    """The same without a process of its own: one each 0.5 s would take the processor from the cell that is waited for."""
     said = io.StringIO()
     with contextlib.redirect_stdout(said):
         code = main(words_of(run, command))
@@ -61,20 +61,19 @@ def looks(run: CellRun, command: str) -> str:
     return said.getvalue()
 
 
-def waits(run: CellRun, test: Callable[[], bool], what: str) -> None:
-    """For a state.  A task in error is named at once; where the cell was stopped because the machine was late, the play counts nothing."""
+def waits(run: CellRun, test: Callable[[str], bool], what: str) -> None:
+    """For a state, `test` of what `program status` shows.  A task in error is named at once; where the cell was stopped because the machine was late, the play counts nothing."""
     end = time.monotonic() + PATIENCE_S
-    while not test():
+    while not test(shown := looks(run, "axisgate program status cs8")):
         with running(run.name) as client:
             if any(row["fault"] for row in client.axes()):
                 raise Disturbed
-        shown = looks(run, "axisgate program status cs8")
         broken = re.search(r"line \d+: \d+ .*", shown) is not None
         if broken and run.state().stop_cause in LATE:
             raise Disturbed
         assert not broken, f"{what}: {shown}"
         assert time.monotonic() < end, f"{what}: {shown}"
-        time.sleep(0.2)
+        time.sleep(0.5)
 
 
 def test_the_guide_word_for_word(tmp_path: pathlib.Path) -> None:
@@ -95,14 +94,14 @@ def follow(run: CellRun) -> None:
     assert "0 errors" in types(run, check)
     assert go == "axisgate run cs8 --sim", "the run that is there"
     assert types(run, start) == "cycle is started\n"
-    waits(run, lambda: STATUS[1] in looks(run, status), "the application waits for its part")
+    waits(run, lambda shown: STATUS[1] in shown, "the application waits for its part")
     assert types(run, status).splitlines() == STATUS[:2]
     assert "= 1" in types(run, part)
-    waits(run, lambda: "task" not in looks(run, status), "it has carried two parts, and ends")
+    waits(run, lambda shown: "task" not in shown, "it has carried two parts, and ends")
     with running(run.name) as client:
         assert int(str(client.ask("axes")["motion"])) == Motion.IDLE
         assert [float(str(row["actual"])) for row in client.axes()] == pytest.approx(HOME, abs=0.1)
     assert types(run, start) == "cycle is started\n"
-    waits(run, lambda: "cycle~" in looks(run, status), "it runs again")
+    waits(run, lambda shown: "cycle~" in shown, "it runs again")
     assert types(run, again) == "cycle is stopped\n"
-    waits(run, lambda: "task" not in looks(run, status), "it is stopped")
+    waits(run, lambda shown: "task" not in shown, "it is stopped")

@@ -56,7 +56,7 @@ def test_a_card_becomes_a_cell_that_moves(tmp_path: pathlib.Path) -> None:
         with running_cell(str(cell), f"glue-{play}", plc=False, p5_ms=None) as run:
             try:
                 types(run, "axisgate program start cs8 glue")
-                waits(run, lambda: looks(run, "axisgate var dio.done --name cs8").strip().endswith("1"), "the path is done")
+                waits(run, lambda _: looks(run, "axisgate var dio.done --name cs8").strip().endswith("1"), "the path is done")
             except Disturbed:
                 continue
             with running(run.name) as client:
