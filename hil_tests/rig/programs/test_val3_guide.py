@@ -62,7 +62,8 @@ def looks(run: CellRun, command: str) -> str:
 
 
 def waits(run: CellRun, test: Callable[[str], bool], what: str) -> None:
-    """For a state, `test` of what `program status` shows.  A task in error is named at once; where the cell was stopped because the machine was late, the play counts nothing."""
+    """For a state, `test` of what `program status` shows.  A task in error is named at once; where the cell was stopped because
+    the machine was late, the play counts nothing."""
     end = time.monotonic() + PATIENCE_S
     while not test(shown := looks(run, "axisgate program status cs8")):
         with running(run.name) as client:
