@@ -181,6 +181,7 @@ def test_the_matrix_is_made_of_the_last_run_of_this_tree(
     results, written = tmp_path / "results.json", ROOT / "build" / "matrix" / f"of-{tmp_path.name}.json"
     monkeypatch.setattr(verdicts, "RESULTS", results)
     monkeypatch.setattr(verdicts, "MATRIX", written)
+    monkeypatch.setattr(verdicts, "KEPT", tmp_path / "no-mutants.tsv")
     runs: list[bool] = []
 
     def run() -> int:  # stands for the run of twenty minutes

@@ -21,6 +21,7 @@ def test_that_fails_the_first_time(): assert times("first") >= 2
 def test_that_always_fails(): assert times('always') == 0
 def test_that_is_well(): pass
 """
+ZEALOUS = BESIDE.replace("def test_that_always_fails(): assert times('always') == 0\n", "").replace('"first"', '"zeal"')
 AT_LAST = "import pathlib\ndef test_alone(): assert pathlib.Path('first').stat().st_size >= 2\n"
 NO_WORKER = "import os, pathlib, time\nassert 'AXISGATE_TEST_WORKER' not in os.environ, 'a test run started here would be a worker, too'\n"
 BY_US = """
@@ -57,43 +58,26 @@ def test_a_wrong_one_is_not(tmp_path: pathlib.Path) -> None:
 
 
 @pytest.mark.skipif(not guest.own_time() or os.cpu_count() == 1, reason="without a guest in a time of its own nothing is played beside it")
-def test_what_failed_beside_the_pure_tests_is_judged_alone(tmp_path: pathlib.Path) -> None:
+def test_what_is_shared_by_two_processes_and_what_failed_there_is_judged_alone(tmp_path: pathlib.Path) -> None:
+    """Two modules wait for each other: one process would never end them.  So do two that are named nowhere, and the pure tests' two."""
     texts = {"bus_tools/test_beside.py": BESIDE, ALONE[0]: AT_LAST}
     texts |= {"completion/test_us.py": NO_WORKER + BY_US + STANDS_BEHIND, "motion/test_worker.py": NO_WORKER + BY_WORKER}
+    for folder in ("bus_tools", "named_nowhere"):
+        for mine, other in ((f"{folder}-one", f"{folder}-two"), (f"{folder}-two", f"{folder}-one")):
+            texts[f"{folder}/test_{mine}.py"] = MEETS.format(mine=mine, other=other)
+    texts["named_nowhere/test_zealous.py"] = ZEALOUS
     for name, text in texts.items():
-        (file := tmp_path / "hil_tests/rig" / name).parent.mkdir(parents=True)
+        (file := tmp_path / "hil_tests/rig" / name).parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text)
     command, environment = whole_run(tmp_path, "hil_tests")
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
-    assert "1 failed, 6 passed" in done.stdout and "test_that_always_fails" in done.stdout, done.stdout
-    assert done.stdout.count("hil_tests/rig/bus_tools/test_beside.py: failed beside others; again alone") == 1
+    assert "1 failed, 12 passed" in done.stdout and "test_that_always_fails" in done.stdout, done.stdout
+    assert done.stdout.count("hil_tests/rig/bus_tools/test_beside.py: failed beside others; again alone") == 1, done.stdout
+    assert done.stdout.count("hil_tests/rig/named_nowhere/test_zealous.py: failed beside the pure tests; again by two at a time") == 1, (
+        done.stdout
+    )
+    assert not re.search(r"(one|two)\.py: failed", done.stdout), done.stdout
     assert len((tmp_path / "always").read_text()) >= 2, "beside them, then without them; more often where the machine was busy then, too"
-
-
-@pytest.mark.skipif(not guest.own_time() or os.cpu_count() == 1, reason="without a guest in a time of its own nothing is played beside it")
-def test_two_processes_share_what_is_played_beside_the_pure_tests(tmp_path: pathlib.Path) -> None:
-    """Each of two modules waits for the other: one process would never end them."""
-    folder = tmp_path / "hil_tests/rig/bus_tools"
-    folder.mkdir(parents=True)
-    for mine, other in (("one", "two"), ("two", "one")):
-        (folder / f"test_{mine}.py").write_text(MEETS.format(mine=mine, other=other))
-    command, environment = whole_run(tmp_path, "hil_tests")
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
-    assert (done.returncode, "2 passed" in done.stdout, "again alone" in done.stdout) == (0, True, False), done.stdout
-
-
-@pytest.mark.skipif(os.cpu_count() == 1, reason="one processor plays one module at a time")
-def test_two_processes_share_what_is_named_nowhere_and_a_failure_there_is_judged_alone(tmp_path: pathlib.Path) -> None:
-    """Two modules wait for each other; the third fails beside them, and is well when it is played again."""
-    folder = tmp_path / "hil_tests/rig/named_nowhere"
-    folder.mkdir(parents=True)
-    for mine, other in (("one", "two"), ("two", "one")):
-        (folder / f"test_{mine}.py").write_text(MEETS.format(mine=mine, other=other))
-    (folder / "test_zealous.py").write_text(BESIDE.replace("def test_that_always_fails(): assert times('always') == 0\n", ""))
-    command, environment = whole_run(tmp_path, "hil_tests")
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
-    assert (done.returncode, "4 passed" in done.stdout) == (0, True), done.stdout
-    assert done.stdout.count("hil_tests/rig/named_nowhere/test_zealous.py: failed beside others; again alone") == 1
 
 
 def test_a_selection_is_shared_by_two_processes_and_closes_with_one_line(tmp_path: pathlib.Path) -> None:
