@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from gateway.conformance.framework.base import TOLERANCE, Seen, Tester, hexed
 from gateway.conformance.framework.host import Host
 from gateway.links.serial.tool_wire import Wire
-from gateway.pure.conformance.verdict import Disturbed, Fail, Inconclusive, NotApplicable
+from gateway.pure.conformance.verdict import Disturbed, Ended, Fail, Inconclusive, NotApplicable
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, wire_block
 from protocols.p3964r.profiles import Priority, Profile
@@ -15,6 +15,8 @@ from protocols.p3964r.profiles import Priority, Profile
 NAMES = {2: "STX (02h)", 3: "ETX (03h)", 16: "DLE (10h)", 21: "NAK (15h)", 23: "ETB (17h)"}
 STX, DLE, NAK = (bytes((char,)) for char in (Char.STX, Char.DLE, Char.NAK))
 QUIET = ms(300)
+MOST_REST = 8  # characters behind a block
+MOST_JOBS = 8  # of the station may wait for their answers
 TRIES = 12  # wishes of the station that are let go first
 MOST_BLOCK = 4200  # characters: more is no block
 BETWEEN = ms(60)  # between an answer and a STX that belongs to something else
@@ -72,6 +74,9 @@ class LineTester(Tester):
         self.slowest: Ns = 0  # its longest DLE after STX so far
         self.judges_form = False  # of the blocks of reactions: not while it is found out what the station is
         self.on_block: Callable[[bytes], None] | None = None  # what is made of a block that came unasked
+        self.unanswered = b""  # the station's last block, until a telegram of ours follows it
+        self.on_unanswered: Callable[[bytes], bool] | None = None  # gives what the station waits for before its next job; whether it does
+        self._answering = False
 
     @property
     def profile(self) -> Profile:
@@ -195,10 +200,36 @@ class LineTester(Tester):
         block = self.read()
         if block is None:
             return None
+        self._pass_over_rest()
         self.say(DLE)
         if self.on_block is not None:
             self.on_block(block.data)
         return block.data
+
+    def _pass_over_rest(self) -> None:
+        """What comes behind its block is judged where the block is (SND_BV_02), not where the next STX goes out."""
+        for _ in range(MOST_REST):
+            if self.answer(self.wire.char_ns + ms(1)) is None:
+                return
+        self.remark("characters behind its block")
+
+    def answers_jobs(self) -> bool:
+        """The station's own jobs, each of which may come only after the answer to the one before; whether there was one."""
+        if self.on_unanswered is None or self._answering or not self.unanswered:
+            return False
+        self._answering = True
+        answered = 0
+        try:
+            while self.unanswered and answered < MOST_JOBS:
+                job, self.unanswered = self.unanswered, b""
+                if not self.on_unanswered(job):
+                    break
+                answered += 1
+        except Ended:  # a case of its own judges what it does with the answer
+            pass
+        finally:
+            self._answering = False
+        return answered > 0
 
     def read(self) -> Block | None:
         """The characters of a block after our DLE, to its end and with its check; None: it broke off."""
@@ -209,7 +240,9 @@ class LineTester(Tester):
                 return None
             raw.append(got)
             if escaped and got in (Char.ETX, Char.ETB):
-                return self._checked(raw, data, odd)
+                block = self._checked(raw, data, odd)
+                self.unanswered = b"" if block is None else block.data
+                return block
             if escaped and got != Char.DLE:
                 odd = odd or f"DLE is followed by {named(got)}: it is doubled, or ETX follows"
                 data += bytes((Char.DLE, got))
@@ -248,6 +281,7 @@ class LineTester(Tester):
                 blocks += 1
                 wait = min(wait, BETWEEN) if blocks > 3 else wait
                 self.serve()
+                self.answers_jobs()
 
     # ---- larger pieces
     def connect(self) -> None:
@@ -260,6 +294,7 @@ class LineTester(Tester):
         while self._hear(self.wire.now()) is not None:
             if self.notes.trace[-1].data == STX:
                 self.serve()
+                self.answers_jobs()
         refused = 0
         for _ in range(TRIES):
             self.say(STX)
@@ -271,6 +306,7 @@ class LineTester(Tester):
                     return
                 if got is None:
                     self.serve()
+                    self.answers_jobs()
                     continue
             if got == Char.DLE:
                 self.slowest = max(self.slowest, self.mark - start)
@@ -305,6 +341,7 @@ class LineTester(Tester):
         got = self.block(wire_block(data, self.profile.block_check), what)
         if got != Char.DLE:
             self.fail(what, got, named(Char.DLE))
+        self.unanswered = b""
 
     def good_once(self, data: bytes, what: str) -> None:
         """A good block with one answer: what took a character inside for the end, or for a wish, answers that as well."""
@@ -331,6 +368,8 @@ class LineTester(Tester):
         if self.setup.stimulus is None:
             raise NotApplicable("the bench names no [stimulus] and the station has none of its own")
         with self.given():
+            if self.answers_jobs():
+                self.settle(BETWEEN)
             self.setup.stimulus(self)
             self.first_stx(self.setup.stimulus_wait)
 

@@ -12,7 +12,7 @@ from gateway.conformance.framework.machine import Guarded
 from gateway.conformance.framework.peers import Peers
 from gateway.conformance.framework.witness import Witness
 from gateway.conformance.suites.line import LineSetup, LineTester
-from gateway.conformance.suites.rk512.telegrams import ask, fetch, finish, is_command, right_reaction
+from gateway.conformance.suites.rk512.telegrams import ask, fetch, finish, is_command, meant_as_command, right_reaction, size_of
 from gateway.links.serial.tool_wire import VirtualWire, Wire
 from gateway.pure.conformance.verdict import BenchFault, Ended, Fail
 from gateway.registry import LINE_LAYERS
@@ -50,6 +50,8 @@ class LineSession:
         self.setup = self._setup(seed)
         self._host = Host(witness, None if wire.simulated else Peers(bench.url))
         self.tester = LineTester(wire, self.setup, self._host)
+        if self._layer() is not False:
+            self.tester.on_unanswered = self._react
 
     # ---- what bench and PICS say
     def _setup(self, seed: int) -> LineSetup:
@@ -251,7 +253,8 @@ class LineSession:
         try:
             self.tester.starts_sending()
             block = self.tester.take()
-            if not is_command(block.data):
+            if not meant_as_command(block.data):
+                self.assumed.append(f"not active: its own block {block.data[:10].hex(' ').upper()} is no RK512 command")
                 return False
         except Ended:
             return False
@@ -259,6 +262,14 @@ class LineSession:
             self.tester.good(right_reaction(block.data))
             finish(self.tester, block.data)
         self.assumed.append("active: its own block is an RK512 command")
+        return True
+
+    def _react(self, block: bytes) -> bool:
+        """An active station may send its next job only after the reaction to the one before."""
+        if not is_command(block) or not size_of(block):
+            return False
+        self.tester.good(right_reaction(block), "the reaction to its own command")
+        finish(self.tester, block)
         return True
 
     # ---- for the runner

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from gateway.conformance.suites.modbus.content import kept, write_back
 from gateway.conformance.suites.modbus.other_functions import other_functions
-from gateway.conformance.suites.modbus.tester import CROSS, TABLES, ModbusTester
+from gateway.conformance.suites.modbus.tester import CROSS, EXCEPTIONS, TABLES, ModbusTester
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, NotApplicable, Warn
 
@@ -60,8 +60,13 @@ def _basic(p: Purposes[ModbusTester], basic: str) -> None:
     def refused(t: ModbusTester) -> None:
         function = next(iter(t.setup.base), 3)
         t.setup.odd_exceptions = True
-        t.ask(struct.pack(">BHH", function, t.setup.base.get(function, 0), 0), judge=True)
-        t.ask(b"\x41", judge=True)  # a function that is not offered
+        amount = struct.pack(">BHH", function, t.setup.base.get(function, 0), 0)
+        said = [t.ask(pdu, judge=True) for pdu in (amount, b"\x41")]  # 41h: a function that is not offered
+        for got in said:
+            if len(got) == 2 and not got[0] & 0x80 and got[1] in EXCEPTIONS:
+                raise Fail(f"a refusal without the top bit: {t.words(got)}", f"{got[0] | 0x80:02X} {got[1]:02X}", t.words(got))
+        if not any(said):
+            raise Fail("neither an amount of 0 nor function 41h is refused: no answer", "an exception of two bytes", t.words(b""))
         t.setup.odd_exceptions = False
 
     @p.case(

@@ -4,6 +4,8 @@ from gateway.conformance.suites.modbus.tester import CROSS, ModbusTester
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, Warn
 
+MOST_PARTS = 4  # answers of a basic stream
+
 
 def _never_executed(t: ModbusTester, function: int) -> None:
     t.quiet()
@@ -15,6 +17,25 @@ def _never_executed(t: ModbusTester, function: int) -> None:
         raise Warn(said, f"{function:02X} 01", t.words(pdu))
     if pdu and (not pdu[0] & 0x80 or len(pdu) > 2):
         raise Fail(f"function {function:02X}h was executed", "exception 01h, or silence", t.words(pdu))
+
+
+def _objects(t: ModbusTester, got: bytes) -> list[int]:
+    """The numbers of the objects in one answer of FC 43/14."""
+    if len(got) < 8 or got[1] != 0x0E or got[2] != 1 or got[6] < 1:
+        raise Fail("FC 43/14: badly built answer", "2B 0E 01, conformity, more, next, count, objects", t.words(got))
+    if got[3] & 0x7F not in (1, 2, 3):
+        raise Fail(f"FC 43/14: conformity level {got[3]:02X}h", "01h, 02h, 03h, 81h, 82h or 83h", t.words(got))
+    if got[4] not in (0, 0xFF):
+        raise Fail(f"FC 43/14: more follows is {got[4]:02X}h", "00h or FFh", t.words(got))
+    at, named = 7, []
+    for _ in range(got[6]):
+        if at + 2 > len(got):
+            raise Fail("FC 43/14: an object is cut off", "number, length, text", t.words(got))
+        named.append(got[at])
+        at += 2 + got[at + 1]
+    if at != len(got):
+        raise Fail(f"FC 43/14: {len(got) - at} bytes behind the last object", "none", t.words(got))
+    return named
 
 
 def other_functions(p: Purposes[ModbusTester], basic: str) -> None:
@@ -63,13 +84,16 @@ def other_functions(p: Purposes[ModbusTester], basic: str) -> None:
     )
     def identification(t: ModbusTester) -> None:
         got = t.normal(b"\x2b\x0e\x01\x00", "FC 43/14")
-        if len(got) < 8 or got[1] != 0x0E or got[2] != 1 or got[6] < 1:
-            raise Fail("FC 43/14: badly built answer", "2B 0E 01, conformity, more, next, count, objects", t.words(got))
-        at = 7
-        for _ in range(got[6]):
-            if at + 2 > len(got):
-                raise Fail("FC 43/14: an object is cut off", "number, length, text", t.words(got))
-            at += 2 + got[at + 1]
-        if at != len(got):
-            raise Fail(f"FC 43/14: {len(got) - at} bytes behind the last object", "none", t.words(got))
+        named = _objects(t, got)
+        for _ in range(MOST_PARTS):
+            if not got[4]:
+                break
+            got = t.normal(bytes((0x2B, 0x0E, 1, got[5])), f"FC 43/14 from object {got[5]}, which is to follow")
+            named += _objects(t, got)
+        if named[:3] != [0, 1, 2] or got[4]:
+            shown = ", ".join(f"{number:02X}h" for number in named) + (", and more to follow" if got[4] else "")
+            raise Fail(f"FC 43/14: the basic stream has the objects {shown}", "00h, 01h, 02h, and no more to follow", t.words(got))
         t.exception(b"\x2b\x0e\x00\x00", 3, "FC 43/14, code 0")
+        other = t.ask(b"\x2b\x55\x00\x00")  # a transport that is none
+        if other and not other[0] & 0x80:
+            raise Fail("FC 43 with MEI type 55h, which is none, was executed", "an exception", t.words(other))

@@ -70,7 +70,9 @@ def one_word(t: LineTester) -> None:
     clause="serial-protocols 2.2",
 )
 def many_words(t: LineTester) -> None:
-    for words in sorted({2, 3, room(t, 32)}):
+    if t.setup.words < 2:
+        raise NotApplicable(f"DB{t.setup.db} has {t.setup.words} word")
+    for words in sorted({min(2, t.setup.words), min(3, t.setup.words), room(t, 32)}):
         read(t, t.setup.db, 0, words)
     words = min(64, t.setup.words)
     found = ask(t, fetch(t.setup.db, 0, words))
@@ -327,6 +329,9 @@ for _number, _kind in enumerate(b"EAMTZX", 1):
 @PAS.case("CA_07", "a coordination flag: served, or 32h", "ein Koppelmerker: bedient, oder 32h", clause="serial-protocols 2.5")
 def flag(t: LineTester) -> None:
     found = ask(t, header(FETCH, DB, t.setup.db, 0, 1, b"\x06\x04"))
+    stated = t.setup.pics.get("errors")
+    if found.number == 0x2A and not (isinstance(stated, dict) and "2A" in stated.values()):
+        raise Fail(f"refused with a misleading number: {number_words(found.number)}", "00h or 32h", found.words())
     if found.number not in (0, 0x32):
         raise Warn(f"{number_words(found.number)}, expected 00h or 32h", "00h or 32h", found.words())
     if found.number == 0 and len(found.data) != 2:

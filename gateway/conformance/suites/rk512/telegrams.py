@@ -12,6 +12,7 @@ from protocols.p3964r.characters import Char, wire_block
 
 SEND, FETCH, DX_SEND = 0x41, 0x45, 0x4F
 DB = 0x44
+TYPES = b"DXEAMTZPBS"
 NO_FLAG = b"\xff\xff"
 WELL_FORMED = "each DLE doubled, DLE ETX, the exclusive or of all characters"
 PIECE = 128  # data bytes of one telegram
@@ -52,6 +53,11 @@ def fetch(db: int, word: int, words: int) -> bytes:
 
 def is_command(block: bytes) -> bool:
     return len(block) >= 4 and block[0] in (0, 0xFF) and block[2] in (SEND, FETCH, DX_SEND)
+
+
+def meant_as_command(block: bytes) -> bool:
+    """Built like one, whatever its first two bytes are."""
+    return is_command(block) or (len(block) >= 10 and block[2] in (SEND, FETCH, DX_SEND) and block[3] in TYPES)
 
 
 def right_reaction(command: bytes) -> bytes:
@@ -192,6 +198,8 @@ def restored(t: LineTester, db: int, word: int, before: bytes) -> None:
 
 def saved(t: LineTester, db: int, word: int, words: int) -> bytes:
     """What is there now."""
+    if db == t.setup.db and word + words > t.setup.words:
+        raise NotApplicable(f"DB{db} has {t.setup.words} words; {words} from DW{word} on are needed")
     with t.given():
         step = t.setup.job
         return b"".join(read(t, db, word + at, min(step, words - at)) for at in range(0, words, step))
