@@ -9,7 +9,7 @@ R = TypeVar("R")
 
 
 class RecordReader(Generic[R]):
-    """`unpack`: bytes of the region to a record that nobody changes; `none`: the record before the first one is published."""
+    """`unpack`: bytes of the region to a read-only record; `none`: the record before the first one is published."""
 
     def __init__(self, region: RegionReader, unpack: Callable[[bytes], R], none: R) -> None:
         self.region = region
