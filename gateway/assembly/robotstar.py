@@ -3,7 +3,6 @@
 import json
 import time
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 
 from gateway.assembly.program_memory import memory_folder
@@ -16,7 +15,7 @@ from gateway.pure.controllers.control import Control
 from gateway.pure.controllers.reis.control import ReisControl
 from gateway.pure.controllers.reis.programs import ReisPrograms
 from gateway.pure.languages.base.faults import Faults
-from gateway.pure.languages.base.hosting import Port
+from gateway.pure.languages.base.hosting import Port, as_reported
 from gateway.pure.languages.robotstar.arm import REIS, Arm
 from gateway.pure.languages.robotstar.cell_run import SYSTEM, CellRun
 from gateway.pure.languages.robotstar.initial import NAME as INITIAL
@@ -122,7 +121,7 @@ class RobotstarPrograms:
         """The programs: TRAFO_6D makes some while others run."""
         version = self.language.memory.version
         if version != self._listed[0]:
-            self._listed = version, [asdict(row) for row in self.language.catalogue()]
+            self._listed = version, [as_reported(row) for row in self.language.catalogue()]
         return {"programs": self._listed[1]}
 
     def write_back(self) -> list[str]:

@@ -10,7 +10,6 @@ import select
 import signal
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 
 from gateway.assembly.contact_regions import COUNTERS_LAYOUT, OFFSETS
 from gateway.assembly.run import RunPlan, load_plan
@@ -28,7 +27,7 @@ from gateway.pure.image.records.interpreter import (
     unpack_facts,
 )
 from gateway.pure.image.records.planner import SAY_LAYOUT, BlockRecord, PlannerState, Say, pack_block, unpack_planner
-from gateway.pure.languages.base.hosting import PathState, View, paths_of
+from gateway.pure.languages.base.hosting import PathState, View, as_reported, paths_of
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.planning.ahead import StatementsAhead
 from gateway.registry import language_in
@@ -179,7 +178,7 @@ class InterpreterProcess:
     def _have_read(self, faults: Sequence[str]) -> None:
         for fault in faults:
             self.journal.write("program", fault)
-        self._catalogue = [asdict(row) for row in self.language.catalogue()]
+        self._catalogue = [as_reported(row) for row in self.language.catalogue()]
 
     def run(self) -> None:
         """Until SIGTERM."""
@@ -249,7 +248,7 @@ class InterpreterProcess:
         if now - self._reported < REPORTS_NS:
             return
         self._reported = now
-        rows = [asdict(row) for row in self.language.rows()]
+        rows = [as_reported(row) for row in self.language.rows()]
         report: dict[str, object] = {"id": self.run_id, "fresh": self._fresh, "programs": self._catalogue, "processes": rows}
         report.update(self.programs.seen(now))
         payload = pack_report(report)

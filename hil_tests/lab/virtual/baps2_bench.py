@@ -3,7 +3,7 @@ record through its bytes."""
 
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 from drivers.drives.servodyn_family import ServodynFamily
 from drivers.emulator.servodyn.slave import ServodynSlave
@@ -39,20 +39,19 @@ from gateway.pure.image.records.planner import (
     BlockRecord,
     Say,
     pack_block,
-    pack_planner,
     piece_size,
     run_record,
     unpack_block,
     unpack_piece,
-    unpack_planner,
 )
 from gateway.pure.image.records.planner import pack_piece as packed_piece
 from gateway.pure.languages.baps2.memory import Memory
-from gateway.pure.languages.base.hosting import View, paths_of
+from gateway.pure.languages.base.hosting import View, as_reported, paths_of
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.planning.trial import Files
 from gateway.pure.planning.turn import standing
 from hil_tests.lab.virtual.cell_bench import CellBench
+from hil_tests.lab.virtual.planner_region import PlannerRegion
 from hil_tests.lab.virtual.servodyn_bus import CODEC
 from motion.errors import MotionError
 from motion.geometry.units import from_si
@@ -159,6 +158,7 @@ class ProgramCell:
             control.pic.take = self._take_pic
         self.hosted = control.hosted = HostedPrograms(control)
         self.planning = lane_programs_of(cell, self._machine, self._text, lambda kinematics, _: team_meant(cell, kinematics), lambda _: 0)
+        self.planner_region = PlannerRegion()
         self.planning.cell.files = Files(self._file, 4000)
         self.memory = Memory({name: text if isinstance(text, bytes) else text.encode() for name, text in files.items()})
         self.told: list[str] = []
@@ -211,7 +211,7 @@ class ProgramCell:
             pass
         self._pieces += [packed_piece(each, piece_size(axes)) for each in self.planning.turn(records, state, axes, len(self._pieces))]
         assert standing(state, axes)
-        bench.office.planner = unpack_planner(pack_planner(self.planning.state))
+        bench.office.planner = self.planner_region.through(self.planning.state)
         for _ in range(min(2 * len(self.planning.lanes), len(self._pieces))):
             bench.core.feed(unpack_piece(self._pieces.popleft()))
 
@@ -219,8 +219,8 @@ class ProgramCell:
         port = self.port
         report: dict[str, object] = {"id": 0}
         if port is not None:
-            rows = [asdict(row) for row in self.language.rows()]
-            report = {"id": port.identity, "programs": [asdict(row) for row in self.language.catalogue()], "processes": rows}
+            rows = [as_reported(row) for row in self.language.rows()]
+            report = {"id": port.identity, "programs": [as_reported(row) for row in self.language.catalogue()], "processes": rows}
             report |= self.language.test.shown(self.bench.now)
         self.hosted.report(unpack_report(pack_report(report)), alive=port is not None)
         while port is not None and port.said:
@@ -240,7 +240,7 @@ class ProgramCell:
         self._before = outputs
 
     def _interpreter(self, port: VirtualPort, state: CellState, now: int) -> None:
-        planner = unpack_planner(pack_planner(self.planning.state))
+        planner = self.planner_region.through(self.planning.state)
         axes = list(zip(self.cell.axis, state.axes, strict=False))
         port.view = View(
             unpack_channels(pack_channels(self.control.seen())),

@@ -3,7 +3,7 @@ without a process, each record through its bytes."""
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 from gateway.assembly.controllers import make_control
 from gateway.assembly.planner import cell_programs
@@ -29,23 +29,22 @@ from gateway.pure.image.records.interpreter import (
 from gateway.pure.image.records.planner import (
     BlockRecord,
     Say,
-    pack_planner,
     piece_size,
     run_record,
     unpack_block,
     unpack_piece,
-    unpack_planner,
 )
 from gateway.pure.image.records.planner import pack_block as packed_block
 from gateway.pure.image.records.planner import pack_piece as packed_piece
 from gateway.pure.languages.base.faults import Faults
-from gateway.pure.languages.base.hosting import View, paths_of
+from gateway.pure.languages.base.hosting import View, as_reported, paths_of
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.robotstar.cell_run import CellRun
 from gateway.pure.languages.robotstar.memory import Memory, Source
 from gateway.pure.planning.planner import Programs
 from gateway.pure.planning.turn import follow, standing
 from hil_tests.lab.virtual.baps2_bench import ServodynBench, VirtualPort
+from hil_tests.lab.virtual.planner_region import PlannerRegion
 from motion.errors import MotionError
 from motion.geometry.units import from_si
 from motion.planner.robot import Machine
@@ -82,6 +81,7 @@ class ReisCell:
         self.control = control
         self.hosted = programs_of_control(cell, control, self.bench.office)
         self.planning = Programs(cell_programs(cell, self._machine, self._text, lambda kinematics, number: team_meant(cell, kinematics)))
+        self.planner_region = PlannerRegion()
         self.files, self.kept = files, values or {}
         self.told: list[str] = []
         self.bits: list[tuple[float, str, int]] = []  # s, byte as Ax or Mx, value: outputs and free markers as they change
@@ -152,7 +152,7 @@ class ReisCell:
         self._pieces += [
             packed_piece(each, piece_size(axes)) for each in follow(self.planning, records, state, axes, waiting=len(self._pieces))
         ]
-        bench.office.planner = unpack_planner(pack_planner(self.planning.state))
+        bench.office.planner = self.planner_region.through(self.planning.state)
         for _ in range(min(self.a_cycle, len(self._pieces))):
             bench.core.feed(unpack_piece(self._pieces.popleft()))
 
@@ -160,8 +160,8 @@ class ReisCell:
         port = self.port
         report: dict[str, object] = {"id": 0}
         if port is not None:
-            rows = [asdict(row) for row in self.language.rows()]
-            report = {"id": port.identity, "programs": [asdict(row) for row in self.language.catalogue()], "processes": rows}
+            rows = [as_reported(row) for row in self.language.rows()]
+            report = {"id": port.identity, "programs": [as_reported(row) for row in self.language.catalogue()], "processes": rows}
         self.hosted.report(unpack_report(pack_report(report)), alive=port is not None)
         while port is not None and port.said:
             self.hosted.hear(unpack_facts(port.said.popleft()), now)
@@ -177,7 +177,7 @@ class ReisCell:
         self._flags = flags
 
     def _interpreter(self, port: VirtualPort, state: CellState, now: int) -> None:
-        planner = unpack_planner(pack_planner(self.planning.state))
+        planner = self.planner_region.through(self.planning.state)
         port.view = View(
             unpack_channels(pack_channels(self.hosted.seen())),
             self.joints[-1],

@@ -4,7 +4,7 @@ each record through its bytes."""
 import pathlib
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import configs
 from gateway.assembly.alter import alter_of_cell
@@ -46,15 +46,13 @@ from gateway.pure.image.records.planner import (
     BlockRecord,
     Say,
     pack_block,
-    pack_planner,
     piece_size,
     run_record,
     unpack_block,
     unpack_piece,
-    unpack_planner,
 )
 from gateway.pure.image.records.planner import pack_piece as packed_piece
-from gateway.pure.languages.base.hosting import View, paths_of
+from gateway.pure.languages.base.hosting import View, as_reported, paths_of
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.val3.cell_run import CellRun
 from gateway.pure.languages.val3.disk import Disk
@@ -63,6 +61,7 @@ from gateway.pure.planning.turn import follow, standing
 from gateway.services.val3_programs import Val3Programs
 from hil_tests.lab.virtual.baps2_bench import VirtualPort
 from hil_tests.lab.virtual.cell_402_bench import Cell402Bench
+from hil_tests.lab.virtual.planner_region import PlannerRegion
 from motion.errors import MotionError
 from motion.geometry.units import from_si
 from motion.planner.robot import Machine
@@ -97,6 +96,7 @@ class Val3Cell:
         self.hosted = HostedApplication(control, self.bench.office, mask, autostart=autostart)
         self.programs = Val3Programs(control, self.hosted)
         self.planning = Programs(cell_programs(cell, self._machine, self._text, lambda kinematics, number: team_meant(cell, kinematics)))
+        self.planner_region = PlannerRegion()
         self.disk = Disk(dict(files)) if files is not None else read_disk(FOLDER)
         self.setup = replace(SETUP, name=name, folder=name)
         self.told: list[str] = []
@@ -148,7 +148,7 @@ class Val3Cell:
             packed_piece(each, piece_size(axes))
             for each in follow(self.planning, records, state, axes, waiting=len(self._pieces), spare=lambda: True)
         ]
-        bench.office.planner = unpack_planner(pack_planner(self.planning.state))
+        bench.office.planner = self.planner_region.through(self.planning.state)
         for _ in range(min(2, len(self._pieces))):
             bench.core.feed(unpack_piece(self._pieces.popleft()))
 
@@ -156,8 +156,8 @@ class Val3Cell:
         port = self.port
         report: dict[str, object] = {"id": 0}
         if port is not None:
-            rows = [asdict(row) for row in self.language.rows()]
-            programs = [asdict(row) for row in self.language.catalogue()]
+            rows = [as_reported(row) for row in self.language.rows()]
+            programs = [as_reported(row) for row in self.language.catalogue()]
             report = {"id": port.identity, "fresh": self.fresh, "programs": programs, "processes": rows, **self.language.seen(now)}
         self.hosted.report(unpack_report(pack_report(report)), alive=port is not None)
         while port is not None and port.said:
@@ -174,7 +174,7 @@ class Val3Cell:
         self._before = outputs
 
     def _interpreter(self, port: VirtualPort, state: CellState, now: int) -> None:
-        planner = unpack_planner(pack_planner(self.planning.state))
+        planner = self.planner_region.through(self.planning.state)
         axes = list(zip(self.cell.axis, state.axes, strict=False))
         port.view = View(
             unpack_channels(pack_channels(self.programs.seen())),

@@ -132,6 +132,9 @@ class Markers:
 
     def set_byte(self, byte: int, value: int) -> None:
         """M `byte` = value 0..255; IoFault for the binary inputs, which only modules write."""
+        if 0 <= byte < INPUTS:
+            self._own[byte] = value & 0xFF
+            return
         for bit in range(8):
             self.set_bit(byte, bit, bool(value >> bit & 1))
 

@@ -101,6 +101,6 @@ def pack_report(report: Mapping[str, object], size: int = REPORT_BYTES) -> bytes
 
 def unpack_report(data: bytes) -> dict[str, object]:
     """The reverse of pack_report."""
-    found = json.loads(data)
+    found = json.loads(data.rstrip())
     assert isinstance(found, dict)
     return found

@@ -393,7 +393,7 @@ def _fields_of(state: PlannerState) -> dict[str, object]:
 
 def unpack_planner(data: bytes) -> PlannerState:
     """The reverse of pack_planner."""
-    fields = json.loads(data)
+    fields = json.loads(data.rstrip())  # json passes over the padding by a regular expression
     for each in (*fields["others"], fields):
         each["types"] = tuple((kind, tolerance) for kind, tolerance in each["types"])
         each["systems"] = tuple((kinematic, tuple(values)) for kinematic, values in each["systems"])

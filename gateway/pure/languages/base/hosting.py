@@ -94,6 +94,11 @@ class ProcessRow:
     included: int = 0  # line of the instruction there that includes it; 0: it is not included
 
 
+def as_reported(row: ProgramRow | ProcessRow) -> dict[str, object]:
+    """Field by name.  dataclasses.asdict copies what lies in them, which costs more than the report itself."""
+    return {name: getattr(row, name) for name in row.__slots__}
+
+
 class Port(Protocol):
     """What the hosting process does for a language."""
 
