@@ -14,7 +14,7 @@ from hil_tests.lab.partners.plc1 import Block, S5Plc
 from hil_tests.lab.partners.plc2 import ModbusPlc
 from protocols.base.step5 import Step5Type, encode
 
-HELP = "a number: A1 goes there (0.1 mm);  kg: such a wish as an S5 float in a REAL's place;  on: drives on again;  q: end"
+HELP = "a number: move A1 there (0.1 mm);  kg: send 120.0 as an S5 float where the cell declares REAL;  on: switch the drives on;  q: quit"
 ON, REFERENCED, CONTROL, BUSY, DONE, ERROR = (0, 3), (0, 1), (0, 4), (0, 8), (0, 9), (0, 15)
 
 
@@ -34,7 +34,7 @@ class Hand:
         return self.ready()
 
     def ready(self) -> str:
-        """From whatever stands; TimeoutError."""
+        """From any state; TimeoutError."""
         one = self.one
         one.word(1, 100)  # override
         one.word(8, 100)  # speed
