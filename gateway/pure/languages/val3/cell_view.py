@@ -18,6 +18,9 @@ MOST_SHOWN = 300  # attributes of a user page
 POPUPS = 10
 MODES = {1: "manual", 2: "test", 3: "local", 4: "remote"}
 
+DIGITS = 4  # behind the point: a tenth of a micrometre
+PLACES = ("j1", "x", "shoulder")  # first fields of joint, trsf and config, whose values are written without names
+
 Seen = dict[str, object]
 
 
@@ -53,16 +56,38 @@ def seen(machine: Machine, own: Instance, popups: list[str]) -> Seen:
 
 
 def _variables(machine: Machine, own: Instance) -> list[list[str]]:
-    """Name, type, value as JSON."""
+    """Name, type, value as VAL 3 writes it."""
     found = []
     for name in sorted(own.data)[:MOST_VARIABLES]:
         declared = own.loaded.app.data[name]
         try:
-            text = json.dumps(shown_container(machine, own.data[name]), ensure_ascii=False)
+            text = written(shown_container(machine, own.data[name]))
         except (RuntimeFault, Rte):  # an input in fault
             text = "?"
         found.append([name, str(declared.type), text[:LONGEST]])
     return found
+
+
+def written(value: object) -> str:
+    """As VAL 3 writes it: `{0, 20, 100, 0, 60, 0}`; other structures with the names of their fields, arrays in brackets."""
+    match value:
+        case bool():
+            return str(value).lower()
+        case float():
+            return f"{round(value, DIGITS) + 0.0:.{DIGITS}f}".rstrip("0").rstrip(".")
+        case list():
+            return f"[{', '.join(map(written, value))}]"
+        case dict():
+            plain = next(iter(value), "") in PLACES
+            return f"{{{', '.join(f'{_bare(each)}' if plain else f'{name} = {written(each)}' for name, each in value.items())}}}"
+        case None:
+            return ""
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _bare(value: object) -> str:
+    """Words of a configuration have no quotes."""
+    return value if isinstance(value, str) else written(value)
 
 
 def act(machine: Machine, own: Instance, order: Mapping[str, Fact]) -> str:

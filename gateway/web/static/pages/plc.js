@@ -20,8 +20,8 @@ export function mount(root, { t, get, post, unable }) {
   const start = h("button", { type: "button", id: "plc-start", onclick: () => post("/api/plc/start", { name: "" }, "The PLC is started") }, t("Start PLC"));
   const stop = h("button", { type: "button", id: "plc-stop", onclick: () => post("/api/plc/stop", undefined, "The PLC is stopped") }, t("Stop PLC"));
   const ack = h("button", { type: "button", id: "plc-ack", onclick: () => post("/api/plc/ack", undefined, "The message is acknowledged") }, t("Acknowledge"));
-  const before = h("button", { type: "button", onclick: () => open(name, Math.max(1, first - STEPS)) }, t("Steps before"));
-  const after = h("button", { type: "button", onclick: () => open(name, first + STEPS) }, t("Steps behind"));
+  const before = h("button", { type: "button", onclick: () => open(name, Math.max(1, first - STEPS)) }, t("Previous steps"));
+  const after = h("button", { type: "button", onclick: () => open(name, first + STEPS) }, t("Next steps"));
   const note = h("p", { class: "soft small", id: "plc-note", role: "status" });
   const numbers = h("select", { id: "plc-numbers", "aria-label": t("numbers"), onchange: () => { form = numbers.value; draw(); } }, Object.keys(SHOWS).map((each) => h("option", { value: each }, each)));
   const operand = h("input", { id: "plc-operand", placeholder: "M10.0, M10, MD10, E0.6", size: "12", "aria-label": t("operand") });

@@ -19,6 +19,8 @@ export function mount(root, { t, get, post, unable }) {
   ask.append(question, entry, h("button", { type: "submit", id: "val3-ok" }, "OK"), cancel);
   const screen = h("pre", { id: "val3-screen", "aria-label": t("Text page") });
   const popups = h("ul", { id: "val3-popups" });
+  const popupsHead = h("h2", { hidden: true }, t("Popups"));
+  const screenHead = h("h2", { hidden: true }, t("Text page"));
   const user = new UserPage(t("User page"), { act: (order) => act(order), image: async (file) => (await get(`${address(page)}&image=${encodeURIComponent(file)}`)).data, allowed: () => !unable("operator") });
   const variable = h("input", { id: "val3-name", "aria-label": t("variable"), placeholder: "nCount, sPart[2]", size: "14" });
   const value = h("input", { id: "val3-value", "aria-label": t("value"), size: "10" });
@@ -56,7 +58,7 @@ export function mount(root, { t, get, post, unable }) {
   }
 
   root.append(h("div", { class: "grid" },
-    h("section", { class: "card w5" }, h("div", { class: "bar" }, h("h2", { style: "margin:0", id: "val3-application" }, "VAL 3"), state, start, stop, hold, connect, mode, speed, "%"), gone, facts, ask, tasks.element, h("h2", {}, t("Popups")), popups, h("h2", {}, t("Text page")), screen),
+    h("section", { class: "card w5" }, h("div", { class: "bar" }, h("h2", { style: "margin:0", id: "val3-application" }, "VAL 3"), state, start, stop, hold, connect, mode, speed, "%"), gone, facts, ask, tasks.element, popupsHead, popups, screenHead, screen),
     h("section", { class: "card w7" }, user.element, h("h2", {}, t("Variables")), h("div", { class: "bar" }, variable, value, write), variables.element)));
   return {
     update(told) {
@@ -83,6 +85,8 @@ export function mount(root, { t, get, post, unable }) {
       entry.hidden = seen.kind !== "prompt";
       cancel.hidden = seen.kind === "alert";
       put(screen, [seen.title, ...(told.screen || [])].filter((line) => line !== undefined).join("\n"));
+      popupsHead.hidden = !told.popups?.length;
+      screenHead.hidden = !screen.textContent.trim();
       popups.replaceChildren(...(told.popups || []).map((words) => h("li", {}, words)));
       tasks.update(told.processes);
       variables.update(told.variables || []);

@@ -75,6 +75,25 @@ def test_a_user_page_shows_and_sets_variables_and_prompts_wait() -> None:
     assert made.ends(run)[0] == "ended" and seen(made, "val3") == []
 
 
+def test_values_are_written_as_val3_writes_them() -> None:
+    joint = datum("jHome", "joint", "1", value(j1=0.123456789, j2=-40, j3=100, j5=60))
+    point = datum("pPick", "point", "1", value(x=357.0927397080325, z=-0.00001, rz=150, shoulder="lefty", fatherId="world[0]"))
+    more = (
+        joint
+        + point
+        + datum("mSlow", "mdesc", "1", value(vel=30, blend="off"))
+        + datum("sPart", "string", "2", values=value("0", value="a b"))
+    )
+    made = Val3Cell(App("menu", more, {"start": "wait(false)"}).files(), "menu")
+    made.start()
+    made.until(lambda: bool(seen(made, "variables")))
+    shown = {name: text for name, _, text in seen(made, "variables")}
+    assert shown["jHome"] == "{0.1235, -40, 100, 0, 60, 0}"
+    assert shown["pPick"].startswith("{trsf = {357.0927, 0, 0, 0, 0, 150}, config = {lefty, ")
+    assert "vel = 30, " in shown["mSlow"] and 'blend = "off"' in shown["mSlow"]
+    assert shown["sPart"] == '["a b", ""]'
+
+
 def test_without_an_operator_prompts_are_answered_at_once() -> None:
     made = cell(operator=False)
     act(made, act="event", what="go", value="click")
