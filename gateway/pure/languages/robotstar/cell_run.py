@@ -140,9 +140,8 @@ class CellRun:
         return [self._row(program) for program in self.memory.all()]
 
     def _row(self, program: Program) -> ProgramRow:
-        kind = program.kind if program.kind in STARTABLE else "subroutine"
         fault = f"{program.file} line {program.refused[0][0]}: {program.refused[0][1]}" if program.refused else ""
-        return ProgramRow(program.key, kind, (1,), len(program.refused), 0, fault)
+        return ProgramRow(program.key, program.kind, (1,), len(program.refused), 0, fault)
 
     def start_run(self, name: str, run: int, now: Ns) -> None:
         """START: of the program that is selected where it was stopped, of another one at its first step."""

@@ -2,6 +2,7 @@
 import { Table, chip, grey, h, mark, put, text } from "../dom.js";
 import { asked, sure } from "../parts.js";
 
+const NOT_STARTED = ["subroutine", "PAL"]; // kinds of programs that others use
 const LOOK_MS = 1000; // variables are shown for three seconds after they were asked for
 
 export function mount(root, { t, cell, get, me, post, unable }) {
@@ -34,6 +35,7 @@ export function mount(root, { t, cell, get, me, post, unable }) {
         const stop = statements.has(n + 1) ? h("button", { type: "button", class: "stop", "data-line": String(n + 1), "aria-label": `${t("breakpoint in line")} ${n + 1}`, "aria-pressed": "false", onclick: () => toggle(n + 1) }) : null;
         return h("li", { class: fault ? (fault[0] === "error" ? "wrong" : "doubt") : "" }, stop, h("code", {}, line || " "), fault ? h("span", { class: "fault" }, fault[1]) : null);
       });
+      listing.classList.toggle("numbered", told.lines.every((line, n) => !line || line.trim().startsWith(`${n + 1} `)));
       listing.replaceChildren(...rows);
       put(note, told.faults.length ? `${told.file}, ${t("faults")}: ${told.faults.length}` : told.file);
     } catch (error) {
@@ -74,12 +76,13 @@ export function mount(root, { t, cell, get, me, post, unable }) {
     return row.stuck ? `${t("blocked, they wait for each other")}: ${told}` : told;
   };
   const programs = new Table([
-    { title: t("program"), cell: (row, td) => { const link = td.firstElementChild || td.appendChild(h("button", { type: "button", class: "value", onclick: () => open(row.name) })); put(link, row.name); } },
+    { title: t("program"), free: true, cell: (row, td) => { const link = td.firstElementChild || td.appendChild(h("button", { type: "button", class: "value", onclick: () => open(row.name) })); put(link, row.name); } },
     { title: "", cell: (row, td) => {
+      if (NOT_STARTED.includes(row.kind)) return;
       const start = button(td, "start", t("Start"), () => order("start", row.name, "The program is started"));
       start.setAttribute("data-program", row.name);
       grey(start, unable("operator") || (row.fault ? t("The program has errors.") : ""));
-      if (!test || row.kind === "subroutine") return;
+      if (!test) return;
       const tested = button(td, "test", t("Test"), () => ordered("test", { name: row.name, hold: !(test.breakpoints[row.name] || []).length }, "The program is started in test"));
       tested.setAttribute("data-program", row.name);
       grey(tested, unable("operator") || (row.fault ? t("The program has errors.") : ""));
@@ -211,9 +214,11 @@ export function mount(root, { t, cell, get, me, post, unable }) {
       if (watched && !processes.some((row) => row.run === watched)) watched = 0;
       if (!watched && subject()) { watched = subject().run; look(); }
       draw(page);
-      programs.update(page.programs);
+      const system = (row) => row.name.startsWith("$"); // those that the control brings follow the plant's
+      const listed = [...page.programs.filter((row) => !system(row)), ...page.programs.filter(system)];
+      programs.update(listed);
       running.update(processes);
-      if (!shown && page.programs.length) open((processes[0]?.program && page.programs.some((row) => row.name === processes[0].program)) ? processes[0].program : page.programs[0].name);
+      if (!shown && listed.length) open((listed.find((row) => row.name === processes[0]?.program) || listed.find((row) => row.kind === "MPR") || listed[0]).name);
       if (page.id !== version) { if (version && shown) open(shown, true); version = page.id; }
       marks();
     },
