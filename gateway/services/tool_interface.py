@@ -259,10 +259,15 @@ class ToolInterface:
         """Blocks of a stream, or an order to it."""
         what, lines, block = str(request.get("do", "")), request.get("lines"), request.get("block")
         if what == "say":
-            self._streams.say(job, [str(line) for line in lines] if isinstance(lines, list) else [], str(request.get("then", "")))
+            told = [] if lines is None else lines
+            if not isinstance(told, list):
+                raise ValueError("say: lines is a list of statements")
+            self._streams.say(job, [str(line) for line in told], str(request.get("then", "")))
             return
+        if block is not None and not isinstance(block, int):
+            raise ValueError(f"{what}: block {block!r} is no number")
         try:
-            self._streams.order(job, what, None if block is None else int(str(block)), on=request.get("on", True) is not False)
+            self._streams.order(job, what, block, on=request.get("on", True) is not False)
         except Refusal as refusal:
             raise ValueError(f"{what}: {refusal.reason.name} {refusal.detail}".rstrip()) from refusal
 

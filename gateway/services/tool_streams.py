@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
-from gateway.pure.image.reasons import Reason
+from gateway.pure.image.reasons import Reason, text
 from gateway.pure.image.records.planner import TEXT_BYTES, BlockRecord, PlannerState, Say
 from gateway.pure.planning.ahead import room
 
@@ -39,7 +39,7 @@ class ToolStreams:
     def say(self, job: Job, lines: Sequence[str], then: str) -> None:
         """Statements; then: "finish", nothing follows for the time being, "end", nothing follows.  ValueError: none of them is taken."""
         if not job.open:
-            raise ValueError(f"the stream is over: {job.state.name.lower()} {job.detail}".rstrip())
+            raise ValueError(_over(job))
         if then not in THEN:
             raise ValueError(f"then {then!r}; finish, end are known")
         long = next((n for n, line in enumerate(lines, 1) if len(line.encode()) > TEXT_BYTES), 0)
@@ -74,7 +74,7 @@ class ToolStreams:
     def order(self, job: Job, what: str, block: int | None, *, on: bool) -> None:
         """One of ORDERS (AX-1080).  block: of "cut"; on: of "single".  ValueError, Refusal: nothing is done."""
         if not job.open:
-            raise ValueError(f"the stream is over: {job.state.name.lower()} {job.detail}".rstrip())
+            raise ValueError(_over(job))
         state, stream = self._state(job), self._streams.setdefault(job.id, _Stream(job))
         if state.bound and what in ("hold", "retrace", "flush", "cut", "end_here"):
             raise ValueError(f"{what}: block {state.block} rides on {state.bound}, which cannot wait: stop ends the stream")
@@ -103,10 +103,10 @@ class ToolStreams:
     def _cut(self, stream: _Stream, state: PlannerState, block: int | None) -> None:
         said = stream.blocks
         if block is None or not 0 <= block <= said:
-            raise ValueError(f"cut behind block {block}; the stream has blocks 1 .. {said}" if said else "cut: the stream has no block")
+            raise ValueError(f"cut after block {block}; the stream has blocks 1 .. {said}" if said else "cut: the stream has no block")
         under_way = max(state.block, min(state.passed + 1, said))
         if block < under_way:
-            raise ValueError(f"cut behind block {block}: the axes are in block {under_way}; cut behind that one, or flush")
+            raise ValueError(f"cut after block {block}: the axes are in block {under_way}; cut after that one, or flush")
         self._forward("cut", state)
         self._add(stream, BlockRecord(Say.CUT, stream.job.id, str(block)))
 
@@ -118,7 +118,7 @@ class ToolStreams:
     def _state(self, job: Job) -> PlannerState:
         planner = self._office.planner
         found = PlannerState() if planner is None else planner.of(job.id)
-        return found if job.id in (found.job, found.failed_job) else PlannerState()
+        return found if job.id in (found.job, found.failed_job, found.job_before) else PlannerState()
 
     def answer(self, job: Job) -> dict[str, object]:
         """Blocks said and over, the one under way, inputs that came or not, the fault with its block and number."""
@@ -153,3 +153,9 @@ class ToolStreams:
             "position": [cell.axes[n].set / one for n, one in own],
             "measured": [cell.axes[n].measured / one if cell.measured_mask >> n & 1 else None for n, one in own],
         }
+
+
+def _over(job: Job) -> str:
+    """Why nothing is taken for it any more."""
+    why = job.detail or (text(job.reason) if job.reason is not Reason.NONE else "")
+    return f"the stream is over: {job.state.name.lower()}" + (f": {why}" if why else "")

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from gateway.pure.image.records.planner import VOID, Part, PieceRecord, PlannerState, SwitchAt, restated, switch_record
+from gateway.pure.image.records.planner import VOID, Part, PieceRecord, PlannerState, SwitchAt, job_over, restated, switch_record
 from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.chain import Chain
 from gateway.pure.planning.cycle_view import ALWAYS, CycleView
@@ -111,7 +111,7 @@ class HandingOn:
             return
         if planner is None:
             if self._job.ended and not state.ended:  # a program without blocks
-                self.state = replace(state, ended=True, job=0)
+                self.state = job_over(state, ended=True)
                 self.workpiece.reached(ALWAYS)
                 self._out.append(PieceRecord(Part.LAST, state.job, self.generation))
             return
@@ -147,7 +147,7 @@ class HandingOn:
                 state, block=block, share=share, passed=passed, waiting=waiting, handed=handed, ended=ended, warning=warning
             )
         if self.state.ended and not (self._seen.moving or waits or new) and piece in (0, self._chain.last_id):
-            self.state = replace(self.state, job=0, warning="")
+            self.state = job_over(self.state, warning="")
             self.workpiece.reached(ALWAYS)
 
     def _rest(self, planner: Planner | FilePlan) -> None:

@@ -18,6 +18,7 @@ from gateway.pure.image.records.planner import (
     PieceRecord,
     PlannerState,
     Say,
+    job_over,
     restated,
     run_of,
 )
@@ -442,4 +443,4 @@ class Programs(HandingOn):
         self._job.over()
         self._reading.stop()
         self._chain.begin()
-        self.state = replace(self.state, job=0, waiting=0, ended=True, warning="")
+        self.state = job_over(self.state, waiting=0, ended=True, warning="")

@@ -143,7 +143,7 @@ def test_a_tool_says_a_stream_and_hears_of_each_block(home: ProgramRun, tmp_path
     assert home.state().axes[0].set == pytest.approx(np.radians(6.0), abs=1e-9)
     moves.write_text("axes deg deg mm deg\nptp joints 5 90 -200 0\n!cut 7\n")
     assert motion_stream.main([cell, str(moves), "--name", name]) == 1
-    assert "cut behind block 7; the stream has blocks 1 .. 1" in capsys.readouterr().err
+    assert "cut after block 7; the stream has blocks 1 .. 1" in capsys.readouterr().err
 
 
 def test_an_input_ends_a_block_on_its_path_and_the_next_one_begins_there(home: ProgramRun) -> None:

@@ -37,4 +37,4 @@ class Labels:
         """Labels that blocks name stand behind them; raises TextError."""
         for line, asked, block in self._asked:
             if self._known.get(asked, -1) < block:
-                raise TextError(line, "error", f"label {asked} does not stand behind the block")
+                raise TextError(line, "error", f"label {asked} does not follow the block")

@@ -351,6 +351,7 @@ class PlannerState:
     back: bool = False  # the axes are behind the furthest place that they have been at
     order_fault: str = ""  # why the last order to the stream could not be executed
     heard: int = 0  # statements and orders of the stream that have been read
+    job_before: int = 0  # that is over: the answers are those of its blocks until another one begins on this lane
     others: tuple["PlannerState", ...] = ()  # of the lanes behind the first one, in a cell of several
 
     @property
@@ -359,9 +360,10 @@ class PlannerState:
         return next((each for each in (self, *self.others) if each.job), self)
 
     def of(self, job: int) -> "PlannerState":
-        """Of the lane that this job is on, or failed on last; the first one where none knows of it."""
+        """Of the lane that this job is on, failed on last or was on last; the first one where none knows of it."""
         lanes = (self, *self.others)
-        return next((each for each in lanes if each.job == job), next((each for each in lanes if each.failed_job == job), self))
+        known = (each for number in ("job", "failed_job", "job_before") for each in lanes if getattr(each, number) == job)
+        return next(known, self)
 
 
 _FIELDS = tuple(PlannerState.__slots__)
@@ -373,6 +375,11 @@ def restated(state: PlannerState, **said: object) -> PlannerState:
     for name in _FIELDS:
         object.__setattr__(made, name, said[name] if name in said else getattr(state, name))
     return made
+
+
+def job_over(state: PlannerState, **said: object) -> PlannerState:
+    """No job is on the lane any more; what its blocks have answered stays."""
+    return restated(state, job=0, job_before=state.job or state.job_before, **said)
 
 
 def planner_bytes(lanes: int = 0) -> int:

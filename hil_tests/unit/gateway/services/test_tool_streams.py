@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from gateway.pure.image.reasons import CommandState, Refusal
+from gateway.pure.image.reasons import CommandState, Reason, Refusal
 from gateway.pure.image.records.cell import Motion
 from gateway.pure.image.records.planner import BlockRecord
 from gateway.services.tool_streams import ToolStreams
@@ -116,9 +116,9 @@ def test_a_tool_cuts_steps_and_flushes(tool: Tool) -> None:
 @pytest.mark.parametrize(
     ("what", "block", "words"),
     [
-        ("cut", 9, r"cut behind block 9; the stream has blocks 1 \.\. 3"),
-        ("cut", 1, "cut behind block 1: the axes are in block 2; cut behind that one, or flush"),
-        ("cut", None, "cut behind block None"),
+        ("cut", 9, r"cut after block 9; the stream has blocks 1 \.\. 3"),
+        ("cut", 1, "cut after block 1: the axes are in block 2; cut after that one, or flush"),
+        ("cut", None, "cut after block None"),
         ("jump", None, "do 'jump'; begin, say, look, hold, go, retrace"),
     ],
 )
@@ -148,6 +148,9 @@ def test_nothing_goes_on_without_its_enabling_inputs_and_an_ended_stream_takes_n
     assert tool.bench.end().state is CommandState.DONE
     with pytest.raises(ValueError, match="the stream is over: done"):
         tool.order("hold")
+    tool.bench.job.state, tool.bench.job.reason = CommandState.REFUSED, Reason.EMERGENCY_STOP
+    with pytest.raises(ValueError, match="the stream is over: refused: emergency stop"):
+        tool.order("hold")
 
 
 def test_an_order_that_the_planner_cannot_execute_is_reported_until_the_next_one(tool: Tool) -> None:
@@ -160,3 +163,19 @@ def test_an_order_that_the_planner_cannot_execute_is_reported_until_the_next_one
     tool.order("single", on=False)
     tool.say(then="finish")
     tool.until("passed", 3)
+
+
+def test_a_stream_that_is_over_still_answers_for_its_last_block(tool: Tool) -> None:
+    """A tool asks every 50 ms, and the stream is over 5 ms after its last block."""
+    tool.bench.permit(SEEN)
+    tool.say(LINES[0], f"linear pose 130 130 50 0 0 0 path=50 until={SEEN}", then="end")
+    for _ in range(5000):
+        if not tool.bench.job.open:
+            break
+        tool.bench.cycle()
+    tool.bench.run(0.1)
+    answer = tool.answer
+    assert answer["fault"] == ""
+    assert (tool.bench.job.state, answer["said"], answer["passed"]) == (CommandState.DONE, 2, 2)
+    found = answer["answers"]
+    assert isinstance(found, list) and [(each["block"], each["met"]) for each in found] == [(2, True)]

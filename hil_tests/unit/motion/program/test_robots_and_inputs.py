@@ -159,7 +159,7 @@ def test_a_labelled_block_begins_from_rest_and_is_a_part_of_its_own(home: Planne
             "only one kinematic may define what a shared block waits for, or ends with",
         ),
         (f"move {AWAY[0]} until={GO}\nmove scara ptp mpos", "@MPOS is measured by until= or measure_on before it"),
-        (f"move {AWAY[0]} until={GO} error=X\nmove {AWAY[1]}", "error: label X does not stand behind the block"),
+        (f"move {AWAY[0]} until={GO} error=X\nmove {AWAY[1]}", "error: label X does not follow the block"),
         ("move arm ptp joints 400 0 0 0 0 0 until=464", "J1"),
         (f"move {AWAY[0]} until={GO}\nmove arm ptp joints 400 0 0 0 0 0", "block 2"),
     ],

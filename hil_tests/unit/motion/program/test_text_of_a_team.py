@@ -75,7 +75,7 @@ def test_a_program_written_is_read_back_the_same() -> None:
         ("kinematic third portal", "line 18: kinematic: third has to stand before the first move"),
         ("kinematic other", "line 18: kinematic: 'other' is unknown: kinematic NAME ROBOT, with its robot file, comes first"),
         ("robot portal", "line 18: robot: `kinematic NAME ROBOT` names the robot of each kinematic"),
-        ("label X\nmove left linear A until=3 error=X", "line 19: error: label X does not stand behind the block"),
+        ("label X\nmove left linear A until=3 error=X", "line 19: error: label X does not follow the block"),
         ("circle A", "line 18: circle: no statement of a program of several kinematics; program, kinematic, angles,"),
         ("label X\nlabel X", "line 19: label: X is defined twice"),
         ("synchron_end", "line 18: synchron_end: kinematic left: ends no synchronous part; `synchron BELT` begins one"),

@@ -1,4 +1,4 @@
-"""Orders to a stream under way: hold, go, retrace, flush, cut behind a block, single step.  AX-1080."""
+"""Orders to a stream under way: hold, go, retrace, flush, cut after a block, single step.  AX-1080."""
 
 import math
 from collections.abc import Iterator
