@@ -13,7 +13,7 @@ from gateway.commands.catalogue import GROUP, first_line
 from gateway.tools.usage_language import complain, help_text, usage_text, users_language
 
 Command = Callable[[list[str]], int]
-INVALID, ENVIRONMENT = 2, 3  # exit codes: command line, cell or file invalid; environment
+INVALID, ENVIRONMENT, INTERRUPTED = 2, 3, 130  # exit codes: command line, cell or file invalid; environment; Ctrl-C
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -35,6 +35,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as missing:
         complain(name, reason(known[name], missing))
         return ENVIRONMENT
+    except KeyboardInterrupt:  # Ctrl-C while it is loaded
+        return INTERRUPTED
     try:
         with users_language():
             return command(rest)

@@ -27,6 +27,9 @@ def main(argv: list[str]) -> int:
         for line in str(error).splitlines():
             complain("conformance", line)
         return USAGE
+    except KeyboardInterrupt:
+        complain("conformance", "interrupted before the first case; nothing was tested")
+        return ENVIRONMENT
     except BrokenPipeError:  # `| head` has seen enough: __main__ ends quietly
         raise
     except OSError as error:

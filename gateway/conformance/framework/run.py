@@ -64,9 +64,8 @@ class Runner:
     def run(self) -> list[Result]:
         """Results in the order of the suite, whatever the order of the run."""
         try:
-            self.pics = self._discovered()
-            for purpose in self._order:
-                self._keep(self._case(purpose))
+            if not self.interrupted:
+                self._play()
         except KeyboardInterrupt:
             self.interrupted = True
         for purpose in self._order:
@@ -74,6 +73,11 @@ class Runner:
                 self._keep(Result(purpose, Verdict.INCONC, "not run: the run was interrupted", "the end of the run", "Ctrl-C"))
         name_causes(self.results, self._order)
         return [self.results[purpose.id] for purpose in self._purposes]
+
+    def _play(self) -> None:
+        self.pics = self._discovered()
+        for purpose in self._order:
+            self._keep(self._case(purpose))
 
     def _discovered(self) -> Mapping[str, object]:
         try:

@@ -17,7 +17,7 @@ from gateway.pure.conformance.purpose import GROUPS
 from gateway.pure.conformance.verdict import Verdict, exit_code, worst
 
 Json = dict[str, object]
-KIND = "axisgate conformance"
+KIND, FORMAT = "axisgate conformance", 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ def document(
     """Everything, with the check sum over all of it but itself."""
     found: Json = {
         "kind": KIND,
-        "format": 1,
+        "format": FORMAT,
         "suite": {"name": suite.name, "version": suite.version, "killed": score[0], "mutants": score[1]},
         "at": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
         "bench": _bench(bench),

@@ -6,7 +6,7 @@ import pathlib
 from collections.abc import Collection, Mapping, Sequence
 
 from gateway.conformance.framework.result import Result
-from gateway.conformance.reporting.document import KIND, Json, cases_of, checksum, trace
+from gateway.conformance.reporting.document import FORMAT, KIND, Json, cases_of, checksum, trace
 from gateway.conformance.reporting.junit import to_junit
 from gateway.conformance.reporting.page import to_html
 from gateway.pure.lines.pcapng import can_pcapng, pcapng
@@ -103,6 +103,9 @@ def verify(folder: pathlib.Path) -> list[str]:
             faults.append(f"{SUMS}: line {number} is no check sum")
             continue
         listed.add(name)
+        if ".." in pathlib.PurePosixPath(name).parts or pathlib.PurePosixPath(name).is_absolute():
+            faults.append(f"{SUMS}: line {number} names a file outside the folder")
+            continue
         try:
             content = (folder / name).read_bytes()
         except OSError:
@@ -113,7 +116,7 @@ def verify(folder: pathlib.Path) -> list[str]:
     faults += [
         f"{path.relative_to(folder).as_posix()}: was added"
         for path in sorted(folder.rglob("*"))
-        if path.is_file() and path.relative_to(folder).as_posix() not in listed
+        if (path.is_file() or path.is_symlink()) and path.relative_to(folder).as_posix() not in listed
     ]
     for name in (JSON, PAGE, JUNIT):
         if name not in listed:
@@ -139,10 +142,15 @@ def load(path: pathlib.Path) -> Json:
         found = json.loads(file.read_text(encoding="utf-8"))
     except OSError as error:
         raise BadReport(f"{file}: cannot be read ({error.strerror or error})") from error
-    except (ValueError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:
         raise BadReport(f"{file}: is no JSON ({error})") from error
     if not isinstance(found, dict) or found.get("kind") != KIND or not isinstance(found.get("cases"), list):
         raise BadReport(f"{file}: is no report of axisgate conformance")
+    if found.get("format") != FORMAT:
+        raise BadReport(f"{file}: format {FORMAT} expected, found {found.get('format')}; read it with the axisgate that wrote it")
+    for at, case in enumerate(found["cases"]):
+        if not isinstance(case, dict) or not isinstance(case.get("id"), str) or case.get("verdict") not in WORSE:
+            raise BadReport(f"{file}: cases[{at}]: a case with id and verdict ({', '.join(WORSE)}) expected")
     return found
 
 
@@ -150,6 +158,12 @@ def suite_of(found: Mapping[str, object]) -> str:
     """The name of the suite that a report is of."""
     suite = found.get("suite")
     return str(suite.get("name", "?")) if isinstance(suite, dict) else "?"
+
+
+def version_of(found: Mapping[str, object]) -> str:
+    """The version of the suite that a report is of."""
+    suite = found.get("suite")
+    return str(suite.get("version", "?")) if isinstance(suite, dict) else "?"
 
 
 def compare(old: Mapping[str, object], new: Mapping[str, object]) -> list[tuple[str, str, str]]:

@@ -11,7 +11,8 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import FrameType
 
 from drivers.ports.base import PortError
 from gateway.conformance.framework.base import Tester
@@ -108,7 +109,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
         return _dry(suite, bench, stated, purposes, arguments)
     if make is not None:
         make()  # a factory that raises is a fault of the bench file
-    with started(bench), witnessed(make is not None) as witness:
+    with ending_like_ctrl_c(), started(bench), witnessed(make is not None) as witness:
         seed = DEFAULT_SEED if arguments.seed is None else arguments.seed
         opened = Opened(bench, stated, port_opener(bench), make, witness, seed, say=_say)
         return _played(suite, bench, stated, purposes, waivers, opened, arguments)
@@ -125,7 +126,6 @@ def _played(
 ) -> int:
     session = suite.session(opened)
     try:
-        checked = _checked(session)
         done = [0]
 
         def progress(result: Result) -> None:
@@ -133,10 +133,29 @@ def _played(
             _progress(result, done[0], len(purposes), arguments)
 
         runner = Runner(session, purposes, arguments.seed, waivers, progress)
+        checked: Mapping[str, object] = {}
+        try:
+            checked = _checked(session)
+        except KeyboardInterrupt:
+            runner.interrupted = True
         results = runner.run()
     finally:
         with contextlib.suppress(PortError):
             session.close()
+    with _undisturbed():
+        return _reported(suite, bench, stated, runner, session, checked, results, arguments)
+
+
+def _reported(
+    suite: Suite,
+    bench: Bench,
+    stated: Mapping[str, object],
+    runner: Runner,
+    session: Session,
+    checked: Mapping[str, object],
+    results: Sequence[Result],
+    arguments: argparse.Namespace,
+) -> int:
     assumed = [*session.assumed, *(f"{key}: does not act in the suite {suite.name}" for key in bench.named() if key not in suite.keys)]
     ran = Circumstances(assumed, checked, arguments.seed, runner.interrupted)
     found = document(suite, bench, stated, results, ran, SCORES[suite.name])
@@ -246,26 +265,38 @@ def started(bench: Bench) -> Iterator[None]:
     except OSError as error:
         raise BadFile([f"{bench.path}: device.start {bench.start[0]}: cannot be started ({error.strerror or error})"]) from error
     try:
-        with _ending_like_ctrl_c():
-            time.sleep(0.2)
-            yield
+        time.sleep(0.2)
+        yield
     finally:
         _end(child)
 
 
 @contextlib.contextmanager
-def _ending_like_ctrl_c() -> Iterator[None]:
+def ending_like_ctrl_c() -> Iterator[None]:
     """A kill or a terminal that goes away would leave the device behind: what was done is reported and the device ended."""
+    with _handled(signal.default_int_handler, "SIGTERM", "SIGHUP"):
+        yield
+
+
+@contextlib.contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Who presses Ctrl-C twice gets the whole report all the same."""
+    with _handled(signal.SIG_IGN, "SIGINT", "SIGTERM", "SIGHUP"):
+        yield
+
+
+@contextlib.contextmanager
+def _handled(handler: Callable[[int, FrameType | None], None] | signal.Handlers, *names: str) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    found = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = [(number, signal.signal(number, signal.default_int_handler)) for number in found]
+    found = [getattr(signal, name) for name in names if hasattr(signal, name)]
+    before = [(number, signal.signal(number, handler)) for number in found]
     try:
         yield
     finally:
-        for number, handler in before:
-            signal.signal(number, handler)
+        for number, earlier in before:
+            signal.signal(number, earlier)
 
 
 def _end(child: subprocess.Popen[bytes]) -> None:

@@ -1,0 +1,37 @@
+"""A run that a signal ends leaves its report; reports that are none are named."""
+
+import json
+import pathlib
+
+import pytest
+
+from gateway.commands.conformance import main
+from gateway.conformance.reporting.folder import verify
+
+STATION = """
+import os, signal
+from gateway.conformance.peers.stations import Built
+class Killed(Built):
+    def receive(self, data, now):
+        os.kill(os.getpid(), getattr(signal, {name!r}))
+        return super().receive(data, now)
+def make():
+    return Killed()
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGINT"])
+def test_a_signal_ends_the_run_with_a_report(name: str, tmp_path: pathlib.Path) -> None:
+    (tmp_path / "killed.py").write_text(STATION.format(name=name))
+    (tmp_path / "bench.toml").write_text('[port]\nurl = "machine:killed.py:make"\n')
+    assert main(["run", "3964r", "--bench", str(tmp_path / "bench.toml"), "--report", str(tmp_path / "out")]) == 3
+    assert json.loads((tmp_path / "out" / "report.json").read_text())["interrupted"] is True
+    assert verify(tmp_path / "out") == []
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, '{"kind": "axisgate conformance", "format": 1, "cases": [{"verdict": "FAIL"}]}'])
+def test_a_broken_report_is_named(text: str, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.json").write_text(text)
+    assert main(["run", "3964r", "--port", "sim", "--failed-from", str(tmp_path / "a.json")]) == 2
+    assert main(["compare", str(tmp_path / "a.json"), str(tmp_path / "a.json")]) == 2
+    assert "a.json: " in capsys.readouterr().err
