@@ -14,6 +14,7 @@ from gateway.pure.conformance.purpose import GROUPS
 from gateway.tools.conformance.run import Stop, bench_of, language, port_opener, suite_named, witnessed
 
 DONE, FINDING = 0, 1
+YES, NO = ("y", "yes", "j", "ja", "true", "1"), ("n", "no", "nein", "false", "0")
 ID = re.compile(r"^[0-9A-Z]+_[A-Z]+_(BV|BI|BO|TI|CA|RC|ST)_\d{2}$")
 
 
@@ -86,12 +87,16 @@ def _from_device(suite: Suite, arguments: argparse.Namespace) -> tuple[dict[str,
 
 
 def _answer(text: str, kind: str) -> object:
-    said = input(f"{text} [{'y/n' if kind == 'bool' else kind}, empty: not stated] ").strip()
-    if not said:
-        return None
-    if kind == "bool":
-        return said.lower()[:1] in ("y", "j", "t", "1")
-    return int(said) if kind == "whole" and said.isdecimal() else said
+    """None: not stated, or no more input.  The question is on standard error: standard output may be the file."""
+    while True:
+        print(f"{text} [{'y/n' if kind == 'bool' else kind}, empty: not stated] ", end="", file=sys.stderr, flush=True)
+        said = sys.stdin.readline().strip().lower()
+        if not said or kind == "text":
+            return said or None
+        if kind == "bool" and said in YES + NO:
+            return said in YES
+        if kind == "whole" and said.isdecimal():
+            return int(said)
 
 
 def _toml(value: object) -> str:

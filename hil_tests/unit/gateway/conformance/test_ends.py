@@ -1,5 +1,6 @@
 """A run that a signal ends leaves its report; reports that are none are named."""
 
+import io
 import json
 import pathlib
 
@@ -35,3 +36,21 @@ def test_a_broken_report_is_named(text: str, tmp_path: pathlib.Path, capsys: pyt
     assert main(["run", "3964r", "--port", "sim", "--failed-from", str(tmp_path / "a.json")]) == 2
     assert main(["compare", str(tmp_path / "a.json"), str(tmp_path / "a.json")]) == 2
     assert "a.json: " in capsys.readouterr().err
+
+
+class Typed(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_an_interview_asks_again_and_ends_with_its_input(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdin", Typed("rho3\nlow\nmaybe\nja\nabc\n138\n"))
+    assert main(["new-pics", "3964r"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.partition("  #")[0] for line in lines[2:6]] == [
+        'profile = "rho3"',
+        'priority = "low"',
+        "block_check = true",
+        "most_received = 138",
+    ]
+    assert all(line.startswith("# ") for line in lines[6:])
