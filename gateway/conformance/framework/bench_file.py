@@ -359,6 +359,9 @@ def load_pics(path: pathlib.Path, known: Mapping[str, str]) -> dict[str, object]
     return dict(table)
 
 
+CHOICES: Mapping[str, tuple[str, ...]] = {"profile": tuple(PROFILES), "priority": ("high", "low")}
+
+
 def pics_faults(table: Table, known: Mapping[str, str]) -> list[str]:
     """Every unknown key and every value of the wrong kind."""
     faults = []
@@ -383,6 +386,8 @@ def pics_faults(table: Table, known: Mapping[str, str]) -> list[str]:
         }
         if not good:
             faults.append(f"pics.{key}: {wanted[kind]} expected, found {value!r}")
+        elif key in CHOICES and value not in CHOICES[key]:
+            faults.append(f"pics.{key}: one of {', '.join(CHOICES[key])} expected, found {value!r}")
     return faults
 
 

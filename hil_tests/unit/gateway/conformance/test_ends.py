@@ -54,3 +54,11 @@ def test_an_interview_asks_again_and_ends_with_its_input(capsys: pytest.CaptureF
         "most_received = 138",
     ]
     assert all(line.startswith("# ") for line in lines[6:])
+
+
+def test_a_pics_names_a_profile_and_a_priority_there_are(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "p.toml").write_text('[pics]\npriority = "middle"\nprofile = "cp999"\n')
+    assert main(["run", "3964r", "--port", "sim", "--pics", str(tmp_path / "p.toml"), "--dry-run"]) == 2
+    said = capsys.readouterr().err
+    assert "pics.priority: one of high, low expected, found 'middle'" in said
+    assert "pics.profile: one of rho3" in said
