@@ -15,6 +15,8 @@ import gateway
 from gateway.commands.conformance import main
 from gateway.conformance.reporting.document import checksum
 from gateway.conformance.reporting.folder import BadReport, load, verify
+from gateway.conformance.suites.registry import SUITES
+from gateway.pure.conformance.purpose import selected, unknown
 
 BENCHES = pathlib.Path(gateway.__file__).parents[1] / "configs" / "conformance"
 DEVICE = """
@@ -41,6 +43,21 @@ def run(capsys: pytest.CaptureFixture[str], *argv: object) -> tuple[int, dict[st
     code = main(["run", *map(str, argv), "--json"])
     out, err = capsys.readouterr()
     return code, json.loads(out) if out else {}, err
+
+
+@pytest.mark.parametrize(
+    ("name", "selects"),
+    [
+        ("3964R_RCV_BV_0[1-3]", ["3964R_RCV_BV_01", "3964R_RCV_BV_02", "3964R_RCV_BV_03"]),
+        ("3964r_rcv_bv_0?", [f"3964R_RCV_BV_0{n}" for n in range(1, 10)]),
+        ("3964R_RCV_BV_01", ["3964R_RCV_BV_01"]),
+        ("3964R_RCV_BV_[", []),
+    ],
+)
+def test_cases_are_selected_by_a_glob_as_a_shell_knows_it(name: str, selects: list[str]) -> None:
+    purposes = SUITES["3964r"].purposes()
+    assert [each.id for each in selected(purposes, [name])] == selects
+    assert unknown(purposes, [name]) == ([] if selects else [name])
 
 
 def test_the_json_has_all_fields_of_format_1(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
