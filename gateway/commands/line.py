@@ -16,7 +16,7 @@ from drivers.ports.serial.line_format import parse_format
 from gateway.conformance.report import as_dict, to_html, to_json
 from gateway.conformance.serial import cases_rk512
 from gateway.conformance.serial.partners import Station
-from gateway.conformance.serial.run import Result, Settings, all_cases, counted, exit_code, probe, stamp
+from gateway.conformance.serial.run import Result, Settings, all_cases, counted, exit_code, probe, stamp, unknown
 from gateway.links.serial.line_monitor import Monitor, Printer, Recorder, forget, replay
 from gateway.links.serial.tool_wire import ToolPort, VirtualWire, Wire
 from gateway.pure.lines.decoder import LineReport
@@ -101,8 +101,8 @@ def run_probe(arguments: argparse.Namespace) -> int:
 
     try:
         settings = _settings(arguments, wire)
-        if not all_cases(settings):
-            raise BadInput(f"--only {' '.join(arguments.only)}: no such test; --list shows them")
+        if strange := unknown(settings):
+            raise BadInput(f"--only {' '.join(strange)}: no such test; --list shows them")
         probe(wire, settings, lambda: _operator(device, _language(arguments)), told)
     except (PortError, KeyboardInterrupt) as error:
         gone = error  # what was seen so far is reported all the same

@@ -11,7 +11,7 @@ from typing import cast
 
 from drivers.ports.open import tcp_address
 from drivers.ports.serial.line_format import parse_format
-from gateway.conformance.framework.bench_rules import rule_faults
+from gateway.conformance.framework.bench_rules import CHOICES, rule_faults
 from protocols.p3964r.profiles import PROFILES
 
 Table = Mapping[str, object]
@@ -357,9 +357,6 @@ def load_pics(path: pathlib.Path, known: Mapping[str, str]) -> dict[str, object]
     if faults:
         raise BadFile([f"{path}: {fault}" for fault in faults])
     return dict(table)
-
-
-CHOICES: Mapping[str, tuple[str, ...]] = {"profile": tuple(PROFILES), "priority": ("high", "low")}
 
 
 def pics_faults(table: Table, known: Mapping[str, str]) -> list[str]:

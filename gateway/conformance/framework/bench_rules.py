@@ -3,7 +3,10 @@
 from collections.abc import Mapping
 from typing import cast
 
+from protocols.p3964r.profiles import PROFILES
+
 Table = Mapping[str, object]
+CHOICES: Mapping[str, tuple[str, ...]] = {"profile": tuple(PROFILES), "priority": ("high", "low")}  # values of keys of the PICS
 POWER = ("on", "off", "command", "relay", "prompt")
 MODBUS = frozenset(("url", "unit", "coil", "holding", "value"))
 NEEDED = {  # kind of [stimulus] -> keys that act with it

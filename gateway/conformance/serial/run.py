@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from gateway.conformance.case import Case
 from gateway.conformance.serial import cases_active, cases_receive, cases_rk512, cases_send
@@ -52,6 +52,12 @@ def all_cases(settings: Settings) -> list[Case]:
     if settings.only:
         found = [case for case in found if any(only in (case.name, case.group) for only in settings.only)]
     return found
+
+
+def unknown(settings: Settings) -> list[str]:
+    """Names of `only` that are neither a test nor a group of tests here."""
+    names = {name for case in all_cases(replace(settings, only=())) for name in (case.name, case.group)}
+    return [name for name in settings.only if name not in names]
 
 
 def stimulus_of(wire: Wire, settings: Settings, ask_operator: Callable[[], None]) -> Stimulus | None:

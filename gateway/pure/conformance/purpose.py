@@ -1,8 +1,8 @@
 """A test purpose as data, in the manner of ETSI, and how purposes are collected and selected."""
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import Generic, TypeVar
 
 T = TypeVar("T")  # the tester of the suite
@@ -116,4 +116,9 @@ def unknown(purposes: Sequence[Purpose[T]], only: Sequence[str]) -> list[str]:
 
 def _named(one: Purpose[T], name: str) -> bool:
     """As a shell's glob, in any case: * any characters, ? one, [1-3] one of these."""
-    return name.upper() in (one.id.upper(), one.group.upper()) or fnmatchcase(one.id.upper(), name.upper())
+    return name.upper() in (one.id.upper(), one.group.upper()) or re.fullmatch(_pattern(name.upper()), one.id.upper()) is not None
+
+
+def _pattern(glob: str) -> str:
+    plain = re.escape(glob).replace(r"\*", ".*").replace(r"\?", ".")
+    return re.sub(r"\\\[([\w\\-]+)\\\]", lambda found: f"[{found[1].replace(chr(92), '')}]", plain)

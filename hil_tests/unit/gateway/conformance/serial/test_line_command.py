@@ -143,6 +143,11 @@ def test_a_pty_of_another_user_is_not_called_absent(monkeypatch: pytest.MonkeyPa
         PtyPort("/dev/pts/0", parse_format("9600 8E1"))
 
 
+def test_a_probe_refuses_each_name_of_only_that_is_no_test() -> None:
+    code, out, told = axisgate("probe", "sim:good", "--only", "idle.nak", "--only", "nonsense")
+    assert (code, out) == (2, "") and "--only nonsense: no such test" in told
+
+
 def test_a_probe_whose_report_cannot_be_kept_still_says_what_it_found(tmp_path: pathlib.Path) -> None:
     code, out, told = axisgate("probe", "sim:good", "--only", "idle.nak", "--report", str(tmp_path / "missing" / "r"))
     assert code == 3 and "1 PASS" in out and "report:" not in out
