@@ -17,7 +17,7 @@ from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory, decoded
 from gateway.pure.languages.base.faults import Faults, SourceFault
 from gateway.runtime.exit_codes import Exit
-from gateway.tools.usage_language import complain
+from gateway.tools.usage_language import baps2_text, complain, fault_text
 
 EXAMPLES = """examples:
   axisgate program check memory/QUICKST.QLL memory/MAIN.QLL      every fault with file, line and column
@@ -93,7 +93,7 @@ def _check(options: argparse.Namespace) -> int:
         rows += [fault.as_row() for fault in found]
         if not options.json:
             for fault in found:
-                print(fault)
+                print(fault_text(fault, baps2_text))
     if options.json:
         print(json.dumps(rows, indent=1))
     return Exit.FINDING if errors else Exit.OK

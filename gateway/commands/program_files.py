@@ -13,7 +13,7 @@ from gateway.runtime.exit_codes import Exit
 from gateway.runtime.safe_file import write_whole
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import USAGE
-from gateway.tools.usage_language import complain
+from gateway.tools.usage_language import baps2_text, complain, fault_text
 
 OF_FILES = ("put", "get", "compile")
 
@@ -86,7 +86,7 @@ def _checked(folder: pathlib.Path, programs: list[str]) -> int:
     for name in programs:
         _, faults = library.unit(name)
         for fault in faults:
-            print(fault, file=sys.stderr)
+            print(fault_text(fault, baps2_text), file=sys.stderr)
         errors += faults.errors
     return Exit.FINDING if errors else Exit.OK
 
@@ -121,7 +121,7 @@ def _compile(options: argparse.Namespace) -> int:
         errors += done.faults.errors
         written.append(str(put))
         for fault in done.faults:
-            print(fault, file=sys.stderr)
+            print(fault_text(fault, baps2_text), file=sys.stderr)
     _print(written, options)
     return Exit.FINDING if errors else Exit.OK
 

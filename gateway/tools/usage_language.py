@@ -7,7 +7,7 @@ import contextlib
 import os
 import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from gateway.files.texts import spoken
 from gateway.pure.languages.base.faults import Severity, SourceFault
@@ -18,6 +18,7 @@ from gateway.tools.help_language import german_help, in_german_usage
 INVALID = 2  # as argparse ends
 FAULTS = ("usage", "command-faults")  # of configs/texts
 REPORTS = ("robotstar-words", "robotstar-check", "robotstar", "refusals")
+BAPS2 = ("baps2-check",)
 PLACE = re.compile(r"(?:step (\d+)|([A-Z]\w*(?:\[\w*\])?(?:\(\w*\))?)): ")  # step, command or operand in front of a sentence
 WRITTEN_OUT = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})  # for every code page (AX-253)
 
@@ -42,13 +43,18 @@ def report_text(sentence: str) -> str:
     return spoken(*REPORTS).german(sentence).translate(WRITTEN_OUT)
 
 
-def fault_text(fault: SourceFault) -> str:
-    """A fault of a program with its place and id, in the user's language."""
+def baps2_text(sentence: str) -> str:
+    """A sentence about a BAPS2 program, in the user's language."""
+    return spoken(*BAPS2).german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
+
+
+def fault_text(fault: SourceFault, said: Callable[[str], str] = report_text) -> str:
+    """A fault of a program with its place and id, in the user's language.  `said`: has the German of its controller."""
     if _language() != "de":
         return str(fault)
     level = {Severity.ERROR: "Fehler", Severity.WARNING: "Warnung"}[fault.severity]
-    hint = f"; {report_text(fault.hint)}" if fault.hint else ""
-    return f"{fault.position}: {level}: {report_text(fault.text)}{hint} [{fault.id}]"
+    hint = f"; {said(fault.hint)}" if fault.hint else ""
+    return f"{fault.position}: {level}: {said(fault.text)}{hint} [{fault.id}]"
 
 
 def complain(command: str, fault: object) -> None:

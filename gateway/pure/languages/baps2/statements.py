@@ -43,6 +43,12 @@ CLOSERS = frozenset(
     "END PROGRAM_END SUB_END REPEAT_END PARALLEL_END ALSO EXCLUSIVE_END CASE_END EQUAL DEFAULT ELSE SUBROUTINE PROGRAM".split()
 )
 BEHIND_KINEMATIC = ("LINEAR", "PTP", "CIRCULAR", "WITH", "UNTIL", "TO", "VIA")
+IN_MOVE = ("LINEAR", "CIRCULAR", "WITH", "UNTIL")
+IN_CASE = ("EQUAL", "DEFAULT", "CASE_END")
+WITH_OPERAND = frozenset(  # what they work on is in their line
+    "MOVE MOVE_REL WAIT IF CASE REPEAT EXCLUSIVE JUMP START STOP SYNC SYNCHRON "
+    "READ WRITE READ_BEGIN WRITE_BEGIN WRITE_END CLOSE ASSIGN".split()
+)
 OPERATORS = ("UNTIL", "AND", "OR", "NOT", "WITH")  # a value follows, not a statement
 ROUTINE_ENDS = frozenset("PROGRAM_END SUB_END SUBROUTINE PROGRAM".split())
 
@@ -86,6 +92,8 @@ class StatementReader:
         while not (self._stream.is_word(ends) or self._stream.is_word(CLOSERS) or self._stream.token.kind is Kind.END):
             if self._stream.sign(","):  # between assignments (L6275)
                 continue
+            if not self._stream.token.word and self._misspelt((*ends, *self._readers)) and self._stream.is_word(ends):
+                break
             if (statement := self.one()) is not None:
                 found.append(statement)
         return tuple(found)
@@ -102,8 +110,32 @@ class StatementReader:
         finally:
             self._stream.back_to(depth)
 
+    def _misspelt(self, words: Collection[str]) -> bool:
+        """Whether one of these words is next with a slip in it; it is reported, and read as it was meant."""
+        token, following = self._stream.token, self._stream.ahead()
+        known = token.key in self._expressions.names or token.key in self._stream.routines
+        if token.kind is not Kind.NAME or token.word or known or following.text in ("=", "[", ".", ":", "("):
+            return False
+        alone = following.kind is Kind.END or following.position.line != token.position.line
+        spelling = self._stream.slip([each for each in words if not (alone and each in WITH_OPERAND)])
+        if spelling:
+            self._stream.faults.error("name-unknown", token.position, f"{token.text} is no subroutine", f"{spelling} is the word like it")
+            self._stream.read_as(spelling)
+        return bool(spelling)
+
+    def _misspelt_part(self, words: Collection[str], where: str) -> None:
+        """The same for words inside of a statement, in front of a name, a number or a bracket in their line."""
+        token, following = self._stream.token, self._stream.ahead()
+        goes_on = following.kind in (Kind.NAME, Kind.NUMBER) or following.text in ("(", "@")
+        if token.key in self._expressions.names or not goes_on or following.position.line != token.position.line:
+            return
+        if spelling := self._stream.slip(words):
+            self._stream.faults.error("syntax", token.position, f"{spelling} is expected {where}, not {token}")
+            self._stream.read_as(spelling)
+
     def required(self, where: str) -> Statement:
         """One statement, which has to be there."""
+        self._misspelt(tuple(self._readers))
         at = self._stream.token.position
         if self._stream.is_word(CLOSERS) or self._stream.token.kind is Kind.END:
             self._stream.wrong(f"a statement is expected {where}, not {self._stream.token}")
@@ -184,6 +216,10 @@ class StatementReader:
             self._stream.take()
             self._stream.take()
             return token.key
+        if token.key in DEVICES and token.key not in self._expressions.names and following.kind in (Kind.TEXT, Kind.NUMBER):
+            at = following.position
+            self._stream.faults.error("syntax", at, f"',' is expected behind the device, not {following}")
+            return self._stream.take().key
         return ""
 
     def _relative_mark(self) -> bool:
@@ -240,6 +276,7 @@ class StatementReader:
         until_time: Expression | None = None
         otherwise: Statement | None = None
         while True:
+            self._misspelt_part(IN_MOVE, "behind MOVE")
             if not kinematic and (found := self._kinematic()):
                 kinematic = found
             elif not kinematic and self._no_kinematic():
@@ -295,6 +332,7 @@ class StatementReader:
     # ---- flow
 
     def _wait(self, at: Position) -> Statement:
+        self._misspelt_part(("UNTIL",), "behind WAIT")
         if not self._stream.word("UNTIL"):
             return Wait(at, self._expressions.sum())
         condition, max_time, otherwise = self._expressions.read(), None, None
@@ -309,6 +347,7 @@ class StatementReader:
         condition = self._expressions.read()
         self._stream.expect_word("THEN", "behind the condition")
         then = self.required("behind THEN")
+        self._misspelt(("ELSE",))
         return If(at, condition, then, self.required("behind ELSE") if self._stream.word("ELSE") else None)
 
     def _block(self, at: Position) -> Block:
@@ -325,7 +364,7 @@ class StatementReader:
 
     def _case(self, at: Position) -> Case:
         selector, choices, otherwise = self._expressions.read(), [], None
-        while self._stream.is_word(("EQUAL",)):
+        while self._stream.is_word(("EQUAL",)) or (self._misspelt(IN_CASE) and self._stream.is_word(("EQUAL",))):
             place = self._stream.take().position
             values = [self._expressions.sum()]
             while self._stream.sign(","):
@@ -337,12 +376,13 @@ class StatementReader:
         if self._stream.word("DEFAULT", "ELSE"):  # German SONST
             self._stream.sign(":")
             otherwise = self.required("behind DEFAULT")
+            self._misspelt(("CASE_END",))
         self._close("CASE_END", "CASE", at)
         return Case(at, selector, tuple(choices), otherwise)
 
     def _repeat(self, at: Position) -> Repeat:
         times = self._expressions.sum()
-        self._stream.expect_word("TIMES", "behind the number of repetitions")
+        self._stream.expect_word("TIMES", "behind the number of repetitions", goes_on=True)
         body = self.body(("REPEAT_END",))
         self._close("REPEAT_END", "REPEAT", at)
         return Repeat(at, times, body)

@@ -4,6 +4,7 @@ from collections.abc import Collection
 from typing import NoReturn
 
 from gateway.pure.languages.baps2.lexer import Kind, Token, tokens_of
+from gateway.pure.languages.baps2.slips import meant
 from gateway.pure.languages.baps2.words import Words
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position, SourceFile
@@ -29,6 +30,7 @@ class Stream:
         self._last = len(self._tokens) - 1
         self._depth = 0
         self._too_deep = False
+        self._routines: set[str] | None = None
         self.token = self._tokens[0]  # the token that is next
 
     def _expand(self, source: SourceFile) -> None:
@@ -100,10 +102,34 @@ class Stream:
         if not self.sign(sign):
             self.wrong(f"'{sign}' is expected {where}, not {self.token}")
 
-    def expect_word(self, word: str, where: str) -> None:
-        """Takes the word, or reports that it is missing."""
-        if not self.word(word):
-            self.wrong(f"{word} is expected {where}, not {self.token}")
+    def expect_word(self, word: str, where: str, goes_on: bool = False) -> None:
+        """Takes the word, or reports that it is missing; a misspelt one is read as meant.  goes_on: its construct is read without it."""
+        if self.word(word):
+            return
+        text = f"{word} is expected {where}, not {self.token}"
+        misspelt = self.slip((word,))
+        if not (misspelt or goes_on):
+            self.wrong(text)
+        self.faults.error("syntax", self.token.position, text)
+        if misspelt:
+            self.take()
+
+    def slip(self, words: Collection[str]) -> str:
+        """The spelling of the one of these words that the next name was meant to be; "": of none."""
+        own = self.token.kind is Kind.NAME and not self.token.word
+        return meant(self.token.text, self._words, words) if own else ""
+
+    def read_as(self, spelling: str) -> None:
+        """From now on the next token is this word of the language."""
+        self.token = self._tokens[self._next] = self.token._replace(text=spelling, word=self._words.token(spelling) or "")
+
+    @property
+    def routines(self) -> Collection[str]:
+        """Names of the subroutines of the text, also of those that follow."""
+        if self._routines is None:
+            pairs = zip(self._tokens, self._tokens[1:], strict=False)
+            self._routines = {name.key for word, name in pairs if word.word == "SUBROUTINE"}
+        return self._routines
 
     def name(self, what: str) -> Token:
         """Takes a name; words of the language may be names too, where one is expected."""

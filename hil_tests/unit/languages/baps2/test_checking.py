@@ -58,7 +58,7 @@ HEAD = ";;KINEMATICS : (1=K, 2=L)\n;;K.WC_NAMES = X,Y\n;;K.JC_NAMES = A1,A2\n;;L
             [("type", 4), ("syntax", 4), ("behind-the-end", 7)],
         ),
         ("EXCLUSIVE S I = 'A' EXCLUSIVE_END", "INTEGER : S, I", [("semaphore", 4), ("type", 4)]),
-        ("RED PHG, I RED I, J I = 'A'", "INTEGER : I, J", [("name-unknown", 4), ("type", 4)]),
+        ("RED PHG, I RED I, J I = 'A'", "INTEGER : I, J", [("name-unknown", 4), ("name-unknown", 4), ("type", 4)]),
         ("MOE UNTIL E = 1\nERROR JUMP L\nTO P1\nL: HALT", "INPUT : 1 = E", [("name-unknown", 4)]),
         ("GONE OTHER I = 1", "INTEGER : I EXTERNAL : OTHER", [("program-missing", 2), ("name-unknown", 4)]),
         ("SF(1, 2)", "SPC_FCT : 21 : SF(VALUE INTEGER : A, B)", [("syntax", 2)]),

@@ -1,0 +1,77 @@
+"""A program with one mistake of a kind users make has one fault, at the line and column of the mistake."""
+
+import pytest
+
+from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.store import MemoryStore
+from hil_tests.unit.languages.baps2.words import WORDS
+
+HEAD = ";;CONTROL = RHO3\n;;KINEMATICS : (1 = ROB)\n;;ROB.JC_NAMES = A1, A2\n;;ROB.WC_NAMES = X, Y\n"
+DECLARED = "INTEGER : I  SEMAPHORE : S  INPUT : 1 = E1  DEF ROB.POINT : P1  TEXT : T  ARRAY[1..5] INTEGER : F"
+FIRST = 8  # line of the first statement
+
+
+def check(text: str) -> Faults:
+    """The faults of a program."""
+    return Library(WORDS, MemoryStore({"P.QLL": text})).check("P.QLL", text)[1]
+
+
+@pytest.mark.parametrize(
+    "statements, id, line, column",
+    [
+        ("CSAE I\nEQUAL 1 : I = 2\nEQUAL 2 : I = 3\nDEFAULT I = 0\nCASE_END", "name-unknown", 0, 1),
+        ("CASE I\nEQAL 1 : I = 2\nEQUAL 2 : I = 3\nCASE_END", "name-unknown", 1, 1),
+        ("CASE I\nEQUAL 1 : I = 2\nEQAUL 2 : I = 3\nCASE_END", "name-unknown", 2, 1),
+        ("CASE I\nEQUAL 1 : I = 2\nDEFALT I = 0\nCASE_END", "name-unknown", 2, 1),
+        ("CASE I\nEQUAL 1 : I = 2\nCASEEND", "name-unknown", 2, 1),
+        ("CASE I\nEQUAL 1 : I = 2\nDEFAULT I = 0\nCASE_EN", "name-unknown", 3, 1),
+        ("PARALELL\n I = 1\nALSO\n I = 2\nPARALLEL_END", "name-unknown", 0, 1),
+        ("PARALLEL\n I = 1\nALSSO\n I = 2\nPARALLEL_END", "name-unknown", 2, 1),
+        ("PARALLEL\n I = 1\nALSO\n I = 2\nPARALELL_END", "name-unknown", 4, 1),
+        ("EXCLUSVE S\n I = 1\nEXCLUSIVE_END", "name-unknown", 0, 1),
+        ("EXCLUSIVE S\n I = 1\nEXCLUSIV_END", "name-unknown", 2, 1),
+        ("RPTT 3 TIMES\n I = 1\nRPT_END", "name-unknown", 0, 1),
+        ("RPT 3 TIMS\n I = 1\nRPT_END", "syntax", 0, 7),
+        ("RPT 3\n I = 1\nRPT_END", "syntax", 1, 2),
+        ("RPT 3 TIMES\n I = 1\nRPTEND", "name-unknown", 2, 1),
+        ("REPEET 3 TIMES\n I = 1\nREPEAT_END", "name-unknown", 0, 1),
+        ("WDHH 3 MAL\n I = 1\nWDH_ENDE", "name-unknown", 0, 1),
+        ("IF I = 1 THNE I = 2", "syntax", 0, 10),
+        ("IF I = 1 THEN I = 2 ESLE I = 3", "name-unknown", 0, 21),
+        ("IF I = 1 THEN BGEIN\n I = 2\nEND", "name-unknown", 0, 15),
+        ("IF I = 1 THEN BEGIN\n I = 2\nEDN", "name-unknown", 2, 1),
+        ("WAIT UNTL E1 = 1", "syntax", 0, 6),
+        ("MVOE ROB TO P1", "name-unknown", 0, 1),
+        ("MOVE ROB LINAER TO P1", "syntax", 0, 10),
+        ("MOVE ROB LINEAR TO P1\nMOVE ROB UNTL E1 = 1 TO P1", "syntax", 1, 10),
+        ("WRITE PHG 'A', I", "syntax", 0, 11),
+        ("WRTIE PHG, I", "name-unknown", 0, 1),
+        ("JUMP L9", "label-missing", 0, 1),
+        ("F[6] = I", "index-range", 0, 2),
+        ("E1 = 1", "not-assignable", 0, 1),
+    ],
+)
+def test_one_mistake_is_one_fault_at_its_place(statements: str, id: str, line: int, column: int) -> None:
+    found = check(f"{HEAD}PROGRAM P\n{DECLARED}\nBEGIN\n{statements}\nHALT\nPROGRAM_END\n")
+    assert [(each.id, each.position.line, each.position.column) for each in found] == [(id, FIRST + line, column)]
+
+
+@pytest.mark.parametrize(
+    "statements",
+    [
+        "MOVE ROB LINIE, UNTIEF",  # teach points with names of their own
+        "MOVE ROB VIA LINAER, WIHT TO P1",
+        "CSAE: I = 1\nJUMP CSAE",
+        "ALSSO = 1\nI = ALSSO",
+        "RPTT",
+    ],
+)
+def test_names_of_the_user_stay_names(statements: str) -> None:
+    found = check(f"{HEAD}PROGRAM P\n{DECLARED} INTEGER : ALSSO\nBEGIN\n{statements}\nPROGRAM_END\nSR RPTT\nBEGIN\nSR_END\n")
+    assert found.rows() == []
+
+
+def test_the_fault_names_the_word_that_is_like_it() -> None:
+    found = check("PROGRAMM P\nANFANG\nWDHH 3 MAL\nWARTE 1\nWDH_ENDE\nPROGRAMM_ENDE\n")
+    assert [fault.hint for fault in found] == ["WDH is the word like it"]
