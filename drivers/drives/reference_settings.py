@@ -43,33 +43,35 @@ class ReferenceSettings:
         return self.slow_inc_s if self.mode in STOPPING else self.speed_inc_s
 
 
-def settings_from(
-    scaling: Scaling,
-    *,
-    direction: int,
-    speed: float,
-    slow_speed: float,
-    accel: float,
-    jerk: float,
-    position: float = 0.0,
-    offset: float = 0.0,
-    way: float = math.inf,
-    timeout_s: float = 60.0,
-    mode: int = 0,
-) -> ReferenceSettings:
-    """Axis values (m or rad) -> increments; direction: +1, -1 of the axis, on which side the switch is."""
-    factor = abs(scaling.inc_per_unit)
-    return ReferenceSettings(
-        inc_per_turn=scaling.inc_per_turn,
-        direction=direction * scaling.direction,
-        speed_inc_s=speed * factor,
-        slow_inc_s=slow_speed * factor,
-        accel_inc_s2=accel * factor,
-        jerk_inc_s3=jerk * factor,
-        position_inc=position * scaling.inc_per_unit,
-        offset_inc=offset * scaling.inc_per_unit,
-        way_inc=way * factor,
-        timeout_s=timeout_s,
-        mode=mode,
-        gear=scaling.gear,
-    )
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReferenceMove:
+    """As its axis states it, in m or rad; direction: +1, -1 of the axis, on which side the switch is."""
+
+    direction: int
+    speed: float
+    slow_speed: float
+    accel: float
+    jerk: float
+    position: float = 0.0
+    offset: float = 0.0
+    way: float = math.inf
+    timeout_s: float = 60.0
+    mode: int = 0
+
+    def at_motor(self, scaling: Scaling) -> ReferenceSettings:
+        """In increments; raises ScalingError."""
+        factor = abs(scaling.inc_per_unit)
+        return ReferenceSettings(
+            inc_per_turn=scaling.inc_per_turn,
+            direction=self.direction * scaling.direction,
+            speed_inc_s=self.speed * factor,
+            slow_inc_s=self.slow_speed * factor,
+            accel_inc_s2=self.accel * factor,
+            jerk_inc_s3=self.jerk * factor,
+            position_inc=self.position * scaling.inc_per_unit,
+            offset_inc=self.offset * scaling.inc_per_unit,
+            way_inc=self.way * factor,
+            timeout_s=self.timeout_s,
+            mode=self.mode,
+            gear=scaling.gear,
+        )

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from math import inf
 
 from drivers.drives.family import DriveHoming, DriveMaker
-from drivers.drives.reference_settings import ReferenceSettings, settings_from
+from drivers.drives.reference_settings import ReferenceMove, ReferenceSettings
 from drivers.drives.scaling import Scaling
 from gateway.assembly.axis_scaling import scaling_of, window_of
 from gateway.assembly.limits import limits_of
@@ -38,8 +38,7 @@ def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | DriveHomin
     def si(value: float) -> float:
         return to_si(value, axis.unit)
 
-    return settings_from(
-        scaling,
+    move = ReferenceMove(
         direction=-1 if home.direction == "-" else 1,
         speed=si(home.speed),
         slow_speed=si(home.slow_speed or SLOW_SHARE * home.speed),
@@ -51,6 +50,7 @@ def reference_of(axis: Axis, scaling: Scaling) -> ReferenceSettings | DriveHomin
         timeout_s=home.timeout_s,
         mode=home.mode,
     )
+    return move.at_motor(scaling)
 
 
 def drive_of(axis: Axis, step_inc: int, p5_ms: float) -> DriveMaker:

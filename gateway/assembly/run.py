@@ -121,6 +121,19 @@ class RunPlan:
         raise KeyError(f"command source {name!r}; this cell has {', '.join(door.name for door in self.doors)}")
 
 
+@dataclass(frozen=True, slots=True)
+class Instead:
+    """What a run has in place of what its cell states; None: as the cell states."""
+
+    bus: str | None = None  # port of every drive bus
+    p5_ms: int | None = None
+    modbus_port: int | None = None  # of the first TCP server
+    web_port: int | None = None
+
+
+AS_THE_CELL = Instead()
+
+
 def slug_of(cell: Cell) -> str:
     """Short name for sockets and folders: the file's stem, only letters, digits and dashes."""
     stem = pathlib.Path(cell.file).stem
@@ -132,21 +145,17 @@ def plan_run(
     *,
     simulated: bool,
     slug: str | None = None,
-    bus: str | None = None,
-    p5_ms: int | None = None,
-    modbus_port: int | None = None,
     record: pathlib.Path | None = None,
-    baud: int | None = None,
-    web_port: int | None = None,
+    instead: Instead = AS_THE_CELL,
     stretched: bool = False,
 ) -> RunPlan:
-    """Ports and processes of one run; `bus`, `p5_ms`, `modbus_port`, `baud`, `web_port` override the cell (demo and tests)."""
+    """Ports and processes of one run."""
     slug = slug or slug_of(cell)
     folder = runtime_dir() / slug
     folder.mkdir(mode=0o700, exist_ok=True)
-    period_ms = p5_ms or cell.cycle_ms
-    buses, sims = bus_ports(cell, slug, bus, period_ms, record, simulated=simulated)
-    lines, simulators = line_ports(cell, slug, baud, record, simulated=simulated)
+    period_ms = instead.p5_ms or cell.cycle_ms
+    buses, sims = bus_ports(cell, slug, instead.bus, period_ms, record, simulated=simulated)
+    lines, simulators = line_ports(cell, slug, record, simulated=simulated)
     sims += simulators
     sims += emulators(cell, slug, folder, buses, period_ms, record, stretched=stretched) if simulated else []
     doors = tuple(
@@ -157,8 +166,8 @@ def plan_run(
             + own_sources(cell)
         )
     )
-    binds, cables = modbus_ports(cell, slug, simulated, modbus_port, baud)
-    web = page_of(cell, web_port, simulated=simulated)
+    binds, cables = modbus_ports(cell, slug, simulated, instead.modbus_port)
+    web = page_of(cell, instead.web_port, simulated=simulated)
     core = core_processes(cell, period_ms, doors, simulated=simulated, page=web is not None)
     if stretched:
         core[0] = replace(core[0], life_limit_ns=STRETCHED_LIFE_MS * MS)
@@ -201,10 +210,8 @@ def bus_ports(
     return buses, children
 
 
-def line_ports(
-    cell: Cell, slug: str, baud: int | None, record: pathlib.Path | None, *, simulated: bool
-) -> tuple[dict[str, str], list[Child]]:
-    """Where each serial line is, and the simulated ones; `baud` overrides the cell."""
+def line_ports(cell: Cell, slug: str, record: pathlib.Path | None, *, simulated: bool) -> tuple[dict[str, str], list[Child]]:
+    """Where each serial line is, and the simulated ones."""
     lines: dict[str, str] = {}
     children: list[Child] = []
     for line in cell.line:
@@ -212,10 +219,8 @@ def line_ports(
         if simulated or line.port == "sim":
             name = f"{slug}-{line.name}"
             kept = ("--record", str(record / f"line-{line.name}.rec")) if record else ()
-            pace = str(line.baud if baud is None else baud)
-            children.append(
-                Child(f"line-{line.name}", "gateway.simulation.line.process", ("--name", name, "--baud", pace, *kept), announces=True)
-            )
+            arguments = ("--name", name, "--baud", str(line.baud), *kept)
+            children.append(Child(f"line-{line.name}", "gateway.simulation.line.process", arguments, announces=True))
             lines[line.name] = f"pty:{runtime_dir() / name}-b"
     return lines, children
 
@@ -388,17 +393,14 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
     return fds
 
 
-def modbus_ports(
-    cell: Cell, slug: str, simulated: bool, port: int | None, baud: int | None
-) -> tuple[dict[str, tuple[str, int] | str], list[Child]]:
+def modbus_ports(cell: Cell, slug: str, simulated: bool, port: int | None) -> tuple[dict[str, tuple[str, int] | str], list[Child]]:
     """Where Modbus servers listen and clients speak, and the cables of simulated lines; `port` is the first TCP server's."""
     places: dict[str, tuple[str, int] | str] = {}
     cables: list[Child] = []
     for modbus in cell.modbus:
         if modbus.serial and (simulated or modbus.port_ == "sim"):
             name = f"{slug}-{modbus.name}"
-            pace = str(baud or int(modbus.format.split()[0]))
-            arguments = ("--name", name, "--baud", pace, "--plain", "A")
+            arguments = ("--name", name, "--baud", modbus.format.split()[0], "--plain", "A")
             cables.append(Child(f"line-{modbus.name}", "gateway.simulation.line.process", arguments, announces=True))
             places[modbus.name] = f"pty:{runtime_dir() / name}-b"
         elif modbus.port_:

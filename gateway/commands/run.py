@@ -11,7 +11,7 @@ import sys
 from drivers.ports.base import PortError
 from drivers.ports.can.open import open_can
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, LISTENS
-from gateway.assembly.run import RunPlan, plan_run
+from gateway.assembly.run import Instead, RunPlan, plan_run
 from gateway.checks.playable import not_playable
 from gateway.commands import shadow_run as shadow
 from gateway.links.canopen.listen_first import refuse_on
@@ -93,11 +93,8 @@ def _start(arguments: argparse.Namespace, cell: Cell) -> int:
             cell,
             simulated=simulated,
             slug=arguments.name,
-            bus=arguments.bus,
-            p5_ms=clock_ms,
-            modbus_port=arguments.modbus_port,
             record=arguments.record,
-            web_port=arguments.web,
+            instead=Instead(arguments.bus, clock_ms, arguments.modbus_port, arguments.web),
             stretched=stretched,
         )
         if arguments.json:

@@ -16,15 +16,12 @@ from collections.abc import Sequence
 
 from drivers.drives.family import Actual, SetRecord
 from drivers.drives.listening import ListeningFamily
-from gateway.assembly.alter import alter_of_cell
 from gateway.assembly.axes import core_axes
-from gateway.assembly.axis_signals import assumed_permits, rc_numbers
-from gateway.assembly.cycle_belts import belt_regions, belts_of, encoders_of
+from gateway.assembly.core import core_parts, core_rules
+from gateway.assembly.cycle_belts import belt_regions, encoders_of
 from gateway.assembly.drive_buses import make_family
 from gateway.assembly.fast_inputs import fast_wires
-from gateway.assembly.path_outputs import functions_of
 from gateway.assembly.run import RunPlan, load_plan
-from gateway.assembly.shared_outputs import shared_of_cell
 from gateway.cycle.bus_link import BusLink
 from gateway.cycle.contacts import InputMarks, IoErrors, cycle_contacts
 from gateway.cycle.corrected import Corrected
@@ -77,14 +74,8 @@ class Cycle:
             axes,
             plan.p5_ms / 1000.0,
             time.monotonic_ns(),
-            numbers=rc_numbers(cell),
-            assumed=assumed_permits(cell),
-            finish_without_services=cell.cell.on_services_loss == "finish_move",
-            override_step=cell.cell.override_step,
-            belts=belts_of(cell, plan.p5_ms) if cell.belt else None,
-            functions=functions_of(cell, plan.p5_ms),
-            alter=alter_of_cell(cell, plan.p5_ms),
-            shared=shared_of_cell(cell, plan.p5_ms),
+            core_rules(cell),
+            core_parts(cell, plan.p5_ms),
             loops=quick.loops,
             foresight=quick.foresight,
         )
@@ -106,19 +97,7 @@ class Cycle:
         for bus, link in zip(drive_buses, self.buses, strict=True):
             link.encoders = encoders_of(cell, bus.name, self.core.belts) if self.core.belts is not None else {}
         self.with_io = [(bus, bus.family) for bus in self.buses if isinstance(bus.family, RhoFamily)]
-        self.inputs = RegionReader(fds["rc_in"], "rc_in")
-        self.links = RegionReader(fds["links"], "links")
-        self.orders = RingReader(fds["orders"], "orders", ORDER_LAYOUT)
-        self.acyclic = RingReader(fds["acyclic"], "acyclic", ASIDE_LAYOUT)
-        self.heard = RingWriter(fds["heard"], "heard", ASIDE_LAYOUT)
-        self.pieces = piece_ring(fds)
-        self.planner = RegionReader(fds["planner"], "planner") if "planner" in fds else None
-        self._planner_pid = self.planner.writer_pid if self.planner else 0
-        self.axes = quick.region(fds["axes"], "axes", CELL_STATE_LAYOUT)
-        self.outputs = quick.region(fds["rc_out"], "rc_out")
-        self.scope = quick.ring(fds["scope"], "scope", SCOPE_LAYOUT)
-        self.trace = quick.ring(fds["trace"], "trace", TRACE_LAYOUT)
-        self.wake = fds.get("wake")  # for what is joined once per cycle (AX-398)
+        self._open_regions(fds, quick)
         self.contacts = cycle_contacts(cell, [bus.family for bus in self.buses], fds, plan.p5_ms)
         self.wires = fast_wires(cell, {bus.name: link.family for bus, link in zip(drive_buses, self.buses, strict=True)})
         self.marks = InputMarks([family for _, family in self.with_io], fds["marks"]) if "marks" in fds else None
@@ -133,6 +112,22 @@ class Cycle:
         self._alarm = quick.alarm()
         self._stretched, self._waited = plan.stretched, WaitedTime(self.period_ns)
         self._stop = False
+
+    def _open_regions(self, fds: dict[str, int], quick: NativeParts) -> None:
+        """What it reads and writes of the other processes."""
+        self.inputs = RegionReader(fds["rc_in"], "rc_in")
+        self.links = RegionReader(fds["links"], "links")
+        self.orders = RingReader(fds["orders"], "orders", ORDER_LAYOUT)
+        self.acyclic = RingReader(fds["acyclic"], "acyclic", ASIDE_LAYOUT)
+        self.heard = RingWriter(fds["heard"], "heard", ASIDE_LAYOUT)
+        self.pieces = piece_ring(fds)
+        self.planner = RegionReader(fds["planner"], "planner") if "planner" in fds else None
+        self._planner_pid = self.planner.writer_pid if self.planner else 0
+        self.axes = quick.region(fds["axes"], "axes", CELL_STATE_LAYOUT)
+        self.outputs = quick.region(fds["rc_out"], "rc_out")
+        self.scope = quick.ring(fds["scope"], "scope", SCOPE_LAYOUT)
+        self.trace = quick.ring(fds["trace"], "trace", TRACE_LAYOUT)
+        self.wake = fds.get("wake")  # for what is joined once per cycle (AX-398)
 
     _waits = True  # in a stretched simulation: the drives that are missing have not been waited for in vain
 

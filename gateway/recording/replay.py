@@ -9,16 +9,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from gateway.assembly.alter import alter_of_cell
 from gateway.assembly.axes import core_axes
-from gateway.assembly.axis_signals import assumed_permits, rc_numbers
-from gateway.assembly.cycle_belts import Encoder, belts_of, encoders_of
+from gateway.assembly.core import core_parts, core_rules
+from gateway.assembly.cycle_belts import Encoder, encoders_of
 from gateway.assembly.data_block_signals import signals_of
 from gateway.assembly.drive_buses import DRIVE_PROTOCOLS, make_family
 from gateway.assembly.fast_inputs import fast_wires
-from gateway.assembly.path_outputs import functions_of
 from gateway.assembly.run import known_zeros
-from gateway.assembly.shared_outputs import shared_of_cell
 from gateway.cell_file.load import load_cell
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cycle.belts import CoreBelts
@@ -82,14 +79,8 @@ class Bench:
             axes,
             period / 1000.0,
             0,
-            numbers=rc_numbers(cell),
-            assumed=assumed_permits(cell),
-            finish_without_services=cell.cell.on_services_loss == "finish_move",
-            override_step=cell.cell.override_step,
-            belts=belts_of(cell, period) if cell.belt else None,
-            functions=functions_of(cell, period),
-            alter=alter_of_cell(cell, period),
-            shared=shared_of_cell(cell, period),
+            core_rules(cell),
+            core_parts(cell, period),
         )
         encoders = [encoders_of(cell, bus.name, core.belts) if core.belts is not None else {} for bus in self._driven]
         return core, [make_family(cell, bus, period, simulated=self._simulated) for bus in self._driven], encoders

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from gateway.assembly.axis_signals import ASSUMED, INPUT_SIGNALS, rc_numbers
-from gateway.assembly.run import RunPlan, plan_run, slug_of
+from gateway.assembly.run import Instead, RunPlan, plan_run, slug_of
 from gateway.pure.cell.axes import FollowingError
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.modbus import Modbus
@@ -111,7 +111,7 @@ def _unheard(cell: Cell, taps: Taps) -> list[str]:
 def plan_shadow(cell: Cell, taps: Taps, *, slug: str | None, bus: str | None, p5_ms: int | None, tolerance: float | None = None) -> RunPlan:
     """Of a cell that has one (why_not_shadow).  It counts as simulated: nothing of it is kept for the next run.  `tolerance` of positions,
     in the unit of each axis; None: the lag that each may have before it is warned of."""
-    plan = plan_run(shadow_cell(cell, taps), simulated=False, slug=slug or f"{slug_of(cell)}-shadow"[:31], bus=bus, p5_ms=p5_ms)
+    plan = plan_run(shadow_cell(cell, taps), simulated=False, slug=slug or f"{slug_of(cell)}-shadow"[:31], instead=Instead(bus, p5_ms))
     modules = {"cycle": "gateway.shadow.cycle", "services": "gateway.shadow.services"}
     children = [
         replace(child, module=modules.get(child.name, child.module), spare=False, life_limit_ns=max(child.life_limit_ns, LIFE_NS))

@@ -10,8 +10,9 @@ import pytest
 from hil_tests.lab.cells.motion_paths import worst_shares
 from hil_tests.lab.judges.pole_lines import PoleLine, machine, matrix, pole_lines, pose_on, truth
 from motion.geometry.frames import Pose
-from motion.planner.route import Route, Stretch
+from motion.planner.route import Route
 from motion.planner.runs import runs
+from motion.planner.stretch import Stretch
 from motion.planner.trace import trace
 from motion.program.blocks import Block, Interpolation, Pace, PoseTarget
 from motion.program.errors import BlockError

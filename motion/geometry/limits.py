@@ -40,13 +40,13 @@ class AxisLimits:
 
 
 def limits_from(
-    name: str, unit: str, *, lower: float, upper: float, speed: float, accel: float, jerk: float, modulo: float = 0.0, manual: bool = False
+    name: str, unit: str, *, lower: float, upper: float, speed: float, accel: float, jerk: float, modulo: float = 0.0
 ) -> AxisLimits:
     """Limits given in the outside unit (mm, deg) -> AxisLimits in SI; an endless axis travels as far as it likes."""
     if modulo > 0.0:
         lower, upper = -ROUNDS * modulo, ROUNDS * modulo
     inside = [to_si(value, unit) for value in (lower, upper, speed, accel, jerk)]
-    return AxisLimits(name, inside[0], inside[1], inside[2], inside[3], inside[4], unit, manual, to_si(modulo, unit))
+    return AxisLimits(name, inside[0], inside[1], inside[2], inside[3], inside[4], unit, modulo=to_si(modulo, unit))
 
 
 def check_target(limits: AxisLimits, target: float) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from motion.planner.route import Stretch
+from motion.planner.stretch import Stretch
 
 
 def within_search(fresh: Sequence[Stretch], under_way: int) -> int:

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 from motion.errors import MotionError
 from motion.planner.quick_law import Swift
-from motion.planner.route import Kind, RouteState, Stretch
+from motion.planner.route import RouteState
 from motion.planner.runs import Run
+from motion.planner.stretch import Kind, Stretch
 from motion.timing.law import Law
 
 

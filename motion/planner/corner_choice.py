@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.planner.robot import Machine
-from motion.planner.route import Kind, Stretch, evenly
 from motion.planner.runs import Run, all_caps, make_run
+from motion.planner.stretch import Kind, Stretch, evenly
 from motion.planner.team import Team, TeamStretch
 from motion.program.factors import FULL, Factors
 from motion.timing.choice import groups, passed

@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from motion.paths.joints import JointPath, joint_part
-from motion.planner.route import EMPTY, Kind, RouteState, Stretch
+from motion.planner.route import RouteState
 from motion.planner.runs import Run, progress
+from motion.planner.stretch import EMPTY, Kind, Stretch
 
 LOOKS, CLOSER = 65, 60  # places looked at for where the axes rest; steps to come closer, each by a third
 WAY_COLUMNS = 2  # of a path, behind its axes

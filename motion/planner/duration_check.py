@@ -7,8 +7,8 @@ from motion.planner.commit import MOST, timed_pieces
 from motion.planner.planner import Planner
 from motion.planner.quick_law import swift, width_s
 from motion.planner.robot import Machine
-from motion.planner.route import Stretch
 from motion.planner.runs import Run, make_run
+from motion.planner.stretch import Stretch
 from motion.planner.team import Team
 from motion.program.blocks import Shape
 from motion.program.errors import BlockError

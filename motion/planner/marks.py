@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from motion.execution.timed import TimedPiece
-from motion.planner.route import Kind, Stretch
 from motion.planner.runs import Run
+from motion.planner.stretch import Kind, Stretch
 from motion.program.blocks import Called, Flying, Interpolation, Latching, Output, Recording
 from motion.program.errors import BlockError
 from motion.timing.law import Law

@@ -23,8 +23,9 @@ from motion.planner.marks import Mark, check_outputs, has_marks, marks_of
 from motion.planner.path_checks import Slowed
 from motion.planner.quick_law import STEP_S, Swift, cropped, swift_work, width_s
 from motion.planner.robot import Machine
-from motion.planner.route import Route, RouteState, Stretch
+from motion.planner.route import Route, RouteState
 from motion.planner.runs import Run, make_run
+from motion.planner.stretch import Stretch
 from motion.planner.team import Team, worst
 from motion.planner.team_route import TeamRoute
 from motion.program.blocks import Block, Called, Output
@@ -49,8 +50,7 @@ NO_WAY = "what the block begins or ends with needs a way: none is left behind it
 
 @dataclass
 class Planner:
-    """add() blocks; plan() gives the pieces that are due.  A caller that must not wait works in slices: begin(), work() until it
-    returns True, take()."""
+    """add() blocks; plan() gives the pieces that are due.  A caller that must not wait: begin(), work() until it is True, take()."""
 
     machine: Machine | Team
     start: Sequence[float]

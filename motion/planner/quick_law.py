@@ -112,12 +112,12 @@ def swift_work(
         yield
         tail, rates = _sampled(grid, raw)
         made = _smoothed(np.concatenate([held, tail]), np.concatenate([speeds, rates]), count, path.length)
-        at, excess = _excess(path, limits, made.law, keep)
+        excess = _excess(path, limits, made.law, keep)
         late = k >= ROUNDS - 1
         worst = float(excess.max(initial=0.0))
         if worst <= 1.0 or (late and (before is not None or worst <= FAIR)):
             break
-        lower, accel = _lowered(most, accel, grid, made, at, excess, count, raw, late)
+        lower, accel = _lowered(most, accel, grid, made, excess, count, raw, late)
         most = np.minimum(most, np.maximum(lower, floor))
         yield
     assert made is not None
@@ -204,25 +204,24 @@ def _smoothed(raw: Array, speed: Array, count: int, length: float) -> Swift:
     return Swift(Law.sampled(s, STEP_S, (float(raw[0]), 0.0, 0.0)), raw, speed)
 
 
-def _excess(path: JointPath, limits: LawLimits, law: Law, keep: int) -> tuple[Array, Array]:
-    """(s, how many times too much) at the samples that may still change, acceleration and jerk by differences of the columns."""
+def _excess(path: JointPath, limits: LawLimits, law: Law, keep: int) -> Array:
+    """How many times too much at the samples that may still change, acceleration and jerk by differences of the columns."""
     s = np.concatenate([law.s[:1]] * 3 + [law.s] + [law.s[-1:]] * 3)
     q = path.at(s)
     jerk = limits.at(s)[2]
     second = pull_shares(q, STEP_S, limits.pulls(s)[:, 1:-1]) / ACCEL_GOOD
     third = np.abs(np.diff(q, 3, axis=0)) / STEP_S**3 / jerk[1:-2] / JERK_GOOD
     both = np.maximum(second[1:].max(axis=1), third.max(axis=1) ** (2 / 3))[2:]
-    at = s[3 : 3 + len(both)]
-    return at[keep:], both[keep:]
+    return np.asarray(both[keep:])
 
 
 def _lowered(
-    most: Array, accel: Array, grid: Array, made: Swift, at: Array, excess: Array, count: int, raw: topp.Topp, late: bool
+    most: Array, accel: Array, grid: Array, made: Swift, excess: Array, count: int, raw: topp.Topp, late: bool
 ) -> tuple[Array, Array]:
     """Speeds and accelerations lowered where it was too much, as far before and behind as the mean reaches; late: in the last rounds,
     speeds alone where it runs: with less to brake by it would creep far and wide."""
     s, step = made.law.s, float(grid[1] - grid[0])
-    first = len(s) - len(at) - 2
+    first = len(s) - len(excess) - 2
     factor = np.ones(len(grid))
     over = np.flatnonzero(excess > 1.0)
     low, high = (s[np.minimum(np.maximum(first + over + by, 0), len(s) - 1)] for by in (-4, count))

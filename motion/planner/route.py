@@ -9,8 +9,7 @@ finish()), names the block of the row, and the row is forgotten; the block behin
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from enum import Enum
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar
 
@@ -22,7 +21,6 @@ from motion.geometry.units import from_si
 from motion.kinematics.base import Joints
 from motion.paths.base import PathError
 from motion.paths.corner import clipped, corner, directions, radius_for
-from motion.paths.even import evened
 from motion.paths.joints import JointPath, joint_blend, joint_part
 from motion.paths.polynomial import part
 from motion.planner.adaptive_path import followed
@@ -30,57 +28,21 @@ from motion.planner.additional_axes import joining, shifted, states
 from motion.planner.block_paths import JOINT_LIMIT, Leg, check_end, check_numbers, make_leg, run_out, told, turns_more
 from motion.planner.block_slope_sum import own_ramp, sum_keeps
 from motion.planner.given_times import check_time
-from motion.planner.path_checks import Slowed, check_range, check_speed
+from motion.planner.path_checks import check_range, check_speed
 from motion.planner.ranges import axis_range, first_at
 from motion.planner.relative import shown, unwound
 from motion.planner.robot import Machine
 from motion.planner.spline_rows import curve_of, goes_on, legs_of, place_of
+from motion.planner.stretch import EMPTY, SMALLEST, Kind, Stretch, evenly, shaped
 from motion.planner.tool_speed import limited
 from motion.program.blocks import MEASURED, Block, Called, Interpolation, JointTarget, Output, Rounding, Shape, Slope
 from motion.program.errors import BlockError
 from motion.program.passing import passed
-from motion.program.slopes import Clock, Ramped, earliest, frozen, overlap
+from motion.program.slopes import Ramped, earliest, frozen, overlap
 from motion.timing.slices import Work, whole
 
-EMPTY = 1e-9  # of a block: less is nothing left to run
-SMALLEST = 1e-7  # m or rad: a smaller corner is none
 HALF = 0.5  # of a block, which has a corner at each end
 LOOKS = 8  # at a stretch against the travel limits
-
-
-class Kind(Enum):
-    MAIN = "main"
-    CORNER = "corner"
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """Path of the axes between two places of the route.
-
-    block: number of the block (of a corner: the one before it); share: how much of that block's way lies behind its start, and
-    behind its end (for a corner: of the following block).
-    """
-
-    path: JointPath
-    block: int
-    kind: Kind
-    source: Block
-    share: tuple[float, float]
-    following: Block | None = None  # of a corner
-    stop: bool = False  # the axes rest at its end
-    way: float = 0.0  # whole length of the block (of a corner: of the one before)
-    square: Callable[[], tuple[JointPath, JointPath]] | None = field(
-        default=None, compare=False
-    )  # of a corner: to the point, and on from it
-    clock: Clock | None = field(default=None, compare=False)  # block slope with sine squares: when it is where
-    slowed: Slowed | None = None  # an axis cannot keep the programmed speed all along
-    ending: tuple[Called | Output, ...] = ()  # of blocks without way behind it: done at its end
-    even: bool = False  # its parameter is no longer the way: the axes swing faster than the tool goes (motion.paths.even)
-
-    @property
-    def last(self) -> int:
-        """Number of the last block it needs."""
-        return self.block + (self.kind is Kind.CORNER)
 
 
 @dataclass
@@ -99,20 +61,6 @@ class _State:
 
 
 RouteState = _State
-
-
-def shaped(block: Block, machine: Machine) -> Block:
-    """With the ramps of the robot, where it does not say."""
-    return replace(block, shape=machine.shape) if block.shape is Shape.ROBOT and machine.shape is Shape.SIN2 else block
-
-
-def evenly(stretch: Stretch) -> Stretch:
-    """By a parameter that goes on while the axes swing.  What is applied to time by the way itself stays as it is."""
-    blocks = [each for each in (stretch.source, stretch.following) if each is not None]
-    if stretch.clock is not None or any(each.pace.time is not None for each in blocks):
-        return stretch
-    path = evened(stretch.path)
-    return stretch if path is None else replace(stretch, path=path, even=True)
 
 
 class Route:

@@ -10,7 +10,7 @@ import numpy as np
 from motion.paths.joints import JointPath
 from motion.planner.caps import block_caps, robot_limits
 from motion.planner.robot import Machine
-from motion.planner.route import Kind, Stretch
+from motion.planner.stretch import Kind, Stretch
 from motion.planner.team import Team, own_parts
 from motion.program.blocks import Interpolation
 from motion.program.factors import FULL, Factors

@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from motion.planner.route import Kind
 from motion.planner.runs import Run
+from motion.planner.stretch import Kind
 from motion.program.blocks import Shape
 from motion.program.slopes import Clock
 from motion.timing.jerk import slowing

@@ -10,7 +10,7 @@ from motion.errors import MotionError
 from motion.geometry.limits import AxisLimits
 from motion.planner.path_checks import Slowed
 from motion.planner.robot import Machine, machine_of
-from motion.planner.route import Stretch
+from motion.planner.stretch import Stretch
 from motion.program.errors import BlockError
 from motion.robot import MOST_AXES, MOST_KINEMATICS, Installation, Robot
 from motion.timing.limits import FREE, WAY, Cap, LawLimits

@@ -9,7 +9,8 @@ from motion.paths.joints import JointPath, joint_part
 from motion.paths.together import State, repaced, rescaled
 from motion.planner.block_paths import Leg, make_leg
 from motion.planner.robot import Machine
-from motion.planner.route import SMALLEST, Route
+from motion.planner.route import Route
+from motion.planner.stretch import SMALLEST
 from motion.program.blocks import Block, Slope
 from motion.program.passing import passed
 

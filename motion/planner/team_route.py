@@ -13,7 +13,7 @@ from motion.kinematics.base import Joints
 from motion.outputs.function import Function
 from motion.paths.joints import JointPath, joined
 from motion.paths.together import rescaled, side_by_side
-from motion.planner.route import EMPTY, Kind, Stretch, shaped
+from motion.planner.stretch import EMPTY, Kind, Stretch, shaped
 from motion.planner.team import Team, TeamStretch
 from motion.planner.team_corner import Member, cut, paced
 from motion.program.blocks import Block, Called, Interpolation, Output, Rounding, Shape

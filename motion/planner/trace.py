@@ -11,8 +11,9 @@ from motion.geometry.frames import Pose
 from motion.planner.corner_choice import quicker
 from motion.planner.law_cache import KnownLaws
 from motion.planner.robot import Machine
-from motion.planner.route import Kind, Route, Stretch
+from motion.planner.route import Route
 from motion.planner.runs import make_run, runs
+from motion.planner.stretch import Kind, Stretch
 from motion.planner.team import Team
 from motion.program.blocks import Block, PoseTarget, Program
 from motion.program.errors import BlockError

@@ -48,16 +48,17 @@ class Limits:
     receive_limit_ns: Ns = RECEIVE_LIMIT  # a frame's first byte to its last
     stall_limit_ns: Ns = STALL_LIMIT  # answers waiting and nobody taking them
     idle_limit_ns: Ns | None = None  # no byte at all; None: idle clients stay
+    allow: Sequence[str] | None = None  # addresses or networks that may write; None: all; the others only read, 01 for a write (AX-070)
 
 
 class ModbusServer:
     """Listens on one address and answers every request from the view of its unit.
 
     view_for(unit) gives the tables or None (answered 0Bh; with rtu in silence); units 0 and 255 arrive there as `unit` (AX-012).
-    allow: addresses or networks that may write; None: all may; all others only read and get 01 for a write (AX-070).
-    rights_for(transport) decides instead of `allow`: rights and role of a partner, None closes the connection.
-    rtu: RTU frames in the stream, in place of the Modbus TCP header.  tls: a server context; its handshake comes first.
+    rtu: RTU frames in the stream, in place of the Modbus TCP header.
     on_request("host:port", function code) is called after each request that was answered without exception.
+    To be set before start(): rights_for(transport), in place of Limits.allow: rights and role of a partner, None closes the connection;
+    tls: a server context, whose handshake comes first.
     """
 
     def __init__(
@@ -67,21 +68,20 @@ class ModbusServer:
         port: int = DEFAULT_PORT,
         *,
         unit: int = 1,
-        allow: Sequence[str] | None = None,
         limits: Limits | None = None,
         on_request: OnRequest | None = None,
-        rights_for: RightsFor | None = None,
         rtu: bool = False,
-        tls: ssl.SSLContext | None = None,
         identity: Identity | None = None,
     ) -> None:
         self.limits = limits or Limits()
         if self.limits.held_bytes < 2 * CHUNK_ANSWERS:
             raise ValueError(f"held_bytes: {self.limits.held_bytes}; at least {2 * CHUNK_ANSWERS} bytes")
         self.desk = ModbusResponder(view_for, unit, on_request, Station(identity, unit), line=rtu)
-        self.rtu, self.tls = rtu, tls
+        self.rtu = rtu
+        self.tls: ssl.SSLContext | None = None
         self.on_refused: Callable[[str, str], None] | None = None  # a partner's address, and why its TLS handshake failed
-        self.rights_for = rights_for
+        self.rights_for: RightsFor | None = None
+        allow = self.limits.allow
         self._allow = None if allow is None else [ipaddress.ip_network(text, strict=False) for text in allow]
         self._host, self._port = host, port
         self._connections: set[_Connection] = set()

@@ -143,6 +143,34 @@ class DataBlock:
         return kept == count
 
 
+@dataclass(frozen=True, slots=True)
+class BlockHost:
+    """What the data blocks of a line call.
+
+    command(command): a fresh one; value(name): status; bad_number(name, text): a number that is none or out of min..max;
+    level(name, value): of an RC input; refuse(code, text): a command whose numbers were refused.
+    """
+
+    command: Callable[[Command], None]
+    value: Callable[[str], float]
+    bad_number: Callable[[str, str], None]
+    level: Callable[[str, float], None]
+    refuse: Callable[[Code, str], None] = lambda code, words: None
+
+
+@dataclass(frozen=True, slots=True)
+class Selected:
+    """`pattern`: another handshake than start-busy-done; `positions`: what its numbers select, targets and speed (0..1); `programs`:
+    numbers that select a program of the cell (AX-406)."""
+
+    pattern: Handshaking | None = None
+    positions: Mapping[int, tuple[Mapping[str, float], float]] = field(default_factory=dict)
+    programs: frozenset[int] = frozenset()
+
+
+AS_WRITTEN = Selected()
+
+
 class DataBlocks:
     """All data blocks of one line."""
 
@@ -151,20 +179,11 @@ class DataBlocks:
         blocks: Sequence[DataBlock],
         axes: Sequence[str],
         handshake: HandshakeBits | None,
-        command: Callable[[Command], None],
-        value: Callable[[str], float],
-        bad_number: Callable[[str, str], None],
-        level: Callable[[str, float], None],
+        host: BlockHost,
         inputs: Sequence[str] = (),
-        pattern: Handshaking | None = None,
-        positions: Mapping[int, tuple[Mapping[str, float], float]] | None = None,
-        programs: Collection[int] = (),
-        refuse: Callable[[Code, str], None] = lambda code, words: None,
+        selected: Selected = AS_WRITTEN,
     ) -> None:
-        """`command` takes fresh commands, `value` gives status by name, `bad_number(name, text)` hears of numbers that are none or out of
-        min..max, `level(name, value)` of entries that are RC inputs: cell.feed_allow, ... and `inputs`, signals and flags;
-        `pattern`: another handshake than start-busy-done; `positions`: what its numbers select, targets and speed (0..1); `programs`:
-        numbers that select a program of the cell (AX-406); `refuse(code, words)`: a command that was not given because of its numbers."""
+        """`inputs`: signals and flags that are RC inputs beside cell.feed_allow and the others."""
         self.blocks: Mapping[int, DataBlock] = {block.number: block for block in blocks}
         self.life: int | None = None  # life word of the last telegram, if it wrote one
         self.clamped = 0
@@ -173,14 +192,14 @@ class DataBlocks:
         self._axes = tuple(axes)
         self._handshake = handshake
         self._inputs = (*RC_NAMES, *inputs)
-        self._command, self._value, self._bad, self._level = command, value, bad_number, level
-        self._pattern, self._positions, self._programs, self._asked = pattern, positions or {}, frozenset(programs), Asked()
+        self._host = host
+        self._pattern, self._positions, self._programs, self._asked = selected.pattern, selected.positions, selected.programs, Asked()
         self._levels: dict[str, float] = {}
         self._told: dict[Slot, str] = {}  # what was said of a bad number that still stands
         self._primed: set[str] = set()
         self._numbers = MoveNumbers({slot.name for block in blocks if block.from_plc for slot in block.slots})
         self._since = {block.number: bytearray(2 * block.words) for block in blocks}  # 1: written since the link began
-        self._refuse, self.overrides = refuse, BlockOverrides(self._numbers, len(self._axes))
+        self.overrides = BlockOverrides(self._numbers, len(self._axes))
         self._move = CommandState.NONE
         self._answered = False  # the start bit has fallen: done and refused are taken back
         self._leaving = False  # drives-on fell: give control back as soon as the axes rest
@@ -257,7 +276,7 @@ class DataBlocks:
             elif slot.name == NUMBER and abs(value - round(value)) > WHOLE:
                 words = f"{slot.name} {value:g}; a whole number is expected"
         if words and self._told.get(slot) != words:
-            self._bad(slot.name, f"{block_name(block.number)} DW {slot.word}: {words}")
+            self._host.bad_number(slot.name, f"{block_name(block.number)} DW {slot.word}: {words}")
         self._told[slot] = words
         return (None, words) if words else (value, "")
 
@@ -266,19 +285,19 @@ class DataBlocks:
         all_axes = (1 << len(self._axes)) - 1
         for name in self._inputs:
             if name in levels:
-                self._level(name, levels[name])
+                self._host.level(name, levels[name])
         on = self._edge("drives.on", levels)
         if self._edge("cell.stop", levels) == 1:
-            self._command(Command(Code.STOP))
+            self._host.command(Command(Code.STOP))
         if on == -1:
-            self._command(Command(Code.DISABLE, all_axes))
+            self._host.command(Command(Code.DISABLE, all_axes))
             self._leaving = True
         if self._edge("cell.reset", levels) == 1:
-            self._command(Command(Code.FAULT_RESET))
+            self._host.command(Command(Code.FAULT_RESET))
         if on == 1:
             self._leaving = False
-            self._command(Command(Code.REQUEST_CONTROL))
-            self._command(Command(Code.ENABLE, all_axes))
+            self._host.command(Command(Code.REQUEST_CONTROL))
+            self._host.command(Command(Code.ENABLE, all_axes))
         self._override(levels, fresh=on == 1)
         if self._edge("axis.*.reference", levels) == 1:
             self._give(Command(Code.REFERENCE, all_axes), self.overrides.refused)
@@ -296,9 +315,9 @@ class DataBlocks:
     def _give(self, command: Command, fault: str) -> None:
         """A command, or its refusal."""
         if fault:
-            self._refuse(Code(command.code), fault)
+            self._host.refuse(Code(command.code), fault)
         else:
-            self._command(command)
+            self._host.command(command)
 
     def _ask(self, pattern: Handshaking, levels: Mapping[str, float], asked: Collection[str]) -> None:
         """What this telegram says of the request; what it does not carry stands as before."""
@@ -315,7 +334,7 @@ class DataBlocks:
             return  # where the bit or number that starts stands is not known yet: it may have been there for long
         if not pattern.see(self._asked):
             if pattern.wrong:
-                self._refuse(Code.PTP_ABSOLUTE, pattern.wrong)
+                self._host.refuse(Code.PTP_ABSOLUTE, pattern.wrong)
             return
         number = self._asked.number
         if pattern.selects and number in self._programs:
@@ -335,12 +354,12 @@ class DataBlocks:
         return (now > before) - (now < before)
 
     def _override(self, levels: Mapping[str, float], *, fresh: bool) -> None:
-        found = self.overrides.take(levels, fresh=fresh, control=bool(self._value("cell.control")))
+        found = self.overrides.take(levels, fresh=fresh, control=bool(self._host.value("cell.control")))
         if isinstance(found, str):
-            self._refuse(Code.OVERRIDE, found)
+            self._host.refuse(Code.OVERRIDE, found)
         else:
             for command in found:
-                self._command(command)
+                self._host.command(command)
 
     def _start(self, position: tuple[Mapping[str, float], float] | None = None) -> None:
         """The selected position, or the targets of the same telegram, or the latest ones written before it."""
@@ -355,16 +374,16 @@ class DataBlocks:
         self._answered = False
         fault = self._numbers.missing([*needed, *self.overrides.names])
         if not fault:
-            self._command(command)
+            self._host.command(command)
             return
         self.move_state(CommandState.REFUSED)
-        self._refuse(Code(command.code), fault)
+        self._host.refuse(Code(command.code), fault)
 
     def settle(self, *, at_rest: bool) -> None:
         """Call when time has passed: control is released at rest, after drives-on fell."""
         if self._leaving and at_rest:
             self._leaving = False
-            self._command(Command(Code.RELEASE_CONTROL))
+            self._host.command(Command(Code.RELEASE_CONTROL))
 
     # ---- to the PLC --------------------------------------------------------------------------------------------------
     def move_state(self, state: CommandState) -> None:
@@ -389,7 +408,7 @@ class DataBlocks:
         if block.from_plc:
             return bytes(block.data)
         for slot in block.slots:
-            self.clamped += not block.put(slot, self._value(slot.name))
+            self.clamped += not block.put(slot, self._host.value(slot.name))
         bits = self._handshake
         if bits is not None:
             for place, key in ((bits.busy, "busy"), (bits.done, "done")):

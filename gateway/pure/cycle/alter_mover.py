@@ -1,12 +1,9 @@
 """The mover of a cell with a correction ([alter]): alterable parts of a program, alone or beside belts.  Pure."""
 
-from collections.abc import Callable, Sequence
-
 from gateway.pure.cycle.alter import CoreAlter
-from gateway.pure.cycle.axis import HeldAxis
 from gateway.pure.cycle.belt_mover import BeltMover
-from gateway.pure.cycle.belts import CoreBelts
 from gateway.pure.cycle.homing import Homings
+from gateway.pure.cycle.lane_parts import LaneParts
 from gateway.pure.cycle.mover import Mover
 from gateway.pure.image.reasons import Reason
 from gateway.pure.image.records.alter import FREEZE, alter_of
@@ -14,7 +11,6 @@ from gateway.pure.image.records.cell import CellState, InputImage, OrderRecord
 from gateway.pure.image.records.planner import PieceRecord, SwitchAt
 from motion.errors import MotionError
 from motion.execution.stepper import Sample, State
-from motion.timing.foresight import Foresight
 
 
 class AlterMover(Mover):
@@ -119,23 +115,13 @@ class AlterBeltMover(AlterMover, BeltMover):
     """Both; a program has its parts one after the other."""
 
 
-def make_mover(
-    axes: Sequence[HeldAxis],
-    state: CellState,
-    outputs: bytearray,
-    homings: Homings,
-    period_s: float,
-    foresight: type[Foresight],
-    *,
-    belts: CoreBelts | None,
-    alter: CoreAlter | None,
-    off: Callable[[Reason], None],
-) -> Mover:
+def make_mover(parts: LaneParts, state: CellState, homings: Homings) -> Mover:
     """The least that the cell needs."""
     kinds = (Mover, AlterMover), (BeltMover, AlterBeltMover)
-    mover = kinds[belts is not None][alter is not None](axes, state, outputs, homings, period_s, foresight)
-    if belts is not None and isinstance(mover, BeltMover):
-        mover.belts, mover.off = belts, off
-    if alter is not None and isinstance(mover, AlterMover):
-        mover.alter = alter
+    kind = kinds[parts.belts is not None][parts.alter is not None]
+    mover = kind(parts.axes, state, parts.outputs, homings, parts.period_s, parts.foresight)
+    if parts.belts is not None and isinstance(mover, BeltMover):
+        mover.belts, mover.off = parts.belts, parts.off
+    if parts.alter is not None and isinstance(mover, AlterMover):
+        mover.alter = parts.alter
     return mover

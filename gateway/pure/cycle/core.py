@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 
 from drivers.drives.family import Actual, Event, Power, SetRecord
 from drivers.drives.tracking import Tracking
-from gateway.pure.cycle.alter import CoreAlter
 from gateway.pure.cycle.axis import CoreAxis, HeldAxis
 from gateway.pure.cycle.axis_loops import PYTHON, AxisLoops
-from gateway.pure.cycle.belts import CoreBelts
-from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, EVERY, NO_PERMIT, EnablingInputs, RcNumbers
+from gateway.pure.cycle.core_settings import AS_SHIPPED_RULES, NO_PARTS, CoreParts, CoreRules
+from gateway.pure.cycle.enabling_inputs import EVERY, EnablingInputs
 from gateway.pure.cycle.endless import CoreEndless
 from gateway.pure.cycle.lane import give_back, held_together, lanes_with, leading, whole_of, withhold
-from gateway.pure.cycle.lanes import LaneParts, make_lanes, merged
+from gateway.pure.cycle.lane_parts import LaneParts
+from gateway.pure.cycle.lanes import make_lanes, merged
 from gateway.pure.cycle.publish import Publisher
 from gateway.pure.image.reasons import Reason
 from gateway.pure.image.records.cell import (
@@ -37,7 +37,6 @@ from motion.timing.foresight import Foresight
 from protocols.base.machine import Ns, ms
 
 if TYPE_CHECKING:
-    from gateway.pure.cycle.path_outputs import CoreOutputs
     from gateway.pure.cycle.shared_output import CoreShared
 
 SETTLE_S = 0.5  # after its last set value an axis has so long to come to its place; then it stands (AX-268)
@@ -57,15 +56,9 @@ class CycleLogic:
         axes: Sequence[CoreAxis],
         period_s: float,
         generation: int,
+        rules: CoreRules = AS_SHIPPED_RULES,
+        parts: CoreParts = NO_PARTS,
         *,
-        numbers: RcNumbers = AS_SHIPPED,
-        assumed: Permit = NO_PERMIT,
-        finish_without_services: bool = False,
-        belts: CoreBelts | None = None,
-        functions: "CoreOutputs | None" = None,
-        alter: CoreAlter | None = None,
-        shared: "CoreShared | None" = None,
-        override_step: float = 1.0,
         loops: AxisLoops = PYTHON,
         foresight: type[Foresight] = Foresight,
     ) -> None:
@@ -77,13 +70,17 @@ class CycleLogic:
         for axis in self._axes:
             axis.referenced = axis.plan.absolute
         self._endless = CoreEndless(self._axes, self.state)
-        self.belts, self._shared = belts, shared
-        parts = LaneParts(self._axes, self.state, self.outputs, period_s, override_step, foresight, belts, alter, functions, self._off)
-        self.lanes = make_lanes(parts)
+        self.belts, self._shared = parts.belts, parts.shared
+        self.lanes = make_lanes(
+            LaneParts(
+                self._axes, self.state, self.outputs, period_s, rules.override_step, foresight,
+                parts.belts, parts.alter, parts.functions, self._off,
+            )
+        )  # fmt: skip
         self._drive_axes, self._watch_axes = loops.drive_axes, loops.watch_axes
-        self._publisher = Publisher(self.state, self.outputs, numbers, period_s, loops)
-        self._finish = finish_without_services
-        self._enabling_inputs = EnablingInputs(numbers, assumed, [axis.kinematic for axis in axes])
+        self._publisher = Publisher(self.state, self.outputs, rules.numbers, period_s, loops)
+        self._finish = rules.finish_without_services
+        self._enabling_inputs = EnablingInputs(rules.numbers, rules.assumed, [axis.kinematic for axis in axes])
         self._permits = 0
         self._enabling: list[tuple[int, int]] = []  # job, mask, of each that waits for its axes
         self._reset = False

@@ -1,40 +1,15 @@
 """The lanes of a cell: one for each of its kinematics and one for axes of none; their samples as set values of all axes.  Pure."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
-from gateway.pure.cycle.alter import CoreAlter
 from gateway.pure.cycle.alter_mover import make_mover
-from gateway.pure.cycle.axis import HeldAxis
-from gateway.pure.cycle.belts import CoreBelts
 from gateway.pure.cycle.homing import Homings
 from gateway.pure.cycle.lane import Lane
 from gateway.pure.cycle.lane_masks import masks_of
-from gateway.pure.image.reasons import Reason
+from gateway.pure.cycle.lane_parts import LaneParts
 from gateway.pure.image.records.cell import EVERY_AXIS, CellState, LaneState
 from motion.execution.stepper import Sample
-from motion.timing.foresight import Foresight
 from motion.timing.override_ramp import OverrideRamp
-
-if TYPE_CHECKING:
-    from gateway.pure.cycle.path_outputs import CoreOutputs
-
-
-@dataclass(frozen=True, slots=True)
-class LaneParts:
-    """What a core has for its lanes; `off` switches drives off."""
-
-    axes: list[HeldAxis]
-    state: CellState
-    outputs: bytearray
-    period_s: float
-    override_step: float
-    foresight: type[Foresight]
-    belts: CoreBelts | None
-    alter: CoreAlter | None
-    functions: "CoreOutputs | None"
-    off: Callable[[Reason], None]
 
 
 def make_lanes(parts: LaneParts) -> list[Lane]:
@@ -57,9 +32,7 @@ def make_lanes(parts: LaneParts) -> list[Lane]:
 
 def _lane(mask: int, state: CellState, parts: LaneParts) -> Lane:
     homings = Homings(parts.axes, state, parts.period_s)
-    mover = make_mover(
-        parts.axes, state, parts.outputs, homings, parts.period_s, parts.foresight, belts=parts.belts, alter=parts.alter, off=parts.off
-    )
+    mover = make_mover(parts, state, homings)
     mover.functions = parts.functions
     return Lane(mask, state, homings, mover, OverrideRamp(parts.override_step))
 

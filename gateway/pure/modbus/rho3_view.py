@@ -9,6 +9,7 @@ Word r = bytes 2r (high), 2r+1 (low), the same as RK512 data words (AX-010).
 
 import struct
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 from gateway.pure.arbitration.command_block import COMMAND_WORDS, STATUS_WORDS
@@ -35,6 +36,19 @@ class Flags(Protocol):
         """From byte `first` on; False: not there, or not the PLC's."""
 
 
+@dataclass(frozen=True, slots=True)
+class BlockFiles:
+    """Data blocks as file records: read(number) gives one as it is (None: there is none); `written`: those that this command source
+    writes, by write(number, word, bytes)."""
+
+    read: Callable[[int], bytes | None] = lambda number: None
+    written: Collection[int] = ()
+    write: Callable[[int, int, bytes], None] = lambda number, word, data: None
+
+
+NO_BLOCKS = BlockFiles()
+
+
 class RhoView:
     """One command source's view; what others own can be read here and not be written."""
 
@@ -45,22 +59,18 @@ class RhoView:
         written: Callable[[Collection[int]], None],
         command: Callable[[int, Sequence[int]], None] | None,
         registers: Registers | None = None,
-        block: Callable[[int], bytes | None] = lambda number: None,
         errors: Callable[[], Sequence[int]] = tuple,
-        files: Collection[int] = (),
-        write_block: Callable[[int, int, bytes], None] = lambda number, word, data: None,
+        blocks: BlockFiles = NO_BLOCKS,
     ) -> None:
         """`owned`: RC input bytes this command source may write; `written` is passed which it wrote; `command` takes command words (first,
-        values);
-        `block` gives a data block as it is (None: there is none), `errors` the numbers of the standing errors;
-        `files`: data blocks this command source writes, by `write_block` (number, word, bytes)."""
+        values); `errors`: numbers of the errors that are set; `blocks`: data blocks as file records."""
         self.outputs: bytes = bytes(RC_BYTES)  # RC outputs; replaced whole at every tick
         self.status: Sequence[int] = [0] * STATUS_WORDS
         self.command_words: Sequence[int] = [0] * COMMAND_WORDS
         self.flags: Flags | None = None  # of the control, where there is one
         self._inputs, self._owned, self._written, self._command = inputs, frozenset(owned), written, command
-        self._registers, self._block, self._errors = registers, block, errors
-        self._files, self._write_block = frozenset(files), write_block
+        self._registers, self._block, self._errors = registers, blocks.read, errors
+        self._files, self._write_block = frozenset(blocks.written), blocks.write
 
     def read_bits(self, kind: Kind, address: int, count: int) -> Sequence[bool] | ExceptionCode:
         """Coils: RC inputs; discrete inputs: RC outputs."""

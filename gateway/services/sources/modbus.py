@@ -17,7 +17,7 @@ from gateway.pure.controllers.control import Control
 from gateway.pure.image.records.cell import Quality
 from gateway.pure.modbus.other_views import ReisView, Val3View
 from gateway.pure.modbus.registers import Placed, Registers, RegistersView, place
-from gateway.pure.modbus.rho3_view import RhoView
+from gateway.pure.modbus.rho3_view import BlockFiles, RhoView
 from gateway.pure.recording.messages import Source
 from gateway.registry import MODBUS_VIEWS
 from gateway.services.sources.base import BaseSource, SourceContext, Tell
@@ -66,10 +66,8 @@ class ModbusSource(BaseSource):
             self._inputs_written,
             taken,
             registers,
-            values.filled_block,
             lambda: [code for code, _ in self._errors()],
-            self._written_files,
-            self._file_written,
+            BlockFiles(values.filled_block, self._written_files, self._file_written),
         )
         self.view.command_words = self.block.words
         values.views.append(self.view)
@@ -199,12 +197,12 @@ class ModbusSource(BaseSource):
             receive_limit_ns=ms(settings.limits.receive_ms),
             stall_limit_ns=ms(settings.limits.stall_ms),
             idle_limit_ns=ms(settings.limits.idle_ms) or None,
+            allow=settings.allow or None,
         )
         server = ModbusServer(
             views.get,
             *bind,
             unit=settings.unit,
-            allow=settings.allow or None,
             limits=limits,
             on_request=self._answered,
             rtu=settings.framing == "rtu",

@@ -5,7 +5,6 @@ Where the cell declares no blocks, DB 10 is the command block, DB 11 the status 
 """
 
 import struct
-from collections.abc import Mapping
 
 from gateway.assembly.axis_signals import rc_numbers
 from gateway.assembly.data_block_signals import flags_of, inputs_of
@@ -13,7 +12,7 @@ from gateway.assembly.lanes import robot_axes
 from gateway.assembly.line_dialects import rk512_dialect
 from gateway.pure.arbitration.block_keys import block_key
 from gateway.pure.arbitration.command_block import COMMAND_WORDS, STATUS_WORDS, Code, Command
-from gateway.pure.arbitration.data_blocks import RC_NAMES, DataBlock, DataBlocks, HandshakeBits, Slot
+from gateway.pure.arbitration.data_blocks import RC_NAMES, BlockHost, DataBlock, DataBlocks, HandshakeBits, Selected, Slot
 from gateway.pure.arbitration.handshakes import Handshaking, Pattern
 from gateway.pure.arbitration.own_jobs import OwnJob, OwnJobs
 from gateway.pure.cell.cell import Cell, Db, Entry, Handshake, Line
@@ -99,10 +98,9 @@ class Rk512Source(SerialSource):
         def value(name: str) -> float:
             return self._values.number(name, self)
 
-        door = DataBlocks(
-            blocks, names, compile_handshake(handshake) if handshake else None, command, value, bad_number, level, (*inputs, *flags),
-            *compile_pattern(cell), refuse,
-        )  # fmt: skip
+        host = BlockHost(command, value, bad_number, level, refuse)
+        bits = compile_handshake(handshake) if handshake else None
+        door = DataBlocks(blocks, names, bits, host, (*inputs, *flags), compile_pattern(cell))
         door.forced = self._image.forces.words
         door.overrides.robots = robot_axes(cell)
         return door
@@ -341,16 +339,15 @@ def compile_handshake(handshake: Handshake) -> HandshakeBits:
     return HandshakeBits(bit(handshake.start), bit(handshake.busy), bit(handshake.done), bit(handshake.refused))
 
 
-def compile_pattern(cell: Cell) -> tuple[Handshaking | None, dict[int, tuple[Mapping[str, float], float]], frozenset[int]]:
-    """The pattern of [handshake.move], None for start-busy-done, which the data command source plays itself; what its numbers select:
-    positions,
-    programs."""
+def compile_pattern(cell: Cell) -> Selected:
+    """The pattern of [handshake.move], None for start-busy-done, which the data blocks play themselves; what its numbers select."""
     positions = {position.number: (position.at, position.speed / 100.0) for position in cell.position}
     programs = frozenset(program.number for program in cell.program)
     handshake = cell.handshake.get("move")
     if handshake is None or handshake.pattern == Pattern.START_BUSY_DONE.value:
-        return None, positions, programs
-    return Handshaking(Pattern(handshake.pattern), positions.keys() | programs, odd=handshake.parity == "odd"), positions, programs
+        return Selected(None, positions, programs)
+    pattern = Handshaking(Pattern(handshake.pattern), positions.keys() | programs, odd=handshake.parity == "odd")
+    return Selected(pattern, positions, programs)
 
 
 def compile_block(db: Db) -> DataBlock:

@@ -25,7 +25,8 @@ from motion.planner.duration_check import too_long
 from motion.planner.path_checks import Slowed
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
-from motion.planner.route import Route, Stretch
+from motion.planner.route import Route
+from motion.planner.stretch import Stretch
 from motion.planner.team import worst
 from motion.planner.trace import PERIOD_S, BeltWay, Trace, joined, numbered, tool_at, trace
 from motion.program.blocks import BeltAct, Block, Program

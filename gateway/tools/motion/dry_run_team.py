@@ -13,7 +13,7 @@ from motion.files.playing import FilePath
 from motion.kinematics.base import Joints
 from motion.planner.duration_check import too_long
 from motion.planner.path_checks import Slowed
-from motion.planner.route import Stretch
+from motion.planner.stretch import Stretch
 from motion.planner.team import Team, TeamStretch, own_parts, worst
 from motion.planner.team_route import TeamRoute
 from motion.planner.trace import PERIOD_S, Trace, joined, numbered, sampled, seen

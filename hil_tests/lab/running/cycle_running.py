@@ -14,7 +14,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 
 from drivers.ports.base import CanPort
-from gateway.assembly.run import make_regions, plan_run
+from gateway.assembly.run import Instead, make_regions, plan_run
 from gateway.cell_file.load import load_cell
 from gateway.pure.image.records.cell import unpack_cell_state
 from gateway.runtime.regions import RegionReader, fds_to_text
@@ -29,7 +29,7 @@ class CycleRun:
     """One cycle process; `actual` reads what it publishes."""
 
     def __init__(self, cell: pathlib.Path | str, buses: Mapping[str, str]) -> None:
-        plan = plan_run(load_cell(str(cell)), simulated=True, p5_ms=P5_MS)
+        plan = plan_run(load_cell(str(cell)), simulated=True, instead=Instead(p5_ms=P5_MS))
         plan = dataclasses.replace(plan, buses=dict(buses))
         self.fds = make_regions(plan)
         self._plan_fd = os.memfd_create("plan", os.MFD_CLOEXEC)

@@ -7,6 +7,7 @@ import struct
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Self
 
 from gateway.links.modbus.tcp_server import Limits, ModbusServer, OnRequest, RightsFor
@@ -83,9 +84,9 @@ class Running:
     ) -> None:
         self.view = view or MemoryView()
         chosen = view_for or (lambda unit: self.view if unit == 1 else None)
-        self.server = ModbusServer(
-            chosen, port=port, allow=allow, limits=limits, on_request=on_request, rtu=rtu, rights_for=rights_for, tls=tls
-        )
+        bounds = replace(limits or Limits(), allow=allow)
+        self.server = ModbusServer(chosen, port=port, limits=bounds, on_request=on_request, rtu=rtu)
+        self.server.rights_for, self.server.tls = rights_for, tls
         self.loop = asyncio.new_event_loop()
         self.complaints: list[str] = []
         self.loop.set_exception_handler(lambda _, context: self.complaints.append(str(context)))

@@ -11,6 +11,7 @@ from gateway.cell_file.load import load_cell
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.cycle.core import CycleLogic
+from gateway.pure.cycle.core_settings import CoreParts
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.cell import CellState, Motion, Quality, pack_cell_state, unpack_cell_state
 from hil_tests.lab.virtual.cell_bench import CellBench
@@ -42,7 +43,9 @@ class AlterRobot(ServodynRobot):
 
     def _new_core(self) -> CycleLogic:
         period = self.period_ns / 1e9
-        return CycleLogic(core_axes(self.cell, self.p5_ms), period, self.generation, alter=alter_of_cell(self.cell, self.p5_ms))
+        return CycleLogic(
+            core_axes(self.cell, self.p5_ms), period, self.generation, parts=CoreParts(alter=alter_of_cell(self.cell, self.p5_ms))
+        )
 
 
 class AlterBench(Planned):

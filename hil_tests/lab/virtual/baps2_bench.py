@@ -24,6 +24,7 @@ from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.rho3.signals.control import RhoControl
 from gateway.pure.controllers.rho3.signals.hosted import HostedPrograms
 from gateway.pure.cycle.core import CycleLogic
+from gateway.pure.cycle.core_settings import CoreParts, CoreRules
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records.cell import RC_BYTES, CellState, Motion, Quality, pack_cell_state, unpack_cell_state
 from gateway.pure.image.records.interpreter import (
@@ -135,10 +136,8 @@ class ServodynBench(CellBench):
             core_axes(cell, self.p5_ms),
             period,
             self.generation,
-            finish_without_services=self.finish,
-            override_step=cell.cell.override_step,
-            belts=belts_of(cell, self.p5_ms) if cell.belt else None,
-            functions=functions_of(cell, self.p5_ms),
+            CoreRules(finish_without_services=self.finish, override_step=cell.cell.override_step),
+            CoreParts(belts_of(cell, self.p5_ms) if cell.belt else None, functions_of(cell, self.p5_ms)),
         )
 
 

@@ -20,6 +20,7 @@ from gateway.pure.arbitration.jobs import Job
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cycle.belts import CoreBelts
 from gateway.pure.cycle.core import CycleLogic
+from gateway.pure.cycle.core_settings import CoreParts
 from gateway.pure.cycle.enabling_inputs import AS_SHIPPED, free_outputs
 from gateway.pure.image.reasons import CommandState
 from gateway.pure.image.records.cell import CellState, Motion, pack_cell_state, unpack_cell_state
@@ -74,7 +75,7 @@ class BeltBench(CellBench):
         period = self.period_ns / 1e9
         self.belts = CoreBelts(self.facts, {1: self.machine.kinematics}, [limits_of(axis) for axis in self.cell.axis], period)
         self.encoders = encoders_of(self.cell, "drives", self.belts)
-        return CycleLogic(core_axes(self.cell, self.p5_ms), period, self.generation, belts=self.belts)
+        return CycleLogic(core_axes(self.cell, self.p5_ms), period, self.generation, parts=CoreParts(self.belts))
 
     # ---- what happens --------------------------------------------------------------------------------------------------
     def cycle(self, count: int = 1) -> None:

@@ -15,6 +15,7 @@ from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cycle.core import CycleLogic
+from gateway.pure.cycle.core_settings import CoreRules
 from gateway.pure.image.records.cell import (
     MOST_AXES,
     InputImage,
@@ -68,8 +69,8 @@ class CellBench:
     def _new_core(self) -> CycleLogic:
         period, step = self.period_ns / 1e9, self.cell.cell.override_step
         axes = core_axes(self.cell, self.period_ns / 1e6)
-        numbers = rc_numbers(self.cell)
-        return CycleLogic(axes, period, self.generation, numbers=numbers, finish_without_services=self.finish, override_step=step)
+        rules = CoreRules(rc_numbers(self.cell), finish_without_services=self.finish, override_step=step)
+        return CycleLogic(axes, period, self.generation, rules)
 
     def permit(self, *bits: int, value: bool = True) -> None:
         """RC inputs as a living command source writes them."""

@@ -15,6 +15,7 @@ from gateway.cell_file.load import load_cell
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.cycle.belts import CoreBelts
 from gateway.pure.cycle.core import CycleLogic
+from gateway.pure.cycle.core_settings import CoreParts
 from gateway.pure.cycle.path_outputs import CoreOutputs
 from gateway.pure.image.records.cell import Quality, get_bit
 from gateway.pure.image.records.planner import BlockRecord, PlannerState, Say
@@ -89,7 +90,7 @@ class StreamBench(BeltBench):
         self.encoders = encoders_of(self.cell, "drives", self.belts)
         functions = CoreOutputs(output_places(self.cell), kinematics, period)
         alter = alter_of_cell(self.cell, self.p5_ms)
-        return CycleLogic(core_axes(self.cell, self.p5_ms), period, 1, belts=self.belts, functions=functions, alter=alter)
+        return CycleLogic(core_axes(self.cell, self.p5_ms), period, 1, parts=CoreParts(self.belts, functions, alter))
 
     def another_planner(self, before: PlannerState) -> None:
         made = cell_programs(self.cell, lambda *_: self.machine, lambda _: self.text, no_team)

@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import configs
-from gateway.assembly.alter import alter_of_cell
 from gateway.assembly.axes import core_axes
 from gateway.assembly.controllers import make_control
+from gateway.assembly.core import core_parts
 from gateway.assembly.planner import cell_programs
 from gateway.assembly.programs import machines_of_cell, mask_of, team_meant
 from gateway.assembly.val3_application import setup_of
@@ -79,7 +79,7 @@ class AlteredBench(Cell402Bench):
 
     def _new_core(self) -> CycleLogic:
         period = self.period_ns / 1e9
-        return CycleLogic(core_axes(self.cell, self.p5_ms), period, self.generation, alter=alter_of_cell(self.cell, self.p5_ms))
+        return CycleLogic(core_axes(self.cell, self.p5_ms), period, self.generation, parts=core_parts(self.cell, self.p5_ms))
 
 
 class Val3Cell:

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from gateway.assembly.run import plan_run
+from gateway.assembly.run import Instead, plan_run
 from gateway.cell_file.load import load_cell
 from gateway.runtime.life import VARIABLE, Life
 from hil_tests.lab.running.cell_running import P5_MS, free_port, running_cell
@@ -34,7 +34,7 @@ def test_hung_page_northbound_and_broker_are_started_again(tmp_path: pathlib.Pat
 
 def test_every_process_that_runs_on_the_machine_has_a_life_counter_and_its_own(tmp_path: pathlib.Path) -> None:
     cell = load_cell(str(cell_copy("host-telegrams", tmp_path, more=MORE.format(port=9999))))
-    plan = plan_run(cell, simulated=False, slug="metal", bus="slcan:/dev/ttyACM0", web_port=8480)
+    plan = plan_run(cell, simulated=False, slug="metal", instead=Instead("slcan:/dev/ttyACM0", web_port=8480))
     lives = {child.name: child.life for child in plan.children}
     assert all(lives.values()), lives
     assert len(set(lives.values())) == len(lives)

@@ -11,7 +11,7 @@ import pytest
 
 import configs
 from drivers.drives.limits import LagMonitor, LagState
-from drivers.drives.reference_settings import settings_from
+from drivers.drives.reference_settings import ReferenceMove
 from drivers.drives.referencing import Referencing, RunState
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import Demand, Drive, Event, Power
@@ -74,10 +74,8 @@ class OneAxis:
         raise AssertionError(f"not enabled: {self.drive.phase}, {self.events}")
 
     def reference(self) -> Referencing:
-        settings = settings_from(
-            SCALING, direction=-1, speed=0.02, slow_speed=0.004, accel=0.5, jerk=5.0, position=0.1, offset=0.005, way=0.2
-        )
-        run = Referencing(settings, self.drive.set_inc)
+        move = ReferenceMove(direction=-1, speed=0.02, slow_speed=0.004, accel=0.5, jerk=5.0, position=0.1, offset=0.005, way=0.2)
+        run = Referencing(move.at_motor(SCALING), self.drive.set_inc)
         state = RunState.RUNNING
 
         def demand(actual: ActualValue | None) -> Demand:

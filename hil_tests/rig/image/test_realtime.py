@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import pathlib
 import select
 import shutil
 import signal
@@ -11,7 +12,7 @@ import time
 
 import pytest
 
-from gateway.runtime import realtime
+from gateway.runtime import huge_pages, realtime
 from gateway.runtime.realtime import TURN_NS, Alarm, Timerfd, die_with_parent, go_ahead, go_realtime, realtime_allowed, sleep_until
 
 MS = 1_000_000
@@ -190,3 +191,33 @@ def test_a_process_that_goes_ahead_stays_in_the_ordinary_class_and_takes_the_nic
         finally:
             os._exit(code)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+HUGE = pathlib.Path("/sys/kernel/mm/transparent_hugepage/enabled")
+COLLECT = """
+from gateway.runtime.huge_pages import use_huge_pages
+kept = [bytearray(1000) for _ in range(30_000)]
+collected = use_huge_pages()
+with open("/proc/self/smaps_rollup") as file:
+    print(collected, next(int(line.split()[1]) for line in file if line.startswith("AnonHugePages:")), len(kept))
+"""
+
+
+@pytest.mark.skipif(not HUGE.exists() or "[never]" in HUGE.read_text(), reason="this kernel has no huge pages for programs")
+def test_what_a_process_has_allocated_is_collected_into_huge_pages() -> None:
+    found = subprocess.run([sys.executable, "-c", COLLECT], capture_output=True, text=True, check=True, timeout=60)
+    collected, kilobytes, kept = map(int, found.stdout.split())
+    assert kept == 30_000 and collected >= 16 << 20 and kilobytes >= 16 << 10
+
+
+def test_a_kernel_that_refuses_huge_pages_leaves_everything_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Refusing:
+        def madvise(self, *_: object) -> int:
+            return -1
+
+    refusing = Refusing()
+    refusing.madvise.__func__.argtypes = None  # type: ignore[attr-defined]  # as a function of ctypes has
+    monkeypatch.setattr(huge_pages, "_libc", refusing)
+    assert huge_pages.use_huge_pages() == 0
+    monkeypatch.setattr(huge_pages, "_libc", object())
+    assert huge_pages.use_huge_pages() == 0, "a C library without madvise"

@@ -189,7 +189,7 @@ def test_only_allowed_addresses_write_and_everybody_reads(allow: list[str] | Non
 
 
 def test_an_ipv4_partner_on_an_ipv6_socket_is_the_same_partner() -> None:
-    server = ModbusServer(lambda _: None, allow=["10.0.0.5", "fd00::/8"])
+    server = ModbusServer(lambda _: None, limits=Limits(allow=["10.0.0.5", "fd00::/8"]))
     partners = ("10.0.0.5", "::ffff:10.0.0.5", "fd00::1%eth0", "10.0.0.6", "::1")
     assert [server.may_write(host) for host in partners] == [True, True, True, False, False]
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from drivers.drives.reference_settings import settings_from
+from drivers.drives.reference_settings import ReferenceMove
 from drivers.drives.referencing import Referencing, RunState
 from drivers.drives.scaling import Scaling
 from drivers.emulator.servo.settings import ServoSettings
@@ -29,10 +29,10 @@ def referenced(mode: int, turns: int, edge_deg: float, position_deg: float = 0.0
     speed = 2.0 / GEAR  # rad/s of the axis
     rad = math.radians
     run = Referencing(
-        settings_from(
-            axis.scaling, direction=-1, speed=speed, slow_speed=speed / 4, accel=4.0, jerk=60.0,
+        ReferenceMove(
+            direction=-1, speed=speed, slow_speed=speed / 4, accel=4.0, jerk=60.0,
             position=rad(position_deg), offset=rad(offset_deg), mode=mode,
-        ),
+        ).at_motor(axis.scaling),
         axis.drive.position_inc,
     )  # fmt: skip
     step = None

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from drivers.drives.reference_settings import ReferenceSettings, settings_from
+from drivers.drives.reference_settings import ReferenceMove, ReferenceSettings
 from drivers.drives.referencing import Failure, Referencing, RefStep, RunState
 from drivers.drives.scaling import Scaling, ScalingError
 
@@ -164,7 +164,7 @@ def test_abort_comes_to_rest_and_a_failed_run_holds() -> None:
 
 def test_settings_come_from_axis_values_and_the_direction_of_the_axis() -> None:
     scaling = Scaling(TURN, 5.0, 0.010, -1)
-    settings = settings_from(scaling, direction=-1, speed=0.02, slow_speed=0.004, accel=1.0, jerk=20.0, position=0.1, offset=0.01)
+    settings = ReferenceMove(direction=-1, speed=0.02, slow_speed=0.004, accel=1.0, jerk=20.0, position=0.1, offset=0.01).at_motor(scaling)
     assert settings.direction == 1
     assert settings.speed_inc_s == pytest.approx(0.02 * 5 * TURN / 0.010)
     assert settings.position_inc == pytest.approx(-0.1 * 5 * TURN / 0.010)

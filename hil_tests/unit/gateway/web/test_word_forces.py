@@ -4,7 +4,7 @@ import pytest
 
 from gateway.observer.names import Entry
 from gateway.pure.arbitration.command_block import Code, Command
-from gateway.pure.arbitration.data_blocks import DataBlock, DataBlocks, Slot
+from gateway.pure.arbitration.data_blocks import BlockHost, DataBlock, DataBlocks, Slot
 from gateway.services.forces import MOST, Forces
 from gateway.web.word_forces import forced_words
 from protocols.base.step5 import Step5Type
@@ -63,7 +63,8 @@ def door(commands: list[Command]) -> DataBlocks:
     """DB 10 from the PLC: override in DW 1, drives on in D 0.0; DB 11 to it: A1 in DW 2."""
     slots = (Slot(10, 1, Step5Type.KF, "cell.override"), Slot(10, 0, None, "cell.reset", rising=True))
     blocks = [DataBlock(10, 4, True, slots), DataBlock(11, 4, False, (Slot(11, 2, Step5Type.KF, "axis.A1.actual"),))]
-    return DataBlocks(blocks, ["A1"], None, commands.append, lambda name: 42.0, lambda name, words: None, lambda name, value: None)
+    host = BlockHost(commands.append, lambda name: 42.0, lambda name, words: None, lambda name, value: None)
+    return DataBlocks(blocks, ["A1"], None, host)
 
 
 def test_what_the_plc_writes_is_laid_over_and_comes_back() -> None:

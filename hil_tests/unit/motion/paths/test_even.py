@@ -12,8 +12,9 @@ from motion.paths.even import evened
 from motion.paths.joints import JointPath, joined, joint_line, joint_part, joint_path
 from motion.planner.law_cache import KnownLaws
 from motion.planner.quick_law import swift, width_s
-from motion.planner.route import Route, Stretch
+from motion.planner.route import Route
 from motion.planner.runs import make_run, progress
+from motion.planner.stretch import Stretch
 from motion.program.errors import BlockError
 from motion.program.factors import FULL
 from motion.program.text.reader import read

@@ -14,8 +14,9 @@ from motion.geometry.frames import Pose
 from motion.planner.arm import Arm
 from motion.planner.quick_law import swift, width_s
 from motion.planner.robot import Machine
-from motion.planner.route import Kind, Route, Stretch
+from motion.planner.route import Route
 from motion.planner.runs import make_run
+from motion.planner.stretch import Kind, Stretch
 from motion.planner.trace import Trace, trace
 from motion.program.blocks import Blend, Block, Interpolation, JointTarget, Pace, PoseTarget, Rounding, Shape, Slope
 from motion.timing.jerk import shares as judged

@@ -19,8 +19,8 @@ from motion.geometry.conventions import convention
 from motion.planner.arm import Arm
 from motion.planner.committed import block_ends
 from motion.planner.robot import Machine, machine_of
-from motion.planner.route import Kind, Stretch
 from motion.planner.runs import runs
+from motion.planner.stretch import Kind, Stretch
 from motion.planner.trace import route_of
 from motion.program.blocks import PoseTarget, Program, Tool
 from motion.program.text.reader import read

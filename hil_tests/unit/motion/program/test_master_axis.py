@@ -23,7 +23,8 @@ HEAD = "robot turntables\nangles rho3\naxes deg deg deg deg deg\nstart 0 0 0 0 0
 def tables(speed: float = 20_000.0) -> Machine:
     """P303 = 3, 4, 4, 4, 4; P311 = 360; fast slaves, so that the master alone sets the pace."""
     rates = {"accel": 100 * speed, "jerk": 25_000 * speed}
-    limits = tuple(limits_from(f"A{n}", "deg", lower=0, upper=360, speed=speed, modulo=360, manual=n > 1, **rates) for n in range(1, 6))
+    axes = [limits_from(f"A{n}", "deg", lower=0, upper=360, speed=speed, modulo=360, **rates) for n in range(1, 6)]
+    limits = tuple(replace(axis, manual=n > 0) for n, axis in enumerate(axes))
     return Machine(Identity(limits), limits)
 
 
@@ -65,7 +66,7 @@ def test_a_slave_that_cannot_keep_up_slows_the_master_and_ptp_keeps_the_limit_to
 def test_linear_axes_are_led_by_path_and_others_go_along_in_the_same_time() -> None:
     limits = (
         limits_from("X", "mm", lower=-500, upper=500, speed=1000, accel=9000, jerk=4e5),
-        limits_from("C", "deg", lower=-360, upper=360, speed=900, accel=9000, jerk=4e5, manual=True),
+        replace(limits_from("C", "deg", lower=-360, upper=360, speed=900, accel=9000, jerk=4e5), manual=True),
     )
     machine = Machine(Identity(limits), limits)
     arm = Arm(machine, (0.0, 0.0))

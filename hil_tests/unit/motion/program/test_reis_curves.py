@@ -12,7 +12,8 @@ from motion.geometry.conventions import VAL3
 from motion.geometry.frames import Pose
 from motion.geometry.orientation import angle_between
 from motion.planner.arm import Arm
-from motion.planner.route import Route, Stretch
+from motion.planner.route import Route
+from motion.planner.stretch import Stretch
 from motion.program.blocks import PoseTarget
 
 P = 2e-3

@@ -23,7 +23,8 @@ from motion.paths.joints import joint_line
 from motion.planner.arm import Arm
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
-from motion.planner.route import Kind, Route
+from motion.planner.route import Route
+from motion.planner.stretch import Kind
 from motion.planner.trace import Trace, trace
 from motion.program.blocks import Blend, Block, Interpolation, JointTarget, Rounding, Shape, Slope
 from motion.program.errors import TextFaults

@@ -5,7 +5,8 @@ import pytest
 
 from hil_tests.lab.cells.arms import Array, at, portal, robot
 from motion.paths.joints import joined, joint_line, joint_part
-from motion.planner.route import Kind, Route, Stretch
+from motion.planner.route import Route
+from motion.planner.stretch import Kind, Stretch
 from motion.program.blocks import Blend, Block, Interpolation, JointTarget, PoseTarget, Rounding, Slope
 from motion.program.passing import Passing, Presets
 from motion.program.slopes import earliest, frozen, overlap, ramped, summed, within

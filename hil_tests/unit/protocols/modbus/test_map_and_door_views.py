@@ -16,7 +16,7 @@ from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.faults import CellFaults
 from gateway.pure.image.records.cell import RC_BYTES, InputImage
 from gateway.pure.modbus.registers import Placed, Registers, RegistersView
-from gateway.pure.modbus.rho3_view import RhoView
+from gateway.pure.modbus.rho3_view import BlockFiles, RhoView
 from gateway.pure.reports.tables import Sheet, render
 from gateway.services.modbus_clients import blocks_of, pdu_of
 from gateway.services.sources.modbus import placed, spans
@@ -152,7 +152,7 @@ def test_status_files_and_queue_of_the_rho3_view() -> None:
     """AX-342."""
     errors = [1, 70000, 3]
     block = {10: bytes(range(8))}
-    view = RhoView(InputImage(), (), lambda octets: None, None, None, block.get, lambda: errors)
+    view = RhoView(InputImage(), (), lambda octets: None, None, None, lambda: errors, BlockFiles(block.get))
     view.outputs = bytes((0,) * 8 + (0x25,) + (0,) * (RC_BYTES - 9))
     assert answer(b"\x07", view) == b"\x07\x25"
     assert answer(bytes.fromhex("14 07 06 000A 0001 0002"), view).hex() == "1406050602030405"
@@ -173,7 +173,7 @@ def test_files_of_this_door_are_written_whole_or_not_at_all() -> None:
     def write(number: int, word: int, data: bytes) -> None:
         blocks[number][2 * word : 2 * word + len(data)] = data
 
-    view = RhoView(InputImage(), (), lambda octets: None, None, None, block, tuple, (10, 12), write)
+    view = RhoView(InputImage(), (), lambda octets: None, None, None, tuple, BlockFiles(block, (10, 12), write))
     both = bytes.fromhex("15 0B 06 000A 0002 0002 1234 5678")
     assert answer(both, view) == both and answer(bytes.fromhex("14 07 06 000A 0001 0003"), view).hex() == "14080706000012345678"
     before = {number: bytes(data) for number, data in blocks.items()}

@@ -3,7 +3,7 @@
 import pytest
 
 from gateway.pure.arbitration.command_block import Code, Command
-from gateway.pure.arbitration.data_blocks import DataBlocks
+from gateway.pure.arbitration.data_blocks import BlockHost, DataBlocks
 from gateway.pure.image.reasons import CommandState
 from gateway.services.sources.rk512 import compile_block, compile_handshake
 from hil_tests.lab.virtual.cell_bench import DEMO
@@ -22,15 +22,13 @@ class Door:
         blocks = [compile_block(db) for db in DEMO.db]
         names = [axis.name for axis in DEMO.axis]
         handshake = compile_handshake(DEMO.handshake["move"])
-        self.door = DataBlocks(
-            blocks,
-            names,
-            handshake,
+        host = BlockHost(
             self.commands.append,
             lambda name: self.values.get(name, 0.0),
             lambda name, words: self.bad.append(words),
             self.levels.__setitem__,
         )
+        self.door = DataBlocks(blocks, names, handshake, host)
 
     def send(self, **words: int) -> list[int]:
         """A whole DB 10; words as dw0=..; the codes commanded by it."""

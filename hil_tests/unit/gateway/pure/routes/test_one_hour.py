@@ -8,7 +8,7 @@ no older than the silence the command source allows.
 import random
 from collections.abc import Callable
 
-from gateway.pure.arbitration.data_blocks import DataBlock, DataBlocks
+from gateway.pure.arbitration.data_blocks import BlockHost, DataBlock, DataBlocks
 from gateway.pure.arbitration.link_watch import LinkEvent, LinkWatch
 from gateway.pure.image.addresses import RcBit
 from gateway.pure.routes.addresses import number_at, place_of, put_at
@@ -30,7 +30,9 @@ class Writer:
     def __init__(self, number: int, chance: random.Random) -> None:
         self.number, self.chance = number, chance
         block = DataBlock(number, 4, from_plc=True)
-        self.door = DataBlocks([block], (), None, lambda command: None, lambda name: 0.0, lambda name, text: None, lambda name, bit: None)
+        self.door = DataBlocks(
+            [block], (), None, BlockHost(lambda command: None, lambda name: 0.0, lambda name, text: None, lambda name, bit: None)
+        )
         self.block = block
         self.watch = LinkWatch(SILENCE, has_life_word=False)
         self.up, self.turn, self.due, self.outages = True, self._until(0), 0, 0

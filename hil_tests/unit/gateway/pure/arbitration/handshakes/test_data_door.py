@@ -5,7 +5,7 @@ import pytest
 from gateway.cell_file.load import CellFaults, load_cell
 from gateway.files.find import find_config, read_text
 from gateway.pure.arbitration.command_block import Code, Command
-from gateway.pure.arbitration.data_blocks import DataBlocks
+from gateway.pure.arbitration.data_blocks import BlockHost, DataBlocks
 from gateway.pure.image.reasons import CommandState
 from gateway.services.sources.rk512 import compile_block, compile_handshake, compile_pattern
 from hil_tests.lab.cells.numbered_cell import numbered_cell
@@ -42,10 +42,8 @@ class Door:
         self.commands: list[Command] = []
         shake = compile_handshake(cell.handshake["move"])
         blocks, names = [compile_block(db) for db in cell.db], [axis.name for axis in cell.axis]
-        self.door = DataBlocks(
-            blocks, names, shake, self.commands.append, lambda name: 0.0, lambda name, told: None, lambda name, bit: None,
-            (), *compile_pattern(cell),
-        )  # fmt: skip
+        host = BlockHost(self.commands.append, lambda name: 0.0, lambda name, told: None, lambda name, bit: None)
+        self.door = DataBlocks(blocks, names, shake, host, selected=compile_pattern(cell))
         self.words = [0] * 32
         self.send()
 

@@ -7,7 +7,7 @@ import pytest
 from gateway.cell_file.load import load_cell
 from gateway.files.find import find_config, read_text
 from gateway.pure.arbitration.command_block import Code, Command
-from gateway.pure.arbitration.data_blocks import DataBlocks
+from gateway.pure.arbitration.data_blocks import BlockHost, DataBlocks
 from gateway.pure.image.reasons import CommandState, Reason
 from gateway.services.sources.rk512 import compile_block, compile_handshake, compile_pattern
 from hil_tests.lab.virtual.cell_bench import CellBench
@@ -66,10 +66,9 @@ class Plc:
         cell = load_cell("numbers.toml", cell_text(pattern))
         self.bench = CellBench(cell=cell).ready()
         shake = compile_handshake(cell.handshake["move"])
-        self.door = DataBlocks(
-            [compile_block(db) for db in cell.db], [axis.name for axis in cell.axis], shake, self._command, self._value,
-            lambda name, words: self.told.append(words), lambda name, bit: None, (), *compile_pattern(cell), self._refuse,
-        )  # fmt: skip
+        host = BlockHost(self._command, self._value, lambda name, words: self.told.append(words), lambda name, bit: None, self._refuse)
+        blocks, axes = [compile_block(db) for db in cell.db], [axis.name for axis in cell.axis]
+        self.door = DataBlocks(blocks, axes, shake, host, selected=compile_pattern(cell))
         self.words = bytearray(64)
         self.put(a1=100.0, a2=100.0, speed=50, override=100)
         self.send()

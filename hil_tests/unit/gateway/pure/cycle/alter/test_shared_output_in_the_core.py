@@ -13,6 +13,7 @@ from gateway.pure.arbitration.command_block import Code
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.cell.faults import CellFaults
 from gateway.pure.cycle.core import CycleLogic
+from gateway.pure.cycle.core_settings import CoreParts
 from gateway.pure.image.reasons import CommandState, Reason
 from gateway.pure.image.records.cell import CellState, Motion, get_bit, pack_cell_state, unpack_cell_state
 from hil_tests.lab.virtual.alter_bench import HEAD, P5_MS, PORTAL, with_alter
@@ -35,7 +36,7 @@ class Shared(Planned):
 
             def _new_core(self) -> CycleLogic:
                 shared = shared_of_cell(self.cell, self.p5_ms)
-                return CycleLogic(core_axes(self.cell, self.p5_ms), self.period_ns / 1e9, self.generation, shared=shared)
+                return CycleLogic(core_axes(self.cell, self.p5_ms), self.period_ns / 1e9, self.generation, parts=CoreParts(shared=shared))
 
         super().__init__(Robot(P5_MS, cell=cell))
         self.home()
