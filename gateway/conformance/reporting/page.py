@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, cast
 
 from gateway.conformance.reporting.document import Json, cases_of
+from gateway.conformance.reporting.german import in_german
 from gateway.conformance.reporting.words_de import GERMAN
 
 Word = Callable[..., str]
@@ -34,6 +35,8 @@ small{color:#555}ul{margin:.3em 0;padding-left:1.2em}
 def to_html(found: Mapping[str, object], language: str = "en") -> str:
     """One file, nothing from elsewhere."""
     de = language == "de"
+    if de:
+        found = in_german(found)
 
     def word(text: str, *values: object) -> str:
         pattern = GERMAN.get(text, text) if de else text

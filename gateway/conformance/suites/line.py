@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from gateway.conformance.framework.base import TOLERANCE, Seen, Tester, hexed
+from gateway.conformance.framework.causes import PREPARING
 from gateway.conformance.framework.host import Host
 from gateway.links.serial.tool_wire import Wire
 from gateway.pure.conformance.verdict import Disturbed, Ended, Fail, Inconclusive, NotApplicable
@@ -408,7 +409,7 @@ class LineTester(Tester):
             if isinstance(ended, Disturbed):
                 raise
             raise Fail(
-                f"left the station unusable: {ended.reason.removeprefix('preamble: ')}", ended.expected or "DLE (10h)", ended.got
+                f"left the station unusable: {ended.reason.removeprefix(PREPARING)}", ended.expected or "DLE (10h)", ended.got
             ) from ended
         except Fail as failed:
             raise Fail(f"left the station unusable: {failed.reason}", failed.expected, failed.got) from failed

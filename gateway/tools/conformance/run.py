@@ -22,11 +22,13 @@ from gateway.conformance.framework.run import Runner, Session, ordered
 from gateway.conformance.framework.witness import Witness
 from gateway.conformance.reporting.document import Circumstances, cases_of, code_of, counts, document
 from gateway.conformance.reporting.folder import load, suite_of, write_folder
+from gateway.conformance.reporting.german import verdict_text
 from gateway.conformance.suites.opening import Opened, OpenPort, factory_of
 from gateway.conformance.suites.registry import SUITES, Suite
 from gateway.conformance.suites.scores import SCORES
 from gateway.links.serial.tool_wire import ToolPort
 from gateway.pure.conformance.purpose import Purpose, selected, unknown
+from gateway.pure.conformance.verdict import Verdict
 from gateway.pure.lines.texts import language_of
 from gateway.tools.usage_language import complain
 
@@ -94,6 +96,9 @@ def chosen(suite: Suite, arguments: argparse.Namespace) -> list[Purpose[Tester]]
         if (other := suite_of(earlier)) != suite.name:
             raise Stop(f"--failed-from {arguments.failed_from}: is a report of the suite {other}, not of {suite.name}")
         failed = {str(case["id"]) for case in cases_of(earlier) if case["verdict"] in NOT_PASSED}
+        if gone := failed - {purpose.id for purpose in purposes}:
+            words = f"--failed-from {arguments.failed_from}: the suite {suite.name} {suite.version} no longer has {', '.join(sorted(gone))}"
+            print(f"axisgate conformance: {words}", file=sys.stderr)
         found = [purpose for purpose in found if purpose.id in failed]
     if not found:
         raise Stop("nothing is selected: --only and --failed-from leave no case")
@@ -111,7 +116,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
         make()  # a factory that raises is a fault of the bench file
     with ending_like_ctrl_c(), started(bench), witnessed(make is not None) as witness:
         seed = DEFAULT_SEED if arguments.seed is None else arguments.seed
-        opened = Opened(bench, stated, port_opener(bench), make, witness, seed, say=_say)
+        opened = Opened(bench, stated, port_opener(bench), make, witness, seed, say=_say(language(arguments, bench)))
         return _played(suite, bench, stated, purposes, waivers, opened, arguments)
 
 
@@ -157,6 +162,7 @@ def _reported(
     arguments: argparse.Namespace,
 ) -> int:
     assumed = [*session.assumed, *(f"{key}: does not act in the suite {suite.name}" for key in bench.named() if key not in suite.keys)]
+    assumed += [f"waiver of {one.purpose.id}: not needed, the case passed" for one in results if one.waived and one.verdict is Verdict.PASS]
     ran = Circumstances(assumed, checked, arguments.seed, runner.interrupted)
     found = document(suite, bench, stated, results, ran, SCORES[suite.name])
     code = code_of(results)
@@ -193,9 +199,11 @@ def _checked(session: Session) -> Mapping[str, object]:
 
 def _progress(result: Result, done: int, of: int, arguments: argparse.Namespace) -> None:
     stream = sys.stderr if arguments.json else sys.stdout
-    waived = f" (waived until {result.waived.until})" if result.waived else ""
-    summary = result.purpose.summary_de if language(arguments) == "de" else result.purpose.summary
-    print(f"[{done}/{of}] {result.verdict.value:7}{waived} {result.purpose.id}  {result.reason or summary}", file=stream, flush=True)
+    german = language(arguments) == "de"
+    waived = f" ({'Ausnahme bis' if german else 'waived until'} {result.waived.until})" if result.waived else ""
+    summary = result.purpose.summary_de if german else result.purpose.summary
+    said = verdict_text(result.reason, language(arguments)) or summary
+    print(f"[{done}/{of}] {result.verdict.value:7}{waived} {result.purpose.id}  {said}", file=stream, flush=True)
 
 
 def _dry(
@@ -215,8 +223,13 @@ def _dry(
     return DONE
 
 
-def _say(text: str) -> None:
-    print(f">>> {text}", file=sys.stderr, flush=True)
+def _say(spoken: str) -> Callable[[str], None]:
+    """What the operator is asked to do, in that language."""
+
+    def say(text: str) -> None:
+        print(f">>> {verdict_text(text, spoken)}", file=sys.stderr, flush=True)
+
+    return say
 
 
 def port_opener(bench: Bench) -> OpenPort:

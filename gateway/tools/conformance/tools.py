@@ -6,12 +6,12 @@ import re
 import sys
 
 from gateway.conformance.peers.score import score
-from gateway.conformance.reporting.folder import compare, is_worse, load, suite_of, verify
+from gateway.conformance.reporting.folder import compare, is_worse, load, suite_of, verify, version_of
 from gateway.conformance.suites.opening import Opened, factory_of
 from gateway.conformance.suites.registry import SUITES, Suite
 from gateway.conformance.suites.scores import SCORES
 from gateway.pure.conformance.purpose import GROUPS
-from gateway.tools.conformance.run import Stop, bench_of, language, port_opener, suite_named, witnessed
+from gateway.tools.conformance.run import Stop, bench_of, ending_like_ctrl_c, language, port_opener, started, suite_named, witnessed
 
 DONE, FINDING = 0, 1
 YES, NO = ("y", "yes", "j", "ja", "true", "1"), ("n", "no", "nein", "false", "0")
@@ -55,6 +55,8 @@ def _fields(suite: Suite, at: int) -> dict[str, object]:
 def new_pics(arguments: argparse.Namespace) -> int:
     """The device is asked first; what it cannot say is asked of the user, where there is one."""
     suite = suite_named(arguments.suite)
+    if arguments.output is not None and arguments.output.exists():
+        raise Stop(f"--output {arguments.output}: this file exists, and what was entered in it would be lost; name another file")
     found, assumed = _from_device(suite, arguments) if arguments.bench or arguments.port else ({}, [])
     lines = [f"# PICS for the suite {suite.name} {suite.version}", *(f"# {text}" for text in assumed), "[pics]"]
     ask = sys.stdin.isatty()
@@ -77,7 +79,7 @@ def new_pics(arguments: argparse.Namespace) -> int:
 def _from_device(suite: Suite, arguments: argparse.Namespace) -> tuple[dict[str, object], list[str]]:
     bench = bench_of(arguments)
     make = factory_of(bench, suite.frames, suite.sim)
-    with witnessed(make is not None) as witness:
+    with ending_like_ctrl_c(), started(bench), witnessed(make is not None) as witness:
         session = suite.session(Opened(bench, dict(bench.pics), port_opener(bench), make, witness))
         try:
             found = dict(session.discover())
@@ -169,6 +171,9 @@ def compare_reports(arguments: argparse.Namespace) -> int:
     old, new = load(arguments.a), load(arguments.b)
     if suite_of(old) != suite_of(new):
         raise Stop(f"{arguments.a} is a report of the suite {suite_of(old)}, {arguments.b} of {suite_of(new)}: nothing can be compared")
+    if version_of(old) != version_of(new):
+        notice = f"{arguments.a} is of version {version_of(old)} of the suite, {arguments.b} of {version_of(new)}: cases may have changed"
+        print(f"axisgate conformance: {notice}", file=sys.stderr)
     rows = compare(old, new)
     if arguments.json:
         print(json.dumps([{"id": name, "before": before, "now": now} for name, before, now in rows]))

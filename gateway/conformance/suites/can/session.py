@@ -131,7 +131,7 @@ class NodeSession:
         if item not in self.pics:
             self.pics[item] = found
             if not found:
-                self.assumed.append(f"no {item}: it is not there")
+                self.assumed.append(f"{item}: not there")
 
     def _changeable(self) -> None:
         """A small device has PDOs whose parameters, or whose mapping, are fixed: each is written back as it is."""

@@ -263,4 +263,4 @@ def not_selected(t: NodeTester) -> None:
     _waiting(t)
     got = _ask(t, Service.CONFIGURE_NODE, t.setup.node) or _ask(t, Service.INQUIRE_NODE)
     if got:
-        raise Fail("configuring services without being selected", "nothing", hexed(got))
+        raise Fail("a configuring service is answered without being selected", "nothing", hexed(got))

@@ -17,12 +17,17 @@ STEPS = ((Command.START, State.OPERATIONAL), (Command.STOP, State.STOPPED), (Com
 EACH_STEP = (*STEPS[:2], STEPS[0], STEPS[2], STEPS[1], STEPS[2])  # from each state to each other one
 
 
+def words(which: Command | State) -> str:
+    """A command or state as the standard spells it."""
+    return which.name.lower().replace("_", "-")
+
+
 def entered(t: NodeTester, wanted: State, what: str) -> None:
     got = t.beat()
     if got != wanted:
         got = t.beat()  # one heartbeat may have been on its way
     if got != wanted:
-        raise Fail(f"{what}: state {got}", f"state {wanted.value} ({wanted.name.lower()})", str(got))
+        raise Fail(f"{what}: state {got}", f"state {wanted.value} ({words(wanted)})", str(got))
 
 
 @NMT.case(
@@ -63,7 +68,7 @@ def states(t: NodeTester) -> None:
         before = State.PRE_OPERATIONAL
         for command, state in EACH_STEP:
             t.command(command)
-            entered(t, state, f"after {command.name.lower()} in {before.name.lower()}")
+            entered(t, state, f"after {words(command)} in {words(before)}")
             before = state
 
 
@@ -72,7 +77,7 @@ def all_nodes(t: NodeTester) -> None:
     with t.beating():
         for command, state in STEPS:
             t.command(command, nmt.ALL_NODES)
-            entered(t, state, f"after {command.name.lower()} to all")
+            entered(t, state, f"after {words(command)} to all")
 
 
 @NMT.case(
@@ -117,7 +122,7 @@ def other_node(t: NodeTester) -> None:
         for command in (Command.STOP, Command.START):
             t.command(command, t.setup.node % cobid.MAX_NODE + 1)
             t.pause(ms(5))
-            entered(t, State.PRE_OPERATIONAL, f"after {command.name.lower()} to another node")
+            entered(t, State.PRE_OPERATIONAL, f"after {words(command)} to another node")
 
 
 @NMT.case("BI_02", "an unknown command has no effect", "ein unbekannter Befehl wirkt nicht", condition=BEATS, preamble=(BASIC, STATES))
@@ -191,7 +196,7 @@ def tour(t: NodeTester) -> None:
         elif wanted is None:
             raise Fail(f"it sends {shown(frame)}", "identifiers of this node", shown(frame))
         elif wanted and len(frame.data) not in wanted:
-            raise Fail(f"{cobid.describe(identifier)} of {len(frame.data)} bytes", f"{wanted} bytes", shown(frame))
+            raise Fail(f"{cobid.describe(identifier)} of {len(frame.data)} bytes", f"{' or '.join(map(str, wanted))} bytes", shown(frame))
         elif identifier == cobid.heartbeat(t.setup.node) and frame.data[0] not in (0, *(state.value for state in State)):
             raise Fail(f"heartbeat with state {frame.data[0]}", "0, 4, 5 or 127", shown(frame))
     if t.faults:

@@ -372,4 +372,4 @@ def stale(t: NodeTester) -> None:
         t.pause(ms(5))
         t.sync()
         t.pause(ms(5))
-        target.holds(t, 0, "an RPDO of before the last start")
+        target.holds(t, 0, "an RPDO received before the last start")

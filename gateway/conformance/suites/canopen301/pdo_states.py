@@ -206,6 +206,6 @@ def while_valid(t: NodeTester) -> None:
             t.download((TX, 1), cob & ~cobid.INVALID, 4)
         try:
             if all(t.ask(step)[:1] == b"\x60" for step in steps):
-                raise Fail("TPDO 1 was mapped anew while 1800h:01 marks it as valid", "a refusal", "each step is acknowledged")
+                raise Fail("TPDO 1 was remapped while valid (1800h:01)", "a refusal", "each step is acknowledged")
         finally:
             mapped_back(t, cob, parts)

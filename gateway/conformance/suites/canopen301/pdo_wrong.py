@@ -88,13 +88,13 @@ def while_counted(t: NodeTester) -> None:
     with t.given():
         cob, parts = t.number((TX, 1)), mapping(t, MAP)
     if len(parts) < 2:
-        raise NotApplicable("TPDO 1 carries less than two objects")
+        raise NotApplicable("TPDO 1 carries fewer than two objects")
     with t.kept((TX, 1)):
         for identifier, what in ((cob & ~cobid.INVALID, "valid"), (cob | cobid.INVALID, "not valid")):
             with t.given():
                 t.download((TX, 1), identifier, 4)
             try:
-                t.refused(write((MAP, 1), parts[1].word, 4), STATE_CODES, f"an entry of a mapping with entries, TPDO 1 {what},", OTHERS)
+                t.refused(write((MAP, 1), parts[1].word, 4), STATE_CODES, f"an entry of a mapping with entries (TPDO 1 {what})", OTHERS)
             finally:
                 mapped_back(t, identifier, parts)
 
@@ -154,7 +154,7 @@ def too_long(t: NodeTester) -> None:
                 break
         if got[:1] == b"\x60":
             got = t.ask(write((MAP, 0), count, 1))
-        t.judge_refusal(got, (Abort.MAPPED_LENGTH,), f"{count * widest.bits} bits", (*OTHERS, Abort.NOT_MAPPABLE))
+        t.judge_refusal(got, (Abort.MAPPED_LENGTH,), f"a mapping of {count * widest.bits} bits", (*OTHERS, Abort.NOT_MAPPABLE))
 
 
 @RULES.case(

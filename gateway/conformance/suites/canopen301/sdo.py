@@ -231,7 +231,7 @@ def new_request(t: NodeTester) -> None:
     if len(t.upload(DEVICE_TYPE)) != 4:
         raise Fail("1000h in the midst of another upload", "four bytes", "another length")
     if (got := t.upload(t.setup.text)) != wanted:
-        raise Fail("the upload after it begins otherwise", hexed(wanted), hexed(got))
+        raise Fail("the next upload gives other bytes", hexed(wanted), hexed(got))
 
 
 @SDO.case("BO_03", "a request of seven bytes is not executed", "eine Anfrage mit sieben Bytes wird nicht ausgeführt")

@@ -52,11 +52,23 @@ ROWS = (
         *((BASIC, WRITE, "CO301_SDO_BV_05"), lambda t: segmented(t, _two(VALUE), 2, toggle=True)),
     ),
     Row(
-        *(3, "four bytes for an object of two", "vier Bytes für ein Objekt von zwei", (Abort.TOO_LONG, Abort.LENGTH), ("heartbeat",)),
+        *(
+            3,
+            "a download of four bytes to an object of two",
+            "vier Bytes für ein Objekt von zwei",
+            (Abort.TOO_LONG, Abort.LENGTH),
+            ("heartbeat",),
+        ),
         *((BASIC, WRITE), lambda t: t.ask(sdo.expedited(Request.INITIATE_DOWNLOAD, HEARTBEAT, _two(VALUE) + bytes(2)))),
     ),
     Row(
-        *(4, "one byte for an object of two", "ein Byte für ein Objekt von zwei", (Abort.TOO_SHORT, Abort.LENGTH), ("heartbeat",)),
+        *(
+            4,
+            "a download of one byte to an object of two",
+            "ein Byte für ein Objekt von zwei",
+            (Abort.TOO_SHORT, Abort.LENGTH),
+            ("heartbeat",),
+        ),
         *((BASIC, WRITE), lambda t: t.ask(sdo.expedited(Request.INITIATE_DOWNLOAD, HEARTBEAT, b"\x7b"))),
     ),
     Row(

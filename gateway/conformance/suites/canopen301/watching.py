@@ -147,7 +147,7 @@ def never_heard(t: NodeTester) -> None:
         found = [frame for frame in t.heard if _is_loss(t, frame)]
     t.reset()
     if found:
-        raise Fail("a heartbeat is missed that never came", "nothing before the first heartbeat", shown(found[0]))
+        raise Fail("the loss of a heartbeat that never came is reported", "nothing before the first heartbeat", shown(found[0]))
 
 
 def _takes(t: NodeTester, key: tuple[int, int], value: int, size: int) -> None:

@@ -130,7 +130,7 @@ def inside(t: NodeTester) -> None:
         for _ in range(60):
             t.on_grid()
             if state_of(got := status(t)) != ENABLED:
-                raise Fail(f"a lag of {4 * way} at most is a fault, 6065h = {16 * way}", "operation enabled", named(got))
+                raise Fail(f"a lag of at most {4 * way} is a fault, 6065h = {16 * way}", "operation enabled", named(got))
 
 
 @MOTOR.case("BV_08", "6080h bounds the speed as well", "auch 6080h begrenzt die Geschwindigkeit")
@@ -209,4 +209,4 @@ def homing_halted(t: NodeTester) -> None:
         until(t, lambda: standing(t), "standstill after halt", ms(3000))
         stays(t, ENABLED, "halt in homing", ms(100))
         if (got := status(t)) & (BIT12 | BIT13):
-            raise Fail("bits 12 or 13 after halt in homing", "both clear", named(got))
+            raise Fail("bit 12 or 13 is set after halt in homing", "both clear", named(got))

@@ -102,7 +102,7 @@ def master_lost(t: NodeTester) -> None:
         last = t.asked_at
         frame = t.hear((t.emcy,), ms(3000))
         if frame is None or len(frame.data) != 8 or not decode(frame.data).code:
-            raise Fail("no emergency when the master is lost", "EMCY with an error code", shown(frame))
+            raise Fail("no emergency message when the master is lost", "EMCY with an error code", shown(frame))
         reaches(t, FAULT, "the master is lost")
         t.timed("master lost to fault", t.now() - last, ms(0.8 * watched_ms(t)), ms(3000))
         if not (code := t.number(ERROR_CODE)):
@@ -236,7 +236,9 @@ def following(t: NodeTester) -> None:
             raise Fail("a jump of the set value far beyond 6065h raises no fault", "fault", got)
         codes = [decode(frame.data).code for frame in t.heard if frame.identifier == t.emcy and len(frame.data) == 8]
         if 0x8611 not in codes:
-            raise Fail("another emergency for a following error", "EMCY 8611h", ", ".join(f"{code:04X}h" for code in codes) or "none")
+            raise Fail(
+                "another emergency message for a following error", "EMCY 8611h", ", ".join(f"{code:04X}h" for code in codes) or "none"
+            )
 
 
 @contextmanager

@@ -167,7 +167,7 @@ def stopped(t: NodeTester) -> None:
         if state_of(got := status(t)) == ENABLED:
             raise Fail("it is still in operation enabled after NMT stop", "fault (xx08h)", named(got))
         if state_of(got) != FAULT:
-            raise Warn("it is without power after NMT stop, but not in fault", "fault (xx08h)", named(got))
+            raise Warn("it is not in fault after NMT stop", "fault (xx08h)", named(got))
 
 
 @FLT.case(

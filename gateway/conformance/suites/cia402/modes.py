@@ -151,7 +151,7 @@ def no_restart(t: NodeTester) -> None:
     with brought_to(t, ENABLED, 3):
         t.pause(ms(100))
         if not standing(t):
-            raise Fail("it moves although 60FFh was set back to its value of before", "standstill", f"606Ch = {speed(t)}")
+            raise Fail("it moves although 60FFh was set back to its former value", "standstill", f"606Ch = {speed(t)}")
 
 
 # ---- homing
@@ -209,7 +209,7 @@ def begins_again(t: NodeTester) -> None:
     with homing(t, 34):
         control(t, 0x1F)
         if status(t) & (BIT12 | REACHED):
-            raise Fail("bits 10 or 12 are set while homing searches", "bits 10 and 12 clear", named(status(t)))
+            raise Fail("bit 10 or 12 is set while homing is under way", "bits 10 and 12 clear", named(status(t)))
         until(t, lambda: status(t) & (BIT12 | BIT13) == BIT12, "homing to the index attained")
 
 
@@ -229,7 +229,7 @@ def interrupted(t: NodeTester) -> None:
         control(t, 0x0F)
         until(t, lambda: standing(t), "standstill after the interruption", ms(3000))
         if status(t) & (BIT12 | BIT13):
-            raise Fail("bits 12 or 13 after an interruption", "both clear", named(status(t)))
+            raise Fail("bit 12 or 13 is set after an interruption", "both clear", named(status(t)))
 
 
 @HOM.case(

@@ -58,7 +58,7 @@ def _passes(t: NodeTester, faster: bool, bound: int, limit: Ns) -> Ns:
     begin = t.now()
     while (abs(speed(t)) >= bound) is not faster:
         if t.now() - begin > limit or (faster and status(t) & REACHED and standing(t) and t.now() - begin > ms(100)):
-            raise NotApplicable(f"it does not come to {bound} in 606Ch on 4 ways")
+            raise NotApplicable(f"606Ch does not reach {bound} within four times the way")
         t.pause(ms(1))
     return t.now()
 

@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Iterator
 
+from gateway.conformance.framework.causes import PREPARING
 from gateway.conformance.suites.modbus.content import kept, same_values, write_back
 from gateway.conformance.suites.modbus.functions import end_of, reads_well
 from gateway.conformance.suites.modbus.tester import ModbusTester
@@ -272,6 +273,6 @@ def next_request(t: ModbusTester) -> None:
         try:
             got = t.ask(good)
         except Ended as ended:
-            raise Fail(f"after the frame {bad.hex(' ').upper()}: {ended.reason}", "an answer", ended.got) from ended
+            raise Fail(f"after the frame {bad.hex(' ').upper()}: {ended.reason.removeprefix(PREPARING)}", "an answer", ended.got) from ended
         if not got:
             raise Fail(f"after the frame {bad.hex(' ').upper()} the next request is lost", "an answer", t.words(got))

@@ -310,7 +310,7 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
                 got = t.normal(struct.pack(">BHH", 1, at, size), "FC 1")
                 if got[2:] != ((1 << size) - 1).to_bytes((size + 7) // 8, "little"):
                     raise Fail(
-                        f"{size} coils that are on: {got[2:].hex(' ').upper()}",
+                        f"{size} coils that are on read as {got[2:].hex(' ').upper()}",
                         ((1 << size) - 1).to_bytes((size + 7) // 8, "little").hex(" ").upper(),
                         t.words(got),
                     )

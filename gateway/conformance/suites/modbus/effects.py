@@ -104,7 +104,7 @@ def _nowhere(p: Purposes[ModbusTester], number: int, write: Write) -> None:
             raise NotApplicable("every address that was tried can be read")
         with _unwritten(t, write.table, here) as (_, compare):
             for place in places:
-                what = f"FC {write.function} to {place}, which cannot be read,"
+                what = f"FC {write.function} to the unreadable address {place}"
                 _refused(t, write.request(place), 2, what, (3,))
                 compare(what)
 
@@ -125,7 +125,7 @@ def _across_the_end(p: Purposes[ModbusTester]) -> None:
                 raise NotApplicable("[touch] does not reach the last address of the table")
             value = b"\xff" if function == 15 else struct.pack(">HH", VALUE, VALUE)
             with _unwritten(t, table, last) as (_, compare):
-                what = f"FC {function} of two from {last}, the last address,"
+                what = f"FC {function} of two from the last address, {last}"
                 _refused(t, struct.pack(">BHHB", function, last, 2, len(value)) + value, 2, what, (3,))
                 compare(what)
 

@@ -2,6 +2,7 @@
 
 import struct
 
+from gateway.conformance.framework.causes import PREPARING
 from gateway.conformance.suites.modbus.tester import ModbusTester
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, Warn
@@ -25,7 +26,7 @@ def _served(t: ModbusTester, after: str) -> None:
     try:
         got = t.ask(readable_request(t))
     except Inconclusive as ended:
-        raise Fail(f"after {after}: {ended.reason}", "an answer", ended.got) from ended
+        raise Fail(f"after {after}: {ended.reason.removeprefix(PREPARING)}", "an answer", ended.got) from ended
     if not got:
         raise Fail(f"after {after} nothing is answered", "an answer", t.words(got))
 
@@ -54,7 +55,7 @@ def transactions(t: ModbusTester) -> None:
         t.send(t.frame(readable_request(t), transaction=number))
         found = t.answer_frame()
         if len(found) < 8 or HEADER.unpack_from(found)[0] != number:
-            raise Fail(f"transaction {number:04X}h", f"{number:04X}h", t.words(found))
+            raise Fail(f"transaction {number:04X}h does not come back", f"{number:04X}h", t.words(found))
 
 
 @TCP.case(
@@ -256,7 +257,7 @@ def wrong_crc(t: ModbusTester) -> None:
 )
 def swapped(t: ModbusTester) -> None:
     frame = t.frame(readable_request(t))
-    _silence(t, frame[:-2] + frame[:-3:-1], "a CRC high byte first")
+    _silence(t, frame[:-2] + frame[:-3:-1], "a frame with the CRC's high byte first")
 
 
 @RTU.case("BI_03", "each wrong character of a request: silence", "jedes falsche Zeichen einer Anfrage: Stille")

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
+from gateway.conformance.framework.causes import PREPARING
 from gateway.conformance.suites.modbus.content import kept, write_back
 from gateway.conformance.suites.modbus.other_functions import other_functions
 from gateway.conformance.suites.modbus.tester import CROSS, EXCEPTIONS, TABLES, ModbusTester
@@ -220,7 +221,7 @@ def _misread(reading: Reading) -> None:
         if got and got[0] & 0x80 and got[1] == 3:
             return
         if got and not got[0] & 0x80:
-            raise Fail(f"FC {function}: a byte too few was executed", "exception 03h, silence or close", t.words(got))
+            raise Fail(f"FC {function} with a byte too few was executed", "exception 03h, silence or close", t.words(got))
         if not t.rtu:
             raise Warn(f"FC {function}: a byte too few: {t.words(got)}", "exception 03h", t.words(got))
 
@@ -267,7 +268,7 @@ def _single_writes(case: Case) -> None:
 
     @case("BI_60", 6, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, wirkungslos")
     def register_short(t: ModbusTester) -> None:
-        unchanged(t, struct.pack(">BHH", 6, t.setup.holding[0], 0x5A5A)[:-1], "FC 6, a byte too few", 3, t.setup.holding[0], 1)
+        unchanged(t, struct.pack(">BHH", 6, t.setup.holding[0], 0x5A5A)[:-1], "FC 6 with a byte too few", 3, t.setup.holding[0], 1)
 
 
 def _counted_writes(case: Case) -> None:
@@ -329,7 +330,7 @@ def _writes_beyond(case: Case) -> None:
 def _writes_in_one_request(case: Case) -> None:
     @case("BI_80", 22, "a request that is too short is refused, without effect", "eine zu kurze Anfrage wird abgelehnt, wirkungslos")
     def mask_short(t: ModbusTester) -> None:
-        unchanged(t, struct.pack(">BHHH", 22, t.setup.holding[0], 0, 0x5A5A)[:-1], "FC 22, a byte too few", 3, t.setup.holding[0], 1)
+        unchanged(t, struct.pack(">BHHH", 22, t.setup.holding[0], 0, 0x5A5A)[:-1], "FC 22 with a byte too few", 3, t.setup.holding[0], 1)
 
     @case(
         "BI_81",
@@ -377,7 +378,7 @@ def _read_again(t: ModbusTester, what: str, table: int, at: int, count: int) -> 
                 return t.read(table, at, count)
         except Inconclusive as ended:
             if last:
-                raise Fail(f"after {what}: {ended.reason.removeprefix('preamble: ')}", "an answer as before", ended.got) from ended
+                raise Fail(f"after {what}: {ended.reason.removeprefix(PREPARING)}", "an answer as before", ended.got) from ended
         t.reconnect()
     raise AssertionError("both tries end")
 

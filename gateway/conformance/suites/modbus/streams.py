@@ -80,7 +80,7 @@ def in_order(t: ModbusTester) -> None:
         answers = {HEADER.unpack_from(found)[0]: found[7:] for found in (_answer(t), _answer(t)) if len(found) > 8}
         wanted, got = struct.pack(">BBH", 3, 2, value), answers.get(NUMBER + 1, b"")
         if got != wanted:
-            raise Warn("the read of a segment was executed before the write ahead of it", t.words(wanted), t.words(got))
+            raise Warn("the read was executed before the write ahead of it in the segment", t.words(wanted), t.words(got))
 
 
 @TCP.case(

@@ -1,5 +1,6 @@
 """The supply of a Modbus server fails and returns: it is served again, soon enough."""
 
+from gateway.conformance.framework.causes import PREPARING
 from gateway.conformance.suites.modbus.framing import readable_request
 from gateway.conformance.suites.modbus.tester import ModbusTester
 from gateway.pure.conformance.purpose import Purposes
@@ -38,7 +39,9 @@ def _serves(t: ModbusTester, what: str) -> None:
             return
         except Ended as failed:
             if t.now() > until:
-                raise Fail(f"it does not serve again: {failed.reason}", "an answer", failed.got or "nothing") from failed
+                raise Fail(
+                    f"it does not serve again: {failed.reason.removeprefix(PREPARING)}", "an answer", failed.got or "nothing"
+                ) from failed
             t.power.pause(ms(200))
 
 

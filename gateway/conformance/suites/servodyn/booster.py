@@ -81,7 +81,7 @@ class BoosterTester(CanTester):
         start = self.asked_at
         frame = self.hear((self.actual_id,), self.setup.cycle * 3 // 4 + self.uncertainty())
         if frame is None:
-            raise Fail("no actual value after SYNC", f"{ACTUAL} on {self.actual_id} within a cycle", "nothing")
+            raise Fail("no actual value after SYNC", f"{ACTUAL} on {self.actual_id:03X}h within a cycle", "nothing")
         self.last = self.read(frame)
         self.answered_after = self.answered_at - start
         return self.last
@@ -172,7 +172,7 @@ class BoosterTester(CanTester):
         got = self.hear((answer_id(self.setup.module),), self.setup.wait)
         self.answers = self.answers or got is not None
         if got is None:
-            raise Fail(f"no answer to parameter {number}", f"an answer on {answer_id(self.setup.module)}", "nothing")
+            raise Fail(f"no answer to parameter {number}", f"an answer on {answer_id(self.setup.module):03X}h", "nothing")
         try:
             answer = decode_answer(got)[1]
         except DecodeError as error:
@@ -201,4 +201,4 @@ def words(found: ActualValue | None) -> str:
     if found is None:
         return "nothing"
     flags = [name for name in ActualValue._fields[:8] if getattr(found, name)]
-    return f"{', '.join(flags) or 'no bit'}; fault {found.fault_code}, position {found.position_inc}, torque {found.torque_permille}"
+    return f"{', '.join(flags) or 'no bit'}; fault code {found.fault_code}, position {found.position_inc}, torque {found.torque_permille}"

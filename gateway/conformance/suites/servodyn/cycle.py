@@ -18,7 +18,7 @@ def answers(t: BoosterTester) -> None:
     t.sync()
     frame = t.hear((t.actual_id,), t.setup.cycle)
     if frame is None:
-        raise Fail("no actual value after SYNC", f"8 bytes on {t.actual_id}", "nothing")
+        raise Fail("no actual value after SYNC", f"8 bytes on {t.actual_id:03X}h", "nothing")
     if len(frame.data) != 8:
         raise Fail(f"an actual value of {len(frame.data)} bytes", "8 bytes", hexed(frame.data))
     t.read(frame)
@@ -112,7 +112,9 @@ def identifiers(t: BoosterTester) -> None:
     others = {t.setup.codec.actual_id(axis) for axis in t.setup.codec.axes} | {answer_id(axis) for axis in range(1, 7)}
     strange = [frame for frame in t.heard if frame.identifier not in own | others]
     if strange:
-        raise Fail("a frame on a strange identifier", f"{t.actual_id} or {answer_id(t.setup.module)}", shown(strange[0]))
+        raise Fail(
+            "a frame on a strange identifier", f"identifier {t.actual_id:03X}h or {answer_id(t.setup.module):03X}h", shown(strange[0])
+        )
 
 
 @CYC.case("ST_01", "2000 cycles", "2000 Zyklen")

@@ -18,7 +18,7 @@ POSITION_GAIN, USUAL, UNKNOWN_NUMBER = 7, 80.0, 56
 def arrived(t: BoosterTester, wanted: int, what: str) -> None:
     found = t.turn()
     if found.fault:
-        raise Fail(f"{what}: fault {found.fault_code}", f"position {wanted}", f"fault {found.fault_code}")
+        raise Fail(f"{what}: fault code {found.fault_code}", f"position {wanted}", f"fault code {found.fault_code}")
     if abs(found.position_inc - wanted) > NEAR:
         raise Fail(f"{what}: position {found.position_inc}", f"{wanted}, within {NEAR}", str(found.position_inc))
 
@@ -57,7 +57,7 @@ def lag(t: BoosterTester) -> None:
         late, early = found[190:], found[100:110]
         drift = abs(sum(late) / len(late) - sum(early) / len(early))
         if drift > 4 * step + NEAR:
-            raise Fail(f"the lag changes by {drift:.0f} increments", f"at most {4 * step + NEAR}", f"{early[0]} and {late[-1]}")
+            raise Fail(f"the lag changes by {drift:.0f} increments", f"at most {4 * step + NEAR}", f"lag {early[0]}, later {late[-1]}")
         t.move(-200 * step)
 
 
@@ -110,7 +110,7 @@ def begins(t: BoosterTester) -> None:
         if abs(found.position_inc - before) > NEAR:
             raise Fail(f"position {found.position_inc} when control begins", f"{before}, within {NEAR}", str(found.position_inc))
         if not found.ready:
-            raise Fail("ready goes when control begins", "ready and enabled", words(found))
+            raise Fail("ready drops when control begins", "ready and enabled", words(found))
 
 
 @MOV.case(

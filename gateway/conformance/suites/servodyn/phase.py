@@ -101,7 +101,11 @@ def waits(t: BoosterTester) -> None:
         t.say_set()
         t.turn(20)
         if abs(found.position_inc - start) > NEAR:
-            raise Fail(f"it is at {found.position_inc} at the SYNC that brings the set value", f"{start}, within {NEAR}", words(found))
+            raise Fail(
+                f"it is at {found.position_inc} already at the SYNC with which the set value begins to count",
+                f"{start}, within {NEAR}",
+                words(found),
+            )
 
 
 @PHASE.case("BV_09", "of two set values between two SYNCs the last one counts", "von zwei Sollwerten zwischen zwei SYNC zählt der letzte")

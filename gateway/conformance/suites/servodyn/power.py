@@ -21,7 +21,7 @@ def power_on(t: BoosterTester) -> None:
     t.timed("drive on to power on", t.now() - begin, None, ms(8000))
     t.stays(lambda actual: actual.power_on and not actual.enabled and not actual.brake_open, "power without control")
     if not found.ready:
-        raise Fail("ready goes with power on", "ready and power on", words(found))
+        raise Fail("ready drops when power is switched on", "ready and power on", words(found))
 
 
 @PWR.case("BV_02", "enable: control, brake open", "Freigabe: Regelung, Bremse offen", preamble=(BASIC, REST, ON), beside=LIMIT)

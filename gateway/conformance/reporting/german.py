@@ -1,0 +1,39 @@
+"""The German of what a run says of its cases, by `configs/texts/conformance-*.toml`.
+
+The page and the lines of the run are in the user's language; JSON, JUnit and traces are in English, so that two reports can be compared.
+"""
+
+import functools
+from collections.abc import Mapping
+from typing import cast
+
+from gateway.conformance.reporting.document import Json, cases_of
+from gateway.files.find import PACKAGED
+from gateway.files.texts import spoken
+
+SENTENCES = ("reason", "expected", "got")
+
+
+@functools.cache
+def text_files() -> tuple[str, ...]:
+    """Names of the files: a suite that is added brings its own."""
+    return tuple(sorted(path.stem for path in (PACKAGED / "texts").glob("conformance-*.toml")))
+
+
+def verdict_text(sentence: str, language: str) -> str:
+    """A sentence about a case, in that language; as it is where it has no German."""
+    return spoken(*text_files()).german(sentence) if language == "de" else sentence
+
+
+def in_german(found: Mapping[str, object]) -> Json:
+    """A report whose sentences are German: reasons, what was expected and got, names of times, remarks, what was assumed."""
+    pics = cast(Json, found.get("pics") or {})
+    assumed = [verdict_text(str(each), "de") for each in cast(list[object], pics.get("assumed", []))]
+    return {**found, "cases": [_case(each) for each in cases_of(found)], "pics": {**pics, "assumed": assumed}}
+
+
+def _case(case: Json) -> Json:
+    said: Json = {key: verdict_text(str(case[key]), "de") for key in SENTENCES}
+    measures = [{**each, "what": verdict_text(str(each["what"]), "de")} for each in cast(list[Json], case["measures"])]
+    remarks = [verdict_text(str(each), "de") for each in cast(list[object], case.get("remarks", []))]
+    return {**case, **said, "measures": measures, "remarks": remarks}
