@@ -31,7 +31,12 @@ LINE = (
     Question("rk512", "bool", "speaks RK512", "spricht RK512"),
     Question("passive", "bool", "serves SEND and FETCH", "bedient SEND und FETCH"),
     Question("active", "bool", "sends RK512 commands of its own", "sendet eigene RK512-Aufträge"),
-    Question("flags", "bool", "keeps a coordination flag set: a second job gets 32h", "hält Koppelmerker: ein zweiter Auftrag erhält 32h"),
+    Question(
+        "flags",
+        "bool",
+        "keeps a coordination flag set: a second job gets 32h",
+        "hält den Koordinierungsmerker: ein zweiter Auftrag erhält 32h",
+    ),
     Question("words", "whole", "words of the data block that is read", "Wörter des gelesenen Datenbausteins"),
     Question("errors", "table", "own error numbers: missing_block, wrong_type, ...", "eigene Fehlernummern"),
     *(Question(f"type_{kind}", "bool", f"serves FETCH of type {kind}", f"bedient FETCH vom Typ {kind}") for kind in "EAMTZX"),

@@ -42,7 +42,7 @@ def _conflict(t: LineTester, repeated: bool = False) -> None:
     """Both have sent STX; both blocks must come through."""
     got = t.answer(t.conflict_wait)
     if got not in (None, Char.DLE):
-        t.fail("STX from both", got, "DLE (10h), or nothing with priority")
+        t.fail("both sent STX", got, "DLE (10h), or nothing with priority")
     low = got == Char.DLE if repeated and t.profile.yields_to_second_conflict else _is_low(t, got)
     if not low:
         t.mark = t.wire.now()
@@ -119,7 +119,7 @@ def own_job_once(t: LineTester) -> None:
             t.expect(Char.DLE, t.profile.ack_delay, "our block in a conflict")
             return takes_own_job(t, t.profile.char_delay, "our block")
 
-    sent_once(t, taken, t.tolerance + ms(150), "its own job, which gave way,")
+    sent_once(t, taken, t.tolerance + ms(150), "its own job that gave way")
 
 
 @CON.case(
@@ -152,7 +152,7 @@ def same_priority(t: LineTester) -> None:
         t.expect_at(Char.NAK, t.profile.char_delay, "DLE in place of a block")
         return
     if got is not None:
-        t.fail("STX from both", got, "DLE (10h), or nothing with priority")
+        t.fail("both sent STX", got, "DLE (10h), or nothing with priority")
     count = 1
     while (got := t.answer(t.profile.ack_delay + t.profile.retry_pause + ms(500))) == Char.STX and count < MOST:
         count += 1

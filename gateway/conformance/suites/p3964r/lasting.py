@@ -106,7 +106,7 @@ def nak_behind(t: LineTester) -> None:
         t.say(NAK)
         return block
 
-    sent_once(t, taken, t.tolerance + ms(150), "NAK behind the acknowledged block: it")
+    sent_once(t, taken, t.tolerance + ms(150), "an acknowledged block followed by NAK")
 
 
 @REACTS.case(
@@ -185,7 +185,7 @@ def keeps_waiting(t: LineTester) -> None:
         raise NotApplicable("it has no priority and gives way")
     due = t.profile.ack_delay + t.profile.retry_pause
     if got != Char.STX:
-        t.fail("STX from both", got, f"STX (02h) {due / 1e6:.0f} ms after its first one")
+        t.fail("both sent STX", got, f"STX (02h) {due / 1e6:.0f} ms after its first one")
     t.timed("STX (02h) after its own STX, that of the tester and silence", t.mark - start, due - t.tolerance, due + t.tolerance)
     t.take()
 

@@ -326,7 +326,7 @@ for _number, _kind in enumerate(b"EAMTZX", 1):
     _type(_number, _kind)
 
 
-@PAS.case("CA_07", "a coordination flag: served, or 32h", "ein Koppelmerker: bedient, oder 32h", clause="serial-protocols 2.5")
+@PAS.case("CA_07", "a coordination flag: served, or 32h", "ein Koordinierungsmerker: bedient, oder 32h", clause="serial-protocols 2.5")
 def flag(t: LineTester) -> None:
     found = ask(t, header(FETCH, DB, t.setup.db, 0, 1, b"\x06\x04"))
     stated = t.setup.pics.get("errors")

@@ -29,7 +29,7 @@ def between(t: LineTester) -> None:
         t.on_block = None
     late = next((block for block in stale if looks_like_reaction(block)), None)
     if late is not None:
-        raise Fail("it reacts to a command of before the power failure", "no reaction", hexed(late))
+        raise Fail("it reacts to a command from before the power failure", "no reaction", hexed(late))
     found = ask(t, fetch(t.setup.db, 0, words))
     if found.number or len(found.data) != 2 * words:
         raise Fail(f"FETCH of {words} words after a power failure: {found.words()}", f"00h and {2 * words} data bytes", found.words())

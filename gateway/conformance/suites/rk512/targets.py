@@ -256,7 +256,7 @@ def _locked(t: LineTester) -> Reaction:
 @PAS.case(
     "CA_08",
     "a job whose coordination flag is set is refused with 32h",
-    "ein Auftrag, dessen Koppelmerker gesetzt ist, wird mit 32h abgelehnt",
+    "ein Auftrag, dessen Koordinierungsmerker gesetzt ist, wird mit 32h abgelehnt",
     clause="serial-protocols 2.5",
     condition=("flags",),
     preamble=(BASIC, "RK512_PAS_CA_07"),

@@ -152,11 +152,12 @@ def normal(t: LineTester, telegram: bytes, size: int, what: str) -> bytes:
 
 
 def read(t: LineTester, db: int, word: int, words: int) -> bytes:
-    return normal(t, fetch(db, word, words), 2 * words, f"FETCH DB{db}.DW{word}, {words} words")
+    return normal(t, fetch(db, word, words), 2 * words, f"FETCH DB{db}.DW{word}, {words} {'word' if words == 1 else 'words'}")
 
 
 def write(t: LineTester, db: int, word: int, data: bytes) -> None:
-    normal(t, header(SEND, DB, db, word, len(data) // 2) + data, 0, f"SEND DB{db}.DW{word}, {len(data) // 2} words")
+    words = len(data) // 2
+    normal(t, header(SEND, DB, db, word, words) + data, 0, f"SEND DB{db}.DW{word}, {words} {'word' if words == 1 else 'words'}")
 
 
 def refused(t: LineTester, name: str, telegram: bytes, number: int, others: tuple[int, ...] = ()) -> None:
