@@ -1,4 +1,4 @@
-"""The German of what a run says of its cases, by `configs/texts/conformance-*.toml`.
+"""The German of what a run reports of its cases, by `configs/texts/conformance-*.toml`.
 
 The page and the lines of the run are in the user's language; JSON, JUnit and traces are in English, so that two reports can be compared.
 """
