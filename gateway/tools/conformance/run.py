@@ -98,7 +98,7 @@ def chosen(suite: Suite, arguments: argparse.Namespace) -> list[Purpose[Tester]]
         failed = {str(case["id"]) for case in cases_of(earlier) if case["verdict"] in NOT_PASSED}
         if gone := failed - {purpose.id for purpose in purposes}:
             words = f"--failed-from {arguments.failed_from}: the suite {suite.name} {suite.version} no longer has {', '.join(sorted(gone))}"
-            print(f"axisgate conformance: {words}", file=sys.stderr)
+            complain("conformance", words)
         found = [purpose for purpose in found if purpose.id in failed]
     if not found:
         raise Stop("nothing is selected: --only and --failed-from leave no case")

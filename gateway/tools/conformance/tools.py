@@ -12,6 +12,7 @@ from gateway.conformance.suites.registry import SUITES, Suite
 from gateway.conformance.suites.scores import SCORES
 from gateway.pure.conformance.purpose import GROUPS
 from gateway.tools.conformance.run import Stop, bench_of, ending_like_ctrl_c, language, port_opener, started, suite_named, witnessed
+from gateway.tools.usage_language import complain
 
 DONE, FINDING = 0, 1
 YES, NO = ("y", "yes", "j", "ja", "true", "1"), ("n", "no", "nein", "false", "0")
@@ -173,7 +174,7 @@ def compare_reports(arguments: argparse.Namespace) -> int:
         raise Stop(f"{arguments.a} is a report of the suite {suite_of(old)}, {arguments.b} of {suite_of(new)}: nothing can be compared")
     if version_of(old) != version_of(new):
         notice = f"{arguments.a} is of version {version_of(old)} of the suite, {arguments.b} of {version_of(new)}: cases may have changed"
-        print(f"axisgate conformance: {notice}", file=sys.stderr)
+        complain("conformance", notice)
     rows = compare(old, new)
     if arguments.json:
         print(json.dumps([{"id": name, "before": before, "now": now} for name, before, now in rows]))

@@ -287,6 +287,33 @@ def test_reports_of_two_suites_are_not_compared(tmp_path: pathlib.Path, capsys: 
     assert "is a report of the suite rk512, not of 3964r" in capsys.readouterr().err
 
 
+def test_what_two_reports_do_not_share_is_reported(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Another version of the suite, and a case that the suite no longer has."""
+    _, found, _ = run(capsys, "3964r", "--bench", BENCHES / "no-nak.toml", "--only", "3964R_RCV_BI_01")
+    gone = {**found["cases"][0], "id": "3964R_RCV_BI_90"}
+    old, new = tmp_path / "old.json", tmp_path / "new.json"
+    old.write_text(json.dumps({**found, "suite": {**found["suite"], "version": "0.9"}, "cases": [*found["cases"], gone]}))
+    new.write_text(json.dumps(found))
+    assert main(["compare", str(old), str(new)]) == 0
+    assert "old.json is of version 0.9 of the suite" in capsys.readouterr().err
+    _, again, said = run(capsys, "3964r", "--bench", BENCHES / "no-nak.toml", "--failed-from", old)
+    assert [case["id"] for case in again["cases"]] == ["3964R_RCV_BI_01"] and "no longer has 3964R_RCV_BI_90" in said
+
+
+def test_a_waiver_that_is_not_needed_is_named(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    waivers = tmp_path / "waivers.toml"
+    waivers.write_text('[[waiver]]\nid = "3964R_RCV_BV_02"\nreason = "known"\nwho = "lab"\nuntil = 2099-12-31\n')
+    code, found, _ = run(capsys, "3964r", "--bench", BENCHES / "good.toml", "--waivers", waivers, "--only", "3964R_RCV_BV_02")
+    assert code == 0 and "waiver of 3964R_RCV_BV_02: not needed, the case passed" in found["pics"]["assumed"]
+
+
+def test_a_pics_that_exists_is_not_overwritten(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pics = tmp_path / "pics.toml"
+    pics.write_text("entered by hand")
+    assert main(["new-pics", "rk512", "--port", "sim", "--output", str(pics)]) == 2
+    assert "name another file" in capsys.readouterr().err and pics.read_text() == "entered by hand"
+
+
 def test_the_page_is_german_where_it_is_wanted(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     main(["run", "3964r", "--bench", str(BENCHES / "silent.toml"), "--report", str(tmp_path / "r"), "--language", "de", "--only", "BV"])
     page = (tmp_path / "r" / "report.html").read_text()
