@@ -7,6 +7,7 @@ import contextlib
 import json
 import math
 import pathlib
+import re
 import statistics
 import tempfile
 import threading
@@ -22,7 +23,9 @@ from hil_tests.bench.drives_bench import compared
 from hil_tests.bench.emulated_drives import cpu_seconds
 from hil_tests.lab.partners import plc2 as modbus
 
-PROGRAM, SEGMENTS, BLEND_MM = 13, 600, 0.2
+PROGRAM, BLEND_MM = 13, 0.25
+SEGMENTS, ROUND, RADIUS_MM = 3760, 1880, 150.0  # two rounds by chords of half a millimetre, hundreds of blocks a second
+STIFF = "accel = 20000.0, jerk = 4e6"  # the demo's axes would take these chords at 50 mm/s, which is no load for a planner
 PLANNER_GOAL = 50.0  # % of a core: below, the planner was no load to speak of
 P5_MS = 4
 ROBOT = """
@@ -79,14 +82,14 @@ def figures(blocks: int = 6, seconds: float = 10.0) -> list[Figure]:
 
 
 def planned(text: str) -> str:
-    """The demo's cell with a portal on its axes A1 .. A4, and its program."""
+    """The demo's cell with a portal on its axes A1 .. A4, stiffer than there, and its program."""
     head, mark, rest = text.partition("[[bus]]")
-    return head + ROBOT + mark + rest
+    return head + ROBOT + mark + re.sub(r"accel *= *[\d.]+, *jerk *= *[\d.]+", STIFF, rest)
 
 
 def short_segments() -> str:
-    """Rounds of 150 mm radius as chords of about 5 mm, each rounded: what a contour of a drawing program looks like."""
-    points = (2 * math.pi * n / 200 for n in range(SEGMENTS))
-    lines = [f"linear pose {400 + 150 * math.cos(a):.4f} {400 + 150 * math.sin(a):.4f} 100 0 0 0" for a in points]
+    """Chords, each rounded: what a contour of a drawing program looks like."""
+    points = (2 * math.pi * n / ROUND for n in range(SEGMENTS))
+    lines = [f"linear pose {400 + RADIUS_MM * math.cos(a):.4f} {400 + RADIUS_MM * math.sin(a):.4f} 100 0 0 0" for a in points]
     head = ["program short-segments", "robot portal", "angles rho3", "axes mm mm mm deg", "start 550 400 100 0"]
     return "\n".join([*head, "ptp joints 550 400 100 0", f"set path=600 radius={BLEND_MM}", *lines[1:], ""])
