@@ -84,7 +84,7 @@ class ControllerPlan:
 
 
 def make_control(
-    cell: Cell, owners: Mapping[int, int], doors: Mapping[str, int], office: CommandDispatcher, errors: ErrorList, now: Ns
+    cell: Cell, owners: Mapping[int, int], sources: Mapping[str, int], dispatcher: CommandDispatcher, errors: ErrorList, now: Ns
 ) -> tuple[Control | None, list[str]]:
     """The control of a cell and what its files have wrong, line by line; None where it has no [controller].
 
@@ -93,7 +93,7 @@ def make_control(
     controller = cell.controller
     if controller is None:
         return None, []
-    return CONTROLLERS[controller.kind].make(ControllerPlan(cell, controller, owners, doors, office, errors, now))
+    return CONTROLLERS[controller.kind].make(ControllerPlan(cell, controller, owners, sources, dispatcher, errors, now))
 
 
 def make_reis(plan: ControllerPlan) -> tuple[Control, list[str]]:
@@ -290,17 +290,17 @@ def _step(step: ProcessStep, axes: list[str]) -> Step:
     )
 
 
-def reis_setup(cell: Cell, controller: Controller, doors: Mapping[str, int]) -> ReisSetup:
+def reis_setup(cell: Cell, controller: Controller, sources: Mapping[str, int]) -> ReisSetup:
     """A Reis: its axes, the command source its markers command for, and what its synchronism hangs on."""
     references = {
         number: Reference(axis.home.position, round(axis.home.offset * 1000), -1 if axis.mechanics.direction == "-" else 1)
         for number, axis in enumerate(cell.axis, 1)
     }
-    door = doors.get(controller.door, next(iter(doors.values()), 0))
+    source = sources.get(controller.command_source, next(iter(sources.values()), 0))
     factors = tuple(1000.0 if axis.unit == "mm" else 57.29577951308232 for axis in cell.axis)
     names = tuple(axis.name for axis in cell.axis)
     given = controller.first_byte, controller.plc_only, controller.robot_only
-    return ReisSetup(names, door, *given, references, factors, bool(controller.memory))
+    return ReisSetup(names, source, *given, references, factors, bool(controller.memory))
 
 
 def points_of(controller: Controller) -> list[Point]:

@@ -14,7 +14,7 @@ from gateway.pure.modbus.registers import Registers
 from gateway.pure.modbus.rho3_view import FLAGS_AT
 from gateway.registry import MODBUS_VIEWS
 
-__all__ = ["OtherView", "ReisView", "Val3View", "join", "picture", "reis_registers", "reis_view", "val3_registers", "val3_view"]
+__all__ = ["OtherView", "ReisView", "Val3View", "join", "reis_registers", "reis_view", "val3_registers", "val3_view", "view_of"]
 
 OtherView = ReisView | Val3View
 
@@ -41,7 +41,7 @@ def val3_view(controller: Controller, image: Image, registers: Registers | None,
     return Val3View(image, points_of(controller), order, registers)
 
 
-def picture(
+def view_of(
     controller: Controller,
     inputs: InputImage,
     owned: Collection[int],

@@ -35,7 +35,7 @@ def arm_of(cell: Cell) -> Arm:
 def programs_of_control(cell: Cell, control: Control, dispatcher: CommandDispatcher) -> ReisPrograms:
     """The robot programs of a Reis control; MotionError: as arm_of."""
     assert isinstance(control, ReisControl)  # as `check` has it
-    programs = ReisPrograms(control, dispatcher, arm_of(cell), control.setup.door, control.robot.keys, cell.cell.language)
+    programs = ReisPrograms(control, dispatcher, arm_of(cell), control.setup.source, control.robot.keys, cell.cell.language)
     control.robot.programs = programs
     return programs
 

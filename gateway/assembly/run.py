@@ -30,7 +30,7 @@ from gateway.runtime.regions import create_region, create_ring
 from motion.execution.pieces import record_size
 
 ORDERS = 256  # records in the command ring: far more than one command source can issue in a cycle
-DOOR_BYTES = 256  # command words (128 bytes at most) and status words (128) of one command source
+SOURCE_BYTES = 256  # command words (128 bytes at most) and status words (128) of one command source
 LINKS_BYTES = 16384
 MS = 1_000_000
 WATCHED_MS: Mapping[str, int] = {  # processes with no region of their own: how long their loops may take (AX-626)
@@ -84,7 +84,7 @@ class RunPlan:
     buses: Mapping[str, str]  # bus -> url of its CAN port
     lines: Mapping[str, str]  # line -> url of its byte port
     modbus: Mapping[str, tuple[str, int] | str]  # server -> host and port, or url of its serial port; client -> url
-    doors: tuple[CommandSource, ...]
+    sources: tuple[CommandSource, ...]
     record: pathlib.Path | None = None
     children: tuple[Child, ...] = field(default_factory=tuple)
     zeros: Mapping[str, float] = field(default_factory=dict)  # of absolute axes: increments at which they read 0
@@ -113,12 +113,12 @@ class RunPlan:
         place = self.modbus[name]
         return place if isinstance(place, str) else f"{place[0]}:{place[1]}"
 
-    def door(self, name: str) -> CommandSource:
+    def source(self, name: str) -> CommandSource:
         """The command source of that name; KeyError names those that exist."""
-        for door in self.doors:
-            if door.name == name:
-                return door
-        raise KeyError(f"command source {name!r}; this cell has {', '.join(door.name for door in self.doors)}")
+        for source in self.sources:
+            if source.name == name:
+                return source
+        raise KeyError(f"command source {name!r}; this cell has {', '.join(source.name for source in self.sources)}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +158,7 @@ def plan_run(
     lines, simulators = line_ports(cell, slug, record, simulated=simulated)
     sims += simulators
     sims += emulators(cell, slug, folder, buses, period_ms, record, stretched=stretched) if simulated else []
-    doors = tuple(
+    sources = tuple(
         CommandSource(n + 1, name, kind)
         for n, (name, kind) in enumerate(
             [(x.name, "line") for x in cell.line if LINE_LAYERS[x.layer].commands]
@@ -168,12 +168,12 @@ def plan_run(
     )
     binds, cables = modbus_ports(cell, slug, simulated, instead.modbus_port)
     web = page_of(cell, instead.web_port, simulated=simulated)
-    core = core_processes(cell, period_ms, doors, simulated=simulated, page=web is not None)
+    core = core_processes(cell, period_ms, sources, simulated=simulated, page=web is not None)
     if stretched:
         core[0] = replace(core[0], life_limit_ns=STRETCHED_LIFE_MS * MS)
     children, zeros, programs = watched((*sims, *cables, *core)), known_zeros(cell), plan_programs(cell)
     return RunPlan(
-        slug, cell, simulated, folder, period_ms, buses, lines, binds, doors, record, children, zeros, web, programs, stretched=stretched
+        slug, cell, simulated, folder, period_ms, buses, lines, binds, sources, record, children, zeros, web, programs, stretched=stretched
     )
 
 
@@ -225,17 +225,17 @@ def line_ports(cell: Cell, slug: str, record: pathlib.Path | None, *, simulated:
     return lines, children
 
 
-def core_processes(cell: Cell, period_ms: int, doors: Sequence[CommandSource], *, simulated: bool, page: bool) -> list[Child]:
+def core_processes(cell: Cell, period_ms: int, sources: Sequence[CommandSource], *, simulated: bool, page: bool) -> list[Child]:
     """Cycle and services, and what this cell has beside them; page: it has one."""
     regions = ("rc_in", "rc_out", "axes", "links", "orders", "acyclic", "heard", *joined_regions(cell))
-    blocks = [f"door-{door.number}" for door in doors]
+    blocks = [f"source-{source.number}" for source in sources]
     core = [
         Child("cycle", "gateway.cycle.loop", (), (*regions, *CYCLE_RINGS), "axes", max(5 * period_ms, 50) * MS),
         Child(
             "services",
             "gateway.services.loop",
             (),
-            (*regions, "told", "recorder", *blocks),
+            (*regions, "service_events", "recorder", *blocks),
             "links",
             250 * MS,
             spare=True,
@@ -363,7 +363,9 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
     fds["heard"] = create_ring("heard", ASIDE_BYTES, HEARD_RECORDS, ASIDE_LAYOUT)
     fds["scope"] = create_ring("scope", scope_bytes(axes, lanes), SCOPE_RECORDS, SCOPE_LAYOUT)
     fds["record"] = create_ring("record", messages.CHUNK_BYTES, messages.CHUNK_RECORDS, messages.CHUNK_LAYOUT)
-    fds["told"] = create_ring("told", messages.TOLD_BYTES, messages.TOLD_RECORDS, messages.TOLD_LAYOUT)
+    fds["service_events"] = create_ring(
+        "service_events", messages.SERVICE_EVENT_BYTES, messages.SERVICE_EVENT_RECORDS, messages.SERVICE_EVENT_LAYOUT
+    )
     fds["recorder"] = create_region("recorder", messages.ASKED.size, messages.ASKED_LAYOUT)
     fds["trace"] = create_ring("trace", TRACE_BYTES, TRACE_RECORDS, TRACE_LAYOUT)
     if plan.cell.robot:
@@ -388,8 +390,8 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
         fds |= {name: create_ring(name, *texts) for name in ("plc-orders", "plc-says")}
     fds |= {child.life: create_region(child.life, 8) for child in plan.children if child.module in WATCHED_MS and child.life}
     fds |= make_joined(plan.cell)
-    for door in plan.doors:
-        fds[f"door-{door.number}"] = create_region(f"door-{door.number}", DOOR_BYTES, f"door/1 {DOOR_BYTES}")
+    for source in plan.sources:
+        fds[f"source-{source.number}"] = create_region(f"source-{source.number}", SOURCE_BYTES, f"source/1 {SOURCE_BYTES}")
     return fds
 
 

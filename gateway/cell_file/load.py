@@ -61,6 +61,13 @@ def _decoded(path: str) -> str:
         raise CellFaults([Fault(path, "file", hint=hint, kind="syntax")]) from None
 
 
+def _former_keys(raw: dict[str, Any]) -> None:
+    """Cells of recordings and of earlier versions: a key by its name of today."""
+    table = raw.get("controller")
+    if isinstance(table, dict) and "door" in table:
+        table.setdefault("command_source", table.pop("door"))
+
+
 class _Loader:
     def __init__(self, path: str, raw: dict[str, Any], places: dict[Path, int]) -> None:
         self.path, self.raw, self.places = path, raw, places
@@ -68,6 +75,7 @@ class _Loader:
     def load(self) -> Cell:
         merged = merge(self.path, self.raw, self.places)
         sources = dict(merged.sources)
+        _former_keys(merged.raw)
         self._defaults(merged.raw, sources)
         if isinstance(merged.raw.get("robot"), dict):
             merged.raw["robot"] = [merged.raw["robot"]]

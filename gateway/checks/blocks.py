@@ -158,9 +158,9 @@ def writers(check: Context) -> None:
 def _of_modbus(check: Context, block: Db) -> None:
     """AX-479: the clients of a Modbus server write it by FC 21; routes read it, the line fetches it."""
     key = f"db.{block.number}"
-    server = next((door for door in check.cell.modbus if door.name == block.writer and door.role == "server"), None)
+    server = next((source for source in check.cell.modbus if source.name == block.writer and source.role == "server"), None)
     if server is None:
-        there = ", ".join(door.name for door in check.cell.modbus if door.role == "server")
+        there = ", ".join(source.name for source in check.cell.modbus if source.role == "server")
         check.fault(
             f"{key}.writer", block.writer, f'no such writer: "plc", "axisgate" or a Modbus server ({there or "this cell has none"})'
         )

@@ -33,16 +33,18 @@ def safety(check: Context) -> None:
 def names(check: Context) -> None:
     """No two command sources, buses, axes or contacts with one name; no port used twice."""
     cell = check.cell
-    doors = [(line.name, f"line.{line.name}") for line in cell.line] + [(door.name, f"modbus.{door.name}") for door in cell.modbus]
-    doors += [(name, f"controller.{name}") for name, _ in own_sources(cell)]
-    _unique(check, doors, "command sources")
+    sources = [(line.name, f"line.{line.name}") for line in cell.line] + [(source.name, f"modbus.{source.name}") for source in cell.modbus]
+    sources += [(name, f"controller.{name}") for name, _ in own_sources(cell)]
+    _unique(check, sources, "command sources")
     for kind, parts in (("bus", cell.bus), ("axis", cell.axis), ("io", cell.io)):
         _unique(check, [(part.name, f"{kind}.{part.name}") for part in parts], f"[[{kind}]] tables")
     ports = [(line.port, f"line.{line.name}.port") for line in cell.line] + [(bus.port, f"bus.{bus.name}.port") for bus in cell.bus]
     for value, first, place in twice((port, place) for port, place in ports if port not in FREE_PORTS):
         check.fault(place, value, f"{first} has this port already")
     for value, first, place in twice(
-        (door.bind, f"modbus.{door.name}.bind") for door in cell.modbus if door.port and door.role == "server" and not door.serial
+        (source.bind, f"modbus.{source.name}.bind")
+        for source in cell.modbus
+        if source.port and source.role == "server" and not source.serial
     ):
         check.fault(place, value, f"{first} listens there already")
 
@@ -99,15 +101,15 @@ def _same(at: str, address: DataWord) -> bool:
 
 def rc_inputs(check: Context) -> None:
     """Every RC input byte has one owning command source; assumed inputs are enabling inputs."""
-    doors = (check.known["line"] - program_lines(check.cell)) | check.known["modbus"] | {name for name, _ in own_sources(check.cell)}
-    for byte, door in check.cell.rc_inputs.owner.items():
+    sources = (check.known["line"] - program_lines(check.cell)) | check.known["modbus"] | {name for name, _ in own_sources(check.cell)}
+    for byte, source in check.cell.rc_inputs.owner.items():
         if byte > 127:
             check.fault("rc_inputs.owner", byte, "", "0..127", "PIC byte")
-        if door not in doors:
+        if source not in sources:
             check.fault(
                 "rc_inputs.owner",
-                f"{byte} = {door}",
-                f"no such command source; {near(door, doors) or 'there is ' + ', '.join(sorted(doors))}",
+                f"{byte} = {source}",
+                f"no such command source; {near(source, sources) or 'there is ' + ', '.join(sorted(sources))}",
             )
     owners = dict(check.cell.rc_inputs.owner)
     for block in check.cell.db:

@@ -87,8 +87,8 @@ def controller(check: Context) -> None:
     _codes(check, table)
     if table.point and not CONTROLLERS[table.kind].points:
         check.fault("controller.point", table.point[0].name, 'points belong to kind = "val3"')
-    if table.door and table.door not in (check.known["line"] - program_lines(check.cell)) | check.known["modbus"]:
-        check.fault("controller.door", table.door, "no such command source")
+    if table.command_source and table.command_source not in (check.known["line"] - program_lines(check.cell)) | check.known["modbus"]:
+        check.fault("controller.command_source", table.command_source, "no such command source")
     _stations(check, table)
     _memory(check, table)
     _passing(check)

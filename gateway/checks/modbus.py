@@ -17,46 +17,48 @@ BLOCK, BLOCK_END = 1000, 1064
 
 def modbus(check: Context) -> None:
     """Every table by its role."""
-    for door in check.cell.modbus:
-        key = f"modbus.{door.name}"
-        if door.role == "client":
-            _client(check, door, key)
+    for server in check.cell.modbus:
+        key = f"modbus.{server.name}"
+        if server.role == "client":
+            _client(check, server, key)
         else:
-            _server(check, door, key)
+            _server(check, server, key)
 
 
-def _server(check: Context, door: Modbus, key: str) -> None:
-    if door.port > 65535:
-        check.fault(f"{key}.bind", door.bind, "", "port 0..65535 (0: any free one)")
-    if door.port_.startswith(("tcp://", "rfc2217://")):
-        check.fault(f"{key}.port", door.port_, 'a server on TCP has `bind`; `port` is the serial port of framing = "rtu"')
-    if door.serial and door.framing != "rtu":
-        check.fault(f"{key}.framing", door.framing, 'a serial port carries RTU: framing = "rtu"')
-    if door.tls is not None and (door.serial or door.framing == "rtu"):
+def _server(check: Context, server: Modbus, key: str) -> None:
+    if server.port > 65535:
+        check.fault(f"{key}.bind", server.bind, "", "port 0..65535 (0: any free one)")
+    if server.port_.startswith(("tcp://", "rfc2217://")):
+        check.fault(f"{key}.port", server.port_, 'a server on TCP has `bind`; `port` is the serial port of framing = "rtu"')
+    if server.serial and server.framing != "rtu":
+        check.fault(f"{key}.framing", server.framing, 'a serial port carries RTU: framing = "rtu"')
+    if server.tls is not None and (server.serial or server.framing == "rtu"):
         check.fault(f"{key}.tls", "", "TLS carries Modbus TCP only: omit framing and port")
-    if (door.tls is None) == bool(door.roles):
-        hint = "roles come from certificates: [modbus.tls] is missing" if door.roles else "without [[modbus.roles]] no client has any right"
-        check.fault(f"{key}.{'roles' if door.roles else 'tls'}", "", hint)
-    if door.writers and (door.allow or door.tls is not None):
-        check.fault(f"{key}.writers", "", "either allow (anywhere), writers (by addresses) or roles (by certificate): keep one of them")
-    if not (door.serial or door.local or door.allow or door.writers or door.roles or door.tls):
-        hint = 'reached from other computers: name the PLC that may write, allow = ["10.0.0.5"], give writers or roles, or bind 127.0.0.1'
-        check.fault(f"{key}.bind", door.bind, hint)
-    if door.first_address:
-        check.fault(
-            f"{key}.first_address", door.first_address, "addresses on the line count from 0; axisgate map shows both counts: keep 0"
+    if (server.tls is None) == bool(server.roles):
+        hint = (
+            "roles come from certificates: [modbus.tls] is missing" if server.roles else "without [[modbus.roles]] no client has any right"
         )
-    if door.device or door.value:
-        check.fault(f"{key}.role", door.role, 'device and value belong to role = "client"')
-    for text, where in (*((text, "allow") for text in door.allow), *((writer.from_, "writers") for writer in door.writers)):
+        check.fault(f"{key}.{'roles' if server.roles else 'tls'}", "", hint)
+    if server.writers and (server.allow or server.tls is not None):
+        check.fault(f"{key}.writers", "", "either allow (anywhere), writers (by addresses) or roles (by certificate): keep one of them")
+    if not (server.serial or server.local or server.allow or server.writers or server.roles or server.tls):
+        hint = 'reached from other computers: name the PLC that may write, allow = ["10.0.0.5"], give writers or roles, or bind 127.0.0.1'
+        check.fault(f"{key}.bind", server.bind, hint)
+    if server.first_address:
+        check.fault(
+            f"{key}.first_address", server.first_address, "addresses on the line count from 0; axisgate map shows both counts: keep 0"
+        )
+    if server.device or server.value:
+        check.fault(f"{key}.role", server.role, 'device and value belong to role = "client"')
+    for text, where in (*((text, "allow") for text in server.allow), *((writer.from_, "writers") for writer in server.writers)):
         _network(check, f"{key}.{where}", text)
     kind = check.cell.controller.kind if check.cell.controller is not None else ""
-    for view, where in ((door.view, "view"), *((unit.view, f"units[{n}]") for n, unit in enumerate(door.units))):
+    for view, where in ((server.view, "view"), *((unit.view, f"units[{n}]") for n, unit in enumerate(server.units))):
         if MODBUS_VIEWS[view].controller not in ("", kind):
             check.fault(f"{key}.{where}", view, f'this view belongs to another controller: it needs [controller] kind = "{view}"')
-    for value, _, where in twice([(door.unit, "unit"), *((unit.unit, f"units[{n}]") for n, unit in enumerate(door.units))]):
+    for value, _, where in twice([(server.unit, "unit"), *((unit.unit, f"units[{n}]") for n, unit in enumerate(server.units))]):
         check.fault(f"{key}.{where}", value, "the unit id is used twice")
-    _registers(check, door, key)
+    _registers(check, server, key)
 
 
 def _network(check: Context, key: str, text: str) -> None:
@@ -66,15 +68,15 @@ def _network(check: Context, key: str, text: str) -> None:
         check.fault(key, text, "", 'an address or a network, "10.0.0.5" or "10.0.0.0/24"')
 
 
-def _registers(check: Context, door: Modbus, key: str) -> None:
+def _registers(check: Context, server: Modbus, key: str) -> None:
     """Extras beside the view: known names, no register twice, none of the view's."""
     axes = [axis.name for axis in check.cell.axis]
     taken: dict[int, str] = {}
-    for view in {door.view, *(unit.view for unit in door.units)}:
+    for view in {server.view, *(unit.view for unit in server.units)}:
         taken |= dict.fromkeys(MODBUS_VIEWS[view].registers(check.cell.controller), MODBUS_VIEWS[view].words)
-    if door.command_block and any(MODBUS_VIEWS[view].signals for view in (door.view, *(unit.view for unit in door.units))):
+    if server.command_block and any(MODBUS_VIEWS[view].signals for view in (server.view, *(unit.view for unit in server.units))):
         taken |= dict.fromkeys(range(BLOCK, BLOCK_END), "the command and status block")
-    for table in door.registers:
+    for table in server.registers:
         where = f"{key}.registers[{table.at}]"
         found = lookup(table.from_)
         why = phg_fault(check.cell, table.from_)
@@ -96,19 +98,19 @@ def _registers(check: Context, door: Modbus, key: str) -> None:
                     break
 
 
-def _client(check: Context, door: Modbus, key: str) -> None:
-    if not door.port_:
+def _client(check: Context, server: Modbus, key: str) -> None:
+    if not server.port_:
         check.fault(f"{key}.port", "", 'a client needs the port of its devices: "tcp://10.0.0.7:502", "/dev/ttyUSB0"')
-    if door.serial and door.framing != "rtu":
-        check.fault(f"{key}.framing", door.framing, 'a serial port carries RTU: framing = "rtu"')
-    if door.tls is not None and (not door.port_.startswith("tcp://") or door.framing == "rtu"):
+    if server.serial and server.framing != "rtu":
+        check.fault(f"{key}.framing", server.framing, 'a serial port carries RTU: framing = "rtu"')
+    if server.tls is not None and (not server.port_.startswith("tcp://") or server.framing == "rtu"):
         check.fault(f"{key}.tls", "", 'TLS carries Modbus TCP only: port = "tcp://host:802", no framing')
-    if not door.device:
+    if not server.device:
         check.fault(f"{key}.device", "", "a client without a [[modbus.device]] has nothing to poll")
-    devices = [device.name for device in door.device]
+    devices = [device.name for device in server.device]
     for value, _, _ in twice((name, f"{n}") for n, name in enumerate(devices)):
         check.fault(f"{key}.device", value, "the name is used twice among the devices")
-    for n, value in enumerate(door.value):
+    for n, value in enumerate(server.value):
         for hint in _value_faults(value, devices):
             check.fault(f"{key}.value[{n}]", value.name or value.table, hint)
 

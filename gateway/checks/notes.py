@@ -258,12 +258,12 @@ def many_axes(cell: Cell) -> Iterator[Notice]:
     if len(names) <= TABLED:
         return
     served = {block.line for block in cell.db}
-    doors = [f"modbus {door.name}" for door in cell.modbus if door.command_block]
-    doors += [f"line {line.name}" for line in cell.line if LINE_LAYERS[line.layer].blocks and line.name not in served]
+    sources = [f"modbus {source.name}" for source in cell.modbus if source.command_block]
+    sources += [f"line {line.name}" for line in cell.line if LINE_LAYERS[line.layer].blocks and line.name not in served]
     behind = f"; bits 0..14 of its masks are axes 1..15, bit 15 is {names[MASKED]} and all behind it" if len(names) > MASKED else ""
-    for door in doors:
+    for source in sources:
         own = f"its command block has targets and positions up to axis {TABLED} ({names[TABLED - 1]}) alone"
-        yield Notice("note", door, f"{own}{behind}; programs move all (AX-572)")
+        yield Notice("note", source, f"{own}{behind}; programs move all (AX-572)")
     if cell.controller is not None:
         text = f"INPOS and referenced: axes 1..{SIGNAL_AXES}; axes behind {SIGNALLED} have neither drive-on nor disabling of their own"
         yield Notice("note", "controller", f"{text} (AX-572)")

@@ -103,10 +103,10 @@ def _target(check: Context, key: str, text: str, place: Place) -> None:
                 _free(check, key, text, place, block)
         case World.RC_INPUT:
             _image(check, key, text, place)
-            owners = {byte: door for byte, door in check.cell.rc_inputs.owner.items() if place.byte <= byte < place.byte + place.size}
-            for byte, door in owners.items():
+            owners = {byte: source for byte, source in check.cell.rc_inputs.owner.items() if place.byte <= byte < place.byte + place.size}
+            for byte, source in owners.items():
                 check.fault(
-                    key, text, f"two writers in RC input byte {byte}: {door} owns it ([rc_inputs]); a route needs a byte without an owner"
+                    key, text, f"two writers in RC input byte {byte}: {source} owns it ([rc_inputs]); a route needs a byte without an owner"
                 )
         case World.RC_OUTPUT:
             check.fault(

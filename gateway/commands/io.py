@@ -72,12 +72,12 @@ def main(argv: list[str]) -> int:
         complain("io", f"{', '.join(unknown)}: no such contact; " * bool(unknown) + f"the cell has {there or 'no [[io]]'}")
         return USAGE
     name = arguments.name or slug_of(cell)
-    desk = IoConsole(name)
+    console = IoConsole(name)
     try:
-        rows = [row for row in desk.rows() if not arguments.only or row["name"] in arguments.only]
+        rows = [row for row in console.rows() if not arguments.only or row["name"] in arguments.only]
         if arguments.what == "list":
             return _list(rows, as_json=arguments.json)
-        return _test(desk, rows, _nobody if arguments.yes else _person, as_json=arguments.json)
+        return _test(console, rows, _nobody if arguments.yes else _person, as_json=arguments.json)
     except OSError as error:
         complain("io", f"run {name!r} does not answer ({error}); start it with: axisgate run {arguments.cell}")
         return ENVIRONMENT
@@ -104,12 +104,12 @@ def _list(rows: list[Row], *, as_json: bool) -> int:
     return DONE if all(row["quality"] == "GOOD" for row in rows) else FINDING
 
 
-def _test(desk: IoConsole, rows: list[Row], ask: Ask, *, as_json: bool) -> int:
+def _test(console: IoConsole, rows: list[Row], ask: Ask, *, as_json: bool) -> int:
     """Walks along; every output is given free again whatever happens."""
     if ask is not _nobody and ask(WARNING) != "yes":
         complain("io", "nothing was switched")
         return FINDING
-    results = [_input(desk, row, ask) if row["way"] == "input" else _output(desk, row, ask) for row in rows]
+    results = [_input(console, row, ask) if row["way"] == "input" else _output(console, row, ask) for row in rows]
     if as_json:
         print(json.dumps({"results": results}))
     for result in () if as_json else results:
@@ -121,39 +121,39 @@ def _result(row: Row, told: str, *, ok: bool) -> dict[str, object]:
     return {"name": row["name"], "way": row["way"], "signal": row["signal"], "ok": ok, "told": told}
 
 
-def _output(desk: IoConsole, row: Row, ask: Ask) -> dict[str, object]:
+def _output(console: IoConsole, row: Row, ask: Ask) -> dict[str, object]:
     if row["signal"] == WATCHDOG:
-        return _watchdog(desk, row)
+        return _watchdog(console, row)
     seen = []
     try:
         for value in (1, 0):
-            answer = desk.ask(op="force", name=row["name"], value=value, seconds=HOLD_S)
+            answer = console.ask(op="force", name=row["name"], value=value, seconds=HOLD_S)
             if "error" in answer:
                 return _result(row, str(answer["error"]), ok=False)
             if ask is _nobody:
-                seen.append(_confirmed(desk, row["name"], value))
+                seen.append(_confirmed(console, row["name"], value))
                 continue
             state = "closed" if value else "open"
             seen.append(ask(f"{row['name']} ({row['signal']}) is switched to {value}: is the contact {state}? [y/n] ").startswith("y"))
     finally:
-        desk.ask(op="force", name=row["name"], value=None)
+        console.ask(op="force", name=row["name"], value=None)
     return _result(row, "switched to 1 and 0" if all(seen) else f"not seen at {'1' if not seen[0] else '0'}", ok=all(seen))
 
 
-def _confirmed(desk: IoConsole, name: str, value: int) -> bool:
+def _confirmed(console: IoConsole, name: str, value: int) -> bool:
     for _ in range(200):
-        row = desk.row(name)
+        row = console.row(name)
         if row["value"] == value and row["quality"] == "GOOD":
             return True
         time.sleep(0.01)
     return False
 
 
-def _watchdog(desk: IoConsole, row: Row) -> dict[str, object]:
+def _watchdog(console: IoConsole, row: Row) -> dict[str, object]:
     """It is looked at, never switched."""
     seen = set()
     for _ in range(200):
-        found = desk.row(row["name"])
+        found = console.row(row["name"])
         if found["quality"] == "GOOD":
             seen.add(found["value"])
         if len(seen) == 2:
@@ -162,13 +162,13 @@ def _watchdog(desk: IoConsole, row: Row) -> dict[str, object]:
     return _result(row, "does not toggle: no completed cycles, or its device is silent", ok=False)
 
 
-def _input(desk: IoConsole, row: Row, ask: Ask) -> dict[str, object]:
+def _input(console: IoConsole, row: Row, ask: Ask) -> dict[str, object]:
     if row["quality"] != "GOOD":
         return _result(row, "its device is silent", ok=False)
     if ask is _nobody:
         return _result(row, f"reads {row['value']}", ok=True)
     right = ask(f"{row['name']} ({row['signal']}) reads {row['value']}: is that so? [y/n] ").startswith("y")
     changed = (
-        right and ask(f"{row['name']}: change it now, then press Enter ") is not None and desk.row(row["name"])["value"] != row["value"]
+        right and ask(f"{row['name']}: change it now, then press Enter ") is not None and console.row(row["name"])["value"] != row["value"]
     )
     return _result(row, "read at both levels" if changed else "wrong" if not right else "did not change", ok=changed)

@@ -21,7 +21,7 @@ from gateway.pure.planning.trial import Files
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.cell_argument import load as cell_of
 from gateway.tools.motion.dry_run import DryRun, sections_of
-from gateway.tools.motion.dry_run_team import Paper, team_findings, team_slowed, team_traces
+from gateway.tools.motion.dry_run_team import CellFacts, team_findings, team_slowed, team_traces
 from gateway.tools.motion.plot import page, team_page
 from gateway.tools.progress import Progress
 from gateway.tools.usage_language import complain
@@ -143,13 +143,13 @@ def team(text: str, options: argparse.Namespace, cell: Cell | None) -> int:
     program = read_team(text)
     machines = team_of_program(program, cell)
     blocks = [block for shared in program.blocks for block in shared.own]
-    paper = paper_of(program, machines, cell)
-    findings = team_findings(program, machines, files_of(options.program, blocks, cell), paper)
+    cell_facts = cell_facts_of(program, machines, cell)
+    findings = team_findings(program, machines, files_of(options.program, blocks, cell), cell_facts)
     if options.what == "check" or findings.faults:
         return check(program, findings.faults, team_slowed(findings), as_json=options.json)
     try:
-        speeds = Belts(tuple(paper.belts)).speeds(options.belt_speed) if any(each.parts for each in findings.sections) else ()
-        traces = team_traces(findings, machines, replace(paper, speeds=speeds))
+        speeds = Belts(tuple(cell_facts.belts)).speeds(options.belt_speed) if any(each.parts for each in findings.sections) else ()
+        traces = team_traces(findings, machines, replace(cell_facts, speeds=speeds))
     except BlockError as error:
         return check(program, [error], team_slowed(findings), as_json=options.json)
     target = pathlib.Path(options.out or f"{pathlib.Path(options.program).stem}.html")
@@ -168,17 +168,17 @@ def team(text: str, options: argparse.Namespace, cell: Cell | None) -> int:
     return Exit.OK
 
 
-def paper_of(program: TeamProgram, machines: Team, cell: Cell | None) -> Paper:
+def cell_facts_of(program: TeamProgram, machines: Team, cell: Cell | None) -> CellFacts:
     """What of its cell the program is looked at with; MotionError where it names belts and no cell was named."""
     if cell is not None:
         numbers = numbers_by_axis(cell)
         own = [numbers.get(machine.limits[0].name, 1) for machine in machines.machines]
-        return Paper(belt_facts(cell), own, altered(cell), p5_ms=cell.cycle_ms)
+        return CellFacts(belt_facts(cell), own, altered(cell), p5_ms=cell.cycle_ms)
     _need_no_belts(block for shared in program.blocks for block in shared.own)
     acts = (*program.acts, *(act for shared in program.blocks for act in shared.acts))
     if any(not isinstance(act, MachinePoint) for act in acts):
         raise MotionError(BELTS_OF_A_CELL)
-    return Paper()
+    return CellFacts()
 
 
 def _need_no_belts(blocks: Iterable[Block]) -> None:

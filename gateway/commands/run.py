@@ -188,6 +188,6 @@ def describe(plan: RunPlan) -> dict[str, object]:
         "lines": dict(plan.lines),
         "web": plan.web.bind if plan.web else None,
         "modbus": {name: plan.modbus_place(name) for name in plan.modbus},
-        "command_sources": [{"number": door.number, "name": door.name, "kind": door.kind} for door in plan.doors],
+        "command_sources": [{"number": source.number, "name": source.name, "kind": source.kind} for source in plan.sources],
         "processes": [{"name": child.name, "module": child.module, "arguments": list(child.arguments)} for child in plan.children],
     }

@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-from gateway.northbound.snapshot import FLAGS, doors
+from gateway.northbound.snapshot import FLAGS, sources
 from gateway.observer.regions import Regions
 from gateway.pure.reports.prometheus import CONTENT_TYPE, Histogram, Page
 
@@ -98,7 +98,7 @@ class Metrics:
             page.metric(f"axisgate_axis_{name}", "gauge", f"1: {name}", [(axis, float(bool(row["flags"] & flag))) for axis, row in own])
 
     def _links(self, page: Page) -> None:
-        listed = doors(self._regions)
+        listed = sources(self._regions)
         for name, key, kind, words in (
             ("link_up", "alive", "gauge", "1: the partner of this command source lives"),
             ("link_losses_total", "losses", "counter", "times the partner fell silent"),
@@ -108,7 +108,7 @@ class Metrics:
             ("link_sent_total", "sent", "counter", "telegrams sent"),
             ("link_failed_total", "failed", "counter", "telegrams that could not be sent"),
         ):
-            rows = [({"door": str(d["name"]), "kind": str(d.get("kind", ""))}, float(d[key])) for d in listed if key in d]
+            rows = [({"command_source": str(d["name"]), "kind": str(d.get("kind", ""))}, float(d[key])) for d in listed if key in d]
             page.metric(f"axisgate_{name}", kind, words, rows)
 
     # ---- HTTP --------------------------------------------------------------------------------------------------------

@@ -26,12 +26,12 @@ def values(regions: Regions) -> dict[str, Value]:
             found[f"axis.{axis['name']}.{name}"] = float(axis[name])
         for name, flag in FLAGS.items():
             found[f"axis.{axis['name']}.{name}"] = bool(axis["flags"] & flag)
-    for door in doors(regions):
-        found[f"door.{door['name']}.alive"] = bool(door.get("alive"))
+    for source in sources(regions):
+        found[f"command_source.{source['name']}.alive"] = bool(source.get("alive"))
     return found
 
 
-def doors(regions: Regions) -> list[dict[str, Any]]:
+def sources(regions: Regions) -> list[dict[str, Any]]:
     """Status of every command source, as last reported by the services."""
     listed = regions.status.get("command_sources", [])
-    return [door for door in listed if isinstance(door, dict) and "name" in door] if isinstance(listed, list) else []
+    return [source for source in listed if isinstance(source, dict) and "name" in source] if isinstance(listed, list) else []

@@ -35,7 +35,7 @@ class Entry:
     en: str = ""
     de: str = ""
     source: str = ""  # axisgate where the number is ours (AX-002)
-    door: str = ""  # who writes it
+    writer: str = ""  # who writes it
     used: tuple[str, ...] = ()
 
     @property
@@ -44,7 +44,7 @@ class Entry:
 
     def row(self) -> dict[str, object]:
         """For the page."""
-        names = ("id", "group", "name", "addresses", "kind", "type", "unit", "en", "de", "source", "door", "forcible")
+        names = ("id", "group", "name", "addresses", "kind", "type", "unit", "en", "de", "source", "writer", "forcible")
         return {**{name: getattr(self, name) for name in names}, "used": self.used[:TOLD], "used_more": max(0, len(self.used) - TOLD)}
 
 
@@ -119,7 +119,7 @@ class Names:
             used = self._used.get(f"io.{io.name}", ())
             yield Entry(
                 f"io:{io.name}", "contacts", f"io.{io.name}", (io.signal, f"{place} {way} {channel}"), "bit",
-                door=place if way == "input" else "axisgate", used=tuple(used),
+                writer=place if way == "input" else "axisgate", used=tuple(used),
             )  # fmt: skip
 
     def tree(self) -> list[dict[str, object]]:
@@ -152,7 +152,7 @@ class Names:
             en=signal.en if signal else "",
             de=signal.de if signal else "",
             source=signal.source if signal else "",
-            door=owner,
+            writer=owner,
             used=tuple(used),
         )
 
@@ -168,19 +168,19 @@ class Names:
                 unit = {"torque": "%", "speed": f"{axis.unit}/s"}.get(field, "" if bit else axis.unit)
                 drive = f"{axis.drive.type} {axis.drive.bus} {axis.drive.node or axis.drive.module}"
                 used = tuple(self._used.get(name, ()))
-                yield Entry(name, f"axes / {axis.name}", name, (drive,), "bit" if bit else "number", unit=unit, door="cycle", used=used)
+                yield Entry(name, f"axes / {axis.name}", name, (drive,), "bit" if bit else "number", unit=unit, writer="cycle", used=used)
 
     def _cell_values(self) -> Iterator[Entry]:
         for field in CELL_FIELDS:
             name = f"cell.{field}"
             kind = "number" if field in ("life", "override", "motion") else "bit"
             yield Entry(
-                name, "cell", name, (), kind, unit="%" if field == "override" else "", door="cycle", used=tuple(self._used.get(name, ()))
+                name, "cell", name, (), kind, unit="%" if field == "override" else "", writer="cycle", used=tuple(self._used.get(name, ()))
             )
 
     def _named(self) -> Iterator[Entry]:
         for name in named_values(self.cell).names():
-            yield Entry(f"named:{name}", "named values", name, (), "text", door="telegrams", used=tuple(self._used.get(name, ())))
+            yield Entry(f"named:{name}", "named values", name, (), "text", writer="telegrams", used=tuple(self._used.get(name, ())))
 
 
 def _entries(block: Db, used: dict[str, list[str]]) -> Iterator[Entry]:
@@ -198,7 +198,7 @@ def _entries(block: Db, used: dict[str, list[str]]) -> Iterator[Entry]:
         places = (f"{'PLC writes' if entry.to else 'axisgate writes'} line {block.line}", *used.get(entry.signal, ()))
         yield Entry(
             f"db:{key}:{where}", title, entry.signal, names, kind, entry.type, entry.unit, entry.comment, entry.comment,
-            door=block.line if block.writer == "plc" else "axisgate", used=tuple(dict.fromkeys(places)),
+            writer=block.line if block.writer == "plc" else "axisgate", used=tuple(dict.fromkeys(places)),
         )  # fmt: skip
 
 

@@ -7,7 +7,7 @@ import json
 from typing import Any
 
 from drivers.ports.base import runtime_dir
-from gateway.pure.cell.web import PAGE_DOOR
+from gateway.pure.cell.web import PAGE_SOURCE
 
 PATIENCE_S = 4.0  # services are back within 3 s of their death
 GLANCE_S = 0.4  # of looks, ten times a second: an answer that is late is not waited for
@@ -82,7 +82,7 @@ class ServicesLink:
 
     async def ask(self, op: str, **request: object) -> Row:
         """Gone; Refused with the services' words."""
-        answer = await self._link.ask(op=op, door=PAGE_DOOR, **request)
+        answer = await self._link.ask(op=op, source=PAGE_SOURCE, **request)
         if "error" in answer:
             raise Refused(str(answer["error"]))
         return answer

@@ -20,10 +20,10 @@ class Watched:
         self.looked: Row = {"blocks": {}, "named": {}, "contacts": {}, "forced": {}, "forced_words": {}}
         self.fresh = False
 
-    async def look(self, desk: ServicesLink) -> None:
+    async def look(self, services_link: ServicesLink) -> None:
         """Data blocks, named values, forces; services that do not answer leave the last ones, marked old."""
         try:
-            self.looked = await desk.ask("look")
+            self.looked = await services_link.ask("look")
             self.fresh = True
         except (Gone, Refused):
             self.fresh = False

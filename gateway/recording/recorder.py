@@ -17,8 +17,8 @@ from gateway.pure.recording.messages import (
     ASKED,
     ASKED_LAYOUT,
     CHUNK_LAYOUT,
-    TOLD,
-    TOLD_LAYOUT,
+    SERVICE_EVENT,
+    SERVICE_EVENT_LAYOUT,
     Assembly,
     What,
     pack,
@@ -73,7 +73,7 @@ def attached(run: str) -> Iterator[Rings]:
         boot = pathlib.Path("/proc/sys/kernel/random/boot_id").read_text().strip()
         rings = Rings(
             RingReader(fds["record"], "record", CHUNK_LAYOUT),
-            RingReader(fds["told"], "told", TOLD_LAYOUT),
+            RingReader(fds["service_events"], "service_events", SERVICE_EVENT_LAYOUT),
             RingReader(fds["scope"], "scope", SCOPE_LAYOUT),
             RegionWriter(fds["recorder"], "recorder", ASKED_LAYOUT),
             f"{boot}-{os.fstat(fds['record']).st_ino}",
@@ -139,7 +139,7 @@ class Recorder:
             whole = self._assembly.take(record)
             if whole is not None:
                 self._cycle(*whole, sequence)
-        self._take_told()
+        self._take_service_events()
         return len(records)
 
     # ---- one cycle -------------------------------------------------------------------------------------------------------
@@ -187,11 +187,11 @@ class Recorder:
             self._outputs.popleft()
         return pack(What.OUTPUTS, self._outputs.popleft()[1])
 
-    def _take_told(self) -> None:
+    def _take_service_events(self) -> None:
         for _, record in self._rings.told.take(AT_ONCE):
-            size = TOLD.unpack_from(record)[3]
+            size = SERVICE_EVENT.unpack_from(record)[3]
             if self._next is not None:
-                self._writer.aside(pack(What.TOLD, record[: TOLD.size + size]))
+                self._writer.aside(pack(What.SERVICE_EVENT, record[: SERVICE_EVENT.size + size]))
 
     # ---- gaps ------------------------------------------------------------------------------------------------------------
     def _lose(self, why: str) -> None:

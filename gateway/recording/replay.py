@@ -22,7 +22,7 @@ from gateway.pure.cycle.belts import CoreBelts
 from gateway.pure.cycle.core import CycleLogic
 from gateway.pure.image.addresses import Direction, RcBit
 from gateway.pure.image.fast_inputs import FastWires
-from gateway.pure.recording.messages import Message, ServiceEvent, What, unpack_told
+from gateway.pure.recording.messages import Message, ServiceEvent, What, unpack_service_event
 from gateway.pure.recording.player import Difference, Player
 from gateway.recording.backup import BackupError, read, restore, stand_ins
 from gateway.recording.file import Found, RecordError, Segment
@@ -156,8 +156,8 @@ def _play(segment: Segment, player: Player, verdict: Verdict, zero: int, said: C
         if script[0].what is not What.BEGIN:  # what the start brought along
             _prepare(player, script)
             continue
-        told.extend(unpack_told(payload) for what, payload in script if what is What.TOLD)
-        differences = list(player.play(message for message in script if message.what is not What.TOLD))
+        told.extend(unpack_service_event(payload) for what, payload in script if what is What.SERVICE_EVENT)
+        differences = list(player.play(message for message in script if message.what is not What.SERVICE_EVENT))
         first_ns = first_ns or player.stamp_ns
         verdict.cycles += 1
         verdict.without_outputs += all(what is not What.OUTPUTS for what, _ in script)

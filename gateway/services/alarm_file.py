@@ -59,7 +59,7 @@ class AlarmFile:
         names = [axis.name for axis in cell.axis], [io.name for io in cell.io], lines, [bus.name for bus in cell.bus]
         self._alarms = Alarms(names, read(path))
         self._journal = Journal(path, "services", limit=LIMIT)
-        self._doors = {door.number: door.name for door in plan.doors}
+        self._sources = {source.number: source.name for source in plan.sources}
         self._inputs: dict[int, bool] = {}
         for number in self._alarms.left_over:
             self._write({"what": "gone", "number": number, "why": "the run ended"})
@@ -72,7 +72,7 @@ class AlarmFile:
     def event(self, event: DispatcherEvent, names: dict[int, str]) -> None:
         """A command of a command source: a fault reset acknowledges."""
         if event.code == Code.FAULT_RESET and event.what == "accepted":
-            self.acknowledge(self._doors.get(event.door) or names.get(event.door) or f"command source {event.door}")
+            self.acknowledge(self._sources.get(event.source) or names.get(event.source) or f"command source {event.source}")
 
     def inputs(self, values: dict[int, bool]) -> None:
         """RC inputs that acknowledge, as they are; one that is on at the start acknowledges nothing."""

@@ -41,7 +41,7 @@ class CellErrors(Part):
         fds: Mapping[str, int],
     ) -> None:
         run = context.run
-        self._run, self._image, self._values, self._office = run, context.image, context.values, context.office
+        self._run, self._image, self._values, self._dispatcher = run, context.image, context.values, context.dispatcher
         self._cell_values = cell_values
         self._sources, self._cycle, self._canopen, self._contacts, self._host = sources, cycle, canopen, contacts, host
         self._blind = {name: f"bus {name} {LISTENS}" for name in run.plan.listening}  # nothing is sent on them
@@ -51,7 +51,7 @@ class CellErrors(Part):
 
     def step(self, now: Ns) -> None:
         """Errors first: the status words carry the first one."""
-        state, facts = self._image.state, self._office.axes
+        state, facts = self._image.state, self._dispatcher.axes
         places = [(state.axes[n].actual / axis.si, state.axes[n].lag / axis.si) for n, axis in enumerate(facts)]
         self._collect(state, now)
         outputs = self._image.outputs.read()
@@ -63,21 +63,21 @@ class CellErrors(Part):
         self.alarms.close()
 
     def _late_words(self) -> str:
-        return ", ".join(axis.name for n, axis in enumerate(self._office.axes) if n in self._cycle.late_machine.axes)
+        return ", ".join(axis.name for n, axis in enumerate(self._dispatcher.axes) if n in self._cycle.late_machine.axes)
 
     def _cause_ended(self, state: CellState) -> bool:
         """What stopped the axes is away and no rest of a move waits: it is history, no error (AX-642)."""
         if state.motion in (Motion.STOPPED, Motion.STOPPING):
             return False
         match state.stop_cause:
-            case Reason.STOPPED_BY_DOOR | Reason.SERVICES_LOST | Reason.ABANDONED | Reason.EMERGENCY_STOP:
+            case Reason.STOPPED_BY_SOURCE | Reason.SERVICES_LOST | Reason.ABANDONED | Reason.EMERGENCY_STOP:
                 return True  # a latched emergency stop is an error of its own
             case Reason.LINK_LOST:
                 return all(source.watch.alive or not source.watch.losses for source in self._sources)
             case Reason.INPUT_LOST:
                 return state.permits & int(ALL_PERMITS) == int(ALL_PERMITS)
             case Reason.DRIVE_LOST:
-                return not any(axis.flags & AxisFlag.LOST for axis in state.axes[: len(self._office.axes)])
+                return not any(axis.flags & AxisFlag.LOST for axis in state.axes[: len(self._dispatcher.axes)])
         return False
 
     def _collect(self, state: CellState, now: Ns) -> None:
@@ -101,7 +101,7 @@ class CellErrors(Part):
         if late.blamed:
             errors.append((Reason.MACHINE_LATE, text(Reason.MACHINE_LATE, detail=self._late_words())))
         errors += self._of_axes(state)
-        strayed = self._office.strayed(language)
+        strayed = self._dispatcher.strayed(language)
         if strayed:
             errors.append((Reason.FOLLOWING_ERROR, text(Reason.FOLLOWING_ERROR, detail=strayed)))
         ended = self._cause_ended(state)
@@ -109,7 +109,7 @@ class CellErrors(Part):
             errors.append((state.stop_cause, text(Reason(state.stop_cause))))
         if state.path_stop and Reason.OUTPUT_IN_USE not in (e[0] for e in errors):
             errors.append((Reason.OUTPUT_STOPPED, text(Reason.OUTPUT_STOPPED, detail=function_words(state.path_stop))))
-        planner = self._office.planner
+        planner = self._dispatcher.planner
         for warning in (each.warning for each in (planner, *planner.others) if each.warning) if planner is not None else ():
             errors.append((Reason.INTERPOLATOR_STOP, text(Reason.INTERPOLATOR_STOP, detail=warning)))
         if self._host.programs is not None:
@@ -118,7 +118,7 @@ class CellErrors(Part):
 
     def _of_axes(self, state: CellState) -> list[Error]:
         errors: list[Error] = []
-        for n, axis in enumerate(self._office.axes):
+        for n, axis in enumerate(self._dispatcher.axes):
             flags = int(state.axes[n].flags)
             if not flags & WRONG or (n in self._cycle.late_machine.axes and not flags & AxisFlag.UNCONFIGURED):
                 continue

@@ -127,11 +127,11 @@ class ControllerHost(Part):
             return
         from gateway.assembly.controllers import make_control  # only cells that have one pay for it
 
-        sources = {door.name: door.number for door in run.plan.doors}
-        image.control, faults = make_control(run.cell, image.owners, sources, context.office, errors, now)
+        sources = {source.name: source.number for source in run.plan.sources}
+        image.control, faults = make_control(run.cell, image.owners, sources, context.dispatcher, errors, now)
         kind = CONTROLLERS[run.cell.controller.kind]
         if kind.panel is not None and image.control is not None:
-            self.panel = kind.panel(run.cell, image.control, context.office)
+            self.panel = kind.panel(run.cell, image.control, context.dispatcher)
         if kind.parameters:
             from gateway.services.rho3_panel import Rho3Panel
 
@@ -142,7 +142,7 @@ class ControllerHost(Part):
         if "interpreter" in fds and language is not None and image.control is not None:
             from gateway.services.program_host import ProgramHost
 
-            self.programs = ProgramHost(language.host(run.cell, image.control, context.office), fds)
+            self.programs = ProgramHost(language.host(run.cell, image.control, context.dispatcher), fds)
         if "plc" in fds:
             from gateway.pure.controllers.reis.control import ReisControl
             from gateway.services.plc_host import PlcHost

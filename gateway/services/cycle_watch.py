@@ -28,12 +28,19 @@ class CycleWatch(Part):
         run: RunContext,
         image: SharedImage,
         values: CellValues,
-        office: CommandDispatcher,
+        dispatcher: CommandDispatcher,
         canopen: CanopenServices,
         planner: PlannerLink,
         fds: dict[str, int],
     ) -> None:
-        self._run, self._image, self._values, self._office, self._canopen, self._planner = run, image, values, office, canopen, planner
+        self._run, self._image, self._values, self._dispatcher, self._canopen, self._planner = (
+            run,
+            image,
+            values,
+            dispatcher,
+            canopen,
+            planner,
+        )
         self.axes = RegionReader(fds["axes"], "axes", CELL_STATE_LAYOUT)
         self.late_machine = LateMachine(simulated=run.plan.simulated)
         self._gone_ns = STRETCHED_GONE_NS if run.plan.stretched else CYCLE_GONE_NS
@@ -60,18 +67,18 @@ class CycleWatch(Part):
             for sentence in (*judge(self._run.cell, state), *torn_lines(self._run.cell)):
                 self._run.journal.write("alarm", sentence)
         self._values.life += 1
-        self._office.planner = self._planner.state()
-        self._office.observe(state, now)
+        self._dispatcher.planner = self._planner.state()
+        self._dispatcher.observe(state, now)
 
     def _gone(self, now: Ns) -> None:
         """Positions stay as last seen (the life word stops); nothing is enabled, referenced or ready, no command waits for it."""
         places = [AxisState(axis.actual, axis.set, flags=AxisFlag.LOST) for axis in self._image.state.axes]
         self._image.state = CellState(axes=places)
-        self._office.observe(self._image.state, now)
+        self._dispatcher.observe(self._image.state, now)
 
     # ---- where the axes are ------------------------------------------------------------------------------------------
     def _placed(self) -> int:
-        planner = self._office.planner
+        planner = self._dispatcher.planner
         return planner.placed if planner is not None else 0
 
     def keep_places(self) -> None:

@@ -78,21 +78,23 @@ class Services:
         self.values = values = ValueDirectory(named_values(cell))
         cell_values = CellValues(cell, image, values)
         values.register(cell_values)
-        self.office = office = self._dispatcher(fds)
-        context = PartContext(run, image, values, office)
+        self.dispatcher = dispatcher = self._dispatcher(fds)
+        context = PartContext(run, image, values, dispatcher)
         self._blind = {name: f"bus {name} {LISTENS}" for name in plan.listening}
-        office.admission.listen_only = {n: self._blind[axis.drive.bus] for n, axis in enumerate(cell.axis) if axis.drive.bus in self._blind}
+        dispatcher.admission.listen_only = {
+            n: self._blind[axis.drive.bus] for n, axis in enumerate(cell.axis) if axis.drive.bus in self._blind
+        }
         for words in self._blind.values():
             run.journal.write("alarm", words)
         self.errors = ErrorList()
-        self.sources = [self._source(number, fds) for number in range(len(plan.doors))]
+        self.sources = [self._source(number, fds) for number in range(len(plan.sources))]
         self.canopen = canopen = self._masters(fds)
         planner = PlannerLink(fds)
-        self.cycle = cycle = CycleWatch(run, image, cell_values, office, canopen, planner, fds)
+        self.cycle = cycle = CycleWatch(run, image, cell_values, dispatcher, canopen, planner, fds)
         self.contacts = contacts = DigitalContacts(run, image, values, canopen.coupler_fault, fds)
         self.bridge = Bridge(run, image, values, contacts, canopen.parameters.put, fds, self.on_cycle)
         self.clients = self._clients()
-        self.tools = PageInterfaces(run, image, values, office, canopen, contacts, self.sources)
+        self.tools = PageInterfaces(run, image, values, dispatcher, canopen, contacts, self.sources)
         self.host = host = ControllerHost(context, self.errors, self._last_heard, planner.end, fds, now)
         self.retained = self._retained(fds)
         if host.control is not None:
@@ -124,31 +126,31 @@ class Services:
         return CanopenServices(self.run_context.plan, fds, self.run_context.journal.write)
 
     def _source(self, index: int, fds: dict[str, int]) -> BaseSource:
-        run, door = self.run_context, self.run_context.plan.doors[index]
-        region = RegionWriter(fds[f"door-{door.number}"], f"door-{door.number}")
-        if door.kind == "pic":
+        run, source = self.run_context, self.run_context.plan.sources[index]
+        region = RegionWriter(fds[f"source-{source.number}"], f"source-{source.number}")
+        if source.kind == "pic":
             from gateway.services.sources.pic import SILENT_MS, PicSource  # only cells that have one pay for it
 
             silent = LinkWatch(ms(SILENT_MS), has_life_word=False)
-            return PicSource(SourceContext(run, self.image, self.values, self.office, door, silent, OnLoss.STOP, region))
-        if door.kind == "modbus":
-            modbus = next(m for m in run.cell.modbus if m.name == door.name)
+            return PicSource(SourceContext(run, self.image, self.values, self.dispatcher, source, silent, OnLoss.STOP, region))
+        if source.kind == "modbus":
+            modbus = next(m for m in run.cell.modbus if m.name == source.name)
             watch, on_loss = LinkWatch(ms(modbus.max_silence_ms), has_life_word=False), OnLoss(modbus.on_loss)
-            return self._server(SourceContext(run, self.image, self.values, self.office, door, watch, on_loss, region), modbus)
-        line = next(x for x in run.cell.line if x.name == door.name)
+            return self._server(SourceContext(run, self.image, self.values, self.dispatcher, source, watch, on_loss, region), modbus)
+        line = next(x for x in run.cell.line if x.name == source.name)
         watch = LinkWatch(ms(line.supervision.max_silence_ms), has_life_word=line.supervision.life_word is not None)
         on_loss = OnLoss(line.supervision.on_loss)
-        return self._line(SourceContext(run, self.image, self.values, self.office, door, watch, on_loss, region), line)
+        return self._line(SourceContext(run, self.image, self.values, self.dispatcher, source, watch, on_loss, region), line)
 
-    def _server(self, post: SourceContext, settings: Modbus) -> BaseSource:
+    def _server(self, context: SourceContext, settings: Modbus) -> BaseSource:
         from gateway.services.sources.modbus import ModbusSource  # its library: only cells with [[modbus]] pay for it
 
-        made = ModbusSource(post)
+        made = ModbusSource(context)
         made.listen(settings)
         return made
 
-    def _line(self, post: SourceContext, line: Line) -> BaseSource:
-        return LINE_LAYERS[line.layer].source()(post, line)
+    def _line(self, context: SourceContext, line: Line) -> BaseSource:
+        return LINE_LAYERS[line.layer].source()(context, line)
 
     def _clients(self) -> Part:
         """Of a cell that has some; loaded only then."""
@@ -165,7 +167,7 @@ class Services:
             return Part()
         from gateway.services.retained import RetainedData
 
-        kept = RetainedData(self.run_context, self.image, self.values, self.office, self.errors, path, self.started_ns, fds)
+        kept = RetainedData(self.run_context, self.image, self.values, self.dispatcher, self.errors, path, self.started_ns, fds)
         kept.restore(self.host.control)
         return kept
 
@@ -222,7 +224,7 @@ class Services:
         modbus = self.contacts.modbus
         return {
             "command_sources": [source.row() for source in self.sources],
-            "owner": self.office.owner,
+            "owner": self.dispatcher.owner,
             **({"listening": list(self._blind)} if self._blind else {}),
             "forced": self.image.forces.count,
             **({"permits": True} if self.tools.permits else {}),
@@ -239,10 +241,10 @@ class Services:
 
 def _owners(plan: RunPlan) -> dict[int, int]:
     """RC input byte -> number of the command source that writes it: as configured, else by the entries of its data blocks."""
-    owners = {octet: plan.door(name).number for octet, name in plan.cell.rc_inputs.owner.items()}
+    owners = {octet: plan.source(name).number for octet, name in plan.cell.rc_inputs.owner.items()}
     for line, places in inputs_of(plan.cell).items():
         for bit in places.values():
-            owners.setdefault(bit >> 3, plan.door(line).number)
+            owners.setdefault(bit >> 3, plan.source(line).number)
     return owners
 
 

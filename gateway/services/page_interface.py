@@ -1,6 +1,6 @@
 """The services' side of the page: a command source of its own beside the commissioning tools', and what only a page asks for.
 
-Requests come as those of tools do (gateway.services.tool_server), with "door": 91.  look: data
+Requests come as those of tools do (gateway.services.tool_server), with "source": 91.  look: data
 blocks, named values, forces; tap: characters of the lines, requests of the Modbus servers; force_input, unforce_input: RC inputs
 (AX-472); force_words, unforce_words: data words (AX-498).
 """
@@ -9,14 +9,14 @@ from collections.abc import Sequence
 
 from gateway.pure.arbitration.block_keys import block_name
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
-from gateway.pure.cell.web import PAGE_DOOR
+from gateway.pure.cell.web import PAGE_SOURCE
 from gateway.services.canopen import CanopenServices
 from gateway.services.contacts import DigitalContacts
 from gateway.services.context import RunContext
 from gateway.services.part import Part
 from gateway.services.shared_image import SharedImage
 from gateway.services.sources.base import BaseSource
-from gateway.services.tool_interface import ENABLING_BITS, ENABLING_BYTE, TOOL_DOOR, ToolInterface
+from gateway.services.tool_interface import ENABLING_BITS, ENABLING_BYTE, TOOL_SOURCE, ToolInterface
 from gateway.services.value_directory import ValueDirectory
 from protocols.base.machine import Ns
 
@@ -29,15 +29,15 @@ class PageInterfaces(Part):
         run: RunContext,
         image: SharedImage,
         values: ValueDirectory,
-        office: CommandDispatcher,
+        dispatcher: CommandDispatcher,
         canopen: CanopenServices,
         contacts: DigitalContacts,
         sources: Sequence[BaseSource],
     ) -> None:
         self._run, self._image, self._values, self._contacts, self._sources = run, image, values, contacts, sources
         self.forces = image.forces
-        self._tool = ToolInterface(run, image, office, canopen)
-        self._page = ToolInterface(run, image, office, canopen, PAGE_DOOR, "page")
+        self._tool = ToolInterface(run, image, dispatcher, canopen)
+        self._page = ToolInterface(run, image, dispatcher, canopen, PAGE_SOURCE, "page")
 
     @property
     def permits(self) -> bool:
@@ -63,8 +63,8 @@ class PageInterfaces(Part):
     def source_of(self, connection: object, *, page: bool) -> int:
         """The command source of a connection that is in control; 0: it is not."""
         if page:
-            return PAGE_DOOR if self._page.holds(connection) else 0
-        return TOOL_DOOR if self._tool.holds(connection) else 0
+            return PAGE_SOURCE if self._page.holds(connection) else 0
+        return TOOL_SOURCE if self._tool.holds(connection) else 0
 
     def held_by_another(self, connection: object) -> bool:
         """A tool other than this one is in control."""
@@ -72,7 +72,7 @@ class PageInterfaces(Part):
 
     def answer(self, request: dict[str, object], connection: object = "") -> dict[str, object] | None:
         """None: not for this part.  KeyError, ValueError: reported as an error."""
-        if request.get("door") != PAGE_DOOR:
+        if request.get("source") != PAGE_SOURCE:
             return self._tool.answer(request, connection)
         match request.get("op"):
             case "look":

@@ -15,4 +15,4 @@ class PartContext:
     run: RunContext
     image: SharedImage
     values: ValueDirectory
-    office: CommandDispatcher
+    dispatcher: CommandDispatcher

@@ -53,13 +53,13 @@ class RetainedData(Part):
         run: RunContext,
         image: SharedImage,
         values: ValueDirectory,
-        office: CommandDispatcher,
+        dispatcher: CommandDispatcher,
         errors: ErrorList,
         path: pathlib.Path,
         now: Ns,
         fds: Mapping[str, int] = NO_FDS,
     ) -> None:
-        self._run, self._image, self._values, self._office, self._list = run, image, values, office, errors
+        self._run, self._image, self._values, self._dispatcher, self._list = run, image, values, dispatcher, errors
         self._offsets = RegionReader(fds["belts"], "belts", OFFSETS_LAYOUT) if "belts" in fds else None
         self._errors: dict[tuple[int, str, str], ErrorRecord] = {}
         self._synchronised: dict[int, Reference] = {}
@@ -113,8 +113,8 @@ class RetainedData(Part):
 
     def _belts(self, kept: Retained, region: RegionReader) -> None:
         """Offsets of belts out of the cycle; a cycle that has begun anew gets what was kept before anything of it is (AX-480)."""
-        payload, office = region.read(), self._office
-        if payload is None or office.cell is None or not office.cell.generation:
+        payload, dispatcher = region.read(), self._dispatcher
+        if payload is None or dispatcher.cell is None or not dispatcher.cell.generation:
             return
         for place, (belt, offset) in enumerate(zip(self._run.cell.belt, OFFSETS.unpack(payload), strict=False)):
             name = f"{BELT}.{belt.name}.offset"
@@ -122,7 +122,7 @@ class RetainedData(Part):
                 kept.keep(name, offset)
             elif belt.bus:
                 before = kept.value(name, math.nan)
-                office.belt_stood(place, before if isinstance(before, float) else math.nan)
+                dispatcher.belt_stood(place, before if isinstance(before, float) else math.nan)
 
     def _keep_named(self, kept: Retained) -> None:
         named = self._values.named

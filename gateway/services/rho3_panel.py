@@ -16,9 +16,9 @@ USED_NS = 2_000_000_000  # the panel counts as used for so long after a key
 class Rho3Panel:
     """Keys in, screen out; a reset chosen at the panel is a fault reset of the command source that pressed."""
 
-    def __init__(self, rho: RhoControl, office: CommandDispatcher) -> None:
+    def __init__(self, rho: RhoControl, dispatcher: CommandDispatcher) -> None:
         self.rho = rho
-        self._office = office
+        self._dispatcher = dispatcher
         self._pressed: Ns = 0
         self._source = 0  # who pressed last
 
@@ -42,7 +42,7 @@ class Rho3Panel:
         if not panel.reset_wanted:
             return ""
         panel.reset_wanted = False
-        job = self._office.command(self._source, Command(Code.FAULT_RESET), now)
+        job = self._dispatcher.command(self._source, Command(Code.FAULT_RESET), now)
         if job.state is CommandState.REFUSED:
             why = text(job.reason, "en", job.detail)
             panel.refuse(why)

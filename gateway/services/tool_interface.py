@@ -22,7 +22,7 @@ from gateway.services.shared_image import SharedImage
 from gateway.services.tool_streams import ToolStreams
 from protocols.base.machine import Ns, ms
 
-TOOL_DOOR = 90
+TOOL_SOURCE = 90
 SILENCE: Ns = ms(1000)
 ENABLING_BITS, ENABLING_BYTE = range(24, 29), 3
 PERMIT_BYTES = (AUTO_MN >> 3, ENABLING_BYTE)
@@ -37,24 +37,24 @@ class ToolInterface:
         self,
         run: RunContext,
         image: SharedImage,
-        office: CommandDispatcher,
+        dispatcher: CommandDispatcher,
         canopen: CanopenServices,
-        door: int = TOOL_DOOR,
+        source: int = TOOL_SOURCE,
         name: str = "commissioning tool",
     ) -> None:
-        self._run, self._image, self._office, self._canopen = run, image, office, canopen
-        self._door, self._name = door, name
+        self._run, self._image, self._dispatcher, self._canopen = run, image, dispatcher, canopen
+        self._source, self._name = source, name
         self._heard: Ns = 0
         self.alive = False
         self.permits = False  # the tool has set the enabling inputs of a simulated cell
         self._jobs: dict[int, Job] = {}
         self._tickets: dict[int, dict[str, object]] = {}
         self._under_way, self._sdo_lock, self._next_ticket = 0, threading.Lock(), 1
-        self._streams = ToolStreams(office, image.statements)
+        self._streams = ToolStreams(dispatcher, image.statements)
         self._holder: object | None = None  # connection in control
         self._permitting: tuple[object, Ns] | None = None  # connection that set the enabling inputs, last heard
         self._leaving = False  # the one in control is gone: control ends as soon as the axes rest
-        office.control.link(door, alive=False)
+        dispatcher.control.link(source, alive=False)
 
     def wake(self, now: Ns) -> None:
         """A silent tool is a dead one; what it had ends at rest."""
@@ -64,19 +64,19 @@ class ToolInterface:
             self._permitting, self.permits = None, False
         if self._leaving and self._at_rest:
             self._leaving = False
-            if self._office.owns(self._door):
-                self._office.control.release(self._door, at_rest=True)
+            if self._dispatcher.owns(self._source):
+                self._dispatcher.control.release(self._source, at_rest=True)
 
     def heard(self) -> None:
         """The connection in control is there."""
         self._heard = self._run.clock()
         if not self.alive:
             self.alive = True
-            self._office.link(self._door, OnLoss.STOP, alive=True)
+            self._dispatcher.link(self._source, OnLoss.STOP, alive=True)
 
     def holds(self, connection: object) -> bool:
         """This connection is in control."""
-        return self._holder is connection and self._office.owns(self._door)
+        return self._holder is connection and self._dispatcher.owns(self._source)
 
     def held_by_another(self, connection: object) -> bool:
         """A living connection other than this one is in control."""
@@ -98,12 +98,12 @@ class ToolInterface:
 
     def _lost(self) -> None:
         self.alive = False
-        self._office.link(self._door, OnLoss.STOP, alive=False)
-        self._run.journal.write("link", f"{self._name}: gone", door=self._door)
+        self._dispatcher.link(self._source, OnLoss.STOP, alive=False)
+        self._run.journal.write("link", f"{self._name}: gone", source=self._source)
 
     @property
     def _at_rest(self) -> bool:
-        return self._image.state.motion_of(self._office.control.axes_of(self._door)) in (Motion.IDLE, Motion.STOPPED)
+        return self._image.state.motion_of(self._dispatcher.control.axes_of(self._source)) in (Motion.IDLE, Motion.STOPPED)
 
     def answer(self, request: dict[str, object], connection: object = "") -> dict[str, object] | None:
         """None: not for this part.  KeyError, ValueError: reported to the tool as an error."""
@@ -150,7 +150,7 @@ class ToolInterface:
         )
         job = self._given(command, connection, first_try=bool(request.get("first_try")))
         if "share" in request and job.open:
-            self._office.slow_move(job, _share(float(str(request["share"]))))
+            self._dispatcher.slow_move(job, _share(float(str(request["share"]))))
         self._jobs = {key: old for key, old in self._jobs.items() if old.open}
         self._jobs[job.id] = job
         self._image.pass_on()
@@ -158,22 +158,22 @@ class ToolInterface:
 
     def _pace(self, number: int, share: float, connection: object) -> dict[str, object]:
         """A move of this connection goes at another share, 0 .. 1, of the speed it was planned with; one that is over stays so."""
-        if self._holder is not connection or not self._office.owns(self._door):
+        if self._holder is not connection or not self._dispatcher.owns(self._source):
             return {"error": f"not owner: only the {self._name} in control may change the pace of its move"}
         job = self._jobs.get(number)
         if job is not None and job.open:
-            self._office.slow_move(job, _share(share))
+            self._dispatcher.slow_move(job, _share(share))
             self._image.pass_on()
         return {"ok": True}
 
     def _given(self, command: Command, connection: object, *, first_try: bool) -> Job:
         """Passes a command to the dispatcher, if this connection may give it."""
-        office = self._office
+        dispatcher = self._dispatcher
         try:
             self._demand(Code(command.code), connection)
         except Refusal as refusal:
-            return office.refuse(self._door, Code(command.code), refusal.reason, refusal.detail)
-        job = office.command(self._door, command, self._run.clock(), first_try=first_try)
+            return dispatcher.refuse(self._source, Code(command.code), refusal.reason, refusal.detail)
+        job = dispatcher.command(self._source, command, self._run.clock(), first_try=first_try)
         if command.code == Code.REQUEST_CONTROL and job.state is not CommandState.REFUSED:
             self._holder, self._leaving = connection, False
             self.heard()
@@ -189,8 +189,8 @@ class ToolInterface:
             raise Refusal(Reason.NOT_OWNER, f"another {self._name} has it")
         if code is not Code.REQUEST_CONTROL:
             raise Refusal(Reason.NOT_OWNER, "request it first")
-        if self._office.owns(self._door):  # left by a connection that is gone or silent
-            self._office.control.release(self._door, at_rest=self._at_rest)
+        if self._dispatcher.owns(self._source):  # left by a connection that is gone or silent
+            self._dispatcher.control.release(self._source, at_rest=self._at_rest)
 
     def _job(self, number: int) -> dict[str, object]:
         job = self._jobs.get(number) or next((job for job in self._jobs.values() if job.watch == number), None)
@@ -198,14 +198,14 @@ class ToolInterface:
 
     def _axes(self) -> dict[str, object]:
         """What the cycle published last, in the axes' own units."""
-        state, office = self._image.state, self._office
+        state, dispatcher = self._image.state, self._dispatcher
         rows: list[dict[str, object]] = []
-        for n, (fact, axis) in enumerate(zip(office.axes, state.axes, strict=False)):
+        for n, (fact, axis) in enumerate(zip(dispatcher.axes, state.axes, strict=False)):
             places = {"actual": axis.actual / fact.si, "set": axis.set / fact.si, "lag": axis.lag / fact.si, "torque": axis.torque}
             if state.measured_mask >> n & 1:
                 places["measured"] = axis.measured / fact.si  # @MPOS
             words = self._canopen.fault(n, axis.fault_code) if axis.fault_code else ""
-            planner = office.planner
+            planner = dispatcher.planner
             placed = planner is not None and bool(planner.placed >> n & 1)
             told = {
                 "flags": int(axis.flags),
@@ -221,12 +221,12 @@ class ToolInterface:
 
     def _programs(self) -> dict[str, object]:
         """Programs of the cell by number, and how far the planner is; op "tool", code "program", mask = number orders one."""
-        office = self._office
-        planner, state = office.planner, self._image.state
+        dispatcher = self._dispatcher
+        planner, state = dispatcher.planner, self._image.state
         shown = None if planner is None else planner.under_way
         way = {} if shown is None else {"block": shown.block, "share": shown.share, "waiting": shown.waiting}
         return {
-            "programs": {str(number): program.name for number, program in sorted(office.programs.items())},
+            "programs": {str(number): program.name for number, program in sorted(dispatcher.programs.items())},
             "planner": planner is not None,
             "running": state.job,
             **way,
@@ -239,8 +239,8 @@ class ToolInterface:
             try:
                 self._demand(Code.PROGRAM, connection)
             except Refusal as refusal:
-                return _told(self._office.refuse(self._door, Code.PROGRAM, refusal.reason, refusal.detail))
-            job = self._office.order_stream(self._door, robot, mask)
+                return _told(self._dispatcher.refuse(self._source, Code.PROGRAM, refusal.reason, refusal.detail))
+            job = self._dispatcher.order_stream(self._source, robot, mask)
             self._jobs[job.id] = job
             self._streams.begin(job)
         else:

@@ -14,7 +14,7 @@ from drivers.ports.base import runtime_dir
 from gateway.assembly.data_block_signals import place_of
 from gateway.pure.arbitration.block_keys import AREA_BYTES
 from gateway.pure.cell.cell import Cell
-from gateway.pure.cell.web import PAGE_DOOR
+from gateway.pure.cell.web import PAGE_SOURCE
 from gateway.pure.controllers.rho3.functions.system_variables import STOP_PROCESS, VariableError
 from gateway.pure.controllers.rho3.pendant.catalogue import PREFIX, variable_of
 from gateway.pure.image.addresses import (
@@ -42,7 +42,7 @@ from gateway.services.page_interface import PageInterfaces
 from gateway.services.part import Part
 from gateway.services.part_context import PartContext
 from gateway.services.plant_addresses import PlantAddresses, word_bytes
-from gateway.services.tool_interface import TOOL_DOOR
+from gateway.services.tool_interface import TOOL_SOURCE
 from protocols.base.errors import ProtocolError
 from protocols.base.step5 import Step5Type, decode
 from protocols.modbus.view import ExceptionCode, Kind
@@ -134,7 +134,7 @@ class Variables(Part):
         try:
             request = json.loads(line)
             if request.get("op") not in ASKING and request.get("do") not in LOOKING and not _looks(request):
-                self._run.recorder.put(self._run.clock(), Source.TOOL, TOOL_DOOR, line.strip())
+                self._run.recorder.put(self._run.clock(), Source.TOOL, TOOL_SOURCE, line.strip())
             if request.get("op") in ("contacts", "force"):
                 return self._contacts.answer(request)
             told = self._tools.answer(request, connection)
@@ -157,7 +157,7 @@ class Variables(Part):
 
     def _panel(self, request: dict[str, object], connection: object) -> dict[str, object]:
         """Everybody may look, stop and let a key go."""
-        page = request.get("door") == PAGE_DOOR
+        page = request.get("source") == PAGE_SOURCE
         acts = not _looks(request) and "release" not in request and request.get("key") != "STOP"
         if acts and not page and self._tools.held_by_another(connection):
             return {"error": "not owner: another commissioning tool has control"}
@@ -165,7 +165,7 @@ class Variables(Part):
         if panel is None:
             kinds = " or ".join(f'"{kind.name}"' for kind in CONTROLLERS.values() if kind.panel is not None)
             return {"error": f"no panel: this cell has no [controller] of kind {kinds}"}
-        answer = panel.answer(request, PAGE_DOOR if page else TOOL_DOOR, self._run.clock())
+        answer = panel.answer(request, PAGE_SOURCE if page else TOOL_SOURCE, self._run.clock())
         if not _looks(request):
             self._image.pass_on()
         return answer
@@ -189,7 +189,7 @@ class Variables(Part):
 
     def _process(self, request: dict[str, object], connection: object) -> dict[str, object]:
         """A program that a connection in control starts moves as the tool or the page, any other one as the PLC's command source."""
-        page = request.get("door") == PAGE_DOOR
+        page = request.get("source") == PAGE_SOURCE
         if request.get("do") in TESTING and not page and self._tools.held_by_another(connection):  # everybody may stop
             return {"error": "not owner: another commissioning tool has control"}
         if self._host.programs is None:
@@ -209,7 +209,7 @@ class Variables(Part):
             case DataBit():
                 line, data = self._values.serving(place.db)
                 word = int.from_bytes(data[2 * place.word : 2 * place.word + 2], "big")
-                return {"address": text, "place": str(place), "value": word >> place.bit & 1, "door": line.name}
+                return {"address": text, "place": str(place), "value": word >> place.bit & 1, "source": line.name}
             case DataWord():
                 line, data = self._values.serving(place.db)
                 size = 4 if place.part is WordPart.DOUBLE else 2
@@ -217,7 +217,7 @@ class Variables(Part):
                 if len(raw) < size:
                     return {"error": f"{place}: the block has {len(data) // 2} words"}
                 unit = entry_unit(self._run.cell, line.name, place)
-                return {"address": text, "place": str(place), "door": line.name, **_columns(raw, place.part), **unit}
+                return {"address": text, "place": str(place), "source": line.name, **_columns(raw, place.part), **unit}
             case CellName(name):
                 return self._named(text, name)
             case Register():
@@ -285,7 +285,7 @@ class Variables(Part):
         holders = [
             line for line in self._values.lines if any(byte >> place.bit & 1 for byte in line.flag_bytes()[place.byte : place.byte + 1])
         ]
-        return {"address": text, "place": str(place), "value": int(bool(holders)), "door": ", ".join(line.name for line in holders)}
+        return {"address": text, "place": str(place), "value": int(bool(holders)), "source": ", ".join(line.name for line in holders)}
 
     def _reset_flag(self, text: str, place: FlagBit, value: str) -> dict[str, object]:
         """A program that has used what came; a partner alone sets one."""

@@ -27,9 +27,9 @@ class _Stream:
 class ToolStreams:
     """One at a time of each lane."""
 
-    def __init__(self, office: CommandDispatcher, statements: list[BlockRecord]) -> None:
+    def __init__(self, dispatcher: CommandDispatcher, statements: list[BlockRecord]) -> None:
         """statements: what goes to the planner behind its orders."""
-        self._office, self._statements = office, statements
+        self._dispatcher, self._statements = dispatcher, statements
         self._streams: dict[int, _Stream] = {}
 
     def begin(self, job: Job) -> None:
@@ -60,7 +60,7 @@ class ToolStreams:
 
     def _floods(self, stream: "_Stream", count: int, heard: int) -> bool:
         """More statements than the ring has room for beside those of the other lanes: the stream ends, and no other (AX-1788)."""
-        most = room(self._office.planner or PlannerState())
+        most = room(self._dispatcher.planner or PlannerState())
         if stream.records - heard + count <= most:
             return False
         self._add(stream, BlockRecord(Say.LOST, stream.job.id, f"{count} {most}"))
@@ -80,11 +80,11 @@ class ToolStreams:
             raise ValueError(f"{what}: block {state.block} rides on {state.bound}, which cannot wait: stop ends the stream")
         match what:
             case "hold":
-                self._office.hold_move(job)
+                self._dispatcher.hold_move(job)
             case "go" | "retrace":
-                self._office.go_on_with(job, back=what == "retrace")
+                self._dispatcher.go_on_with(job, back=what == "retrace")
             case "flush" | "end_here":
-                self._office.hold_move(job)  # the axes brake at once, the planner drops what waits
+                self._dispatcher.hold_move(job)  # the axes brake at once, the planner drops what waits
                 job.reason, job.detail = Reason.NONE, ""
                 self._add(stream, BlockRecord(Say.FLUSH, job.id), *([BlockRecord(Say.END, job.id)] if what == "end_here" else []))
             case "cut":
@@ -116,13 +116,13 @@ class ToolStreams:
             raise ValueError(f"{what}: the axes have gone back to block {state.block}: go on first")
 
     def _state(self, job: Job) -> PlannerState:
-        planner = self._office.planner
+        planner = self._dispatcher.planner
         found = PlannerState() if planner is None else planner.of(job.id)
         return found if job.id in (found.job, found.failed_job, found.job_before) else PlannerState()
 
     def answer(self, job: Job) -> dict[str, object]:
         """Blocks said and over, the one under way, inputs that came or not, the fault with its block and number."""
-        state, si = self._state(job), [axis.si for axis in self._office.axes]
+        state, si = self._state(job), [axis.si for axis in self._dispatcher.axes]
         answers = [
             {"block": block, "met": met, "places": [None if at is None else at / one for at, one in zip(places, si, strict=False)]}
             for block, met, places in state.answers
@@ -143,7 +143,7 @@ class ToolStreams:
 
     def _standing(self, job: Job, state: PlannerState, si: list[float]) -> dict[str, object]:
         """Where the axes of the stream are, in their own units, and where they were measured last; whether they move, and which way."""
-        cell = self._office.cell
+        cell = self._dispatcher.cell
         if cell is None:
             return {}
         own = [(n, one) for n, one in enumerate(si) if job.mask >> n & 1]

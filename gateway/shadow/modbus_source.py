@@ -77,7 +77,7 @@ class ShadowModbusSource(ModbusSource):
         client = self._clients.get(asked.client)
         if client is None:
             client = self._clients[asked.client] = self._client(asked.client, asked.stamp)
-        self._open[asked.client, asked.request.transaction] = self.server.desk.serve(asked.request, client, asked.stamp)
+        self._open[asked.client, asked.request.transaction] = self.server.responder.serve(asked.request, client, asked.stamp)
         while len(self._open) > MOST_OPEN:
             del self._open[next(iter(self._open))]
 
@@ -114,7 +114,7 @@ class ShadowModbusSource(ModbusSource):
         self.comparison.theirs(Answer(key, answered.asked, answered.stamp, 0, answered.pdu[2:]))
 
     def _ours(self, key: tuple[int, bytes], request: Request, now: Ns) -> None:
-        found = self.server.desk.look(request)
+        found = self.server.responder.look(request)
         if not _refusal(found):
             self.comparison.ours(key, found[2:], now)
 

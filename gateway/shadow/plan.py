@@ -77,7 +77,7 @@ def left_out(cell: Cell, taps: Taps) -> list[str]:
 
 def shadow_cell(cell: Cell, taps: Taps) -> Cell:
     """The cell for shadow mode: writes to no partner, keeps nothing, judges no lag; inputs without a tap count as 1."""
-    owner = {octet: door for octet, door in cell.rc_inputs.owner.items() if door in taps}
+    owner = {octet: source for octet, source in cell.rc_inputs.owner.items() if source in taps}
     return replace(
         cell,
         rc_inputs=replace(cell.rc_inputs, owner=owner, assume=(*cell.rc_inputs.assume, *_unheard(cell, taps))),
@@ -104,7 +104,7 @@ def _unheard(cell: Cell, taps: Taps) -> list[str]:
     """Enabling inputs the cell does not assume itself, and whose byte no tapped line writes."""
     numbers = rc_numbers(cell)
     assumed = {INPUT_SIGNALS.get(name.upper(), name.lower()) for name in cell.rc_inputs.assume}
-    heard = {octet for octet, door in cell.rc_inputs.owner.items() if door in taps}
+    heard = {octet for octet, source in cell.rc_inputs.owner.items() if source in taps}
     return [name for name in ASSUMED if name not in assumed and getattr(numbers, name) >> 3 not in heard]
 
 

@@ -47,29 +47,29 @@ class ShadowServices(Services):
 
     def tick(self) -> None:
         """Also takes what the captures hold, and keeps what was found."""
-        tapped = [door for door in self.sources if isinstance(door, ShadowModbusSource)]
-        for door in tapped:
-            door.take(time.monotonic_ns())
+        tapped = [source for source in self.sources if isinstance(source, ShadowModbusSource)]
+        for source in tapped:
+            source.take(time.monotonic_ns())
         super().tick()
         now = time.monotonic_ns()
-        for door in tapped:
-            door.compare(now)
+        for source in tapped:
+            source.compare(now)
         if now >= self._keep_next:
             self._keep_next = now + KEEP_EVERY
             self.keep(now)
 
     def keep(self, now: Ns) -> None:
         """For the report, whatever becomes of this process."""
-        lines = [door.result(now) for door in self.sources if isinstance(door, ShadowSource | ShadowModbusSource)]
+        lines = [source.result(now) for source in self.sources if isinstance(source, ShadowSource | ShadowModbusSource)]
         heard_s = round((now - self.started_ns) / 1e9, 3)
         keep(self.run_context.plan.folder / LINES, {"pid": os.getpid(), "heard_s": heard_s, "lines": lines})
 
     async def run(self) -> None:
         """Until SIGTERM; what still waits is judged at the end."""
         await super().run()
-        for door in self.sources:
-            if isinstance(door, ShadowSource | ShadowModbusSource):
-                door.comparison.finish()
+        for source in self.sources:
+            if isinstance(source, ShadowSource | ShadowModbusSource):
+                source.comparison.finish()
         self.keep(time.monotonic_ns())
 
 

@@ -38,45 +38,45 @@ def signals_of(cell: Cell) -> SignalList:
 def modbus_sheets(cell: Cell) -> list[Sheet]:
     """One table for each unit of each server and for each client."""
     sheets = []
-    for door in cell.modbus:
-        if door.role == "client":
-            sheets.append(_client(door, routed_values(cell).get(door.name, ())))
+    for server in cell.modbus:
+        if server.role == "client":
+            sheets.append(_client(server, routed_values(cell).get(server.name, ())))
             continue
-        where = door.port_ or door.bind
-        for unit, view in ((door.unit, door.view), *((each.unit, each.view) for each in door.units)):
-            rows = tuple(_server_rows(cell, door, view))
-            title = f"Modbus server {door.name}, unit {unit}, {where}"
-            sheets.append(Sheet(title, MODBUS_COLUMNS, rows, _note(cell, door, view)))
+        where = server.port_ or server.bind
+        for unit, view in ((server.unit, server.view), *((each.unit, each.view) for each in server.units)):
+            rows = tuple(_server_rows(cell, server, view))
+            title = f"Modbus server {server.name}, unit {unit}, {where}"
+            sheets.append(Sheet(title, MODBUS_COLUMNS, rows, _note(cell, server, view)))
     return sheets
 
 
-def _note(cell: Cell, door: Modbus, view: str) -> str:
-    writers = ", ".join((*door.allow, *(writer.from_ for writer in door.writers)))
-    roles = ", ".join(role.role for role in door.roles if role.write)
+def _note(cell: Cell, server: Modbus, view: str) -> str:
+    writers = ", ".join((*server.allow, *(writer.from_ for writer in server.writers)))
+    roles = ", ".join(role.role for role in server.roles if role.write)
     who = f"written from {writers} only" if writers else f"written by {roles} only" if roles else "writable by every client"
-    files = ", ".join(str(block.number) for block in cell.db if block.writer == door.name)
+    files = ", ".join(str(block.number) for block in cell.db if block.writer == server.name)
     also = f"; FC 7: RC outputs 64..71; FC 20: file N is DB N; {f'FC 21: files {files}; ' if files else ''}"
     also = f"{also}FC 24 at {ERRORS_AT}: numbers of the standing errors" if MODBUS_VIEWS[view].signals else ""
-    return f"REAL and other wide values {door.float}; {who}{also}"
+    return f"REAL and other wide values {server.float}; {who}{also}"
 
 
-def _server_rows(cell: Cell, door: Modbus, view: str) -> Iterator[tuple[Field, ...]]:
+def _server_rows(cell: Cell, server: Modbus, view: str) -> Iterator[tuple[Field, ...]]:
     row = MODBUS_VIEWS[view]
     if row.signals:
-        yield from _signal_rows(cell, door)
-        if door.command_block:
+        yield from _signal_rows(cell, server)
+        if server.command_block:
             yield from _block_rows(cell)
     elif row.rows is not None:
-        yield from row.rows(cell, door)
-    for each in placed(door, [axis.name for axis in cell.axis]):
+        yield from row.rows(cell, server)
+    for each in placed(server, [axis.name for axis in cell.axis]):
         for table in ("holding register", "input register"):
             yield (table, each.at, reference(table, each.at), each.words, each.type, "R", each.name, "")
 
 
-def _signal_rows(cell: Cell, door: Modbus) -> Iterator[tuple[Field, ...]]:
+def _signal_rows(cell: Cell, server: Modbus) -> Iterator[tuple[Field, ...]]:
     """Each named signal as a bit, each PIC byte pair as a register."""
     known, language = signals_of(cell), cell.cell.language
-    owned = {octet for octet, owner in cell.rc_inputs.owner.items() if owner == door.name}
+    owned = {octet for octet, owner in cell.rc_inputs.owner.items() if owner == server.name}
     for table, direction in (("coil", Direction.INPUT), ("discrete input", Direction.OUTPUT)):
         for number in range(8 * RC_BYTES):
             signal = known.at(RcBit(direction, number))
@@ -111,15 +111,15 @@ def _block_rows(cell: Cell) -> Iterator[tuple[Field, ...]]:
             yield row("input register", word + 2, 2, "REAL", f"status: lag {axis.name}, {axis.unit}")
 
 
-def _client(door: Modbus, routed: Sequence[ModbusValue]) -> Sheet:
+def _client(server: Modbus, routed: Sequence[ModbusValue]) -> Sheet:
     tables = {"coil": "coil", "discrete": "discrete input", "input": "input register", "holding": "holding register"}
     rows = tuple(
         (each.device, tables[each.table], each.at, reference(tables[each.table], each.at), each.type, each.to, each.from_, each.every_ms)
-        for each in (*door.value, *routed)
+        for each in (*server.value, *routed)
     )
     columns = ("device", "table", "address (base 0)", "reference (base 1)", "type", "read into", "written from", "every ms")
-    units = ", ".join(f"{device.name} = unit {device.unit} {device.order}" for device in door.device)
-    return Sheet(f"Modbus client {door.name}, {door.port_}", columns, rows, units)
+    units = ", ".join(f"{device.name} = unit {device.unit} {device.order}" for device in server.device)
+    return Sheet(f"Modbus client {server.name}, {server.port_}", columns, rows, units)
 
 
 # ------------------------------------------------------------------------------------------------- blocks, signals, wiring
@@ -141,7 +141,7 @@ def db_sheets(cell: Cell) -> list[Sheet]:
 
 def signal_sheets(cell: Cell) -> list[Sheet]:
     """All numbered signals by their four addresses."""
-    columns = ("signal", "number", "PIC", "CL300", "RC", "text", "number from", "door")
+    columns = ("signal", "number", "PIC", "CL300", "RC", "text", "number from", "command source")
     sheets = []
     for direction, title in ((Direction.INPUT, "RC inputs (PLC -> control)"), (Direction.OUTPUT, "RC outputs (control -> PLC)")):
         found = sorted((s for s in signals_of(cell).all if s.at.direction is direction and not s.until), key=lambda s: s.at.number)
@@ -156,9 +156,9 @@ def _signal(cell: Cell, signal: Signal) -> tuple[Field, ...]:
         except AddressFault:
             return ""  # this world does not reach it
 
-    door = cell.rc_inputs.owner.get(signal.at.number // 8, "") if signal.at.direction is Direction.INPUT else ""
+    server = cell.rc_inputs.owner.get(signal.at.number // 8, "") if signal.at.direction is Direction.INPUT else ""
     source = signal.source if signal.source != "axisgate" else "axisgate (AX-002)"
-    return (signal.name, signal.at.number, address(pic), address(cl300), address(rc), signal.text(cell.cell.language), source, door)
+    return (signal.name, signal.at.number, address(pic), address(cl300), address(rc), signal.text(cell.cell.language), source, server)
 
 
 def wiring_sheets(cell: Cell) -> list[Sheet]:
@@ -168,9 +168,16 @@ def wiring_sheets(cell: Cell) -> list[Sheet]:
         (f"line {line.name}", line.port, f"{line.format} {line.wiring}".strip(), f"{line.protocol} {line.layer}, priority {line.priority}")
         for line in cell.line
     ]
-    for door in cell.modbus:
-        how = door.format if door.serial else "TLS, certificates on both sides" if door.tls else "Ethernet"
-        rows.append((f"Modbus {door.role} {door.name}", door.port_ or door.bind, how, f"Modbus {door.framing.upper()}, unit {door.unit}"))
+    for server in cell.modbus:
+        how = server.format if server.serial else "TLS, certificates on both sides" if server.tls else "Ethernet"
+        rows.append(
+            (
+                f"Modbus {server.role} {server.name}",
+                server.port_ or server.bind,
+                how,
+                f"Modbus {server.framing.upper()}, unit {server.unit}",
+            )
+        )
     rows += [(f"bus {bus.name}", bus.port, f"{bus.bitrate}, 120 ohm at both ends", bus.protocol) for bus in cell.bus]
     rows += [
         (f"axis {axis.name}", f"bus {axis.drive.bus}", f"address {axis.drive.node or axis.drive.module}", axis.drive.type)

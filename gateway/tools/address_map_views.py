@@ -21,14 +21,14 @@ def reference(table: str, address: int) -> str:
     return f"{first + address:05d}" if address < 9999 else f"{first // 10000}{address + 1:05d}"
 
 
-def owned_by(cell: Cell, door: Modbus) -> set[int]:
+def owned_by(cell: Cell, server: Modbus) -> set[int]:
     """RC input bytes this command source may write."""
-    return {octet for octet, owner in cell.rc_inputs.owner.items() if owner == door.name}
+    return {octet for octet, owner in cell.rc_inputs.owner.items() if owner == server.name}
 
 
-def reis_rows(cell: Cell, door: Modbus) -> Iterator[Row]:
+def reis_rows(cell: Cell, server: Modbus) -> Iterator[Row]:
     """Inputs and outputs bit by bit and in words, markers in words; system markers by their bits."""
-    controller, owned = cell.controller or Controller(), owned_by(cell, door)
+    controller, owned = cell.controller or Controller(), owned_by(cell, server)
     first, robot_only = controller.first_byte, controller.robot_only
     for table, letter in (("coil", "E"), ("discrete input", "A")):
         for bit in range(8 * BYTES):
@@ -57,9 +57,9 @@ def _access(word: int, robot_only: Collection[int]) -> str:
     return "R" if pair & robots or any(INPUTS <= byte < OUTPUTS for byte in pair) else "R/W"
 
 
-def val3_rows(cell: Cell, door: Modbus) -> Iterator[Row]:
+def val3_rows(cell: Cell, server: Modbus) -> Iterator[Row]:
     """Every point by its name, with board, module and address; its state."""
-    points, owned = (cell.controller or Controller()).point, owned_by(cell, door)
+    points, owned = (cell.controller or Controller()).point, owned_by(cell, server)
     kinds: tuple[tuple[str, bool, bool], ...] = (
         ("coil", False, False), ("discrete input", True, False), ("holding register", False, True), ("input register", True, True),
     )  # fmt: skip

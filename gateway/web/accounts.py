@@ -18,8 +18,8 @@ Row = dict[str, Any]
 class Accounts:
     """Who may log in.  `judge` ends what changed users had open."""
 
-    def __init__(self, access: Access, hands: OperatorControl) -> None:
-        self.access, self.hands = access, hands
+    def __init__(self, access: Access, operator_control: OperatorControl) -> None:
+        self.access, self.operator_control = access, operator_control
         self.store: Store = access.store
         self.secure = bool(access.web.tls_certificate)
         self.judge: Callable[[], Awaitable[None]] = _nothing
@@ -59,8 +59,8 @@ class Accounts:
         return response
 
     async def logout(self, call: Call) -> Response:
-        if call.person.key and call.person.key == self.hands.holder:
-            await self.hands.lose()
+        if call.person.key and call.person.key == self.operator_control.holder:
+            await self.operator_control.lose()
         self.store.close_session(call.request.cookies.get(COOKIE, ""))
         await self.judge()
         response = JSONResponse({"ok": True})

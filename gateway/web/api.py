@@ -54,8 +54,8 @@ class Api:
     def __init__(self, live: Live, names: Names, access: Access, cell: Row) -> None:
         self.live, self.names, self.access, self.cell = live, names, access, cell
         self.store: Store = access.store
-        self.hands: OperatorControl = live.hands
-        self.accounts = Accounts(access, live.hands)
+        self.operator_control: OperatorControl = live.operator_control
+        self.accounts = Accounts(access, live.operator_control)
 
     # ---- looking --------------------------------------------------------------------------------------------------------
     async def me(self, call: Call) -> Row:
@@ -68,7 +68,7 @@ class Api:
             "fresh": self.store.fresh,
             "read_only": self.access.web.read_only,
             "simulated": self.access.simulated,
-            "holds": bool(person.key) and person.key == self.hands.holder,
+            "holds": bool(person.key) and person.key == self.operator_control.holder,
         }
 
     async def show_cell(self, call: Call) -> Row:
@@ -89,7 +89,7 @@ class Api:
             return None
 
     async def value(self, call: Call) -> Row:
-        return await self.hands.desk.ask("get", address=call.query.get("address", "")[:100])
+        return await self.operator_control.services_link.ask("get", address=call.query.get("address", "")[:100])
 
     async def tree(self, call: Call) -> Row:
         return {"tree": self.names.tree(), "total": len(self.names.all)}
@@ -128,7 +128,7 @@ class Api:
         return await self.live.alarms.file(call.query)
 
     async def job(self, call: Call) -> Row:
-        return await self.hands.job(int(call.path["number"]))
+        return await self.operator_control.job(int(call.path["number"]))
 
     async def health(self, call: Call) -> Row:
         cycle, services = self.live.regions.ages()
@@ -137,34 +137,34 @@ class Api:
     # ---- the machine ------------------------------------------------------------------------------------------------------
     async def stop(self, call: Call) -> Row:
         """Stop is open to all users."""
-        return await self.hands.command(call.person.key, call.person.name, "stop")
+        return await self.operator_control.command(call.person.key, call.person.name, "stop")
 
     async def command(self, call: Call) -> Row:
         body: Command = call.body
         rest: Row = {"velocity": body.velocity, "acceleration": body.acceleration, "targets": body.targets}
-        return said(await self.hands.command(call.person.key, call.person.name, body.code, body.mask, **rest))
+        return said(await self.operator_control.command(call.person.key, call.person.name, body.code, body.mask, **rest))
 
     async def permit(self, call: Call) -> Row:
         body: Permit = call.body
-        return await self.hands.desk.ask("permit", on=body.on)
+        return await self.operator_control.services_link.ask("permit", on=body.on)
 
     async def force(self, call: Call) -> Row:
         body: Force = call.body
-        return await self.hands.desk.ask("force_input", bit=body.bit, value=body.value, who=call.person.name)
+        return await self.operator_control.services_link.ask("force_input", bit=body.bit, value=body.value, who=call.person.name)
 
     async def unforce(self, call: Call) -> Row:
         body: Unforce = call.body
-        return await self.hands.desk.ask("unforce_input", bit=body.bit, who=call.person.name)
+        return await self.operator_control.services_link.ask("unforce_input", bit=body.bit, who=call.person.name)
 
     async def force_word(self, call: Call) -> Row:
         body: ForceWord = call.body
         block, words = forced_words(self._entry(body.id), body.value)
-        return await self.hands.desk.ask("force_words", block=block, words=words, who=call.person.name)
+        return await self.operator_control.services_link.ask("force_words", block=block, words=words, who=call.person.name)
 
     async def unforce_word(self, call: Call) -> Row:
         body: UnforceWord = call.body
         block, words = forced_words(self._entry(body.id), None)
-        return await self.hands.desk.ask("unforce_words", block=block, words=words, who=call.person.name)
+        return await self.operator_control.services_link.ask("unforce_words", block=block, words=words, who=call.person.name)
 
     def _entry(self, id_: str) -> Entry:
         found = self.names.by_id.get(id_)
@@ -174,7 +174,7 @@ class Api:
 
     async def put(self, call: Call) -> Row:
         body: Put = call.body
-        return await self.hands.desk.ask("set", address=body.address, value=body.value)
+        return await self.operator_control.services_link.ask("set", address=body.address, value=body.value)
 
     # ---- programs of the old control ------------------------------------------------------------------------------------
     async def program_text(self, call: Call) -> Row:
@@ -185,11 +185,11 @@ class Api:
 
     async def program_start(self, call: Call) -> Row:
         body: ProgramName = call.body
-        return await self.hands.start_program(call.person.key, body.name)
+        return await self.operator_control.start_program(call.person.key, body.name)
 
     async def program_stop(self, call: Call) -> Row:
         body: ProgramName = call.body
-        return await self.hands.desk.ask("process", do="stop", name=body.name)
+        return await self.operator_control.services_link.ask("process", do="stop", name=body.name)
 
     # ---- the integrated PLC ---------------------------------------------------------------------------------------------
     async def plc_listing(self, call: Call) -> Row:
@@ -211,17 +211,19 @@ class Api:
 
     async def plc_start(self, call: Call) -> Row:
         body: PlcStart = call.body
-        return await self.hands.desk.ask("plc", do="start", name=body.name)
+        return await self.operator_control.services_link.ask("plc", do="start", name=body.name)
 
     async def plc_stop(self, call: Call) -> Row:
-        return await self.hands.desk.ask("plc", do="stop")
+        return await self.operator_control.services_link.ask("plc", do="stop")
 
     async def plc_ack(self, call: Call) -> Row:
-        return await self.hands.desk.ask("plc", do="ack")
+        return await self.operator_control.services_link.ask("plc", do="ack")
 
     async def plc_write(self, call: Call) -> Row:
         body: Marker = call.body
-        return await self.hands.desk.ask("plc", do="write", operand=body.operand, value=body.value, who=call.person.name)
+        return await self.operator_control.services_link.ask(
+            "plc", do="write", operand=body.operand, value=body.value, who=call.person.name
+        )
 
     # ---- the scope --------------------------------------------------------------------------------------------------------
     async def scope_names(self, call: Call) -> Row:
@@ -352,7 +354,7 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("GET", "/api/program", v, "the listing of a program, with its faults", api.program_text, query=(("name", "string"),)),
         row("POST", "/api/program/start", o, "start a program of the old control", api.program_start, ProgramName, True),
         row("POST", "/api/program/stop", o, "stop it", api.program_stop, ProgramName, True),
-        *program_test_endpoints(ProgramTests(lambda: api.hands)),
+        *program_test_endpoints(ProgramTests(lambda: api.operator_control)),
         *plc_endpoints(api),
         row("POST", "/api/permit", s, "set or clear the enabling inputs of a simulation", api.permit, Permit, True, plant=True),
         row("POST", "/api/force", s, "force an RC input", api.force, Force, True),

@@ -83,14 +83,14 @@ class Headers:
 
 def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store, scope: Scope) -> Starlette:
     """Everything of one run, wired."""
-    desk, looker = ServicesLink(plan.slug), ServicesLink(plan.slug, GLANCE_S)
-    hands = OperatorControl(desk, regions, plan.cell.axis, jog_of(plan.cell))
+    services_link, looker = ServicesLink(plan.slug), ServicesLink(plan.slug, GLANCE_S)
+    operator_control = OperatorControl(services_link, regions, plan.cell.axis, jog_of(plan.cell))
     plant = Plant(plan)
     names = Names(plan.cell)
-    live = Live(plan, regions, looker, hands, plant, scope, names)
+    live = Live(plan, regions, looker, operator_control, plant, scope, names)
     access = Access(store, web, simulated=plan.simulated)
     api = Api(live, names, access, described(plan, plant, live.skeleton))
-    sockets = Sockets(live, hands, access)
+    sockets = Sockets(live, operator_control, access)
     api.accounts.judge = sockets.judge
     table = endpoints(api)
     description = openapi(table, "1")
@@ -107,13 +107,13 @@ def make_app(plan: RunPlan, web: Web, regions: Regions, store: Store, scope: Sco
 
     @contextlib.asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        tasks = [asyncio.create_task(live.run()), asyncio.create_task(hands.run()), asyncio.create_task(sockets.run())]
+        tasks = [asyncio.create_task(live.run()), asyncio.create_task(operator_control.run()), asyncio.create_task(sockets.run())]
         yield
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
         plant.close()
-        desk.close()
+        services_link.close()
         looker.close()
 
     app = Starlette(

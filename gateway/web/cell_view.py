@@ -34,7 +34,7 @@ def described(plan: RunPlan, plant: Plant, skeleton: Skeleton) -> Row:
         "simulated": plan.simulated,
         "p5_ms": plan.p5_ms,
         "axes": [_axis(axis) for axis in cell.axis],
-        "command_sources": [{"number": door.number, "name": door.name, "kind": door.kind} for door in plan.doors],
+        "command_sources": [{"number": source.number, "name": source.name, "kind": source.kind} for source in plan.sources],
         "lines": [_line(line, plan.lines[line.name]) for line in cell.line],
         "buses": [_bus(bus, plan.buses.get(bus.name, "not played"), listens=bus.name in plan.listening) for bus in cell.bus],
         "modbus": [{"name": server.name, "bind": plan.modbus_place(server.name), "unit": server.unit} for server in cell.modbus],

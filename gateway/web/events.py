@@ -32,5 +32,5 @@ class Events:
             return
         if isinstance(entry, dict):
             self.number += 1
-            names = ("wall", "process", "kind", "text", "door", "reason")
+            names = ("wall", "process", "kind", "text", "source", "reason")
             self.kept.append({"n": self.number, **{name: entry[name] for name in names if name in entry}})

@@ -51,8 +51,8 @@ def _reason(source: Row) -> list[str]:
 class LineViews:
     """Sentences of every line, the last few hundred."""
 
-    def __init__(self, cell: Cell, desk: ServicesLink) -> None:
-        self._desk = desk
+    def __init__(self, cell: Cell, services_link: ServicesLink) -> None:
+        self._services_link = services_link
         self._lines = {line.name: line for line in cell.line}
         self._seen: dict[str, int] = {}
         self._decoders: dict[str, Decoder] = {}
@@ -60,7 +60,7 @@ class LineViews:
 
     async def look(self) -> dict[str, list[Row]]:
         """What was said since the last look is decoded; the newest sentences of each line, oldest first.  Gone, Refused."""
-        answer = await self._desk.ask("tap", since=self._seen)
+        answer = await self._services_link.ask("tap", since=self._seen)
         for take, found in ((self._take, answer["lines"]), (self._take_modbus, answer["modbus"])):
             for line, pieces in found.items():
                 if pieces and pieces[-1][0] < self._seen.get(line, 0):  # the services were restarted and count anew

@@ -65,19 +65,32 @@ class Live:
     """The ticking heart of the page."""
 
     def __init__(
-        self, plan: RunPlan, regions: Regions, desk: ServicesLink, hands: OperatorControl, plant: Plant, scope: Scope, names: Names
+        self,
+        plan: RunPlan,
+        regions: Regions,
+        services_link: ServicesLink,
+        operator_control: OperatorControl,
+        plant: Plant,
+        scope: Scope,
+        names: Names,
     ) -> None:
         self.scope = scope
-        self.plan, self.regions, self.desk, self.hands, self.plant = plan, regions, desk, hands, plant
+        self.plan, self.regions, self.services_link, self.operator_control, self.plant = (
+            plan,
+            regions,
+            services_link,
+            operator_control,
+            plant,
+        )
         self.viewers: set[Viewer] = set()
         self.events = Events(plan.journal)
         self.alarms = AlarmHistory(path_of(plan))
-        self.lines = LineViews(plan.cell, desk)
+        self.lines = LineViews(plan.cell, services_link)
         self.buses = [BusView(bus, plan.buses[bus.name]) for bus in plan.cell.bus if bus.name in plan.buses]
         self.skeleton = Skeleton(plan.cell)
-        self.programs = ProgramView(plan.cell, desk)
-        self.plc = PlcView(plan.cell, desk)
-        self.val3 = Val3View(plan.cell, desk)
+        self.programs = ProgramView(plan.cell, services_link)
+        self.plc = PlcView(plan.cell, services_link)
+        self.val3 = Val3View(plan.cell, services_link)
         self.processes: Row = {}
         self.head = "null"
         self.values: Row = {}  # of everything watched
@@ -103,7 +116,7 @@ class Live:
 
     async def _pendant(self) -> Row:
         """The display and the keys of the hand-held unit.  Gone, Refused."""
-        return await self.desk.ask("panel")
+        return await self.services_link.ask("panel")
 
     async def run(self) -> None:
         """Until cancelled."""
@@ -119,7 +132,7 @@ class Live:
         if self._ticks % 5 == 1:
             await self._ask_supervisor()
         if self._ticks % TREND_TICKS == 1:
-            await self.trends.look(self.desk)
+            await self.trends.look(self.services_link)
         if not self.viewers:
             self._close_buses()
             return
@@ -172,9 +185,9 @@ class Live:
         head = self.regions.head()
         head["errors"] = [self._told(error) for error in head["errors"]]
         head["stop_text"] = [head["stop_text"][0], umlauts(head["stop_text"][1])]
-        head["holder"] = self.hands.name
+        head["holder"] = self.operator_control.name
         known = head["services_alive"]  # of services that are away nobody knows what their links do
-        head["links"] = [[door["name"], door["alive"] if known else None] for door in self.regions.status.get("command_sources", [])]
+        head["links"] = [[source["name"], source["alive"] if known else None] for source in self.regions.status.get("command_sources", [])]
         head["links"] += [[link["name"], link["alive"] if known else None] for link in asked_links(self.regions.status)]
         return head
 
@@ -236,5 +249,5 @@ class Live:
     # ---- watched values ----------------------------------------------------------------------------------------------------
     async def _watch(self) -> None:
         wanted = {name for viewer in self.viewers for name in viewer.watch}
-        await self.watched.look(self.desk)
+        await self.watched.look(self.services_link)
         self.values = self.watched.values(wanted)

@@ -38,8 +38,8 @@ class NotYours(Exception):
 class OperatorControl:
     """The page's command source and who holds it."""
 
-    def __init__(self, desk: ServicesLink, regions: Regions, axes: Sequence[Axis], speeds: Jog | None = None) -> None:
-        self.desk, self.regions, self.axes = desk, regions, axes
+    def __init__(self, services_link: ServicesLink, regions: Regions, axes: Sequence[Axis], speeds: Jog | None = None) -> None:
+        self.services_link, self.regions, self.axes = services_link, regions, axes
         self.speeds = speeds  # of a rho 3's jog keys; None: a share of the axis' speed
         self._pace = (0, 1.0)  # job of the jog, and at which share of its speed it goes
         self.holder, self.name = "", ""  # key of a session or token, and its person
@@ -60,7 +60,7 @@ class OperatorControl:
                 await self.lose()
             if self.holder:
                 with contextlib.suppress(Gone, Refused):
-                    holder, answer = self.holder, await self.desk.ask("alive")
+                    holder, answer = self.holder, await self.services_link.ask("alive")
                     if not answer["holds"] and holder == self.holder:
                         self.holder = self.name = ""  # the services started anew, or somebody else has control
 
@@ -69,7 +69,7 @@ class OperatorControl:
         self.holder = self.name = ""
         await self.forget()
         with contextlib.suppress(Gone, Refused):
-            await self.desk.ask("leave")
+            await self.services_link.ask("leave")
 
     def heard(self, key: str) -> None:
         """The browser of this session is there."""
@@ -81,21 +81,21 @@ class OperatorControl:
         """One command of the own block; NotYours, Gone, Refused."""
         if code == "stop":
             await self.forget()
-            return await self.desk.command("stop")
+            return await self.services_link.command("stop")
         if code == "request_control":
             return await self._request(key, name)
         self._mine(key)
         if code == "release_control":
-            answer = await self.desk.command(code)
+            answer = await self.services_link.command(code)
             if answer["state"] == "DONE":
                 self.holder = self.name = ""
             return answer
-        return await self.desk.command(code, mask, **rest)
+        return await self.services_link.command(code, mask, **rest)
 
     async def _request(self, key: str, name: str) -> Row:
         if self.holder and self.holder != key:
             raise NotYours(f"{self.name} holds the page's command source")
-        answer = await self.desk.command("request_control")
+        answer = await self.services_link.command("request_control")
         if answer["state"] in ("DONE", "ACCEPTED"):
             self.holder, self.name, self._heard = key, name, time.monotonic()
         return answer
@@ -110,7 +110,7 @@ class OperatorControl:
         self.free(key)
         if key and key == self.holder:
             self._heard = time.monotonic()
-        return await self.desk.ask("process", do=do, name=name, **more)
+        return await self.services_link.ask("process", do=do, name=name, **more)
 
     def _mine(self, key: str) -> None:
         if not key or self.holder != key:
@@ -119,7 +119,7 @@ class OperatorControl:
 
     async def job(self, number: int) -> Row:
         """What became of a command."""
-        return await self.desk.ask("job", job=number)
+        return await self.services_link.ask("job", job=number)
 
     # ---- hold to run ------------------------------------------------------------------------------------------------------
     async def jog(self, key: str, axis: int, direction: int, percent: float, *, first: bool = True) -> Row:
@@ -139,11 +139,11 @@ class OperatorControl:
         job, share = self._pace
         if self.speeds is not None and job and share != (now := self.speeds.share(axis, time.monotonic()) / self.speeds.most(axis)):
             self._pace = (job, now)
-            await self.desk.ask("pace", job=job, share=now)
+            await self.services_link.ask("pace", job=job, share=now)
 
     async def reference(self, key: str, mask: int, *, first: bool = True) -> Row:
         """The same for a reference run of the axes in the mask."""
-        return await self._hold(key, ("reference", mask, 0), lambda: self.desk.command("reference", mask), first)
+        return await self._hold(key, ("reference", mask, 0), lambda: self.services_link.command("reference", mask), first)
 
     async def _hold(self, key: str, held: Held, begin: Callable[[], Awaitable[Row]], first: bool) -> Row:
         self._mine(key)
@@ -184,7 +184,7 @@ class OperatorControl:
         targets = [0.0] * len(self.axes)
         targets[number] = way
         unreferenced = not state.flags & AxisFlag.REFERENCED
-        answer = await self.desk.command("ptp_relative", 1 << number, targets=targets, first_try=unreferenced, **rest)
+        answer = await self.services_link.command("ptp_relative", 1 << number, targets=targets, first_try=unreferenced, **rest)
         self._pace = (int(answer["job"]), float(str(rest.get("share", 1.0))))
         return answer
 
@@ -195,10 +195,10 @@ class OperatorControl:
                 return
             self._release()
             with contextlib.suppress(Gone, Refused):
-                await self.desk.command("stop")
+                await self.services_link.command("stop")
                 await self._at_rest()
                 if self.regions.state.motion is Motion.STOPPED:
-                    await self.desk.command("abandon")
+                    await self.services_link.command("abandon")
 
     async def forget(self) -> None:
         """Stop was pressed: the axes rest, the key no longer counts."""

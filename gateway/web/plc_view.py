@@ -17,8 +17,8 @@ ROWS = 500  # steps of a listing in one answer
 class PlcView:
     """The PLC of a cell."""
 
-    def __init__(self, cell: Cell, desk: ServicesLink) -> None:
-        self._cell, self._desk = cell, desk
+    def __init__(self, cell: Cell, services_link: ServicesLink) -> None:
+        self._cell, self._services_link = cell, services_link
         self._folder = plc_folder(cell)
         self._names: list[str] = []
 
@@ -32,7 +32,7 @@ class PlcView:
         except (ProgramFileFault, OSError):
             self._names = []
         table = controller.plc
-        status = await self._desk.ask("plc", do="status")
+        status = await self._services_link.ask("plc", do="status")
         return {**status, "programs": self._names, "start": table.start, "load": table.load, "first_byte": controller.first_byte}
 
     async def listing(self, name: str, first: int) -> Row:
@@ -52,4 +52,4 @@ class PlcView:
 
     async def shown(self, name: str, first: int) -> Row:
         """The test display of a program.  Gone, Refused."""
-        return await self._desk.ask("plc", do="show", name=name, first=first)
+        return await self._services_link.ask("plc", do="show", name=name, first=first)

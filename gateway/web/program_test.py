@@ -80,19 +80,19 @@ class Define(ProgramName):
 class ProgramTests:
     """Orders of one page to the interpreter; each waits for what became of it."""
 
-    def __init__(self, hands: Callable[[], OperatorControl]) -> None:
-        self._look_up = hands
+    def __init__(self, operator_control: Callable[[], OperatorControl]) -> None:
+        self._look_up = operator_control
 
     @property
-    def _hands(self) -> OperatorControl:
+    def _operator_control(self) -> OperatorControl:
         return self._look_up()
 
     async def _order(self, call: Call, what: str, **facts: object) -> Row:
-        self._hands.free(call.person.key)
-        answer = await self._hands.desk.ask("process", do=what, **facts)
+        self._operator_control.free(call.person.key)
+        answer = await self._operator_control.services_link.ask("process", do=what, **facts)
         until = time.monotonic() + OUTCOME_S
         while time.monotonic() < until:
-            outcome = await self._hands.desk.ask("process", do="outcome", ticket=answer["ticket"])
+            outcome = await self._operator_control.services_link.ask("process", do="outcome", ticket=answer["ticket"])
             if outcome["over"]:
                 return {"ok": True}
             await asyncio.sleep(AGAIN_S)
@@ -100,7 +100,7 @@ class ProgramTests:
 
     async def start(self, call: Call) -> Row:
         body: TestStart = call.body
-        return await self._hands.start_program(call.person.key, body.name, do="test", hold=body.hold)
+        return await self._operator_control.start_program(call.person.key, body.name, do="test", hold=body.hold)
 
     async def breakpoints(self, call: Call) -> Row:
         body: Breakpoints = call.body
@@ -112,7 +112,7 @@ class ProgramTests:
 
     async def single(self, call: Call) -> Row:
         body: SingleStep = call.body
-        return await self._hands.start_program(call.person.key, body.name, do="step", how=body.how)
+        return await self._operator_control.start_program(call.person.key, body.name, do="step", how=body.how)
 
     async def movement(self, call: Call) -> Row:
         body: Movement = call.body
@@ -135,7 +135,7 @@ class ProgramTests:
         name = call.query.get("name", "")
         if not name or len(name) > 64:
             raise ValueError("name: that of a variable, at most 64 characters")
-        await self._hands.desk.ask("process", do="value", name=name)
+        await self._operator_control.services_link.ask("process", do="value", name=name)
         return {"ok": True}
 
     async def look(self, call: Call) -> Row:
@@ -143,7 +143,7 @@ class ProgramTests:
         run = call.query.get("run", "")
         if not run.isascii() or not run.isdigit() or len(run) > 10:
             raise ValueError("run: the number of a process")
-        await self._hands.desk.ask("process", do="look", run=int(run))
+        await self._operator_control.services_link.ask("process", do="look", run=int(run))
         return {"ok": True}
 
 

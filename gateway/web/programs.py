@@ -14,15 +14,15 @@ SHOWN = ("programs", "processes", "id", "test", "variables", "looked", "breaks",
 class ProgramView:
     """Programs and processes of a cell."""
 
-    def __init__(self, cell: Cell, desk: ServicesLink) -> None:
-        self._cell, self._desk = cell, desk
+    def __init__(self, cell: Cell, services_link: ServicesLink) -> None:
+        self._cell, self._services_link = cell, services_link
         self._language = language_in(cell)
 
     async def look(self) -> Row:
         """What there is and what runs.  Gone, Refused."""
         if self._language is None:
             return {"programs": [], "processes": [], "id": 0}
-        found = await self._desk.ask("process", do="list")
+        found = await self._services_link.ask("process", do="list")
         return {key: found[key] for key in SHOWN if key in found}
 
     async def text(self, name: str) -> Row:

@@ -28,10 +28,10 @@ REFUSED, TOO_MANY = 4403, 4429  # close codes: the page asks for a login, or wai
 class Sockets:
     """All of them."""
 
-    def __init__(self, live: Live, hands: OperatorControl, access: Access) -> None:
-        self.live, self.hands, self.access = live, hands, access
+    def __init__(self, live: Live, operator_control: OperatorControl, access: Access) -> None:
+        self.live, self.operator_control, self.access = live, operator_control, access
         self._open: dict[Viewer, tuple[WebSocket, Person]] = {}
-        hands.standing = access.standing
+        operator_control.standing = access.standing
 
     async def serve(self, socket: WebSocket) -> None:
         """From its opening to its end; nothing a browser sends ends anything but its own connection."""
@@ -59,11 +59,11 @@ class Sockets:
         finally:
             self.live.viewers.discard(viewer)
             self._open.pop(viewer, None)
-            if person.key and person.key == self.hands.holder:
+            if person.key and person.key == self.operator_control.holder:
                 if viewer.holding:  # a finger whose browser is gone is lifted
-                    await self.hands.let_go()
+                    await self.operator_control.let_go()
                 if all(other.key != person.key for _, other in self._open.values()):  # control ends with the last page of the session
-                    await self.hands.lose()
+                    await self.operator_control.lose()
             sender.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await sender
@@ -82,8 +82,8 @@ class Sockets:
             role = self.access.standing(person.key)
             if role is person.role:
                 continue
-            if person.key == self.hands.holder and role < Role.OPERATOR:
-                await self.hands.lose()
+            if person.key == self.operator_control.holder and role < Role.OPERATOR:
+                await self.operator_control.lose()
             self._open.pop(viewer, None)
             with contextlib.suppress(RuntimeError, OSError):
                 await socket.close(REFUSED, "this login has ended, or its role has changed")
@@ -106,7 +106,7 @@ class Sockets:
                 continue
             if isinstance(message, dict):
                 if message.get("t") in LIFE:
-                    self.hands.heard(person.key)
+                    self.operator_control.heard(person.key)
                 answer = await self._take(message, viewer, person)
                 if answer is not None:
                     say = {"say": says(answer["error"])} if "error" in answer else {}
@@ -124,8 +124,8 @@ class Sockets:
                 return await self._panel(message, person)
             case "release":
                 viewer.holding = viewer.pressed = False
-                if person.key == self.hands.holder:
-                    await self.hands.let_go()
+                if person.key == self.operator_control.holder:
+                    await self.operator_control.let_go()
         return None
 
     async def _held(self, what: str, message: dict[str, Any], viewer: Viewer, person: Person) -> dict[str, Any]:
@@ -157,10 +157,10 @@ class Sockets:
             if self.access.web.read_only:
                 return {"error": "the page is read-only"}
             self.access.role(person, Role.OPERATOR)
-            self.hands.free(person.key)
+            self.operator_control.free(person.key)
             if act == "hold" and _late(message):
                 return {"held": {"state": "REFUSED", "detail": LATE[0], "say": LATE}}
-            answer = await self.hands.desk.ask("panel", first=first, **{act: key})
+            answer = await self.operator_control.services_link.ask("panel", first=first, **{act: key})
             if act != "release" and first and key in answer["unit"]["held"]:
                 self.access.store.note(person.name, person.source, "pendant key", {"name": key})
         except (KeyError, ValueError, TypeError):
@@ -173,15 +173,15 @@ class Sockets:
 
     async def _jog(self, message: dict[str, Any], person: Person, first: bool) -> dict[str, Any]:
         axis, direction, percent = int(message["axis"]), int(message["direction"]), float(message["percent"])
-        if not 0 <= axis < len(self.hands.axes) or direction not in (-1, 1) or percent != percent:
+        if not 0 <= axis < len(self.operator_control.axes) or direction not in (-1, 1) or percent != percent:
             raise ValueError("no such axis")
-        return await self.hands.jog(person.key, axis, direction, percent, first=first)
+        return await self.operator_control.jog(person.key, axis, direction, percent, first=first)
 
     async def _reference(self, message: dict[str, Any], person: Person, first: bool) -> dict[str, Any]:
         mask = int(message["mask"])
-        if not 0 < mask < 1 << len(self.hands.axes):
+        if not 0 < mask < 1 << len(self.operator_control.axes):
             raise ValueError("no such axes")
-        return await self.hands.reference(person.key, mask, first=first)
+        return await self.operator_control.reference(person.key, mask, first=first)
 
 
 def _late(message: dict[str, Any]) -> bool:

@@ -36,9 +36,9 @@ class Trends:
                 self._others.append(entry)
         self._before: dict[str, object] = {}
 
-    async def look(self, desk: ServicesLink) -> None:
+    async def look(self, services_link: ServicesLink) -> None:
         """Everything that changed since the last look; the regions were looked at before."""
-        await self._watched.look(desk)
+        await self._watched.look(services_link)
         self.take(time.monotonic())
 
     def take(self, at: float) -> None:

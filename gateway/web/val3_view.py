@@ -14,14 +14,14 @@ Row = dict[str, Any]
 class Val3View:
     """The application of a cell."""
 
-    def __init__(self, cell: Cell, desk: ServicesLink) -> None:
-        self._cell, self._desk = cell, desk
+    def __init__(self, cell: Cell, services_link: ServicesLink) -> None:
+        self._cell, self._services_link = cell, services_link
 
     async def look(self) -> Row:
         """What the services know of it.  Gone, Refused."""
         if self._cell.val3 is None:
             return {"programs": [], "processes": [], "id": 0}
-        return await self._desk.ask("process", do="view")
+        return await self._services_link.ask("process", do="view")
 
     async def page(self, folder: str, name: str) -> Row:
         """A user page, cleaned.  KeyError: there is none; OSError."""
@@ -41,4 +41,4 @@ class Val3View:
 
     async def act(self, **facts: object) -> Row:
         """A click, an entry, an answer, a value.  Gone, Refused."""
-        return await self._desk.ask("process", do="act", **facts)
+        return await self._services_link.ask("process", do="act", **facts)

@@ -18,7 +18,7 @@ from gateway.pure.languages.robotstar.robot import MODES
 from gateway.pure.languages.robotstar.virtual import VirtualCell
 from hil_tests.bench import plc_bench, reis_cell_bench
 from hil_tests.bench.figure_row import EMPTY_LOOP, Figure, loop_turns, row
-from hil_tests.lab.virtual.reis_bench import CELL, DOOR, ReisCell, at, main
+from hil_tests.lab.virtual.reis_bench import CELL, SOURCE, ReisCell, at, main
 
 TURNS, INSIDE, LOADED, EDGES, STARTS = 500_000, 4, 10_000, 100, 10
 FAST, LOAD_S, START_MS, BIT_CYCLES = 1e6, 0.5, 100.0, 5.0
@@ -106,7 +106,7 @@ class Whole(ReisCell):
     def __init__(self, text: str) -> None:
         self.text = text
         super().__init__(main("STOP"), cell=replace(CELL, program=(Program(1, "dense.txt"),)))
-        self.bench.office.programs = {1: ProgramFacts("dense", self.mask)}
+        self.bench.dispatcher.programs = {1: ProgramFacts("dense", self.mask)}
 
     def _text(self, number: int) -> str:
         return self.text
@@ -120,7 +120,7 @@ def dense(positions: int, speed: int) -> tuple[float, float]:
     cell = ReisCell(main("\n".join([way[0], settings, *way[1:], "STOP"])))
     cell.run(seconds=LONGEST_S)
     whole = Whole("\n".join(cell.lines))
-    job = whole.bench.office.order_program(DOOR, 1, whole.bench.now)
+    job = whole.bench.dispatcher.order_program(SOURCE, 1, whole.bench.now)
     whole.until(lambda: not job.open, LONGEST_S)
     return _moving_s(cell), _moving_s(whole)
 

@@ -22,7 +22,7 @@ ONE_WAY_LIMIT, BOTH_WAYS_LIMIT = 2.0, 5.0  # cycles, p99
 WRITTEN, READ_BACK = 5, 6  # holding registers: RC input bytes 10, 11 and 12, 13
 BLOCKS, ROUNDS = 3, 400
 VALUE = 6  # byte of the block: A 94 of A 88..95
-DOOR = """
+SOURCE = """
 [rc_inputs]
 owner = { "10" = "door", "11" = "door" }
 [[modbus]]
@@ -42,7 +42,7 @@ to   = "AB 12"
 
 def measure(rounds: int, p5_ms: int, seed: int = 1) -> tuple[list[float], list[float]]:
     """(one way, both ways) in cycles."""
-    with running_joined(lambda folder: cell_copy("cl300-bits", folder, more=DOOR), "routebench", p5_ms=p5_ms) as run:
+    with running_joined(lambda folder: cell_copy("cl300-bits", folder, more=SOURCE), "routebench", p5_ms=p5_ms) as run:
         return _rounds(run, rounds, p5_ms, random.Random(seed))
 
 

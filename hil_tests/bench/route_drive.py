@@ -24,7 +24,7 @@ RUN, WAY_MM = 0x0100, 2.0
 ENABLE, RELATIVE, RESET, OVERRIDE, REQUEST = 1, 5, 9, 10, 11
 RUNNING, DONE, REFUSED, ABORTED = 2, 3, 4, 5
 QUICK = (('home      = { by = "gateway", mode = 0, speed = 100.0, slow_speed = 20.0, direction = "-" }', 'home      = { by = "none" }'),)
-DOOR = """
+SOURCE = """
 [rc_inputs]
 owner = { "10" = "door", "11" = "door" }
 assume = ["EMSTOP_OK_RCI", "CTRL_ALLOW_RCI", "FEED_ALLOW_RCI", "TRAVEL_ALLOW_RCI"]
@@ -48,12 +48,12 @@ scale = 1000.0
 def measure(rounds: int, p5_ms: int, seed: int = 1) -> tuple[list[float], list[float], list[float]]:
     """(command source to set value, to actual value, back to the command source) in cycles."""
     with (
-        running_joined(lambda folder: cell_copy("host-telegrams", folder, *QUICK, more=DOOR), NAME, p5_ms=p5_ms) as run,
-        RawClient(run.port) as door,
+        running_joined(lambda folder: cell_copy("host-telegrams", folder, *QUICK, more=SOURCE), NAME, p5_ms=p5_ms) as run,
+        RawClient(run.port) as source,
     ):
         ear = _Ear()
         try:
-            return _rounds(run, door, ear, rounds, p5_ms, random.Random(seed))
+            return _rounds(run, source, ear, rounds, p5_ms, random.Random(seed))
         finally:
             ear.close()
 
@@ -96,15 +96,15 @@ class Spoiled(Exception):
 class _Commands:
     """The command block of the command source."""
 
-    def __init__(self, run: JoinedRun, door: RawClient) -> None:
-        self._run, self._door, self._toggle = run, door, False
+    def __init__(self, run: JoinedRun, source: RawClient) -> None:
+        self._run, self._source, self._toggle = run, source, False
         self.give(0)  # the first one is only adopted
 
     def give(self, code: int, way_mm: float = 0.0) -> None:
         """For axis 1 with full rates; a move is only begun, everything else is waited for."""
         self._toggle = not self._toggle
         word, (high, low) = (0x8000 if self._toggle else 0) | code, struct.unpack(">HH", struct.pack(">f", way_mm))
-        answer = self._door.ask(f"10 03e8 0006 0c {word:04x} 0001 2710 2710 {high:04x} {low:04x}")
+        answer = self._source.ask(f"10 03e8 0006 0c {word:04x} 0001 2710 2710 {high:04x} {low:04x}")
         assert answer == "10 03 E8 00 06", answer
         if code:
             self.wait(RUNNING if code == RELATIVE else DONE)
@@ -120,7 +120,7 @@ class _Commands:
 
         self._run.until(ended, f"state {state} of the command block")
         if found != [state]:
-            raise Spoiled(f"state {found[0]} instead of {state}: {self._door.ask('04 03e8 0006')}")
+            raise Spoiled(f"state {found[0]} instead of {state}: {self._source.ask('04 03e8 0006')}")
 
     def ready(self) -> None:
         """Drive on, whatever has become of it."""
@@ -135,25 +135,25 @@ class _Commands:
         return True
 
     def _status(self) -> tuple[bool, int]:
-        high, low = (int(octet, 16) for octet in self._door.ask("04 03e8 0001").split()[2:4])
+        high, low = (int(octet, 16) for octet in self._source.ask("04 03e8 0001").split()[2:4])
         return bool(high & 0x80), low
 
 
 def _rounds(
-    run: JoinedRun, door: RawClient, ear: _Ear, rounds: int, p5_ms: int, chance: random.Random
+    run: JoinedRun, source: RawClient, ear: _Ear, rounds: int, p5_ms: int, chance: random.Random
 ) -> tuple[list[float], list[float], list[float]]:
     orders: list[float] = []
     acts: list[float] = []
     back: list[float] = []
-    run.until(lambda: door.ask(f"06 {WRITTEN:04x} 0000").startswith("06"), "the command source takes a write")
-    commands, spoiled = _Commands(run, door), 0
+    run.until(lambda: source.ask(f"06 {WRITTEN:04x} 0000").startswith("06"), "the command source takes a write")
+    commands, spoiled = _Commands(run, source), 0
     commands.ready()
     while len(back) < rounds:
         run.until(lambda: run.value("A 3.3") == 0, "feed hold stands")
         try:
             commands.give(RELATIVE, WAY_MM if len(back) % 2 == 0 else -WAY_MM)
             time.sleep(chance.uniform(20.0, 21.0) * p5_ms / 1000)  # at rest, at any moment of the cycle
-            began, ordered, moved, seen = _round(door, ear)
+            began, ordered, moved, seen = _round(source, ear)
             commands.wait(DONE)
             orders.append((ordered - began) / (p5_ms * 1e6))
             acts.append((moved - began) / (p5_ms * 1e6))
@@ -163,17 +163,17 @@ def _rounds(
             if spoiled > rounds:
                 raise AssertionError(f"{why}\n{run.words()}") from why
             commands.ready()
-        door.ask(f"06 {WRITTEN:04x} 0000")
+        source.ask(f"06 {WRITTEN:04x} 0000")
     return orders, acts, back
 
 
-def _round(door: RawClient, ear: _Ear) -> tuple[int, int, int, int]:
+def _round(source: RawClient, ear: _Ear) -> tuple[int, int, int, int]:
     """Stamps of the write, of the telegram to the drive, of the drive's telegram, of the read-back; Spoiled."""
-    rest = _place(door)
+    rest = _place(source)
     ear.begin()
     began = time.monotonic_ns()
-    door.ask(f"06 {WRITTEN:04x} {RUN:04x}")
-    while abs(_place(door) - rest) <= MOVED_UM:
+    source.ask(f"06 {WRITTEN:04x} {RUN:04x}")
+    while abs(_place(source) - rest) <= MOVED_UM:
         if time.monotonic_ns() - began > 1_000_000_000:
             raise Spoiled("the drive stays where it is")
     seen = time.monotonic_ns()
@@ -181,7 +181,7 @@ def _round(door: RawClient, ear: _Ear) -> tuple[int, int, int, int]:
     return began, ear.ordered_ns, ear.moved_ns, seen
 
 
-def _place(door: RawClient) -> int:
+def _place(source: RawClient) -> int:
     """As the command source shows it, um."""
-    octets = bytes.fromhex(door.ask(f"03 {READ_BACK:04x} 0002"))
+    octets = bytes.fromhex(source.ask(f"03 {READ_BACK:04x} 0002"))
     return int(struct.unpack(">i", octets[2:6])[0])

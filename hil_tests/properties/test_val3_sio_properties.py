@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
 from gateway.pure.controllers.val3.sio.text import MAX_STRING, TextScan, encode_text
-from hil_tests.lab.virtual.val3_sio import WAITS, Desk
+from hil_tests.lab.virtual.val3_sio import WAITS, SioBench
 
 SERIAL = Channel("Serial\\1", Kind.SERIAL, device="/dev/ttyS0", timeout_s=-1)
 PIECES = st.lists(st.binary(max_size=40), max_size=12)
@@ -17,12 +17,12 @@ JUNK = st.lists(
 
 @given(PIECES, st.lists(st.integers(1, 50), min_size=1, max_size=8))
 def test_sio_get_gives_every_byte_once_and_in_order(pieces: list[bytes], sizes: list[int]) -> None:
-    desk = Desk(SERIAL)
-    sio, heard = desk.variable(SERIAL.name), bytearray()
+    bench = SioBench(SERIAL)
+    sio, heard = bench.variable(SERIAL.name), bytearray()
     for turn, piece in enumerate([*pieces, *[b""] * 480]):
-        desk.hears(1, piece)
+        bench.hears(1, piece)
         data = [0.0] * sizes[turn % len(sizes)]
-        count = desk.outcome(desk.get(sio, data))
+        count = bench.outcome(bench.get(sio, data))
         assert isinstance(count, int) and count >= 0
         heard += bytes(int(value) for value in data[:count])
     assert heard == b"".join(pieces)
@@ -31,14 +31,14 @@ def test_sio_get_gives_every_byte_once_and_in_order(pieces: list[bytes], sizes: 
 @given(st.lists(TEXTS, max_size=6), st.integers(1, 7))
 def test_strings_that_are_written_are_read_again(texts: list[str], step: int) -> None:
     stream = b"".join(encode_text(text, 13) for text in texts)
-    desk = Desk(SERIAL)
-    sio = desk.variable(SERIAL.name)
-    desk.control(sio, "timeout", 0)
-    calls = [desk.read_text(sio) for _ in texts]
+    bench = SioBench(SERIAL)
+    sio = bench.variable(SERIAL.name)
+    bench.control(sio, "timeout", 0)
+    calls = [bench.read_text(sio) for _ in texts]
     for at in range(0, len(stream), step):
-        desk.hears(1, stream[at : at + step])
-    assert [desk.outcome(call) for call in calls] == texts
-    assert desk.outcome(desk.read_num(sio)) == WAITS
+        bench.hears(1, stream[at : at + step])
+    assert [bench.outcome(call) for call in calls] == texts
+    assert bench.outcome(bench.read_num(sio)) == WAITS
 
 
 @given(JUNK, st.sampled_from([0, 13, 0x82, 0xA4, 0xE2, 0xFF]), st.integers(1, 5))

@@ -34,7 +34,7 @@ class ModbusLine:
         on_request: OnRequest | None = None,
         identity: Identity | None = None,
     ) -> None:
-        self.desk = ModbusResponder(view_for, unit, on_request, Station(identity, unit, serial=True), line=True)
+        self.responder = ModbusResponder(view_for, unit, on_request, Station(identity, unit, serial=True), line=True)
         self._framing = RtuFraming(timing)
         self._open_port = open_port
         now = time.monotonic_ns()
@@ -43,7 +43,7 @@ class ModbusLine:
 
     @property
     def counters(self) -> Counters:
-        return self.desk.counters
+        return self.responder.counters
 
     @property
     def state(self) -> LineState | None:
@@ -63,13 +63,13 @@ class ModbusLine:
     def _on_event(self, event: LineEvent, now: Ns) -> None:
         if isinstance(event, Dropped):
             self.counters.dropped[event.why.name.lower()] += 1
-            self.desk.station.spoiled(overrun=event.why is Fault.OVERRUN)
+            self.responder.station.spoiled(overrun=event.why is Fault.OVERRUN)
             return
         self.client.last_byte_ns = now
         self._answer(event, now)
 
     def _answer(self, request: Request, now: Ns) -> None:
-        pdu = self.desk.serve(request, self.client, now)
+        pdu = self.responder.serve(request, self.client, now)
         if pdu and self._runner is not None:
             self._framing.reply(request, pdu)
             self._runner.kick()

@@ -76,7 +76,7 @@ class ModbusServer:
         self.limits = limits or Limits()
         if self.limits.held_bytes < 2 * CHUNK_ANSWERS:
             raise ValueError(f"held_bytes: {self.limits.held_bytes}; at least {2 * CHUNK_ANSWERS} bytes")
-        self.desk = ModbusResponder(view_for, unit, on_request, Station(identity, unit), line=rtu)
+        self.responder = ModbusResponder(view_for, unit, on_request, Station(identity, unit), line=rtu)
         self.rtu = rtu
         self.tls: ssl.SSLContext | None = None
         self.on_refused: Callable[[str, str], None] | None = None  # a partner's address, and why its TLS handshake failed
@@ -91,11 +91,11 @@ class ModbusServer:
 
     @property
     def counters(self) -> Counters:
-        return self.desk.counters
+        return self.responder.counters
 
     @property
     def last_request_ns(self) -> Ns | None:
-        return self.desk.last_request_ns
+        return self.responder.last_request_ns
 
     @property
     def address(self) -> tuple[str, int]:
@@ -213,7 +213,7 @@ class _Connection(asyncio.BufferedProtocol):
         self._buffer = bytearray(CHUNK_BYTES)
         limit = server.limits.receive_limit_ns
         self._framing: Framing | RtuTcpFraming = RtuTcpFraming(limit) if server.rtu else Framing(limit)
-        self._serve = server.desk.serve
+        self._serve = server.responder.serve
         self._transport: asyncio.Transport | None = None
         self._stalled_ns: Ns | None = None
 

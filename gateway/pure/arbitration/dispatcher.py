@@ -16,7 +16,7 @@ from gateway.pure.arbitration.jobs import AxisFacts, DispatcherEvent, Job, OnLos
 from gateway.pure.arbitration.outcomes import Outcomes
 from gateway.pure.arbitration.overrides import Overrides
 from gateway.pure.arbitration.ownership import NOBODY, Ownership
-from gateway.pure.cell.web import PAGE_DOOR
+from gateway.pure.cell.web import PAGE_SOURCE
 from gateway.pure.image.reasons import CommandState, Reason, Refusal
 from gateway.pure.image.records.cell import EVERY_AXIS, AxisFlag, CellState, Motion, Order, OrderRecord
 from gateway.pure.image.records.planner import PlannerState, ProgramFacts, ProgramOrder
@@ -48,7 +48,7 @@ class CommandDispatcher:
         self._outcomes = Outcomes(self.axes)
         self._plan = plan
         self._next = first_job
-        self._doors: dict[int, SourceState] = {}
+        self._sources: dict[int, SourceState] = {}
         self._open: list[Job] = []
         self._orders: list[OrderRecord] = []
         self._programs: list[ProgramOrder] = []
@@ -77,9 +77,9 @@ class CommandDispatcher:
         self._order(Order.EMERGENCY)
 
     # ---- what the others ask ---------------------------------------------------------------------------------------------
-    def door(self, number: int) -> SourceState:
+    def source(self, number: int) -> SourceState:
         """State of one command source; made at the first call."""
-        return self._doors.setdefault(number, SourceState())
+        return self._sources.setdefault(number, SourceState())
 
     def take_orders(self) -> list[OrderRecord]:
         """Orders since the last call, in order."""
@@ -130,18 +130,18 @@ class CommandDispatcher:
     def _end(self, job: Job, state: CommandState, reason: Reason, detail: str = "") -> None:
         job.state, job.reason, job.detail = state, reason, detail or job.detail
         if not (job.quiet and state is CommandState.DONE):
-            self._events.append(DispatcherEvent(state.name.lower(), job.door, job.code, reason, job.detail))
+            self._events.append(DispatcherEvent(state.name.lower(), job.source, job.code, reason, job.detail))
 
     # ---- commands --------------------------------------------------------------------------------------------------------
-    def command(self, door: int, command: Command, now: Ns, *, first_try: bool = False) -> Job:
+    def command(self, source: int, command: Command, now: Ns, *, first_try: bool = False) -> Job:
         """Judge one fresh command of a command source; its outcome is in the returned Job (refused at once or open).
 
         `first_try`: a relative move of a single axis that has not been referenced yet (AX-312); everything else is judged as ever.
         """
         self._first_try = first_try
-        job = Job(self._next, door, command.code, mask=command.mask, held=door == PAGE_DOOR and command.code != Code.PROGRAM)
+        job = Job(self._next, source, command.code, mask=command.mask, held=source == PAGE_SOURCE and command.code != Code.PROGRAM)
         self._next += 1
-        state = self.door(door)
+        state = self.source(source)
         state.last = state.by_code[command.code] = job
         try:
             if command.code not in Code._value2member_map_:
@@ -151,14 +151,14 @@ class CommandDispatcher:
             self._end(job, CommandState.REFUSED, refusal.reason, refusal.detail)
         if job.open:
             self._open.append(job)
-            self._events.append(DispatcherEvent("accepted", door, job.code, Reason.NONE, ""))
+            self._events.append(DispatcherEvent("accepted", source, job.code, Reason.NONE, ""))
         return job
 
-    def refuse(self, door: int, code: Code, reason: Reason, detail: str) -> Job:
+    def refuse(self, source: int, code: Code, reason: Reason, detail: str) -> Job:
         """A command that a command source could not give because of its numbers: the outcome is stored like that of a given one."""
-        job = Job(self._next, door, code)
+        job = Job(self._next, source, code)
         self._next += 1
-        state = self.door(door)
+        state = self.source(source)
         state.last = state.by_code[code] = job
         self._end(job, CommandState.REFUSED, reason, detail)
         return job
@@ -174,22 +174,22 @@ class CommandDispatcher:
             case Code.REQUEST_CONTROL:
                 self._request(job, cell, at_rest=at_rest)
             case Code.RELEASE_CONTROL:
-                own = self.control.axes_of(job.door) & job.span
-                self.control.release(job.door, at_rest=cell.motion_of(own) in (Motion.IDLE, Motion.STOPPED), axes=job.span)
+                own = self.control.axes_of(job.source) & job.span
+                self.control.release(job.source, at_rest=cell.motion_of(own) in (Motion.IDLE, Motion.STOPPED), axes=job.span)
                 self._done(job)
             case Code.STOP:
                 self._stop(job, cell)
             case _:
-                self.control.demand(job.door)
+                self.control.demand(job.source)
                 if code not in ABOUT_AXES or not job.mask & self.admission.every_axis:
-                    job.span = self.control.axes_of(job.door)  # what names no axes is about those it has
-                self.control.demand(job.door, job.span)
+                    job.span = self.control.axes_of(job.source)  # what names no axes is about those it has
+                self.control.demand(job.source, job.span)
                 self._owners_command(job, code, command, cell, now)
 
     def _request(self, job: Job, cell: CellState, *, at_rest: bool) -> None:
-        before = self.control.axes_of(job.door)
-        if self.control.request(job.door, at_rest=at_rest, axes=job.span):
-            self._events.append(DispatcherEvent("control", job.door, job.code, Reason.NONE, ""))
+        before = self.control.axes_of(job.source)
+        if self.control.request(job.source, at_rest=at_rest, axes=job.span):
+            self._events.append(DispatcherEvent("control", job.source, job.code, Reason.NONE, ""))
             new = job.span & ~before
             if cell.motion_of(new) is Motion.STOPPED:  # a rest another command source left must not be resumed by this one's first resume
                 self._drop_rest(new)
@@ -211,7 +211,7 @@ class CommandDispatcher:
             return ""
         names = names_of(self.axes, mask & move.mask or move.mask)
         what = move.what or Code(move.code).name.lower().replace("_", " ")
-        return f"{names}: {what} of command source {move.door} is under way"
+        return f"{names}: {what} of command source {move.source} is under way"
 
     def _moves_of(self, axes: int) -> list[Job]:
         """Moves of the lanes with some of these axes."""
@@ -219,8 +219,8 @@ class CommandDispatcher:
 
     def stop_move(self, move: Job) -> None:
         """Its lanes alone stop on their path: the process it belongs to is gone."""
-        self._order(Order.STOP, mask=_named(move.span), reason=Reason.STOPPED_BY_DOOR)
-        move.reason, move.detail = Reason.STOPPED_BY_DOOR, str(move.door)
+        self._order(Order.STOP, mask=_named(move.span), reason=Reason.STOPPED_BY_SOURCE)
+        move.reason, move.detail = Reason.STOPPED_BY_SOURCE, str(move.source)
 
     def abandon_move(self, move: Job) -> None:
         """Its rest is given up."""
@@ -229,15 +229,15 @@ class CommandDispatcher:
     # ---- orders to a stream (AX-1080) --------------------------------------------------------------------------------------
     def hold_move(self, move: Job) -> None:
         """Its lanes rest on the path, and what still comes of it waits."""
-        self._order(Order.HOLD, mask=_named(move.span), reason=Reason.STOPPED_BY_DOOR)
-        move.reason, move.detail = Reason.STOPPED_BY_DOOR, str(move.door)
+        self._order(Order.HOLD, mask=_named(move.span), reason=Reason.STOPPED_BY_SOURCE)
+        move.reason, move.detail = Reason.STOPPED_BY_SOURCE, str(move.source)
 
     def go_on_with(self, move: Job, *, back: bool = False) -> None:
         """What was held goes on, or back along its path; Refusal."""
         cell = self.cell
         if cell is None or not cell.generation:
             raise Refusal(Reason.NOT_READY, "the cycle does not run")
-        self.control.demand(move.door, move.span)
+        self.control.demand(move.source, move.span)
         self._may_move(cell, self.admission.to_be_enabled(move, cell), idle=False)
         if cell.override_of(move.mask) <= 0.0:
             raise Refusal(Reason.OVERRIDE_ZERO)
@@ -255,10 +255,10 @@ class CommandDispatcher:
 
     def _stop(self, job: Job, cell: CellState) -> None:
         """Every command source may stop, and stops all that moves."""
-        self._order(Order.STOP, job.id, reason=Reason.STOPPED_BY_DOOR)
+        self._order(Order.STOP, job.id, reason=Reason.STOPPED_BY_SOURCE)
         for move in self._moves:
             if move.open and cell.motion_of(move.span) is Motion.RUNNING:
-                move.reason, move.detail = Reason.STOPPED_BY_DOOR, str(job.door)
+                move.reason, move.detail = Reason.STOPPED_BY_SOURCE, str(job.source)
                 self.stopped_moves += 1
 
     def _owners_command(self, job: Job, code: Code, command: Command, cell: CellState, now: Ns) -> None:
@@ -333,23 +333,23 @@ class CommandDispatcher:
         self._moving(job)
         self._order(Order.MOVE, job.id, mask=job.mask, reason=_without_services(job), piece=piece)
 
-    def order_program(self, door: int, number: int, now: Ns, velocity: float = 1.0, acceleration: float = 1.0) -> Job:
+    def order_program(self, source: int, number: int, now: Ns, velocity: float = 1.0, acceleration: float = 1.0) -> Job:
         """A command source selects a program of the cell by its number, whichever way it names it."""
-        return self.command(door, Command(Code.PROGRAM, number, velocity, acceleration), now)
+        return self.command(source, Command(Code.PROGRAM, number, velocity, acceleration), now)
 
-    def order_stream(self, door: int, robot: int, mask: int, *, held: bool = False) -> Job:
+    def order_stream(self, source: int, robot: int, mask: int, *, held: bool = False) -> Job:
         """The interpreter wants to move a robot (its number, from 1) in the name of a command source: blocks of a language follow one by
         one, the planner judges each as it comes.  held: hold-to-run."""
-        job = Job(self._next, door, Code.PROGRAM, mask=mask, quiet=True, held=held, what=f"a stream of robot {robot}")
+        job = Job(self._next, source, Code.PROGRAM, mask=mask, quiet=True, held=held, what=f"a stream of robot {robot}")
         self._next += 1
-        state = self.door(door)
+        state = self.source(source)
         state.last = state.by_code[Code.PROGRAM] = job
         try:
             cell = self.cell
             if cell is None or not cell.generation:
                 raise Refusal(Reason.NOT_READY, "the cycle does not run")
             job.span = cell.span(mask)
-            self.control.demand(door, job.span)
+            self.control.demand(source, job.span)
             self._may_move(cell, self.admission.to_be_enabled(job, cell))
             if cell.override_of(job.mask) <= 0.0:
                 raise Refusal(Reason.OVERRIDE_ZERO)
@@ -368,7 +368,7 @@ class CommandDispatcher:
             raise Refusal(Reason.PROGRAM_UNKNOWN, f"{number}; this cell has {known}")
         job.mask, job.what = self.programs[number].mask, f"program {number} {self.programs[number].name}"
         job.span = cell.span(job.mask)
-        self.control.demand(job.door, job.span)
+        self.control.demand(job.source, job.span)
         self._may_move(cell, self.admission.to_be_enabled(job, cell))
         self.admission.check_rates(command, cell.override_of(job.mask))
         self._begin(job, ProgramOrder(job.id, number, command.velocity, command.acceleration))
@@ -399,15 +399,15 @@ class CommandDispatcher:
 
     def _done(self, job: Job) -> None:
         job.state = CommandState.DONE
-        self._events.append(DispatcherEvent("done", job.door, job.code, Reason.NONE, ""))
+        self._events.append(DispatcherEvent("done", job.source, job.code, Reason.NONE, ""))
 
     # ---- links -----------------------------------------------------------------------------------------------------------
-    def link(self, door: int, on_loss: OnLoss, *, alive: bool) -> None:
+    def link(self, source: int, on_loss: OnLoss, *, alive: bool) -> None:
         """The command source's link came or went; when the owner's went, the move ends as configured and nothing restarts by itself."""
-        self.control.link(door, alive=alive)
-        if alive or not self.owns(door) or self.cell is None:
+        self.control.link(source, alive=alive)
+        if alive or not self.owns(source) or self.cell is None:
             return
-        own = self.control.axes_of(door)
+        own = self.control.axes_of(source)
         moving = self.cell.motion_of(own) in (Motion.RUNNING, Motion.REFERENCING)
         if on_loss is OnLoss.QUICK_STOP:
             self._order(Order.DISABLE, mask=self.admission.every_axis & own, reason=Reason.LINK_LOST)
@@ -415,17 +415,17 @@ class CommandDispatcher:
             self._order(Order.STOP, mask=_named(own), reason=Reason.LINK_LOST)
         if moving and on_loss is not OnLoss.FINISH:
             for move in self._moves_of(own):
-                move.reason, move.detail = Reason.LINK_LOST, f"command source {door}"
-        self._events.append(DispatcherEvent("stopped", door, Code.STOP, Reason.LINK_LOST, f"command source {door}; {on_loss.value}"))
+                move.reason, move.detail = Reason.LINK_LOST, f"command source {source}"
+        self._events.append(DispatcherEvent("stopped", source, Code.STOP, Reason.LINK_LOST, f"command source {source}; {on_loss.value}"))
 
     @property
     def owner(self) -> int:
         """Number of the command source in control, in a cell of several lanes of the first that has one; 0: none."""
         return self.control.owner or NOBODY
 
-    def owns(self, door: int) -> bool:
+    def owns(self, source: int) -> bool:
         """It has control: of the cell, or of some of its kinematics."""
-        return self.control.axes_of(door) != 0
+        return self.control.axes_of(source) != 0
 
 
 def _without_services(job: Job) -> int:

@@ -36,7 +36,7 @@ class Job:
     """One command of one command source and what became of it."""
 
     id: int
-    door: int
+    source: int
     code: int
     state: CommandState = CommandState.ACCEPTED
     reason: Reason = Reason.NONE
@@ -68,7 +68,7 @@ class DispatcherEvent:
     """Something a person wants to read in the journal."""
 
     what: str  # accepted | done | refused | aborted | stopped | control
-    door: int
+    source: int
     code: int
     reason: Reason
     detail: str
@@ -77,4 +77,4 @@ class DispatcherEvent:
         """One line for log and page."""
         name = Code(self.code).name.lower() if self.code in Code._value2member_map_ else f"code {self.code}"
         why = text(self.reason, language, self.detail)
-        return f"command source {self.door}: {name} {self.what}" + (f": {why}" if why else "")
+        return f"command source {self.source}: {name} {self.what}" + (f": {why}" if why else "")

@@ -105,7 +105,7 @@ class Controller:
     pic_timeout_ms: Annotated[int, Ge(0), Le(200), Unit("ms")] = 0  # longest time between two cycles of the PIC; 0: not supervised (AX-478)
     boards: Annotated[tuple[BoardName, ...], MaxLen(3)] = ()  # servo boards 1..3 that P11 counts inputs of; a rho3.0 has its own (AX-477)
     remote: bool = False  # frames of P20 also in blocks of 48 bytes
-    door: str = ""  # reis: the command source markers command for; "": the only one
+    command_source: str = ""  # reis: the command source markers command for; "": the only one
     first_byte: Annotated[int, Ge(0), Le(88), Unit("PIC byte")] = 88  # reis: where its 40 bytes lie
     plc_only: tuple[OutputByte, ...] = ()  # reis: output bytes of the PLC alone
     robot_only: tuple[OutputByte, ...] = ()

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from gateway.pure.cell.marks import Bind
 
-PAGE_DOOR = 91  # its number among the command sources of the cell; 90 is the commissioning tools'
+PAGE_SOURCE = 91  # its number among the command sources of the cell; 90 is the commissioning tools'
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
 

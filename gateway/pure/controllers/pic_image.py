@@ -19,13 +19,13 @@ class PicImage:
     _quality: bytearray = field(default_factory=bytearray)  # of each byte when `good` was made
     _bad: tuple[int, ...] = ()
 
-    def take(self, doors: InputImage) -> None:
+    def take(self, sources: InputImage) -> None:
         """The inputs as the command sources have them: an invalid byte is 0, a stale one stays and has no edges."""
-        if doors.quality != self._quality:
-            self._quality[:] = doors.quality
-            self.good[:] = (quality == Quality.GOOD for quality in doors.quality)
-            self._bad = tuple(byte for byte, quality in enumerate(doors.quality) if quality == Quality.BAD)
-        self.inputs[:] = doors.values
+        if sources.quality != self._quality:
+            self._quality[:] = sources.quality
+            self.good[:] = (quality == Quality.GOOD for quality in sources.quality)
+            self._bad = tuple(byte for byte, quality in enumerate(sources.quality) if quality == Quality.BAD)
+        self.inputs[:] = sources.values
         for byte in self._bad:
             self.inputs[byte] = 0
 

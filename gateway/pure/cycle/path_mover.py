@@ -147,7 +147,7 @@ class PathMover:
     def retrace(self) -> None:
         """Back along the path, from rest."""
         if self.program.job and not self.bound and not self.start.on:
-            self.hold_path(Reason.STOPPED_BY_DOOR)
+            self.hold_path(Reason.STOPPED_BY_SOURCE)
             self.program.backward = True
 
     def _retrace(self) -> None:

@@ -40,7 +40,7 @@ class Reason(IntEnum):
     DRIVE_FAULT = 16
     DRIVE_LOST = 17
     FOLLOWING_ERROR = 18
-    STOPPED_BY_DOOR = 19
+    STOPPED_BY_SOURCE = 19
     RESYNCHRONISED = 20
     LINK_LOST = 21
     SERVICES_LOST = 22
@@ -113,7 +113,7 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.DRIVE_FAULT: ("drive fault: {0}", "Antriebsfehler: {0}"),
     Reason.DRIVE_LOST: ("no telegram from a drive: {0}", "kein Telegramm vom Antrieb: {0}"),
     Reason.FOLLOWING_ERROR: ("following error: {0}", "Schleppfehler: {0}"),
-    Reason.STOPPED_BY_DOOR: ("stopped on the path by command source {0}", "auf der Bahn angehalten durch Befehlsquelle {0}"),
+    Reason.STOPPED_BY_SOURCE: ("stopped on the path by command source {0}", "auf der Bahn angehalten durch Befehlsquelle {0}"),
     Reason.RESYNCHRONISED: (
         "first telegram after a start or a lost link: not carried out, send it again with the toggle changed",
         "erstes Telegramm nach Start oder Verbindungsverlust: nicht ausgefuehrt, mit gewechseltem Toggle neu senden",

@@ -33,7 +33,7 @@ class What(IntEnum):
     SHOWN = 14  # bus, contacts of its couplers
     STEP = 15  # cycle, stamp, beat of the services, missing actual values
     OUTPUTS = 16  # cell state and RC outputs, as published
-    TOLD = 17  # what a command source or a tool said: no input of the core, but where its orders came from
+    SERVICE_EVENT = 17  # what a command source or a tool said: no input of the core, but where its orders came from
 
 
 class Phase(IntEnum):
@@ -61,9 +61,9 @@ CHUNK = struct.Struct("=QHHI")  # cycle, part, parts, bytes
 CHUNK_BYTES, CHUNK_RECORDS = 1024, 8192  # 16 s at 2 ms, where a cycle fits one record
 CHUNK_DATA = CHUNK_BYTES - CHUNK.size
 CHUNK_LAYOUT = f"record/1 {CHUNK.format} {CHUNK_DATA}"
-TOLD = struct.Struct("=qBBH")  # stamp, source, command source, bytes
-TOLD_BYTES, TOLD_RECORDS = 512, 4096
-TOLD_LAYOUT = f"told/1 {TOLD.format} {TOLD_BYTES}"
+SERVICE_EVENT = struct.Struct("=qBBH")  # stamp, source, command source, bytes
+SERVICE_EVENT_BYTES, SERVICE_EVENT_RECORDS = 512, 4096
+SERVICE_EVENT_LAYOUT = f"service_event/1 {SERVICE_EVENT.format} {SERVICE_EVENT_BYTES}"
 ASKED = struct.Struct("=Q")
 ASKED_LAYOUT = f"recorder/1 {ASKED.format}"
 RECORDER_GONE: Ns = 30_000_000_000  # a recorder that died and comes back within that time has lost nothing
@@ -168,11 +168,11 @@ class Assembly:
         return cycle, whole
 
 
-def pack_told(stamp: Ns, source: Source, door: int, data: bytes) -> list[bytes]:
+def pack_service_event(stamp: Ns, source: Source, number: int, data: bytes) -> list[bytes]:
     """Records of the ring; long texts take several."""
-    room = TOLD_BYTES - TOLD.size
+    room = SERVICE_EVENT_BYTES - SERVICE_EVENT.size
     parts = [data[at : at + room] for at in range(0, len(data), room)]
-    return [TOLD.pack(stamp, source, door, len(part)) + part.ljust(room, b"\0") for part in parts]
+    return [SERVICE_EVENT.pack(stamp, source, number, len(part)) + part.ljust(room, b"\0") for part in parts]
 
 
 class ServiceEvent(NamedTuple):
@@ -180,14 +180,14 @@ class ServiceEvent(NamedTuple):
 
     stamp: Ns
     source: Source
-    door: int
+    number: int
     data: bytes
 
 
-def unpack_told(record: bytes) -> ServiceEvent:
-    """The reverse of pack_told, for one record or its shorter form in a file."""
+def unpack_service_event(record: bytes) -> ServiceEvent:
+    """The reverse of pack_service_event, for one record or its shorter form in a file."""
     try:
-        stamp, source, door, size = TOLD.unpack_from(record)
-        return ServiceEvent(stamp, Source(source), door, bytes(record[TOLD.size : TOLD.size + size]))
+        stamp, source, number, size = SERVICE_EVENT.unpack_from(record)
+        return ServiceEvent(stamp, Source(source), number, bytes(record[SERVICE_EVENT.size : SERVICE_EVENT.size + size]))
     except (struct.error, ValueError) as error:
         raise DecodeError(f"message: {error}") from error

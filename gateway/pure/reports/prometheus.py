@@ -56,7 +56,7 @@ class Histogram:
 
 
 def labels(with_: Labels) -> str:
-    """{door="plc",kind="line"}; empty where there are none."""
+    """{command_source="plc",kind="line"}; empty where there are none."""
     escaped = (value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") for value in with_.values())
     inner = ",".join(f'{name}="{value}"' for name, value in zip(with_, escaped, strict=True))
     return f"{{{inner}}}" if inner else ""

@@ -32,8 +32,8 @@ class SourceContext:
     run: RunContext
     image: SharedImage
     values: ValueDirectory
-    office: CommandDispatcher
-    door: CommandSource
+    dispatcher: CommandDispatcher
+    source: CommandSource
     watch: LinkWatch
     on_loss: OnLoss
     region: RegionWriter
@@ -44,15 +44,15 @@ class BaseSource(Part):
 
     medium = ""  # under which the page shows what passed: lines or modbus
 
-    def __init__(self, post: SourceContext) -> None:
-        self.number, self.name, self.kind = post.door.number, post.door.name, post.door.kind
-        self.office, self.watch, self.on_loss = post.office, post.watch, post.on_loss
-        self._run, self._image, self._values = post.run, post.image, post.values
+    def __init__(self, context: SourceContext) -> None:
+        self.number, self.name, self.kind = context.source.number, context.source.name, context.source.kind
+        self.dispatcher, self.watch, self.on_loss = context.dispatcher, context.watch, context.on_loss
+        self._run, self._image, self._values = context.run, context.image, context.values
         self.block_status = Status()
-        self.block = CommandBlock(self._left_standing(post.region), len(post.office.axes))
-        self._region, self._tell = post.region, post.run.journal.write
+        self.block = CommandBlock(self._left_standing(context.region), len(context.dispatcher.axes))
+        self._region, self._tell = context.region, context.run.journal.write
         self._written: bytes = b""
-        post.office.control.link(post.door.number, alive=False)
+        context.dispatcher.control.link(context.source.number, alive=False)
 
     @staticmethod
     def _left_standing(region: RegionWriter) -> Sequence[int]:
@@ -62,13 +62,13 @@ class BaseSource(Part):
     def heard(self, now: Ns, life: int | None = None) -> None:
         """A good telegram came."""
         if self.watch.telegram(now, life) is LinkEvent.ALIVE:
-            self.office.link(self.number, self.on_loss, alive=True)
-            self._tell("link", f"command source {self.number} {self.name}: link is alive", door=self.number)
+            self.dispatcher.link(self.number, self.on_loss, alive=True)
+            self._tell("link", f"command source {self.number} {self.name}: link is alive", source=self.number)
 
     @property
     def in_control(self) -> bool:
         """It may move the axes."""
-        return self.office.owns(self.number)
+        return self.dispatcher.owns(self.number)
 
     def move_bit(self, key: str) -> bool:
         """busy, done, refused of its last move; KeyError: it has no handshake."""
@@ -108,10 +108,10 @@ class BaseSource(Part):
     def wake(self, now: Ns) -> None:
         """Reports a partner that fell silent to the dispatcher."""
         if self.watch.wake(now) is LinkEvent.SILENT:
-            self.office.link(self.number, self.on_loss, alive=False)
+            self.dispatcher.link(self.number, self.on_loss, alive=False)
             self.restart()
             words = f"{self.silence()} for {self.watch.max_silence / 1e6:.0f} ms"
-            self._tell("link", f"command source {self.number} {self.name}: {words}; {self.on_loss.value}", door=self.number)
+            self._tell("link", f"command source {self.number} {self.name}: {words}; {self.on_loss.value}", source=self.number)
 
     def silence(self) -> str:
         """What the partner did instead of a sign of life."""
@@ -123,17 +123,17 @@ class BaseSource(Part):
 
     def refresh(self, state: CellState, axes: Sequence[tuple[float, float]], life: int, now: Ns) -> None:
         """Status words out of what the cycle published; `axes`: (actual, lag) in the axes' own units."""
-        status, office = self.block_status, self.office
-        job = office.door(self.number).last
+        status, dispatcher = self.block_status, self.dispatcher
+        job = dispatcher.source(self.number).last
         if job is not None and status.reason is not Reason.RESYNCHRONISED:
             status.state, status.reason = job.state, job.reason
-        count = len(office.axes)
-        status.enabled = mask_word(office.enabled_mask(), count)
-        status.in_position = mask_word(office.enabled_mask(AxisFlag.IN_POSITION), count)
-        status.referenced = mask_word(office.enabled_mask(AxisFlag.REFERENCED), count)
-        status.fault = mask_word(office.enabled_mask(AxisFlag.FAULT | AxisFlag.LOST), count, every=False)
-        own = office.control.axes_of(self.number)
-        status.override, status.life, status.owner = state.override_of(own), life, self.number if own else office.owner
+        count = len(dispatcher.axes)
+        status.enabled = mask_word(dispatcher.enabled_mask(), count)
+        status.in_position = mask_word(dispatcher.enabled_mask(AxisFlag.IN_POSITION), count)
+        status.referenced = mask_word(dispatcher.enabled_mask(AxisFlag.REFERENCED), count)
+        status.fault = mask_word(dispatcher.enabled_mask(AxisFlag.FAULT | AxisFlag.LOST), count, every=False)
+        own = dispatcher.control.axes_of(self.number)
+        status.override, status.life, status.owner = state.override_of(own), life, self.number if own else dispatcher.owner
         for n, (actual, lag) in enumerate(axes[:AXES]):
             status.actual[n], status.lag[n] = actual, lag
         self.publish(now)
@@ -150,10 +150,10 @@ class BaseSource(Part):
         fresh = self.block.write(first, values)
         if isinstance(fresh, Command):
             self.block_status.reason = Reason.NONE
-            job = self.office.command(self.number, fresh, now)
+            job = self.dispatcher.command(self.number, fresh, now)
             self.block_status.state, self.block_status.reason = job.state, job.reason
         elif isinstance(fresh, Refusal):
-            job = self.office.refuse(self.number, Code(self.block.words[0] & 0xFF), fresh.reason, fresh.detail)
+            job = self.dispatcher.refuse(self.number, Code(self.block.words[0] & 0xFF), fresh.reason, fresh.detail)
             self.block_status.state, self.block_status.reason = job.state, job.reason
         elif fresh is Reason.RESYNCHRONISED:
             self.block_status.state, self.block_status.reason = CommandState.NONE, Reason.RESYNCHRONISED

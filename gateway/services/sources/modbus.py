@@ -47,9 +47,9 @@ class ModbusSource(BaseSource):
     writers: "WriterRights | None" = None  # [[modbus.writers]]
     _writer = ""  # host:port of the client that wrote last
 
-    def __init__(self, post: SourceContext) -> None:
-        super().__init__(post)
-        self._written_files = tuple(block.number for block in post.run.cell.db if block.writer == self.name)
+    def __init__(self, context: SourceContext) -> None:
+        super().__init__(context)
+        self._written_files = tuple(block.number for block in context.run.cell.db if block.writer == self.name)
         self._late: asyncio.Task[None] | None = None  # waits for its address, port or adapter
 
     def listen(self, settings: Modbus) -> None:
@@ -76,9 +76,9 @@ class ModbusSource(BaseSource):
         asked = {settings.view, *(unit.view for unit in settings.units)}
         controller = run.cell.controller
         if any(MODBUS_VIEWS[view].controller for view in asked) and controller is not None:  # the cell's checks have seen to its kind
-            from gateway.assembly.modbus_views import picture
+            from gateway.assembly.modbus_views import view_of
 
-            shown[controller.kind] = made = picture(controller, image.inputs, owned, self._inputs_written, registers, settings.float)
+            shown[controller.kind] = made = view_of(controller, image.inputs, owned, self._inputs_written, registers, settings.float)
             self.other_views = (made,)
         views = {unit.unit: shown[unit.view] for unit in settings.units}
         views[settings.unit] = shown[settings.view]
@@ -134,10 +134,10 @@ class ModbusSource(BaseSource):
         while words := await self._try():
             attempts += 1
             if attempts == QUICK:
-                self._tell("alarm", f"{words}; it is tried again every second", door=self.name)
+                self._tell("alarm", f"{words}; it is tried again every second", source=self.name)
             await asyncio.sleep(0.05 if attempts < QUICK else 1.0)
         if attempts >= QUICK:
-            self._tell("link", f"Modbus server {self.name} listens now", door=self.name)
+            self._tell("link", f"Modbus server {self.name} listens now", source=self.name)
 
     async def close(self) -> None:
         if self._late is not None:
@@ -149,7 +149,7 @@ class ModbusSource(BaseSource):
 
     def passed(self, number: int) -> list[list[object]] | None:
         """Exchanges of the server."""
-        return [exchange.row() for exchange in self.server.desk.since(number)]
+        return [exchange.row() for exchange in self.server.responder.since(number)]
 
     def join(self, control: Control) -> None:
         """Flags or markers for its views."""

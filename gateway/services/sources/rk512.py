@@ -50,25 +50,25 @@ class Rk512Source(SerialSource):
 
     counted = ("sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults")
 
-    def __init__(self, post: SourceContext, line: Line) -> None:
-        super().__init__(post, line)
-        cell = post.run.cell
+    def __init__(self, context: SourceContext, line: Line) -> None:
+        super().__init__(context, line)
+        cell = context.run.cell
         mine = [db for db in cell.db if db.line == line.name]
-        self.data = self._data_door([compile_block(db) for db in mine]) if mine else None
+        self.data = self._data_blocks([compile_block(db) for db in mine]) if mine else None
         self._own = OwnJobs(compile_job(db) for db in mine if db.every_ms or db.on_change)
         self._life: int | None = None
         self._now: Ns = 0  # of the block or tick that is being worked on
         self._refusal: Refused | None = None  # of the last job, where it counts for no sign of life
         self._life_place = _word_of(line.supervision.life_word)
         priority = Priority.HIGH if line.priority == "high" else Priority.LOW
-        self._areas = LineAreas(self, post.image, post.run.clock, remote=cell.controller is not None and cell.controller.remote)
+        self._areas = LineAreas(self, context.image, context.run.clock, remote=cell.controller is not None and cell.controller.remote)
         self._spoken = layer_spoken(line)
         link = Rk512Link(link_profile(line), priority, self, rk512_dialect(line), line.baud, self._areas)
         self.flags = link.passive.flags
         self._link = self.machine = link
-        post.values.lines.append(self)
+        context.values.lines.append(self)
 
-    def _data_door(self, blocks: list[DataBlock]) -> DataBlocks:
+    def _data_blocks(self, blocks: list[DataBlock]) -> DataBlocks:
         cell = self._run.cell
         handshake = cell.handshake.get("move")
         inputs = inputs_of(cell).get(self.name, {})
@@ -76,13 +76,13 @@ class Rk512Source(SerialSource):
         numbers = rc_numbers(cell)
 
         def command(fresh: Command) -> None:
-            self.office.command(self.number, fresh, self._now)
+            self.dispatcher.command(self.number, fresh, self._now)
 
         def refuse(code: Code, words: str) -> None:
-            self.office.refuse(self.number, code, Reason.FORMAT_SUSPICION, words)
+            self.dispatcher.refuse(self.number, code, Reason.FORMAT_SUSPICION, words)
 
         def bad_number(name: str, words: str) -> None:
-            self._tell("command", f"command source {self.number}: {words}", door=self.number, what="refused")
+            self._tell("command", f"command source {self.number}: {words}", source=self.number, what="refused")
 
         def level(name: str, value: float) -> None:
             if name in flags:
@@ -100,10 +100,10 @@ class Rk512Source(SerialSource):
 
         host = BlockHost(command, value, bad_number, level, refuse)
         bits = compile_handshake(handshake) if handshake else None
-        door = DataBlocks(blocks, names, bits, host, (*inputs, *flags), compile_pattern(cell))
-        door.forced = self._image.forces.words
-        door.overrides.robots = robot_axes(cell)
-        return door
+        source = DataBlocks(blocks, names, bits, host, (*inputs, *flags), compile_pattern(cell))
+        source.forced = self._image.forces.words
+        source.overrides.robots = robot_axes(cell)
+        return source
 
     # ---- life --------------------------------------------------------------------------------------------------------
     def restart(self) -> None:
@@ -117,7 +117,7 @@ class Rk512Source(SerialSource):
         self._now = self._run.clock()
         self._give_own_jobs(self._now)
         if self.data is not None:
-            jobs = self.office.door(self.number).by_code
+            jobs = self.dispatcher.source(self.number).by_code
             ordered = [jobs[code] for code in (Code.PTP_ABSOLUTE, Code.PROGRAM) if code in jobs]
             if ordered:
                 self.data.move_state(max(ordered, key=lambda job: job.id).state)

@@ -25,8 +25,8 @@ class SerialSource(BaseSource):
     machine: Machine[object]
     counted: Iterable[str] = ()  # names of its counters
 
-    def __init__(self, post: SourceContext, line: Line) -> None:
-        super().__init__(post)
+    def __init__(self, context: SourceContext, line: Line) -> None:
+        super().__init__(context)
         self.line = line
         self._partner: Counter[str] = Counter(dict.fromkeys((*self.counted, "same_priority"), 0))
         self._advice = ""  # what is to be set right by hand
@@ -36,7 +36,7 @@ class SerialSource(BaseSource):
         self._tell(
             "link",
             f"command source {self.number} {self.name}: {self.procedure} on {self._run.plan.lines[line.name]}",
-            door=self.number,
+            source=self.number,
         )
 
     async def start(self) -> None:
@@ -104,4 +104,4 @@ class SerialSource(BaseSource):
         self._partner[counter] += 1
         if now >= self._journal_next:
             self._journal_next = now + TOLD_EVERY
-            self._tell("line", f"{self.name}: {words}", door=self.number)
+            self._tell("line", f"{self.name}: {words}", source=self.number)

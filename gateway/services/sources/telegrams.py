@@ -25,16 +25,16 @@ class TelegramSource(SerialSource):
 
     counted = ("received", "refused", "unknown", "bad_blocks", "sent", "failed", "unbuilt")
 
-    def __init__(self, post: SourceContext, line: Line) -> None:
-        super().__init__(post, line)
-        self._named = post.values.named
-        mine = [telegram for telegram in post.run.cell.telegram if telegram.line == line.name]
+    def __init__(self, context: SourceContext, line: Line) -> None:
+        super().__init__(context, line)
+        self._named = context.values.named
+        mine = [telegram for telegram in context.run.cell.telegram if telegram.line == line.name]
         self.reader = Reader([incoming(telegram, line) for telegram in mine if is_incoming(telegram)])
         self._rules = [(self._watch(telegram.when), outgoing(telegram, line)) for telegram in mine if not is_incoming(telegram)]
         self.link = Link(link_profile(line), Priority.HIGH if line.priority == "high" else Priority.LOW)
         self.machine = self.link
         self._jobs: dict[int, str] = {}
-        post.values.listen(self.settle)
+        context.values.listen(self.settle)
 
     def _watch(self, text: str) -> EdgeWatch:
         when = parse_when(text)
@@ -49,8 +49,8 @@ class TelegramSource(SerialSource):
             super().wake(now)
         elif self.watch.alive and not self.connected:
             self.watch.alive, self.watch.losses = False, self.watch.losses + 1
-            self.office.link(self.number, self.on_loss, alive=False)
-            self._tell("link", f"command source {self.number} {self.name}: the port was lost", door=self.number)
+            self.dispatcher.link(self.number, self.on_loss, alive=False)
+            self._tell("link", f"command source {self.number} {self.name}: the port was lost", source=self.number)
         if was and not self.watch.alive:
             self._named.source_gone(self.name)
 

@@ -62,7 +62,7 @@ class Monitor(App[None]):
         self.line = Static(id="head", markup=False)
         self.box = Input(placeholder="name, address, words ...", id="search", disabled=True)
         self.tabs = TabbedContent(initial=tab)
-        self.doors = LiveTable("lines-doors")
+        self.sources = LiveTable("lines-doors")
         self.tables = {each: LiveTable(f"table-{each}") for each in TABS}
 
     def compose(self) -> ComposeResult:
@@ -72,7 +72,7 @@ class Monitor(App[None]):
             for number, tab in enumerate(TABS, 1):
                 with TabPane(f"{number} {tab}", id=tab):
                     if tab == "lines":
-                        yield self.doors
+                        yield self.sources
                     yield self.tables[tab]
         yield Footer()
 
@@ -112,7 +112,7 @@ class Monitor(App[None]):
             return
         self.line.update(self.look.head())
         if tab == "lines":
-            self.doors.show(tables[0])
+            self.sources.show(tables[0])
         self.tables[tab].show(tables[-1])
         self.looks += 1
 

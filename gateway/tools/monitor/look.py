@@ -15,7 +15,7 @@ from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.faults import CellFaults
 from gateway.runtime.regions import ImageError, recv_fds
 from gateway.runtime.supervisor_client import ask
-from gateway.tools.monitor.shown import axes_table, doors_table, errors_table, headline, sentences_table, signals_table
+from gateway.tools.monitor.shown import axes_table, errors_table, headline, sentences_table, signals_table, sources_table
 from gateway.tools.monitor.tables import Table
 from gateway.web.line_view import LineViews
 
@@ -41,7 +41,7 @@ class Look:
 
     def __init__(self, name: str, language: str = "") -> None:
         self.name, self._wanted = name, language
-        self.desk = ServicesLink(name, GLANCE_S)
+        self.services_link = ServicesLink(name, GLANCE_S)
         self.regions: Regions | None = None
         self.search, self.filter = "", "all"
         self.found = 0  # signals that fit the search
@@ -69,7 +69,7 @@ class Look:
         self.cell, self.language = cell, self._wanted or cell.cell.language
         self.simulated = bool(status["simulated"])
         self.names, self.watched = Names(cell), Watched(self.regions)
-        self.lines = LineViews(cell, self.desk)
+        self.lines = LineViews(cell, self.services_link)
 
     async def still(self) -> bool:
         """Whether the run lives; one that was started again under the same name is attached to.  NoRun: its cell is gone."""
@@ -92,7 +92,7 @@ class Look:
             case "signals":
                 return [await self._signals()]
             case "lines":
-                return [doors_table(regions), sentences_table(await self._sentences(), self.language)]
+                return [sources_table(regions), sentences_table(await self._sentences(), self.language)]
             case _:
                 return [errors_table(regions, self.alarms, self.language)]
 
@@ -112,7 +112,7 @@ class Look:
 
     async def _signals(self) -> Table:
         self.found, entries = self.names.search(self.search)
-        await self.watched.look(self.desk)
+        await self.watched.look(self.services_link)
         values = self.watched.values(entry.id for entry in entries)
         return signals_table(entries, values, self.filter, self.found, self.language)
 
@@ -123,7 +123,7 @@ class Look:
             return {}
 
     def close(self) -> None:
-        self.desk.close()
+        self.services_link.close()
 
 
 def _fds(name: str) -> dict[str, int]:

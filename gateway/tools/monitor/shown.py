@@ -25,7 +25,7 @@ STATES = (
 QUALITIES = {int(Quality.GOOD): "good", int(Quality.STALE): "old", int(Quality.BAD): "bad"}
 AXES = ("axis", "unit", "set", "actual", "lag", "speed", "torque %", "limits", "state", "fault")
 SIGNALS = ("name", "address", "value", "quality", "age s", "unit", "says")
-DOORS = ("source", "name", "kind", "link", "losses", "command", "reason", "counters")
+SOURCES = ("source", "name", "kind", "link", "losses", "command", "reason", "counters")
 SENTENCES = ("line", "ms", "side", "what", "text")
 ERRORS = ("from", "code", "text", "cause", "what to do")
 OURS, SHOWN_SENTENCES = "axisgate", 60
@@ -115,19 +115,19 @@ def shown(entry: Entry, value: object) -> str:
         return value
 
 
-def doors_table(regions: Regions) -> Table:
+def sources_table(regions: Regions) -> Table:
     """Lines and servers with what they counted."""
     rows, marks = [], []
     known = regions.head()["services_alive"]  # of services that are away nobody knows what their links do
-    for door in regions.status.get("command_sources", []):
-        link = "?" if not known else "up" if door["alive"] else "DOWN"
+    for source in regions.status.get("command_sources", []):
+        link = "?" if not known else "up" if source["alive"] else "DOWN"
         counted = ", ".join(
-            [f"{name} {door[name]}" for name in COUNTED if door.get(name)] + [door[w] for w in ("why", "advice") if door.get(w)]
+            [f"{name} {source[name]}" for name in COUNTED if source.get(name)] + [source[w] for w in ("why", "advice") if source.get(w)]
         )
-        fixed = (str(door["number"]), door["name"], door["kind"], link, str(door["losses"]), door["state"].lower())
-        rows.append((*fixed, "" if door["reason"] == "NONE" else door["reason"].lower(), counted))
+        fixed = (str(source["number"]), source["name"], source["kind"], link, str(source["losses"]), source["state"].lower())
+        rows.append((*fixed, "" if source["reason"] == "NONE" else source["reason"].lower(), counted))
         marks.append("" if link == "up" else "bad")
-    return Table("Command sources", DOORS, tuple(rows), tuple(marks), "this cell has no command source")
+    return Table("Command sources", SOURCES, tuple(rows), tuple(marks), "this cell has no command source")
 
 
 def sentences_table(lines: Row, language: str) -> Table:

@@ -220,21 +220,21 @@ def played(path: FilePath, stands: Sequence[float], period: float) -> tuple[NDAr
 class _PartRun:
     """One part: its belt, the stepper beside it, and what the planner makes of its blocks."""
 
-    def __init__(self, paper: DryRun, section: Section, part: Coming, stands: Sequence[float]) -> None:
+    def __init__(self, dry_run: DryRun, section: Section, part: Coming, stands: Sequence[float]) -> None:
         assert part.tried is not None
-        self._paper, self._section, self._part, self._stands = paper, section, part, tuple(stands)
-        self._plan = part.again(paper.machine, self._stands)
+        self._dry_run, self._section, self._part, self._stands = dry_run, section, part, tuple(stands)
+        self._plan = part.again(dry_run.machine, self._stands)
         own, place = part.tried.facts, part.tried.belt
-        now = (own if n == place else each for n, each in enumerate(paper.belts))  # as statements of belts have set it
-        facts = [self._even(each, speed) for each, speed in zip(now, paper.speeds, strict=True)]
-        self._belts = CoreBelts(facts, {self._plan.kinematic: paper.machine.kinematics}, paper.machine.limits, paper.period)
-        self._stepper = Stepper(len(self._stands), paper.period, self._stands)
+        now = (own if n == place else each for n, each in enumerate(dry_run.belts))  # as statements of belts have set it
+        facts = [self._even(each, speed) for each, speed in zip(now, dry_run.speeds, strict=True)]
+        self._belts = CoreBelts(facts, {self._plan.kinematic: dry_run.machine.kinematics}, dry_run.machine.limits, dry_run.period)
+        self._stepper = Stepper(len(self._stands), dry_run.period, self._stands)
         self._inputs = InputImage()
         set_bit(self._inputs.values, SIMULATION, True)
         self._inputs.quality[SIMULATION >> 3] = int(Quality.GOOD)
         self._begins: dict[int, float] = {}
         self._planner: Planner | None = None
-        self._machine = paper.machine
+        self._machine = dry_run.machine
         self._steps: deque[BeltAct | list[Block]] = deque()  # SYNC, and paths, to come
         self._last = section.first - 1  # block behind those whose path is there
 
@@ -247,17 +247,17 @@ class _PartRun:
         belts, plan = self._belts, self._plan
         for block in self._section.blocks:
             plan.add(block)  # also finds where a part of type 1 without at= is meant to begin
-        speed = self._paper.speeds[plan.belt]
+        speed = self._dry_run.speeds[plan.belt]
         at = plan.synchron.at if plan.synchron.at is not None else plan.reference
         belts.all.all[plan.belt].set_counter((0.0 if math.isnan(at) else at) - LEAD_S * speed)
         belts.set_override(1.0)
         if plan.synchron.at is None:
-            for _ in range(round(LEAD_S / self._paper.period)):
+            for _ in range(round(LEAD_S / self._dry_run.period)):
                 belts.step(self._stepper, self._inputs)  # the order comes when the belt is there
-        belts.synchron(replace(plan.order, tolerance=plan.order.tolerance * self._paper.tolerance_cycles), self._stands)
+        belts.synchron(replace(plan.order, tolerance=plan.order.tolerance * self._dry_run.tolerance_cycles), self._stands)
         for made in plan.blocks:
             belts.add(made)
-        for _ in range(round(MOST_S / self._paper.period)):
+        for _ in range(round(MOST_S / self._dry_run.period)):
             sample = belts.step(self._stepper, self._inputs)
             if belts.fault is not None:
                 raise self._told(belts.fault)
@@ -272,7 +272,7 @@ class _PartRun:
 
     def _load(self, engaged: float) -> None:
         """The path of a type 1, seen from the belt it has got onto."""
-        self._machine, start, blocks = self._part.carried(self._part.again(self._paper.machine, self._stands), engaged)
+        self._machine, start, blocks = self._part.carried(self._part.again(self._dry_run.machine, self._stands), engaged)
         path: list[Block] = []
         self._steps.append(path)
         for block in blocks:
@@ -327,7 +327,7 @@ class _PartRun:
         return not waits and self._stepper.state is State.IDLE and self._belts.release()
 
     def _told(self, fault: BeltFault) -> BlockError:
-        axis = self._paper.machine.limits[fault.axis - 1].name if fault.axis else ""
+        axis = self._dry_run.machine.limits[fault.axis - 1].name if fault.axis else ""
         number = self._belts.block or self._section.first
         source = "axisgate" if fault.code in OURS else "rho 3"
         return BlockError(belt_words(fault.code, 0, "").partition(" (")[0], code=fault.code, block=number, axis=axis, source=source)

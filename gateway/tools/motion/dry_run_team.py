@@ -27,7 +27,7 @@ SAME = 1e-9  # m or rad
 
 
 @dataclass(frozen=True)
-class Paper:
+class CellFacts:
     """What of its cell a program is looked at with.  numbers: of its kinematics in the cell; altered: numbers of those that have a
     correction, None: no cell was named; speeds, p5_ms: as gateway.tools.motion.dry_run.DryRun has them."""
 
@@ -46,7 +46,7 @@ class Paper:
         return self.altered is None or self.number(member) in self.altered
 
 
-NO_CELL = Paper()
+NO_CELL = CellFacts()
 
 
 @dataclass
@@ -78,9 +78,9 @@ class TeamFindings:
 class _Looked:
     """What has been looked at so far, section by section."""
 
-    def __init__(self, team: Team, start: Sequence[float], files: Files, paper: Paper) -> None:
-        self.team, self.faults, self.files, self.paper = team, list[BlockError](), files, paper
-        self.belts = paper.belts
+    def __init__(self, team: Team, start: Sequence[float], files: Files, cell_facts: CellFacts) -> None:
+        self.team, self.faults, self.files, self.cell_facts = team, list[BlockError](), files, cell_facts
+        self.belts = cell_facts.belts
         self.section = TeamSection(1, 0, tuple(start))
         self.sections = [self.section]
         self.route = TeamRoute(team, start)
@@ -100,8 +100,10 @@ class _Looked:
     def _finish_alone(self, section: TeamSection, member: int) -> None:
         """Its blocks, as a program of this robot."""
         program = Program("", "", self.team.split(section.stands)[member], tuple(self.own))
-        machine, paper = self.team.machines[member], self.paper
-        found = sections_of(program, machine, section.belts, option=paper.option(member), kinematic=paper.number(member), files=self.files)
+        machine, cell_facts = self.team.machines[member], self.cell_facts
+        found = sections_of(
+            program, machine, section.belts, option=cell_facts.option(member), kinematic=cell_facts.number(member), files=self.files
+        )
         section.parts, faults = found
         self.faults += [numbered(self.team.told(fault, member), fault.block + section.first - 1) for fault in faults]
         ends = section.parts[-1].ends if section.parts else program.start
@@ -148,9 +150,9 @@ class _Looked:
         self.route.reset(self.team.placed(stands, member, path.end))
 
 
-def team_findings(program: TeamProgram, team: Team, files: Files = NO_FILES, paper: Paper = NO_CELL) -> TeamFindings:
+def team_findings(program: TeamProgram, team: Team, files: Files = NO_FILES, cell_facts: CellFacts = NO_CELL) -> TeamFindings:
     """All blocks; nothing moved."""
-    looked = _Looked(team, program.start, files, paper)
+    looked = _Looked(team, program.start, files, cell_facts)
     for number, shared in enumerate(program.blocks, 1):
         try:
             looked.look(shared, number)
@@ -173,23 +175,23 @@ def team_slowed(findings: TeamFindings) -> dict[int, Slowed]:
     return worst((stretch.block + each.before, stretch) for each in findings.sections for stretch in each.stretches)
 
 
-def team_traces(findings: TeamFindings, team: Team, paper: Paper = NO_CELL, period: float = PERIOD_S) -> list[Trace]:
+def team_traces(findings: TeamFindings, team: Team, cell_facts: CellFacts = NO_CELL, period: float = PERIOD_S) -> list[Trace]:
     """One for each kinematic, all over the same time; each section begins where the one before really ended.  MotionError where a path
     cannot be run at all, BlockError where a part on a belt cannot go on."""
     stands, rows = findings.sections[0].stands, []
     for section in findings.sections:
         for member in section.placed:
             stands = team.placed(stands, member, team.split(section.stands)[member])
-        own = list(_traced(section, team, stands, paper, period))
+        own = list(_traced(section, team, stands, cell_facts, period))
         rows.append(own)
         stands = tuple(float(value) for made in own for value in made.q[-1])
     return [joined(each) for each in zip(*rows, strict=True)]
 
 
-def _traced(section: TeamSection, team: Team, stands: Joints, paper: Paper, period: float) -> Iterator[Trace]:
+def _traced(section: TeamSection, team: Team, stands: Joints, cell_facts: CellFacts, period: float) -> Iterator[Trace]:
     """Of each kinematic in a section."""
     if section.alone is not None:
-        yield from _alone(section, section.alone, team, stands, paper, period)
+        yield from _alone(section, section.alone, team, stands, cell_facts, period)
         return
     stretches = section.stretches
     if section.blocks and not np.allclose(stands, section.stands, rtol=0.0, atol=SAME):
@@ -230,11 +232,11 @@ def _numbered(stretch: Stretch, blocks: int) -> Stretch:
     return replace(stretch, block=stretch.block + blocks)
 
 
-def _alone(section: TeamSection, member: int, team: Team, stands: Joints, paper: Paper, period: float) -> Iterator[Trace]:
+def _alone(section: TeamSection, member: int, team: Team, stands: Joints, cell_facts: CellFacts, period: float) -> Iterator[Trace]:
     """One on its belt, or corrected; the others are at rest."""
     begun = replace(section.parts[0], stands=team.split(stands)[member])
     try:
-        run = DryRun(team.machines[member], section.belts, paper.speeds, paper.p5_ms, period)
+        run = DryRun(team.machines[member], section.belts, cell_facts.speeds, cell_facts.p5_ms, period)
         made = run.run([begun, *section.parts[1:]]).later(section.first - 1)
     except BlockError as error:
         raise team.told(told(error, section.first - 1), member) from error

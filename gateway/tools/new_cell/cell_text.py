@@ -51,7 +51,7 @@ target   = "simulation"          # "machine" when [safety] is filled and the dri
 
 def _safety(kind: str) -> str:
     """The fields a machine needs; empty ones are refused by `run` on target "machine"."""
-    door = "plc" if kind != "modbus" else "plc2"
+    source = "plc" if kind != "modbus" else "plc2"
     return f"""\
 # ---- what the plant guarantees in hardware; `run` on target "machine" refuses to start while one is empty ----
 # [safety]
@@ -65,7 +65,7 @@ def _safety(kind: str) -> str:
 # Byte 3 of the RC inputs: emergency-stop chain closed, control allow, feed allow, feed hold not, travel allow.
 # No contact is wired here yet, so they are taken as 1; name an owner or an [[io]] contact before metal moves.
 [rc_inputs]
-owner  = {{ "3" = "{door}" }}
+owner  = {{ "3" = "{source}" }}
 assume = ["EMSTOP_OK_RCI", "CTRL_ALLOW_RCI", "FEED_ALLOW_RCI", "FEED_HOLD_N_RCI", "TRAVEL_ALLOW_RCI"]
 """
 
@@ -74,7 +74,7 @@ REIS = """\
 # ---- the signals of the old control: 40 bytes of _IBIN_IN and _IBIN_OUT, markers M0 .. M2047 ----
 [controller]
 kind = "reis"
-door = "plc"                     # markers command for this command source
+command_source = "plc"           # markers command for this command source
 """
 
 

@@ -131,7 +131,7 @@ class OnBelts(Planned):
         self.begun = 0
         self.zeros: dict[int, float] = {}  # m: what the encoders said when their counters were set
         super().__init__(self.robots)
-        self.bench.office.programs = {n: ProgramFacts(robot, MASKS[robot]) for n, robot in enumerate(MASKS, 1)}
+        self.bench.dispatcher.programs = {n: ProgramFacts(robot, MASKS[robot]) for n, robot in enumerate(MASKS, 1)}
         self.planner = TappedPlanner(self.programs, len(cell.axis), self.robots.tap)
         for number in PROBE:
             self.bench.permit(number, value=False)
@@ -174,7 +174,7 @@ class OnBelts(Planned):
         self.begun = self.state.parts
         self.robots.counted.clear()
         self.text = HEADS[robot] + "\n".join(lines)
-        job = self.bench.office.command(1, Command(Code.PROGRAM, list(MASKS).index(robot) + 1, 1.0, 1.0), self.bench.now)
+        job = self.bench.dispatcher.command(1, Command(Code.PROGRAM, list(MASKS).index(robot) + 1, 1.0, 1.0), self.bench.now)
         self.bench._hand_over()
         return job
 

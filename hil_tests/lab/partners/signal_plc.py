@@ -86,10 +86,10 @@ start = 0.0
 """
 
 
-def signal_cell(folder: pathlib.Path, door: str, controller: str, *, rho3: str = "", p9: int = 800, spare: tuple[int, ...] = ()) -> str:
+def signal_cell(folder: pathlib.Path, source: str, controller: str, *, rho3: str = "", p9: int = 800, spare: tuple[int, ...] = ()) -> str:
     """Two axes that need no referencing; `door` gives the RC inputs FIRST..LAST, `spare` are given to the other command source."""
-    other = "net" if door == "rack" else "rack"
-    owners = ", ".join(f'"{byte}" = "{other if byte in spare else door}"' for byte in sorted({*range(FIRST, LAST + 1), *spare}))
+    other = "net" if source == "rack" else "rack"
+    owners = ", ".join(f'"{byte}" = "{other if byte in spare else source}"' for byte in sorted({*range(FIRST, LAST + 1), *spare}))
     text = CELL.format(owners=owners, controller=controller, rho3=rho3, p9=p9)
     path = folder / "old.toml"
     path.write_text(text + "".join(AXIS.format(name=f"A{module}", module=module) for module in (1, 2)))

@@ -147,10 +147,10 @@ class ProgramCell:
     def __init__(self, files: Mapping[str, str | bytes], cell: Cell = CELL) -> None:
         self.cell = cell
         self.bench = ServodynBench(cell=cell)
-        self.bench.office = CommandDispatcher(self.bench.office.axes, self.bench.office._plan, 1, {})
+        self.bench.dispatcher = CommandDispatcher(self.bench.dispatcher.axes, self.bench.dispatcher._plan, 1, {})
         self.errors = ErrorList()
         owners = dict.fromkeys(range(RC_BYTES), 1) | dict.fromkeys(pic_bytes(cell), PIC_SOURCE)
-        control, _ = make_control(cell, owners, {"rack": 1, "pic": PIC_SOURCE}, self.bench.office, self.errors, self.bench.now)
+        control, _ = make_control(cell, owners, {"rack": 1, "pic": PIC_SOURCE}, self.bench.dispatcher, self.errors, self.bench.now)
         assert isinstance(control, RhoControl)
         self.control = control
         if control.pic is not None:
@@ -195,7 +195,7 @@ class ProgramCell:
         state = unpack_cell_state(pack_cell_state(bench.core.state))
         self.places.append(tuple(from_si(axis.set, own.unit) for axis, own in zip(state.axes, self.cell.axis, strict=False)))
         self._services(state, now)
-        records = [unpack_block(pack_block(run_record(order))) for order in bench.office.take_programs()]
+        records = [unpack_block(pack_block(run_record(order))) for order in bench.dispatcher.take_programs()]
         bench._hand_over()
         if self.port is not None:
             self._interpreter(self.port, state, now)
@@ -210,7 +210,7 @@ class ProgramCell:
             pass
         self._pieces += [packed_piece(each, piece_size(axes)) for each in self.planning.turn(records, state, axes, len(self._pieces))]
         assert standing(state, axes)
-        bench.office.planner = self.planner_region.through(self.planning.state)
+        bench.dispatcher.planner = self.planner_region.through(self.planning.state)
         for _ in range(min(2 * len(self.planning.lanes), len(self._pieces))):
             bench.core.feed(unpack_piece(self._pieces.popleft()))
 

@@ -53,12 +53,12 @@ class BeltBench(CellBench):
         self.machine, self.facts = machine_of_cell(cell), belt_facts(cell)
         self.axes, self.all = len(cell.axis), (1 << len(cell.axis)) - 1
         super().__init__(p5_ms=4, cell=cell)
-        self.office = CommandDispatcher(self.office.axes, self.office._plan, 1, {1: ProgramFacts("it", self.all)})
+        self.dispatcher = CommandDispatcher(self.dispatcher.axes, self.dispatcher._plan, 1, {1: ProgramFacts("it", self.all)})
         self.text = ""
         self.another_planner(PlannerState())
         self.seen: list[CellState] = []
         self.each = self._turn
-        self.office.planner = self.programs.state
+        self.dispatcher.planner = self.programs.state
         self.run(0.1)
         for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
             assert self.settle(self.give(code, self.all)).state is CommandState.DONE
@@ -99,7 +99,7 @@ class BeltBench(CellBench):
     def _turn(self) -> None:
         """One of the planner, and what the ring carries; every state of the cycle is kept."""
         self.seen.append(unpack_cell_state(pack_cell_state(self.core.state)))
-        self.planner.turn(self.core, self.office)
+        self.planner.turn(self.core, self.dispatcher)
 
     def drive(self, kind: int, speed: float) -> None:
         """The belt of this type runs at m/s, from now on."""
@@ -122,7 +122,7 @@ class BeltBench(CellBench):
         """Command source 1 orders a program of these lines."""
         self.text = self.head + "\n".join(lines)
         self.seen.clear()
-        job = self.office.command(1, Command(Code.PROGRAM, 1, 1.0, 1.0), self.now)
+        job = self.dispatcher.command(1, Command(Code.PROGRAM, 1, 1.0, 1.0), self.now)
         self._hand_over()
         return job
 

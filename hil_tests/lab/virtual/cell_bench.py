@@ -50,7 +50,7 @@ class CellBench:
         self.finish = finish_without_services
         self.generation = 1
         self.core = self._new_core()
-        self.office = CommandDispatcher(axis_facts(cell), make_planner(cell), 1)
+        self.dispatcher = CommandDispatcher(axis_facts(cell), make_planner(cell), 1)
         self.inputs = InputImage()
         self.services_alive = True
         self.services_ns: Ns = START
@@ -98,7 +98,7 @@ class CellBench:
             values = self.core.step(actuals, self.inputs, orders, self.services_ns, self.now)
             self.burst = self.family.burst(values)
             if self.services_alive:
-                self.office.observe(unpack_cell_state(pack_cell_state(self.core.state)), self.now)
+                self.dispatcher.observe(unpack_cell_state(pack_cell_state(self.core.state)), self.now)
                 self._hand_over()
             self.each()
             self.now += self.period_ns
@@ -108,15 +108,15 @@ class CellBench:
 
     def _hand_over(self) -> None:
         """Through the ring's bytes, as in the real thing; orders of another generation are dropped there."""
-        for order in self.office.take_orders():
+        for order in self.dispatcher.take_orders():
             record = unpack_order(pack_order(order, record_size(len(self.cell.axis))))
             if record.generation == self.generation:
                 self.orders.append(record)
 
-    def give(self, code: Code, mask: int = ALL, velocity: float = 1.0, targets: tuple[float, ...] = (), door: int = 1) -> Job:
+    def give(self, code: Code, mask: int = ALL, velocity: float = 1.0, targets: tuple[float, ...] = (), source: int = 1) -> Job:
         """One fresh command of a command source."""
         places = (*targets, *[0.0] * MOST_AXES)[:MOST_AXES]
-        job = self.office.command(door, Command(code, mask, velocity, 1.0, places), self.now)
+        job = self.dispatcher.command(source, Command(code, mask, velocity, 1.0, places), self.now)
         self._hand_over()
         return job
 
@@ -145,8 +145,8 @@ class CellBench:
 
     def actual(self) -> list[float]:
         """Positions in mm and deg as published."""
-        return [axis.actual / fact.si for axis, fact in zip(self.core.state.axes, self.office.axes, strict=False)]
+        return [axis.actual / fact.si for axis, fact in zip(self.core.state.axes, self.dispatcher.axes, strict=False)]
 
     def set(self) -> list[float]:
         """Set positions in mm and deg."""
-        return [axis.set / fact.si for axis, fact in zip(self.core.state.axes, self.office.axes, strict=False)]
+        return [axis.set / fact.si for axis, fact in zip(self.core.state.axes, self.dispatcher.axes, strict=False)]

@@ -36,7 +36,7 @@ class Lanes:
         self.bench, self.cell = bench, bench.cell
         masks = {n: mask_of(self.cell, robots_of(self.cell, text, kinematics.get(n, ""))) for n, text in texts.items()}
         facts = {n: ProgramFacts(str(n), mask) for n, mask in masks.items()}
-        bench.office = self.office = CommandDispatcher(bench.office.axes, bench.office._plan, 1, facts)
+        bench.dispatcher = self.dispatcher = CommandDispatcher(bench.dispatcher.axes, bench.dispatcher._plan, 1, facts)
         self.programs = lane_programs_of(
             self.cell,
             lambda named, number: robot_meant(
@@ -50,12 +50,12 @@ class Lanes:
         self.lines: deque[BlockRecord] = deque()  # of streams, to be said
         self.taken = 1  # of them in a turn
         bench.each = self._turn
-        self.office.planner = self.programs.state
+        self.dispatcher.planner = self.programs.state
         bench.run(0.3)
 
     def _turn(self) -> None:
         core, count = self.bench.core, len(self.cell.axis)
-        records = [run_record(order) for order in self.office.take_programs()]
+        records = [run_record(order) for order in self.dispatcher.take_programs()]
         for _ in range(min(self.taken, len(self.lines))):
             records.append(unpack_block(pack_block(self.lines.popleft())))
         while self.programs.prepare(core.state, count):
@@ -63,7 +63,7 @@ class Lanes:
         while self.programs.work():
             pass
         self._held += self.programs.turn(records, core.state, count, len(self._held))
-        self.office.planner = unpack_planner(pack_planner(self.programs.state))
+        self.dispatcher.planner = unpack_planner(pack_planner(self.programs.state))
         for record in self._held[:A_CYCLE]:
             core.feed(unpack_piece(pack_piece(record, piece_size(count))))
         del self._held[:A_CYCLE]
@@ -75,17 +75,17 @@ class Lanes:
         """Of all axes; mm and deg."""
         return self.bench.set()
 
-    def give(self, door: int, code: Code, mask: int = 0, velocity: float = 1.0, targets: Sequence[float] = ()) -> Job:
-        return self.bench.give(code, mask, velocity, tuple(targets), door)
+    def give(self, source: int, code: Code, mask: int = 0, velocity: float = 1.0, targets: Sequence[float] = ()) -> Job:
+        return self.bench.give(code, mask, velocity, tuple(targets), source)
 
-    def order(self, door: int, number: int) -> Job:
-        job = self.office.command(door, Command(Code.PROGRAM, number, 1.0, 1.0), self.bench.now)
+    def order(self, source: int, number: int) -> Job:
+        job = self.dispatcher.command(source, Command(Code.PROGRAM, number, 1.0, 1.0), self.bench.now)
         self.bench._hand_over()
         return job
 
-    def stream(self, door: int, robot: int, mask: int, *lines: str) -> Job:
+    def stream(self, source: int, robot: int, mask: int, *lines: str) -> Job:
         """Of robot n, from 1: what it says first."""
-        job = self.office.order_stream(door, robot, mask)
+        job = self.dispatcher.order_stream(source, robot, mask)
         self.bench._hand_over()
         self.say(job, *lines)
         return job
@@ -95,12 +95,12 @@ class Lanes:
         self.lines.extend(BlockRecord(Say.LINE, job.id, line) for line in lines)
         self.lines.append(BlockRecord(Say.END if end else Say.FINISH, job.id))
 
-    def done(self, door: int, code: Code, mask: int = 0, velocity: float = 1.0) -> Job:
-        job = self.bench.settle(self.give(door, code, mask, velocity))
+    def done(self, source: int, code: Code, mask: int = 0, velocity: float = 1.0) -> Job:
+        job = self.bench.settle(self.give(source, code, mask, velocity))
         assert job.state is CommandState.DONE, (code.name, job)
         return job
 
-    def ready(self, door: int, mask: int) -> None:
+    def ready(self, source: int, mask: int) -> None:
         """Control of these axes' lanes, override, drives on."""
         for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
-            self.done(door, code, mask)
+            self.done(source, code, mask)

@@ -46,7 +46,7 @@ class Planned:
     def __init__(self, bench: CellBench) -> None:
         self.bench, self.cell, self.machine = bench, bench.cell, machine_of_cell(bench.cell)
         every, self.text = (1 << len(self.cell.axis)) - 1, ""
-        bench.office = CommandDispatcher(bench.office.axes, bench.office._plan, 1, {1: ProgramFacts("it", every)})
+        bench.dispatcher = CommandDispatcher(bench.dispatcher.axes, bench.dispatcher._plan, 1, {1: ProgramFacts("it", every)})
         if len(self.cell.robot) > 1:
             self.programs = Programs(
                 cell_programs(self.cell, self._robot, lambda _: self.text, lambda named, _: team_meant(self.cell, named))
@@ -56,7 +56,7 @@ class Planned:
             self.programs = Programs(CellPrograms(lambda *_: self.machine, lambda _: every, lambda _: self.text, free))
         self.planner = PlannerBeside(self.programs, len(self.cell.axis))
         bench.each = self._turn
-        bench.office.planner = self.programs.state
+        bench.dispatcher.planner = self.programs.state
         bench.run(0.3)
         for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
             assert bench.settle(bench.give(code, every)).state is CommandState.DONE
@@ -69,11 +69,11 @@ class Planned:
         return robot_meant(self.cell, named)
 
     def _turn(self) -> None:
-        self.planner.turn(self.bench.core, self.bench.office)
+        self.planner.turn(self.bench.core, self.bench.dispatcher)
 
     def order(self, text: str) -> Job:
         self.text = text
-        job = self.bench.office.command(1, Command(Code.PROGRAM, 1, 1.0, 1.0), self.bench.now)
+        job = self.bench.dispatcher.command(1, Command(Code.PROGRAM, 1, 1.0, 1.0), self.bench.now)
         self.bench._hand_over()
         return job
 

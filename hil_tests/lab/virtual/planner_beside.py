@@ -33,9 +33,9 @@ class PlannerBeside:
         self.held: list[PieceRecord] = []
         self.lines: deque[BlockRecord] = deque()  # of streams, to be said one a turn
 
-    def turn(self, core: CycleLogic, office: CommandDispatcher) -> None:
+    def turn(self, core: CycleLogic, dispatcher: CommandDispatcher) -> None:
         if self.alive:
-            said = [record for order in office.take_programs() for record in self._begun(order)]
+            said = [record for order in dispatcher.take_programs() for record in self._begun(order)]
             if self.lines:
                 said.append(unpack_block(pack_block(self.lines.popleft())))
             while self.programs.preparing:
@@ -43,7 +43,7 @@ class PlannerBeside:
             while self.programs.working and not self.programs.work():
                 pass
             self.held += follow(self.programs, said, core.state, self.axes, waiting=len(self.held))
-            office.planner = self.programs.state
+            dispatcher.planner = self.programs.state
         for record in self.held[:A_CYCLE]:
             self.feed(core, record)
         del self.held[:A_CYCLE]

@@ -35,7 +35,7 @@ class WithPlanner:
 
     def __init__(self, cell: CellBench | None = None) -> None:
         self.cell = cell or CellBench(cell=CELL)
-        self.cell.office = CommandDispatcher(self.cell.office.axes, self.cell.office._plan, 1, FACTS)
+        self.cell.dispatcher = CommandDispatcher(self.cell.dispatcher.axes, self.cell.dispatcher._plan, 1, FACTS)
         self.cell.run(0.1)
         for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE):
             assert self.cell.settle(self.cell.give(code)).state is CommandState.DONE
@@ -44,7 +44,7 @@ class WithPlanner:
         self.programs = Programs(CellPrograms(lambda *_: Machine(Identity(LIMITS), LIMITS), lambda _: ALL, self.text, free))
         self.planner = PlannerBeside(self.programs, len(LIMITS))
         self.cell.each = self.turn
-        self.cell.office.planner = self.programs.state
+        self.cell.dispatcher.planner = self.programs.state
 
     def text(self, number: int) -> str:
         try:
@@ -53,16 +53,16 @@ class WithPlanner:
             raise MotionError(f"program {number}: no such file") from None
 
     def turn(self) -> None:
-        self.planner.turn(self.cell.core, self.cell.office)
+        self.planner.turn(self.cell.core, self.cell.dispatcher)
 
     def program(self, *lines: str, number: int = 1) -> None:
         self.texts[number] = "\n".join([f"axes {UNITS}", *lines])
 
-    def order(self, *lines: str, velocity: float = 1.0, door: int = 1) -> Job:
+    def order(self, *lines: str, velocity: float = 1.0, source: int = 1) -> Job:
         """Command source 1 orders a program of these lines."""
         if lines:
             self.program(*lines)
-        job = self.cell.office.command(door, Command(Code.PROGRAM, 1, velocity, 1.0), self.cell.now)
+        job = self.cell.dispatcher.command(source, Command(Code.PROGRAM, 1, velocity, 1.0), self.cell.now)
         self.cell._hand_over()
         return job
 
@@ -76,7 +76,7 @@ class WithPlanner:
         raise AssertionError(f"never at rest: {self.cell.core.state}")
 
     def places(self) -> list[float]:
-        return [axis.set / fact.si for axis, fact in zip(self.cell.core.state.axes, self.cell.office.axes, strict=False)]
+        return [axis.set / fact.si for axis, fact in zip(self.cell.core.state.axes, self.cell.dispatcher.axes, strict=False)]
 
     def at(self, place: float, within: float = 0.01) -> bool:
         return all(abs(each - place) < within for each in self.places())

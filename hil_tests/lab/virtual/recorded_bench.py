@@ -88,7 +88,7 @@ class RecordedBench(CellBench):
         tap.turn(self.now)
         self._keep(published, was_on)
         if self.services_alive:
-            self.office.observe(unpack_cell_state(pack_cell_state(core.state)), self.now)
+            self.dispatcher.observe(unpack_cell_state(pack_cell_state(core.state)), self.now)
             self._hand_over()
         self.each()
         self.now += self.period_ns

@@ -54,7 +54,7 @@ CELL = replace(  # a turn of a motor is 45 degrees: the emulated drives begin wh
     SHIPPED, axis=tuple(replace(axis, mechanics=replace(axis.mechanics, gear="8:1")) for axis in SHIPPED.axis)
 )
 AUTO, ACKNOWLEDGE, FIRST_INPUT = 23, 62, 704
-DOOR = 1
+SOURCE = 1
 MOST_TURNS = 4  # of the interpreter in one cycle, for programs that compute
 
 
@@ -74,12 +74,14 @@ class ReisCell:
     def __init__(self, files: dict[str, str], values: dict[str, str] | None = None, cell: Cell = CELL) -> None:
         self.cell = cell
         self.bench = ServodynBench(finish_without_services=cell.cell.on_services_loss == "finish_move", cell=cell)
-        self.bench.office = CommandDispatcher(self.bench.office.axes, self.bench.office._plan, 1, {})
+        self.bench.dispatcher = CommandDispatcher(self.bench.dispatcher.axes, self.bench.dispatcher._plan, 1, {})
         self.errors = ErrorList()
-        control, _ = make_control(cell, dict.fromkeys(range(RC_BYTES), 1), {"plc": DOOR}, self.bench.office, self.errors, self.bench.now)
+        control, _ = make_control(
+            cell, dict.fromkeys(range(RC_BYTES), 1), {"plc": SOURCE}, self.bench.dispatcher, self.errors, self.bench.now
+        )
         assert isinstance(control, ReisControl)
         self.control = control
-        self.hosted = programs_of_control(cell, control, self.bench.office)
+        self.hosted = programs_of_control(cell, control, self.bench.dispatcher)
         self.planning = Programs(cell_programs(cell, self._machine, self._text, lambda kinematics, number: team_meant(cell, kinematics)))
         self.planner_region = PlannerRegion()
         self.files, self.kept = files, values or {}
@@ -134,7 +136,7 @@ class ReisCell:
         self.joints.append(tuple(from_si(axis.set, own.unit) for axis, own in zip(state.axes, self.cell.axis, strict=False)))
         self.places.append(self.arm.actual(self.joints[-1], None).pose)
         self._services(state, now)
-        records = [unpack_block(packed_block(run_record(order))) for order in bench.office.take_programs()]
+        records = [unpack_block(packed_block(run_record(order))) for order in bench.dispatcher.take_programs()]
         bench._hand_over()
         if self.port is not None:
             self._interpreter(self.port, state, now)
@@ -152,7 +154,7 @@ class ReisCell:
         self._pieces += [
             packed_piece(each, piece_size(axes)) for each in follow(self.planning, records, state, axes, waiting=len(self._pieces))
         ]
-        bench.office.planner = self.planner_region.through(self.planning.state)
+        bench.dispatcher.planner = self.planner_region.through(self.planning.state)
         for _ in range(min(self.a_cycle, len(self._pieces))):
             bench.core.feed(unpack_piece(self._pieces.popleft()))
 

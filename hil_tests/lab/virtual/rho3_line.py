@@ -54,7 +54,7 @@ class ManagedLine:
         return self._line.lost(now)
 
 
-class Desk(Bench[ManagedLine]):
+class InterfaceBench(Bench[ManagedLine]):
     """`desk.at(0).write(ONE, "V24_1", (INTEGER, 1)).says(...)`; reports() leaves link reports of the driver out unless asked for."""
 
     def __init__(self, setup: Setup, line: str = "SER_1", rc_inputs: bytes = b"", leaves_at_once: bool = True) -> None:
@@ -62,27 +62,27 @@ class Desk(Bench[ManagedLine]):
         super().__init__(ManagedLine(manager, manager.lines[line]), leaves_at_once)
 
     # ---- as on every bench, for chains of ours
-    def at(self, now: Ns) -> "Desk":
+    def at(self, now: Ns) -> "InterfaceBench":
         super().at(now)
         return self
 
-    def hears(self, data: bytes) -> "Desk":
+    def hears(self, data: bytes) -> "InterfaceBench":
         super().hears(data)
         return self
 
-    def says(self, expected: bytes) -> "Desk":
+    def says(self, expected: bytes) -> "InterfaceBench":
         super().says(expected)
         return self
 
-    def damaged(self, kind: Damage) -> "Desk":
+    def damaged(self, kind: Damage) -> "InterfaceBench":
         super().damaged(kind)
         return self
 
-    def left(self) -> "Desk":
+    def left(self) -> "InterfaceBench":
         super().left()
         return self
 
-    def loses_the_port(self) -> "Desk":
+    def loses_the_port(self) -> "InterfaceBench":
         super().loses_the_port()
         return self
 
@@ -92,36 +92,36 @@ class Desk(Bench[ManagedLine]):
         """Control start."""
         return LineManager(setup, rc_inputs)
 
-    def write(self, process: Process, device: str | None, *items: Item, hold: bool = False) -> "Desk":
+    def write(self, process: Process, device: str | None, *items: Item, hold: bool = False) -> "InterfaceBench":
         self.does(lambda line, now: line.manager.write(process, device, items, now, hold))
         return self
 
-    def read(self, process: Process, device: str | None, *variables: BapsType) -> "Desk":
+    def read(self, process: Process, device: str | None, *variables: BapsType) -> "InterfaceBench":
         self.does(lambda line, now: line.manager.read(process, device, variables, now))
         return self
 
-    def prints(self, data: bytes, process: Process = TWO) -> "Desk":
+    def prints(self, data: bytes, process: Process = TWO) -> "InterfaceBench":
         self.does(lambda line, now: line.manager.print_out(process, data, now))
         return self
 
-    def disables(self, function: Function, disabled: bool = True) -> "Desk":
+    def disables(self, function: Function, disabled: bool = True) -> "InterfaceBench":
         self.does(lambda line, now: line.manager.set_disable(function, disabled, now))
         return self
 
-    def rc_byte_14(self, value: int) -> "Desk":
+    def rc_byte_14(self, value: int) -> "InterfaceBench":
         """The byte that holds the six disable signals."""
         self.does(lambda line, now: line.manager.rc_inputs(bytes(14) + bytes((value,)), now))
         return self
 
-    def write_begin(self, process: Process, device: str | None) -> "Desk":
+    def write_begin(self, process: Process, device: str | None) -> "InterfaceBench":
         self.does(lambda line, now: line.manager.write_begin(process, device, now))
         return self
 
-    def read_begin(self, process: Process, device: str | None) -> "Desk":
+    def read_begin(self, process: Process, device: str | None) -> "InterfaceBench":
         self.does(lambda line, now: line.manager.read_begin(process, device, now))
         return self
 
-    def ends(self, process: Process, aborted: bool = True) -> "Desk":
+    def ends(self, process: Process, aborted: bool = True) -> "InterfaceBench":
         self.does(lambda line, now: line.manager.end_process(process, aborted, now))
         return self
 
@@ -133,7 +133,7 @@ class Desk(Bench[ManagedLine]):
         """CONDITION(device)."""
         return self.asked(lambda manager: manager.condition(process, device))
 
-    def finds(self, *expected: Event) -> "Desk":
+    def finds(self, *expected: Event) -> "InterfaceBench":
         """As reports(), without what the driver counts."""
         told = [event for event in self.told() if not isinstance(event, LinkReport)]
         assert told == list(expected), f"reports {told}, expected {list(expected)}"
@@ -147,14 +147,14 @@ class Desk(Bench[ManagedLine]):
         assert said[0] == said[1]
         return said[0]
 
-    def acknowledges(self, data: bytes) -> "Desk":
+    def acknowledges(self, data: bytes) -> "InterfaceBench":
         """We send this block, the partner takes it."""
         self.says(STX)
         self.hears(DLE).says(wire(data))
         self.hears(DLE)
         return self
 
-    def gets(self, data: bytes) -> "Desk":
+    def gets(self, data: bytes) -> "InterfaceBench":
         """The partner sends this block, we take it."""
         self.hears(STX).says(DLE)
         self.hears(wire(data)).says(DLE)

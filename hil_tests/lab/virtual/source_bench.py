@@ -53,7 +53,7 @@ class SourceBench:
         self.cell_values = CellValues(cell, self.image, self.values)
         self.values.register(self.cell_values)
         self.values.register(PlantAddresses(cell, self.image, self.values))
-        self.office = CommandDispatcher(axis_facts(cell), make_planner(cell), 1)
+        self.dispatcher = CommandDispatcher(axis_facts(cell), make_planner(cell), 1)
         self.passed_on = 0
         self.image.goes_on = self._count
 
@@ -62,10 +62,10 @@ class SourceBench:
 
     def context(self, name: str, *, silence_ms: int = 500) -> SourceContext:
         """Everything the command source of that name is given."""
-        source = next(each for each in self.plan.doors if each.name == name)
-        region = RegionWriter(self.fds[f"door-{source.number}"], f"door-{source.number}")
+        source = next(each for each in self.plan.sources if each.name == name)
+        region = RegionWriter(self.fds[f"source-{source.number}"], f"source-{source.number}")
         watch = LinkWatch(ms(silence_ms), has_life_word=False)
-        return SourceContext(self.run, self.image, self.values, self.office, source, watch, OnLoss.STOP, region)
+        return SourceContext(self.run, self.image, self.values, self.dispatcher, source, watch, OnLoss.STOP, region)
 
     def publish(self, flags: AxisFlag = READY, **fields: int) -> CellState:
         """The cycle is ready and every axis has these flags."""
@@ -74,7 +74,7 @@ class SourceBench:
         for name, value in fields.items():
             setattr(state, name, value)
         self.image.state = state
-        self.office.observe(state, 0)
+        self.dispatcher.observe(state, 0)
         return state
 
     def close(self) -> None:

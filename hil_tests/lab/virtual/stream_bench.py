@@ -109,7 +109,7 @@ class StreamBench(BeltBench):
     # ---- the stream ----------------------------------------------------------------------------------------------------
     def begin(self) -> Job:
         """A stream of the portal; the axes rest."""
-        self.job = self.office.order_stream(1, 1, self.all)
+        self.job = self.dispatcher.order_stream(1, 1, self.all)
         self._hand_over()
         self.seen.clear()
         self.planner.say(self.job.id, *HEADING)
@@ -125,17 +125,17 @@ class StreamBench(BeltBench):
 
     def hold(self) -> None:
         """The stream rests on its path."""
-        self.office.hold_move(self.job)
+        self.dispatcher.hold_move(self.job)
         self._hand_over()
 
     def go(self) -> None:
         """It goes on."""
-        self.office.go_on_with(self.job)
+        self.dispatcher.go_on_with(self.job)
         self._hand_over()
 
     def retrace(self) -> None:
         """Back along its path."""
-        self.office.go_on_with(self.job, back=True)
+        self.dispatcher.go_on_with(self.job, back=True)
         self._hand_over()
 
     def flush(self) -> None:

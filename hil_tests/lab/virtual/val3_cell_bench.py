@@ -88,12 +88,12 @@ class Val3Cell:
     def __init__(self, files: Mapping[str, bytes] | None = None, name: str = "cycle", *, autostart: bool = False) -> None:
         self.cell = cell = CELL
         self.bench = AlteredBench(cell=cell)
-        self.bench.office = CommandDispatcher(self.bench.office.axes, self.bench.office._plan, 1, {})
-        control, _ = make_control(cell, dict.fromkeys((3, 88), 1), {"plc": 1}, self.bench.office, ErrorList(), self.bench.now)
+        self.bench.dispatcher = CommandDispatcher(self.bench.dispatcher.axes, self.bench.dispatcher._plan, 1, {})
+        control, _ = make_control(cell, dict.fromkeys((3, 88), 1), {"plc": 1}, self.bench.dispatcher, ErrorList(), self.bench.now)
         assert isinstance(control, Val3Control)
         self.control = control
         mask = mask_of(cell, machines_of_cell(cell)[0])
-        self.hosted = HostedApplication(control, self.bench.office, mask, autostart=autostart)
+        self.hosted = HostedApplication(control, self.bench.dispatcher, mask, autostart=autostart)
         self.programs = Val3Programs(control, self.hosted)
         self.planning = Programs(cell_programs(cell, self._machine, self._text, lambda kinematics, number: team_meant(cell, kinematics)))
         self.planner_region = PlannerRegion()
@@ -131,7 +131,7 @@ class Val3Cell:
         state = unpack_cell_state(pack_cell_state(bench.core.state))
         self.places.append(tuple(from_si(axis.set, own.unit) for axis, own in zip(state.axes, self.cell.axis, strict=False)))
         self._services(state, now)
-        records = [unpack_block(pack_block(run_record(order))) for order in bench.office.take_programs()]
+        records = [unpack_block(pack_block(run_record(order))) for order in bench.dispatcher.take_programs()]
         bench._hand_over()
         if self.port is not None:
             self._interpreter(self.port, state, now)
@@ -148,7 +148,7 @@ class Val3Cell:
             packed_piece(each, piece_size(axes))
             for each in follow(self.planning, records, state, axes, waiting=len(self._pieces), spare=lambda: True)
         ]
-        bench.office.planner = self.planner_region.through(self.planning.state)
+        bench.dispatcher.planner = self.planner_region.through(self.planning.state)
         for _ in range(min(2, len(self._pieces))):
             bench.core.feed(unpack_piece(self._pieces.popleft()))
 
@@ -227,7 +227,7 @@ class Val3Cell:
         """A tool switches on and gives control back."""
         every = (1 << len(self.cell.axis)) - 1
         for code in (Code.REQUEST_CONTROL, Code.OVERRIDE, Code.ENABLE, Code.RELEASE_CONTROL):
-            job = self.bench.settle(self.bench.give(code, mask=every, door=TOOL))
+            job = self.bench.settle(self.bench.give(code, mask=every, source=TOOL))
             assert job.state.name == "DONE", (code, job)
 
     def start(self, name: str = "") -> int:

@@ -22,7 +22,7 @@ def error(code: int) -> str:
     return f"run-time error {code}"
 
 
-class Desk:
+class SioBench:
     """`network`: "open" answers every attempt at once, "refuse" refuses it, "silent" never answers.  `capacity`: bytes it takes in all."""
 
     def __init__(self, *channels: Channel, network: str = "open", capacity: int = 1_000_000) -> None:
@@ -128,7 +128,7 @@ class Desk:
         self.core.opened(number, self.now)
         self.settle()
 
-    def at(self, now: Ns) -> "Desk":
+    def at(self, now: Ns) -> "SioBench":
         """Time goes on, waking the core whenever it asked for it."""
         while (due := self.core.deadline()) is not None and due <= now:
             assert due > self.now or self.now == 0, "a deadline that does not move"

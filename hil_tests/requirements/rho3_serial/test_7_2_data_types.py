@@ -20,7 +20,7 @@ from gateway.pure.controllers.rho3.serial.baps import (
     unpack,
 )
 from gateway.pure.controllers.rho3.serial.setup import Condition, Setup
-from hil_tests.lab.virtual.rho3_line import ONE, STX, Desk, done, failed, v24_1
+from hil_tests.lab.virtual.rho3_line import ONE, STX, InterfaceBench, done, failed, v24_1
 
 LINK = Setup((v24_1(8),))
 HIGH_FIRST = Setup((v24_1(8),), low_byte_first=False)
@@ -44,21 +44,21 @@ EVERY: tuple[tuple[BapsType, Value, bytes], ...] = (
     ids=str,
 )
 def test_each_type_has_its_width_on_the_line(kind: BapsType, value: Value, width: int) -> None:
-    desk = Desk(LINK).write(ONE, "V24_1", (kind, value)).says(STX).hears(b"\x10")
-    said = desk.heard_from()
+    bench = InterfaceBench(LINK).write(ONE, "V24_1", (kind, value)).says(STX).hears(b"\x10")
+    said = bench.heard_from()
     assert len(said) == width + 3, said.hex(" ")
 
 
 @pytest.mark.requirement("RHO-SER-17", by="gateway.pure.controllers.rho3.serial.baps:pack")
 def test_integer_258_is_02_01_00_00_and_the_other_way_round_with_the_option() -> None:
-    Desk(LINK).write(ONE, "V24_1", (INTEGER, 258)).acknowledges(b"\x02\x01\x00\x00").finds(done(1))
-    Desk(HIGH_FIRST).write(ONE, "V24_1", (INTEGER, 258)).acknowledges(b"\x00\x00\x01\x02").finds(done(1))
-    Desk(HIGH_FIRST).read(ONE, "V24_1", INTEGER).gets(b"\x00\x00\x01\x02").finds(done(1, 258))
+    InterfaceBench(LINK).write(ONE, "V24_1", (INTEGER, 258)).acknowledges(b"\x02\x01\x00\x00").finds(done(1))
+    InterfaceBench(HIGH_FIRST).write(ONE, "V24_1", (INTEGER, 258)).acknowledges(b"\x00\x00\x01\x02").finds(done(1))
+    InterfaceBench(HIGH_FIRST).read(ONE, "V24_1", INTEGER).gets(b"\x00\x00\x01\x02").finds(done(1, 258))
 
 
 @pytest.mark.requirement("RHO-SER-18", by="gateway.pure.controllers.rho3.serial.baps:pack")
 def test_real_1_is_00_00_80_3f() -> None:
-    Desk(LINK).write(ONE, "V24_1", (REAL, 1.0)).acknowledges(b"\x00\x00\x80\x3f").finds(done(1))
+    InterfaceBench(LINK).write(ONE, "V24_1", (REAL, 1.0)).acknowledges(b"\x00\x00\x80\x3f").finds(done(1))
 
 
 @pytest.mark.requirement(
@@ -67,30 +67,32 @@ def test_real_1_is_00_00_80_3f() -> None:
 def test_a_point_of_four_axes_and_a_belt_has_20_bytes_without_separators() -> None:
     kind = point(4, belts=1)
     data = bytes.fromhex("0000803f 00000040 00004040 00008040 0000a040")
-    Desk(LINK).write(ONE, "V24_1", (kind, (1.0, 2.0, 3.0, 4.0, 5.0))).acknowledges(data).finds(done(1))
+    InterfaceBench(LINK).write(ONE, "V24_1", (kind, (1.0, 2.0, 3.0, 4.0, 5.0))).acknowledges(data).finds(done(1))
 
 
 @pytest.mark.requirement("RHO-SER-25", by="gateway.pure.controllers.rho3.serial.baps:unpack")
 def test_a_field_of_three_integers_takes_12_bytes_in_order() -> None:
-    desk = Desk(LINK).read(ONE, "V24_1", array(INTEGER, 3))
-    desk.gets(bytes.fromhex("01000000 02000000 03000000")).finds(done(1, (1, 2, 3)))
+    bench = InterfaceBench(LINK).read(ONE, "V24_1", array(INTEGER, 3))
+    bench.gets(bytes.fromhex("01000000 02000000 03000000")).finds(done(1, (1, 2, 3)))
 
 
 @pytest.mark.requirement("RHO-SER-20", by="gateway.pure.controllers.rho3.serial.manager:LineManager.write")
 def test_7_3_a_comma_list_is_one_block() -> None:
-    desk = Desk(LINK).write(ONE, "V24_1", (INTEGER, 1), (INTEGER, 2))
-    desk.acknowledges(b"\x01\x00\x00\x00\x02\x00\x00\x00").says(b"").finds(done(1))
+    bench = InterfaceBench(LINK).write(ONE, "V24_1", (INTEGER, 1), (INTEGER, 2))
+    bench.acknowledges(b"\x01\x00\x00\x00\x02\x00\x00\x00").says(b"").finds(done(1))
 
 
 def test_a_write_that_ends_in_dots_waits_for_the_rest_of_its_block() -> None:
-    desk = Desk(LINK).write(ONE, "V24_1", (CHARACTER, 1), hold=True).says(b"")
-    assert desk.condition(ONE, "V24_1") == Condition.NO_ERROR
-    desk.write(ONE, "V24_1", (CHARACTER, 2)).acknowledges(b"\x01\x02").finds(done(1))
+    bench = InterfaceBench(LINK).write(ONE, "V24_1", (CHARACTER, 1), hold=True).says(b"")
+    assert bench.condition(ONE, "V24_1") == Condition.NO_ERROR
+    bench.write(ONE, "V24_1", (CHARACTER, 2)).acknowledges(b"\x01\x02").finds(done(1))
 
 
 def test_139_characters_are_a_wrong_string_length_and_nothing_is_sent() -> None:
-    desk = Desk(LINK).write(ONE, "V24_1", (array(CHARACTER, 139), tuple(range(139)))).says(b"").finds(failed(1, Condition.LENGTH))
-    desk.write(ONE, "V24_1", (array(CHARACTER, 138), (0,) * 138)).acknowledges(bytes(138)).finds(done(2))
+    bench = (
+        InterfaceBench(LINK).write(ONE, "V24_1", (array(CHARACTER, 139), tuple(range(139)))).says(b"").finds(failed(1, Condition.LENGTH))
+    )
+    bench.write(ONE, "V24_1", (array(CHARACTER, 138), (0,) * 138)).acknowledges(bytes(138)).finds(done(2))
 
 
 @pytest.mark.parametrize("kind, value, data", EVERY, ids=lambda one: one.kind.name if isinstance(one, BapsType) else "")
@@ -120,7 +122,7 @@ def test_a_value_that_cannot_be_written_has_its_condition(kind: BapsType, value:
     with pytest.raises(ItemError) as caught:
         pack(kind, value)
     assert caught.value.condition == condition
-    Desk(LINK).write(ONE, "V24_1", (kind, value)).says(b"").finds(failed(1, condition))
+    InterfaceBench(LINK).write(ONE, "V24_1", (kind, value)).says(b"").finds(failed(1, condition))
 
 
 def test_both_ends_of_the_ranges() -> None:

@@ -5,7 +5,7 @@ import pytest
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
 from gateway.pure.controllers.val3.sio.control import Value
 from gateway.pure.controllers.val3.sio.core import SioCore
-from hil_tests.lab.virtual.val3_sio import Desk
+from hil_tests.lab.virtual.val3_sio import SioBench
 from hil_tests.requirements.val3_sio.stations import CLIENT, SERIAL, SERVER, UDP
 
 JUDGE = "gateway.pure.controllers.val3.sio.control:judge"
@@ -16,15 +16,15 @@ CHANGE = "gateway.pure.controllers.val3.sio.core:SioCore.change"
 
 @pytest.mark.requirement("VAL-SIO-17", by=(JUDGE, APPLY, CONTROL, CHANGE))
 def test_the_example_of_the_manual() -> None:
-    desk = Desk(SERIAL)
-    sio = desk.variable(SERIAL.name)
+    bench = SioBench(SERIAL)
+    sio = bench.variable(SERIAL.name)
     example: list[tuple[str, Value]] = [
         ("baudRate", 115200), ("bits", 8), ("parity", "none"), ("stopBits", 1), ("timeout", 0), ("endOfString", 13),
     ]  # fmt: skip
-    assert [desk.control(sio, name, value) for name, value in example] == [0] * 6
-    channel = desk.core.channel(SERIAL.name)
+    assert [bench.control(sio, name, value) for name, value in example] == [0] * 6
+    channel = bench.core.channel(SERIAL.name)
     assert (channel.frame, channel.timeout_s, channel.end_of_string) == ("115200 8N1", 0.0, 13)
-    assert desk.configured[-1] == channel
+    assert bench.configured[-1] == channel
 
 
 @pytest.mark.requirement("VAL-SIO-18", by=(JUDGE, APPLY, CONTROL))
@@ -70,9 +70,9 @@ def test_the_example_of_the_manual() -> None:
     ],
 )
 def test_what_is_refused_changes_nothing(channel: Channel, name: str, value: Value, code: int) -> None:
-    desk = Desk(channel)
-    assert desk.control(desk.variable(channel.name), name, value) == code
-    assert desk.core.channel(channel.name) == channel and desk.configured == []
+    bench = SioBench(channel)
+    assert bench.control(bench.variable(channel.name), name, value) == code
+    assert bench.core.channel(channel.name) == channel and bench.configured == []
 
 
 @pytest.mark.requirement("VAL-SIO-18", by=(APPLY, CONTROL))
@@ -82,55 +82,55 @@ def test_a_socket_must_be_closed_before_its_port_changes() -> None:
         (SERVER, {"port": 5000, "clients": 3}),
     )
     for channel, changes in cases:
-        desk = Desk(channel)
-        sio = desk.variable(channel.name)
-        desk.get(sio, [0.0])
-        desk.client_comes(channel.name) if channel is SERVER else None
-        assert [desk.control(sio, name, value) for name, value in changes.items()] == [-4, -4]
-        assert desk.control(sio, "timeout", 1.5) == 0 and desk.control(sio, "endOfString", 10) == 0
-        desk.clear(sio)
-        assert [desk.control(sio, name, value) for name, value in changes.items()] == [0, 0]
-    assert (desk.core.channel(SERVER.name).port, desk.core.channel(SERVER.name).clients) == (5000, 3)
+        bench = SioBench(channel)
+        sio = bench.variable(channel.name)
+        bench.get(sio, [0.0])
+        bench.client_comes(channel.name) if channel is SERVER else None
+        assert [bench.control(sio, name, value) for name, value in changes.items()] == [-4, -4]
+        assert bench.control(sio, "timeout", 1.5) == 0 and bench.control(sio, "endOfString", 10) == 0
+        bench.clear(sio)
+        assert [bench.control(sio, name, value) for name, value in changes.items()] == [0, 0]
+    assert (bench.core.channel(SERVER.name).port, bench.core.channel(SERVER.name).clients) == (5000, 3)
 
 
 @pytest.mark.requirement("VAL-SIO-18", by=(APPLY, CONTROL, "gateway.pure.controllers.val3.sio.line:Line.clear"))
 def test_a_serial_line_must_rest_before_its_frame_changes() -> None:
-    desk = Desk(SERIAL)
-    sio = desk.variable(SERIAL.name)
-    call = desk.get(sio, [0.0])
+    bench = SioBench(SERIAL)
+    sio = bench.variable(SERIAL.name)
+    call = bench.get(sio, [0.0])
     frame: list[tuple[str, Value]] = [
         ("baudRate", 19200), ("bits", 7), ("parity", "even"), ("stopBits", 2), ("mode", "rs232"), ("flowControl", "hardware"),
     ]  # fmt: skip
-    assert [desk.control(sio, name, value) for name, value in frame] == [-4] * 6
-    desk.hears(1, b"a")
-    assert desk.outcome(call) == 1
-    assert int(desk.core.control(sio, "bits", 7, unsent=True)) == -4
-    assert [desk.control(sio, name, value) for name, value in frame] == [0] * 6
-    assert desk.core.channel(SERIAL.name).frame == "19200 7E2" and desk.clear(sio) == 0
-    desk.hears(1, b"xyz")
-    assert desk.clear(sio) == 3 and desk.closed == [], "characters go, the line stays"
+    assert [bench.control(sio, name, value) for name, value in frame] == [-4] * 6
+    bench.hears(1, b"a")
+    assert bench.outcome(call) == 1
+    assert int(bench.core.control(sio, "bits", 7, unsent=True)) == -4
+    assert [bench.control(sio, name, value) for name, value in frame] == [0] * 6
+    assert bench.core.channel(SERIAL.name).frame == "19200 7E2" and bench.clear(sio) == 0
+    bench.hears(1, b"xyz")
+    assert bench.clear(sio) == 3 and bench.closed == [], "characters go, the line stays"
 
 
 @pytest.mark.requirement("VAL-SIO-19", by=(JUDGE, CHANGE))
 def test_nagle_is_on_until_it_is_switched_off_also_while_connected() -> None:
     for channel in (CLIENT, SERVER):
-        desk = Desk(channel)
-        sio = desk.variable(channel.name)
-        desk.get(sio, [0.0])
-        desk.client_comes(channel.name) if channel is SERVER else None
-        assert desk.core.channel(channel.name).nagle
-        assert desk.control(sio, "nagle", False) == 0
-        assert [one.nagle for one in desk.configured] == [False]
+        bench = SioBench(channel)
+        sio = bench.variable(channel.name)
+        bench.get(sio, [0.0])
+        bench.client_comes(channel.name) if channel is SERVER else None
+        assert bench.core.channel(channel.name).nagle
+        assert bench.control(sio, "nagle", False) == 0
+        assert [one.nagle for one in bench.configured] == [False]
 
 
 def test_a_new_time_out_counts_from_the_next_instruction_on() -> None:
-    desk = Desk(SERIAL)
-    sio = desk.variable(SERIAL.name)
-    old = desk.get(sio, [0.0])
-    desk.control(sio, "timeout", 0.5)
-    new = desk.get(sio, [0.0])
-    desk.at(10_000_000_000)
-    assert (desk.outcome(old), desk.outcome(new)) == ("waits", 0)
+    bench = SioBench(SERIAL)
+    sio = bench.variable(SERIAL.name)
+    old = bench.get(sio, [0.0])
+    bench.control(sio, "timeout", 0.5)
+    new = bench.get(sio, [0.0])
+    bench.at(10_000_000_000)
+    assert (bench.outcome(old), bench.outcome(new)) == ("waits", 0)
 
 
 @pytest.mark.parametrize(

@@ -145,8 +145,8 @@ class Run:
         return answer
 
     def counters(self, line: str) -> dict[str, Any]:
-        doors = self.var(op="status")["command_sources"]
-        return next(door for door in doors if door["name"] == line)
+        sources = self.var(op="status")["command_sources"]
+        return next(source for source in sources if source["name"] == line)
 
 
 @pytest.fixture(scope="module")

@@ -13,31 +13,31 @@ READ, WRITE = 4, 15
 
 
 @pytest.fixture
-def door() -> Iterator[ModbusSource]:
+def source() -> Iterator[ModbusSource]:
     bench = SourceBench(DEMO, clock=time.monotonic_ns)
     yield ModbusSource(bench.context("plc2"))
     bench.close()
 
 
-def heard_at(door: ModbusSource, address: str, function: int) -> bool:
+def heard_at(source: ModbusSource, address: str, function: int) -> bool:
     """Whether this request counted as life."""
-    before = door.watch.last_ns
-    door._answered(address, function)
-    return door.watch.last_ns != before
+    before = source.watch.last_ns
+    source._answered(address, function)
+    return source.watch.last_ns != before
 
 
-def test_any_client_is_life_until_somebody_has_written(door: ModbusSource) -> None:
-    assert heard_at(door, "10.0.0.9:4000", READ)
-    assert heard_at(door, "10.0.0.5:4001", READ)
+def test_any_client_is_life_until_somebody_has_written(source: ModbusSource) -> None:
+    assert heard_at(source, "10.0.0.9:4000", READ)
+    assert heard_at(source, "10.0.0.5:4001", READ)
 
 
-def test_a_reading_panel_does_not_keep_a_dead_plc_alive(door: ModbusSource) -> None:
-    assert heard_at(door, "10.0.0.5:4001", WRITE)
-    assert not heard_at(door, "10.0.0.9:4000", READ)
-    assert heard_at(door, "10.0.0.5:4001", READ)
+def test_a_reading_panel_does_not_keep_a_dead_plc_alive(source: ModbusSource) -> None:
+    assert heard_at(source, "10.0.0.5:4001", WRITE)
+    assert not heard_at(source, "10.0.0.9:4000", READ)
+    assert heard_at(source, "10.0.0.5:4001", READ)
 
 
-def test_the_next_writer_takes_its_place(door: ModbusSource) -> None:
-    heard_at(door, "10.0.0.5:4001", WRITE)
-    assert heard_at(door, "10.0.0.5:4007", WRITE), "the PLC came back on another port"
-    assert not heard_at(door, "10.0.0.5:4001", READ)
+def test_the_next_writer_takes_its_place(source: ModbusSource) -> None:
+    heard_at(source, "10.0.0.5:4001", WRITE)
+    assert heard_at(source, "10.0.0.5:4007", WRITE), "the PLC came back on another port"
+    assert not heard_at(source, "10.0.0.5:4001", READ)

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.mbpoll
 COILS, DISCRETES, INPUTS, HOLDINGS = "0", "1", "3", "4"  # mbpoll's -t
 BLOCK = 1000  # command block in the holding registers, status block in the input registers
 RESYNCHRONISED = 20
-DOOR_OF_PLC2 = 2
+SOURCE_OF_PLC2 = 2
 ENABLING = (1, 1, 1, 1, 1)  # coils 24..28
 
 
@@ -106,5 +106,5 @@ def test_the_first_command_block_is_adopted_and_the_next_toggle_is_obeyed(run: C
         if reason != RESYNCHRONISED:
             break
     assert (state, reason) == (toggle | DONE, 0)
-    assert read(run, INPUTS, BLOCK + 8, 1) == [DOOR_OF_PLC2]
+    assert read(run, INPUTS, BLOCK + 8, 1) == [SOURCE_OF_PLC2]
     assert read(run, HOLDINGS, BLOCK, 2) == [toggle | REQUEST, 0], "what was written stands"

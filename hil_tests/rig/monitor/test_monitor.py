@@ -99,7 +99,7 @@ def held(run: CellRun, op: str) -> None:
 
 def cells(app: Monitor, table: str) -> list[list[str]]:
     """Rows of a table as they stand on the screen."""
-    shown = app.doors if table == "lines-doors" else app.tables[table.removeprefix("table-")]
+    shown = app.sources if table == "lines-doors" else app.tables[table.removeprefix("table-")]
     return [[str(cell) for cell in shown.get_row_at(row)] for row in range(shown.row_count)]
 
 

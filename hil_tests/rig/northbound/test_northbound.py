@@ -180,7 +180,7 @@ def test_metrics_are_what_prometheus_reads_and_count_what_happens(north: North) 
     samples = parsed(body)
     assert (status, kind) == (200, "text/plain; version=0.0.4; charset=utf-8")
     assert samples["axisgate_cycle_alive", ""] == 1 and samples["axisgate_services_alive", ""] == 1
-    assert samples["axisgate_link_up", 'door="V24_1",kind="line"'] == 0, "no host is there"
+    assert samples["axisgate_link_up", 'command_source="V24_1",kind="line"'] == 0, "no host is there"
     assert samples["axisgate_process_up", 'process="northbound"'] == 1
     until(
         lambda: north.metric("axisgate_cycle_compute_seconds_count") > samples["axisgate_cycle_compute_seconds_count", ""], "it counts on"

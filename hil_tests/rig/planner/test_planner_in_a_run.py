@@ -293,4 +293,4 @@ def test_a_planner_held_before_the_first_piece_moves_nothing_and_a_stop_ends_the
     finally:
         os.kill(pid, signal.SIGCONT)
     assert home.still(0.6), "its pieces come too late"
-    assert home.state().failed_reason == Reason.STOPPED_BY_DOOR
+    assert home.state().failed_reason == Reason.STOPPED_BY_SOURCE

@@ -97,13 +97,13 @@ def test_the_file_of_two_recorders_has_no_gap_and_plays_without_a_difference(rec
 def test_what_moved_is_in_the_recording(recorded: Recorded) -> None:
     """Equal alone would also hold for a cell that slept."""
     from gateway.pure.image.records.cell import RC_BYTES, unpack_cell_state
-    from gateway.pure.recording.messages import What, unpack_told
+    from gateway.pure.recording.messages import What, unpack_service_event
 
     (segment,) = read(recorded.file).segments
     messages = [message for _, script in segment.played() for message in script]
     places = [unpack_cell_state(payload[:-RC_BYTES]).axes[0].set for what, payload in messages if what is What.OUTPUTS]
     assert max(places) - min(places) > 0.03, "A1 moved by 60 mm"
-    sources = {unpack_told(payload).source.name for what, payload in messages if what is What.TOLD}
+    sources = {unpack_service_event(payload).source.name for what, payload in messages if what is What.SERVICE_EVENT}
     assert "COMMAND" in sources and "WRITTEN" in sources
     assert any(what is What.ORDER for what, _ in messages)
 

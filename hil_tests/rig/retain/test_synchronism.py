@@ -20,7 +20,7 @@ def started(cell: Cell, folder: pathlib.Path) -> tuple[ControlBench, RetainedDat
     robot = ControlBench(cell)
     bench = SourceBench(cell, folder=folder)
     bench.image.control = robot.control
-    kept = RetainedData(bench.run, bench.image, bench.values, bench.office, robot.errors, folder / "retain.sqlite", 0)
+    kept = RetainedData(bench.run, bench.image, bench.values, bench.dispatcher, robot.errors, folder / "retain.sqlite", 0)
     kept.restore(robot.control)
     bench.close()  # its regions are not read here
     return robot, kept

@@ -72,12 +72,12 @@ class Plant:
 
 
 @contextlib.contextmanager
-def plant_over(door: str, folder: pathlib.Path) -> Iterator[Plant]:
+def plant_over(source: str, folder: pathlib.Path) -> Iterator[Plant]:
     (folder / "dat").mkdir()
     (folder / "dat" / "exprog.dat").write_bytes(EXPROG.encode("cp437"))
     (folder / "dat" / "PHGCODE.DAT").write_text("4 = 7.1\n")
-    with running_cell(signal_cell(folder, door, PROGRAMS, rho3=COUPLED), f"old-{door}", plc=False, p5_ms=None) as run:
-        if door == "net":
+    with running_cell(signal_cell(folder, source, PROGRAMS, rho3=COUPLED), f"old-{source}", plc=False, p5_ms=None) as run:
+        if source == "net":
             yield Plant(run, SignalPlc(Net(run.port)))
             return
         with SyncLine(lambda: open_bytes(Rack.port_of(run.name), "38400 8E1"), station := Rack.station()) as line:

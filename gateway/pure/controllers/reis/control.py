@@ -66,7 +66,7 @@ class ReisSetup:
     """Settings from the cell."""
 
     axes: tuple[str, ...] = ()
-    door: int = 0  # commands of markers come from it
+    source: int = 0  # commands of markers come from it
     first_byte: int = FIRST_BYTE
     plc_only: Collection[int] = ()
     robot_only: Collection[int] = ()
@@ -78,9 +78,9 @@ class ReisSetup:
 class ReisControl:
     """Call `step` once per cycle of the services."""
 
-    def __init__(self, setup: ReisSetup, office: CommandDispatcher) -> None:
+    def __init__(self, setup: ReisSetup, dispatcher: CommandDispatcher) -> None:
         """IoFault: the 40 bytes do not fit."""
-        self.setup, self._office = setup, office
+        self.setup, self._dispatcher = setup, dispatcher
         self.image = PicImage()
         self.io = BinaryIo(self.image, setup.first_byte)
         self.shared = SharedOutputs(self.io, setup.plc_only, setup.robot_only)
@@ -158,7 +158,9 @@ class ReisControl:
         if self._drives_off and not enabled:
             self._drives_off = False
         elif self._drives_off and state.motion in (Motion.STOPPED, Motion.IDLE):
-            self._office.command(self._office.owner or self.setup.door, Command(Code.DISABLE, (1 << len(self.setup.axes)) - 1), now)
+            self._dispatcher.command(
+                self._dispatcher.owner or self.setup.source, Command(Code.DISABLE, (1 << len(self.setup.axes)) - 1), now
+            )
 
     def _acknowledge(self) -> None:
         level = self.image.input(ACKNOWLEDGE)
@@ -173,7 +175,7 @@ class ReisControl:
     @property
     def cell(self) -> CellState:
         """As the cycle published it last."""
-        return self._office.cell or CellState()
+        return self._dispatcher.cell or CellState()
 
     @property
     def automatic(self) -> bool:
@@ -309,7 +311,7 @@ class ReisControl:
 
     def _obey(self, state: CellState, now: Ns) -> None:
         """Factor on the override, hold motion while it is set (robotstar 5.8, M1436, M1020.7)."""
-        self._office.multiply_override(self._factor())
+        self._dispatcher.multiply_override(self._factor())
         hold = self.markers.bit(*HOLD)
         if hold and not self._hold and state.motion is Motion.RUNNING:
             self._say(Command(Code.STOP), now)
@@ -329,7 +331,7 @@ class ReisControl:
         return min(max(percent, 0), 100) / 100.0 if self._percent is not None and mode in MULTIPLIED else 1.0
 
     def _say(self, command: Command, now: Ns) -> None:
-        self._office.command(self.setup.door, command, now)
+        self._dispatcher.command(self.setup.source, command, now)
 
     # ---- what others see -----------------------------------------------------------------------------------------------
     def flag_bytes(self) -> bytes:

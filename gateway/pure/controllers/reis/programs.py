@@ -71,7 +71,7 @@ class ReisPrograms:
     side: ReisSide
     dispatcher: CommandDispatcher
     arm: Arm  # the robot, on the first axes of the cell
-    door: int  # command source that moves where no tool has started the program
+    source: int  # command source that moves where no tool has started the program
     keys: Keys
     language: str = "en"
     language_id: int = 0  # of the interpreter that runs
@@ -224,7 +224,7 @@ class ReisPrograms:
 
     def moves_for(self, source: int) -> None:
         """The next START at the pendant moves as this command source; 0: as the one of the cell."""
-        self._mover = source or self.door
+        self._mover = source or self.source
 
     def start(self, name: str, source: int, how: str = "") -> str:
         """START, of the program selected (name "") or of another one; how: of a single step; "" or why it is refused."""
@@ -234,7 +234,7 @@ class ReisPrograms:
         self._runs += 1
         self.run, self._name = self._runs, name or self._name
         if source or not self._mover:
-            self._mover = source or self.door
+            self._mover = source or self.source
         self.orders.append({"do": "stride", "how": how or Stride.MODE.value})
         self.orders.append({"do": "start", "run": self.run, "program": self._name})
         return ""
@@ -268,7 +268,7 @@ class ReisPrograms:
         return self._job is not None and self._job.open and self.side.cell.motion is Motion.RUNNING
 
     def _say(self, code: Code, now: Ns) -> None:
-        self.dispatcher.command(self._mover or self.door, Command(code), now)
+        self.dispatcher.command(self._mover or self.source, Command(code), now)
 
     def _key(self, key: str, now: Ns, *, pressed: bool) -> None:
         executer = self.mode == "test5"
@@ -324,7 +324,7 @@ class ReisPrograms:
             if self._moving():
                 self._say(Code.STOP, now)
         if push.get("kind") and not before.get("kind"):
-            self._mover = self.dispatcher.owner or self.door
+            self._mover = self.dispatcher.owner or self.source
         self.orders.append({"do": "hand", **(push or {"kind": ""})})
 
     def _markers(self, now: Ns) -> None:

@@ -37,10 +37,10 @@ class Dispatcher(Protocol):
     def owner(self) -> int:
         """The command source in control; 0: none."""
 
-    def command(self, door: int, command: Command, now: Ns) -> Job:
+    def command(self, source: int, command: Command, now: Ns) -> Job:
         """Judged as any other one."""
 
-    def order_stream(self, door: int, robot: int, mask: int) -> Job:
+    def order_stream(self, source: int, robot: int, mask: int) -> Job:
         """Blocks that follow one by one."""
 
 

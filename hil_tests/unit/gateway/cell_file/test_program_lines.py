@@ -46,7 +46,7 @@ def test_a_line_of_programs_is_played_and_is_no_command_source(tmp_path: pathlib
     monkeypatch.setenv("AXISGATE_RUNTIME", str(tmp_path / "runtime"))
     cell = load_cell(cell_with(tmp_path, LINE + UNIT))
     plan = plan_run(cell, simulated=True, slug="units")
-    assert not_playable(cell) == [] and "host" not in [door.name for door in plan.doors]
+    assert not_playable(cell) == [] and "host" not in [source.name for source in plan.sources]
     assert plan.lines["host"].startswith("pty:") and "line-host" in [child.name for child in plan.children]
 
 

@@ -13,12 +13,12 @@ from gateway.pure.recording.messages import (
     chunks,
     pack,
     pack_frames,
+    pack_service_event,
     pack_shown,
-    pack_told,
     unpack,
     unpack_frames,
+    unpack_service_event,
     unpack_shown,
-    unpack_told,
 )
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame
@@ -34,8 +34,8 @@ def test_frames_come_back_with_stamps_and_lengths() -> None:
 
 def test_contacts_and_words_come_back() -> None:
     assert unpack_shown(pack_shown(1, [(0, True), (300, False)])) == (1, {0: True, 300: False})
-    records = pack_told(7, Source.SAID, 3, bytes(range(256)) * 4)
-    assert len(records) == 3 and b"".join(unpack_told(record).data for record in records) == bytes(range(256)) * 4
+    records = pack_service_event(7, Source.SAID, 3, bytes(range(256)) * 4)
+    assert len(records) == 3 and b"".join(unpack_service_event(record).data for record in records) == bytes(range(256)) * 4
 
 
 def test_a_message_that_is_cut_or_unknown_is_refused() -> None:

@@ -71,13 +71,13 @@ def test_the_interpreter_hears_of_its_stream_behind_the_planner() -> None:
     host._channels = cast(Any, SimpleNamespace(write=lambda *_: None))
     host._orders = cast(Any, SimpleNamespace(put=lambda _: said.append("interpreter")))
     assert host.after() == ["words"] and said == []
-    office = SimpleNamespace(take_orders=list, take_programs=lambda: [STREAM], take_events=list)
+    dispatcher = SimpleNamespace(take_orders=list, take_programs=lambda: [STREAM], take_events=list)
     planner = SimpleNamespace(order=lambda _: said.append("planner"), say=lambda _: None)
     publisher = Publisher.__new__(Publisher)
     publisher._bridge = cast(Any, SimpleNamespace(step=lambda _: None))
     publisher._host = cast(Any, SimpleNamespace(inputs_came=lambda _: None, for_cycle=lambda image: image, pass_on=host.pass_on))
     publisher._image = cast(Any, SimpleNamespace(changed=True, for_cycle=InputImage, statements=[]))
-    publisher._office, publisher._planner = cast(Any, office), cast(Any, planner)
+    publisher._dispatcher, publisher._planner = cast(Any, dispatcher), cast(Any, planner)
     publisher._inputs, publisher._written = cast(Any, SimpleNamespace(write=lambda *_: None)), b""
     publisher._orders = cast(Any, SimpleNamespace(put=lambda _: None))
     publisher._run = cast(Any, SimpleNamespace(cell=SimpleNamespace(cell=SimpleNamespace(language="en"))))

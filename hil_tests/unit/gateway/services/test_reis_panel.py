@@ -9,7 +9,7 @@ from gateway.pure.controllers.reis.access import Codes
 from gateway.pure.controllers.reis.pendant.unit import COLUMNS, LINES
 from gateway.services.reis_memory import answered, directories
 from gateway.services.reis_panel import HELD_NS, ReisPanel
-from hil_tests.lab.virtual.reis_bench import AUTO, DOOR, ReisCell, at, main
+from hil_tests.lab.virtual.reis_bench import AUTO, SOURCE, ReisCell, at, main
 
 OTHER = 2  # a command source without control
 PATIENCE_S = 10.0
@@ -27,10 +27,10 @@ class Operator:
             (folder / name).parent.mkdir(exist_ok=True)
             (folder / name).write_text(text)
         self.cell = ReisCell(files)
-        self.panel = ReisPanel(self.cell.control, self.cell.bench.office, Codes(), language, (1.0,) * 6, folder)
+        self.panel = ReisPanel(self.cell.control, self.cell.bench.dispatcher, Codes(), language, (1.0,) * 6, folder)
         self.cell.bench.permit(AUTO, value=False)
 
-    def asks(self, source: int = DOOR, **request: object) -> list[str]:
+    def asks(self, source: int = SOURCE, **request: object) -> list[str]:
         answer = self.panel.answer(dict(request), source, self.cell.bench.now)
         self.cycles(2)
         screen = answer["screen"]
@@ -95,12 +95,12 @@ def test_a_movement_key_moves_for_as_long_as_it_is_held_by_who_has_control(tmp_p
     operator.asks(release="2+")
     assert hand.ways[1] == 0
     panel, now = operator.panel, operator.cell.bench.now
-    panel.answer({"hold": "3-"}, DOOR, now)
+    panel.answer({"hold": "3-"}, SOURCE, now)
     panel.look(now + HELD_NS - 1)
     assert hand.ways[2] == -1
     panel.look(now + HELD_NS)
     assert hand.ways[2] == 0, "who falls silent has let go"
-    panel.answer({"hold": "3-"}, DOOR, now)
+    panel.answer({"hold": "3-"}, SOURCE, now)
     panel.answer({"hold": "3-"}, OTHER, now)
     assert hand.ways[2] == 0, "control is gone, and the movement with it"
 
@@ -173,8 +173,8 @@ def test_override_modes_and_messages_go_the_way_of_everybody(tmp_path: pathlib.P
 
 def test_an_unknown_key_is_an_error_and_the_answer_names_size_and_keys(tmp_path: pathlib.Path) -> None:
     operator = Operator(tmp_path)
-    assert "no key" in str(operator.panel.answer({"key": "MODE"}, DOOR, 0)["error"])
-    unit = operator.panel.answer({}, DOOR, 0)["unit"]
+    assert "no key" in str(operator.panel.answer({"key": "MODE"}, SOURCE, 0)["error"])
+    unit = operator.panel.answer({}, SOURCE, 0)["unit"]
     assert isinstance(unit, dict) and (unit["columns"], unit["lines"]) == (COLUMNS, LINES) and "1+" in unit["held"]
 
 

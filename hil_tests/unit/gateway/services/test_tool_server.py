@@ -49,8 +49,8 @@ def server_of(bench: SourceBench, journal: pathlib.Path) -> Variables:
     run = RunContext(old, bench.plan, Journal(journal, "services"), bench.run.recorder, bench.run.clock)
     canopen = CanopenServices(bench.plan, bench.fds, run.journal.write)
     contacts = DigitalContacts(run, bench.image, bench.values, canopen.coupler_fault, {})
-    tools = PageInterfaces(run, bench.image, bench.values, bench.office, canopen, contacts, [])
-    context = PartContext(run, bench.image, bench.values, bench.office)
+    tools = PageInterfaces(run, bench.image, bench.values, bench.dispatcher, canopen, contacts, [])
+    context = PartContext(run, bench.image, bench.values, bench.dispatcher)
     host = ControllerHost(context, ErrorList(), lambda: 0, lambda jobs: None, {}, 0)
     return Variables(context, tools, contacts, host, PlantAddresses(old, bench.image, bench.values), joined, dict)
 

@@ -24,7 +24,7 @@ class Tool:
     def __init__(self, bench: StreamBench) -> None:
         self.bench = bench
         self.statements: list[BlockRecord] = []
-        self.streams = ToolStreams(bench.office, self.statements)
+        self.streams = ToolStreams(bench.dispatcher, self.statements)
         self.streams.begin(bench.job)
 
     def say(self, *lines: str, then: str = "") -> None:

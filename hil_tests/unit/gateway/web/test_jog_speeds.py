@@ -15,7 +15,7 @@ from gateway.observer.regions import Regions
 from gateway.observer.tool_link import ServicesLink
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.cell.faults import CellFaults
-from gateway.pure.cell.web import PAGE_DOOR
+from gateway.pure.cell.web import PAGE_SOURCE
 from gateway.services.canopen import CanopenServices
 from gateway.services.tool_interface import ToolInterface
 from gateway.web import operator_control
@@ -28,7 +28,7 @@ SLOW, FAST = 12.0, 40.0  # mm/s or deg/s of every axis
 SPEEDS = "[rho3]\nP113 = [{}]\nP114 = [{}]\n".format(*(", ".join([str(speed)] * 6) for speed in (SLOW, FAST)))
 
 
-class Desk:
+class Link:
     """The way from the page to the services."""
 
     def __init__(self, tool: ToolInterface) -> None:
@@ -54,23 +54,23 @@ class Page:
         tool = ToolInterface(
             self.bench.run,
             self.bench.image,
-            self.cell.office,
+            self.cell.dispatcher,
             CanopenServices(self.bench.plan, self.bench.fds, self.bench.run.journal.write),
-            PAGE_DOOR,
+            PAGE_SOURCE,
             "page",
         )
-        facts = [(axis.name, axis.unit, fact.si) for axis, fact in zip(cell.axis, self.cell.office.axes, strict=True)]
+        facts = [(axis.name, axis.unit, fact.si) for axis, fact in zip(cell.axis, self.cell.dispatcher.axes, strict=True)]
         regions = SimpleNamespace(look=lambda: None, state=self.cell.core.state, facts=facts)
         patch.setattr(operator_control, "time", SimpleNamespace(monotonic=lambda: self.cell.now * 1e-9))
-        self.hands = OperatorControl(cast(ServicesLink, Desk(tool)), cast(Regions, regions), cell.axis, jog_of(cell))
-        asyncio.run(self.hands.command("me", "me", "request_control"))
+        self.operator_control = OperatorControl(cast(ServicesLink, Link(tool)), cast(Regions, regions), cell.axis, jog_of(cell))
+        asyncio.run(self.operator_control.command("me", "me", "request_control"))
         self.cell.run(0.2)
         self.speeds: list[float] = []
 
     def hold(self, seconds: float, percent: float = 10.0) -> None:
         """The key of axis 1, plus, a sign of it each 0.1 s."""
         for turn in range(round(seconds * 10)):
-            asyncio.run(self.hands.jog("me", 0, 1, percent, first=turn == 0))
+            asyncio.run(self.operator_control.jog("me", 0, 1, percent, first=turn == 0))
             self.cell._hand_over()
             for _ in range(25):
                 before = self.cell.set()[0]
@@ -99,10 +99,10 @@ def test_a_key_moves_slowly_and_fast_from_1_5_s_on(page: Page) -> None:
 
 def test_pressed_anew_it_is_slow_again_and_the_pages_speed_is_a_share(page: Page) -> None:
     page.hold(2.0)
-    asyncio.run(page.hands.command("me", "me", "stop"))
+    asyncio.run(page.operator_control.command("me", "me", "stop"))
     page.cell._hand_over()
     page.cell.run(1.0)
-    asyncio.run(page.hands.command("me", "me", "abandon"))
+    asyncio.run(page.operator_control.command("me", "me", "abandon"))
     page.cell._hand_over()
     page.cell.run(0.2)
     page.speeds.clear()

@@ -26,8 +26,8 @@ class Page:
 
     def __init__(self) -> None:
         self.cell = ReisCell(main(BODY) | {"V.MPR": 'MPR "V"\nVAR I1\nEND\n'})
-        self.hands = OperatorControl(cast(ServicesLink, self), cast(Regions, None), self.cell.cell.axis)
-        rows = program_test_endpoints(ProgramTests(lambda: self.hands))
+        self.operator_control = OperatorControl(cast(ServicesLink, self), cast(Regions, None), self.cell.cell.axis)
+        rows = program_test_endpoints(ProgramTests(lambda: self.operator_control))
         self.endpoint = next(row for row in rows if row.path == PATH)
 
     async def ask(self, op: str, **request: object) -> dict[str, object]:
@@ -74,7 +74,7 @@ def test_each_press_executes_one_step_in_test() -> None:
 
 def test_another_users_control_and_wrong_orders_are_refused() -> None:
     page = Page()
-    page.hands.holder, page.hands.name = "another", "Eve"
+    page.operator_control.holder, page.operator_control.name = "another", "Eve"
     with pytest.raises(NotYours, match="Eve"):
         page.steps(name="P", how="into")
     with pytest.raises(ValueError, match="how"):

@@ -59,7 +59,7 @@ def test_there_is_a_most_of_them() -> None:
     forces.put_word((10, 3), 0xFFFF, 7)
 
 
-def door(commands: list[Command]) -> DataBlocks:
+def source(commands: list[Command]) -> DataBlocks:
     """DB 10 from the PLC: override in DW 1, drives on in D 0.0; DB 11 to it: A1 in DW 2."""
     slots = (Slot(10, 1, Step5Type.KF, "cell.override"), Slot(10, 0, None, "cell.reset", rising=True))
     blocks = [DataBlock(10, 4, True, slots), DataBlock(11, 4, False, (Slot(11, 2, Step5Type.KF, "axis.A1.actual"),))]
@@ -69,7 +69,7 @@ def door(commands: list[Command]) -> DataBlocks:
 
 def test_what_the_plc_writes_is_laid_over_and_comes_back() -> None:
     commands: list[Command] = []
-    made, forces = door(commands), Forces()
+    made, forces = source(commands), Forces()
     made.forced = forces.words
     made.written(10, 0, bytes.fromhex("0000 0050 0000 0000"), 1)
     forces.put_word((10, 0), 0x0001, 0x0001)
@@ -84,7 +84,7 @@ def test_what_the_plc_writes_is_laid_over_and_comes_back() -> None:
 
 def test_a_force_before_the_first_telegram_starts_nothing() -> None:
     commands: list[Command] = []
-    made, forces = door(commands), Forces()
+    made, forces = source(commands), Forces()
     made.forced = forces.words
     forces.put_word((10, 0), 0x0001, 0x0001)
     made.forces_changed(10, 1)
@@ -93,7 +93,7 @@ def test_a_force_before_the_first_telegram_starts_nothing() -> None:
 
 
 def test_what_the_plc_fetches_is_laid_over() -> None:
-    made, forces = door([]), Forces()
+    made, forces = source([]), Forces()
     made.forced = forces.words
     forces.put_word((11, 2), 0xFFFF, 0x7FFF)
     assert made.fill(11)[4:6] == b"\x7f\xff"

@@ -36,7 +36,7 @@ class EepromCell(ProgramCell):
         own = replace(CELL.controller, memory="memory", eeprom=eeprom, hardware=hardware, printer=printer, sram_card=card)
         self.folder, self.eeprom = memory, folder / "eeprom.zip"
         super().__init__({}, replace(CELL, file=str(folder / "cell.toml"), controller=own))
-        self.panel = Rho3Panel(self.control, self.bench.office)
+        self.panel = Rho3Panel(self.control, self.bench.dispatcher)
         self.chain = self.control.setup.numbers.chain
 
     def born(self, identity: int) -> None:

@@ -10,7 +10,7 @@ def cell_of(body: str, declared: str) -> ProgramCell:
 
 def press(cell: ProgramCell, *keys: str) -> list[str]:
     """Keys of the panel, one behind the other; the screen."""
-    panel = Rho3Panel(cell.control, cell.bench.office)
+    panel = Rho3Panel(cell.control, cell.bench.dispatcher)
     for key in keys:
         panel.answer({"key": key}, 1, cell.bench.now)
     cell.bench.run(0.2)

@@ -62,7 +62,7 @@ def test_key_bnr_makes_another_key_of_a_place() -> None:
     cell.memory.files["KEY.BNR"] = table_with(at40=0x0A)
     cell.language.stop_all(cell.bench.now)  # the services begin anew
     cell.bench.run(0.5)
-    panel = Rho3Panel(cell.control, cell.bench.office)
+    panel = Rho3Panel(cell.control, cell.bench.dispatcher)
     for key in ("K17", "K21", "K34", "K29"):  # MODE 7 . 1
         panel.answer({"key": key}, 1, cell.bench.now)
     cell.bench.run(0.1)
@@ -119,7 +119,7 @@ def selecting(file: str, point: str) -> ProgramCell:
 
 def pressed(cell: ProgramCell, *keys: str) -> list[str]:
     """What stands on the pendant after these keys."""
-    panel = Rho3Panel(cell.control, cell.bench.office)
+    panel = Rho3Panel(cell.control, cell.bench.dispatcher)
     for key in keys:
         panel.answer({"key": key}, 1, cell.bench.now)
         cell.bench.run(0.1)

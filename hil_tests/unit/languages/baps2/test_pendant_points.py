@@ -20,7 +20,7 @@ def teaching(*, manual: bool = True) -> ProgramCell:
 
 
 def pressed(cell: ProgramCell, *keys: str) -> list[str]:
-    panel = Rho3Panel(cell.control, cell.bench.office)
+    panel = Rho3Panel(cell.control, cell.bench.dispatcher)
     for key in keys:
         panel.answer({"key": key}, 1, cell.bench.now)
         cell.bench.run(0.4)

@@ -18,7 +18,7 @@ def shown_by(source: str = SOURCE) -> dict[str, object]:
     cell = ProgramCell({"TRANSPAR.QLL": source}, replace(CELL, controller=replace(CELL.controller, phg_unit="V24_4")))
     assert cell.run("TRANSPAR")[:2] == ("ended", 0)
     cell.bench.run(0.1)
-    graphic = Rho3Panel(cell.control, cell.bench.office).answer({}, 1, cell.bench.now)["graphic"]
+    graphic = Rho3Panel(cell.control, cell.bench.dispatcher).answer({}, 1, cell.bench.now)["graphic"]
     assert isinstance(graphic, dict)
     return graphic
 

@@ -17,7 +17,7 @@ EMSTOP_OK_RCI = 1   CTRL_ALLOW_RCI = 1   FEED_ALLOW_RCI = 1   TRAVEL_ALLOW_RCI =
 AUTO_MN_RCI = 1
 O8.2 = I88.0
 """
-SWITCH, START, DOOR, FULL = (f"rho3.pic.input.88.{bit}" for bit in range(4))
+SWITCH, START, SOURCE, FULL = (f"rho3.pic.input.88.{bit}" for bit in range(4))
 
 
 def cell_of(p13: tuple[int, ...] = (), p14: tuple[int, ...] = ()) -> Cell:
@@ -47,16 +47,16 @@ BACK_AND_FORTH = "V = 200\nMOVE LINEAR TO (400, 60, 40, 12)\nMOVE LINEAR TO (60,
 
 def test_an_open_door_holds_the_robot_on_its_path() -> None:
     cell = with_pic(one(BACK_AND_FORTH), "IF NOT DOOR_DI THEN FEED_HOLD_N_RCI = 0", symbols="DOOR_DI = I88.2")
-    wire(cell, DOOR)
+    wire(cell, SOURCE)
     ready(cell)
     run = cell.start("P")
     cell.until(lambda: cell.at()[0] > 200)
-    wire(cell, DOOR, value=False)
+    wire(cell, SOURCE, value=False)
     cell.bench.run(1.0)
     held = cell.at()
     cell.bench.run(1.0)
     assert cell.at() == held and held[0] < 400, "it rests on its path"
-    wire(cell, DOOR)
+    wire(cell, SOURCE)
     assert cell.ends(run)[0] == "ended"
 
 
@@ -77,7 +77,7 @@ def test_a_start_button_selects_the_program_without_any_plc() -> None:
     assert 0.5 <= (cell.bench.now - pressed) / 1e9 < 0.6, "P13: 125 clocks of 4 ms"
     cell.until(lambda: cell.at()[0] > 399)
     cell.until(lambda: not cell.language.rows())
-    assert cell.at()[0] == 60 and cell.bench.office.owner == 2, "it moves as the command source pic"
+    assert cell.at()[0] == 60 and cell.bench.dispatcher.owner == 2, "it moves as the command source pic"
 
 
 COUNTED = "M0.0 = USER_1_RCO M5.0 = EMPTIED_DI USER_1_RCI = M1.0"
@@ -99,9 +99,9 @@ def test_a_full_pallet_holds_the_program_until_it_is_emptied() -> None:
 def test_a_pic_that_comes_back_has_its_flags_and_counters() -> None:
     cell = with_pic(one("WAIT 1"), "M0.0 = I88.1 IF I88.2 THEN M50.1 = 1 O58.0 = M50.1", cell_of(p14=(9,)))
     wire(cell, START)
-    wire(cell, DOOR)
+    wire(cell, SOURCE)
     cell.bench.run(0.1)
-    wire(cell, DOOR, value=False)
+    wire(cell, SOURCE, value=False)
     cell.dies()
     cell.bench.run(0.1)
     cell.born(2)

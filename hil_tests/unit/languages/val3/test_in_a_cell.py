@@ -48,7 +48,7 @@ def test_the_shipped_application_carries_a_part() -> None:
     for corner in ((30, 40, 90, 0, 50, 0), (-40, 40, 90, 0, 50, 0)):
         assert any(place == pytest.approx(corner, abs=0.01) for place in cell.places)
     assert cell.at() == pytest.approx((0, 20, 100, 0, 60, 0), abs=0.01)
-    cell.until(lambda: cell.bench.office.owner == 0, 2.0)
+    cell.until(lambda: cell.bench.dispatcher.owner == 0, 2.0)
 
 
 def test_power_waits_for_drives_that_start_later_than_the_application() -> None:
@@ -136,13 +136,13 @@ def test_power_lost_on_the_path_is_met_again_by_a_connection_move() -> None:
     cell = cell_of(code)
     run = cell.start()
     cell.until(lambda: cell.places[-1][0] > 7.0)
-    cell.bench.give(Code.DISABLE, door=cell.hosted.source)
+    cell.bench.give(Code.DISABLE, source=cell.hosted.source)
     cell.until(lambda: not cell.language._robot.powered)
     cell.bench.run(1.0)
     assert any("the path is left" in line for line in cell.words)
     held = cell.at()[0]
     assert 5.0 < held < 14.0 and cell.hosted.run == run, "the application goes on; its arm waits"
-    cell.bench.give(Code.ENABLE, door=cell.hosted.source)
+    cell.bench.give(Code.ENABLE, source=cell.hosted.source)
     assert cell.ends(run)[0] == "ended"
     assert cell.at() == pytest.approx((15, 30, 90, 0, 60, 0), abs=0.01)
 
@@ -151,7 +151,7 @@ def test_a_stop_of_another_source_holds_until_the_operator_lets_it_move() -> Non
     cell = cell_of("movej(jA,tHand,mStop)\nmovej(jB,tHand,mSlow)\nwaitEndMove()")
     run = cell.start()
     cell.until(lambda: cell.places[-1][0] > 6.0)
-    cell.bench.give(Code.STOP, door=1)
+    cell.bench.give(Code.STOP, source=1)
     cell.until(lambda: cell.bench.core.state.motion is Motion.STOPPED)
     held = cell.at()
     cell.bench.run(1.0)
@@ -225,7 +225,7 @@ def test_autostart_is_for_the_first_interpreter_of_a_run_alone() -> None:
 def test_without_control_it_does_not_move_and_says_who_has_it() -> None:
     cell = cell_of("movej(jA,tHand,mStop)\nwaitEndMove()")
     cell.power()
-    cell.bench.settle(cell.bench.give(Code.REQUEST_CONTROL, door=TOOL))
+    cell.bench.settle(cell.bench.give(Code.REQUEST_CONTROL, source=TOOL))
     cell.start()
     cell.bench.run(1.0)
     assert any("command source 90" in line for line in cell.told) and joint(cell, 1) == 0.0

@@ -25,7 +25,7 @@ def test_where_nothing_was_measured_the_program_goes_on_at_its_label_and_else_to
     job = bench.order(*LINES, *BEHIND[1:])
     bench.edge_at(15.0, PROBE)
     bench.finished(job)
-    there = bench.measured / bench.cell.office.axes[0].si
+    there = bench.measured / bench.cell.dispatcher.axes[0].si
     assert job.state is CommandState.DONE and bench.places()[0] == pytest.approx(there + 1.0, abs=0.01)
 
 

@@ -192,7 +192,7 @@ def test_move_until_accepts_the_position_and_the_axis_goes_on_from_there(portal:
 def test_a_disabled_axis_keeps_its_place_programs_move_the_others_and_those_that_need_it_say_so(portal: Portal) -> None:
     job = portal.run(AWAY)
     portal.until(far)
-    portal.bench.office.bar(Z)
+    portal.bench.dispatcher.bar(Z)
     portal.bench._hand_over()
     portal.pushed(-3.0)
     assert portal.finished(job).state is CommandState.DONE

@@ -67,10 +67,10 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
     died = planned.driven()
     planned.bench.core.planner_lost()
     planned.bench.run(0.05)
-    before = planned.bench.office.enabled_mask()
+    before = planned.bench.dispatcher.enabled_mask()
     planned.bench.permit(24, value=False)
     planned.bench.run(0.3)
-    return Made(driven, outputs, died, job, (before, planned.bench.office.enabled_mask()))
+    return Made(driven, outputs, died, job, (before, planned.bench.dispatcher.enabled_mask()))
 
 
 def on_the_way(planned: Planned, share: float) -> None:
@@ -167,16 +167,16 @@ def fresh(block: CommandBlock, code: Code, mask: int) -> Command:
 
 def test_the_command_block_enables_all_32_and_is_refused_a_target_it_has_no_place_for(tmp_path: pathlib.Path) -> None:
     cell = load_cell(str(cell_file(tmp_path)))
-    office, block = CommandDispatcher(axis_facts(cell), make_planner(cell), 1), CommandBlock((), AXES)
+    dispatcher, block = CommandDispatcher(axis_facts(cell), make_planner(cell), 1), CommandBlock((), AXES)
     state = CellState(cycle=1, generation=1, permits=ALL_PERMITS, override=1.0)
-    office.observe(state, 0)
+    dispatcher.observe(state, 0)
     block.write(0, [0])
-    office.command(1, fresh(block, Code.REQUEST_CONTROL, 0), 0)
-    job = office.command(1, fresh(block, Code.ENABLE, 0xFFFF), 0)
-    assert job.open and job.mask == EVERY and office.take_orders()[-1].mask == EVERY
+    dispatcher.command(1, fresh(block, Code.REQUEST_CONTROL, 0), 0)
+    job = dispatcher.command(1, fresh(block, Code.ENABLE, 0xFFFF), 0)
+    assert job.open and job.mask == EVERY and dispatcher.take_orders()[-1].mask == EVERY
     for axis in state.axes:
         axis.flags = FLAGS[AxisFlag.ENABLED | AxisFlag.REFERENCED]
-    job = office.command(1, fresh(block, Code.PTP_ABSOLUTE, 1 << 12), 0)
+    job = dispatcher.command(1, fresh(block, Code.PTP_ABSOLUTE, 1 << 12), 0)
     assert (job.state, job.reason) == (CommandState.REFUSED, Reason.MASK) and "12 targets are given, none for X7" in job.detail
-    words = block.status_words(Status(enabled=mask_word(office.enabled_mask(), AXES)))
+    words = block.status_words(Status(enabled=mask_word(dispatcher.enabled_mask(), AXES)))
     assert len(words) == 58 and words[2] == 0xFFFF

@@ -172,7 +172,7 @@ def test_set_latch_stores_where_the_axes_were_at_the_rising_edge_and_the_program
     arm.cell.run(0.02)
     arm.change(FAST)
     assert arm.finished(job).state is CommandState.DONE
-    place = arm.places()[0] * arm.cell.office.axes[0].si
+    place = arm.places()[0] * arm.cell.dispatcher.axes[0].si
     assert place == pytest.approx(was, abs=CLOSE), "the first edge, and no later one"
 
 

@@ -61,7 +61,7 @@ def test_a_stop_of_a_shared_block_that_waits_keeps_its_path_and_ends_one_that_is
     job = home.order(HEAD + f"move {AWAY[0]} wait={GO} and {AWAY[1]}")
     home.until(lambda _: home.bench.core.starved)
     home.done(Code.STOP)
-    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_DOOR)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_SOURCE)
     late = home.bench.settle(home.bench.give(Code.ABANDON))
     assert (late.state, late.reason) == (CommandState.REFUSED, Reason.NOTHING_TO_RESUME)
     job = home.order(HEAD + f"move {AWAY[0]} wait={GO} and {AWAY[1]}")

@@ -4,7 +4,7 @@ import struct
 
 import pytest
 
-from gateway.assembly.modbus_views import join, picture
+from gateway.assembly.modbus_views import join, view_of
 from gateway.cell_file.load import CellFaults, load_cell
 from gateway.checks.controller import trial
 from gateway.files.find import find_config, read_text
@@ -67,7 +67,7 @@ class Running:
         self.control: Control = control
         self.inputs, self.steps = InputImage(), True
         owned = {octet for octet, owner in made.rc_inputs.owner.items() if owner == made.modbus[0].name}
-        self.view = picture(made.controller, self.inputs, owned, self.written, None, "ABCD")
+        self.view = view_of(made.controller, self.inputs, owned, self.written, None, "ABCD")
         join(self.view, control)
         self.step()
 

@@ -38,8 +38,8 @@ OF_REFUSAL = {
 class Driver:
     """Serves the READs and WRITEs of one unit; `active` while it has its line."""
 
-    def __init__(self, assignment: Assignment, setup: Setup, desk: LineInterface) -> None:
-        self._assignment, self._setup, self._desk = assignment, setup, desk
+    def __init__(self, assignment: Assignment, setup: Setup, interface: LineInterface) -> None:
+        self._assignment, self._setup, self._interface = assignment, setup, interface
         self.link = Link(PROFILES["rho3"], priority_from_output_timeout(assignment.output_timeout_ms), keep_one=True)
         profile = self.link.profile
         self._patience: Ns = profile.connect_attempts * profile.ack_delay  # with a port that takes nothing
@@ -70,7 +70,7 @@ class Driver:
             self.link.revoke()
         for job in [job for job in self._writes if job.process == process]:
             self._writes.remove(job)
-            self._desk.delete(job, now)
+            self._interface.delete(job, now)
 
     def read_begin(self, now: Ns) -> None:
         """The input buffer of the driver only; characters on the line are still taken by the protocol."""
@@ -81,7 +81,7 @@ class Driver:
         """The program has ended; if aborted, its outputs and a block it began to read go with it (7.5)."""
         for job in [job for job in self._reads if job.process == process]:
             self._reads.remove(job)
-            self._desk.delete(job, now)
+            self._interface.delete(job, now)
         if aborted:
             self.write_begin(process, now)
             if process.number in self._readers:
@@ -91,7 +91,7 @@ class Driver:
         """The line is allocated."""
         self.active = True
         for job in self._reads:
-            self._desk.status.pop((job.process.number, job.function), None)
+            self._interface.status.pop((job.process.number, job.function), None)
             self._watch(job, now)
         self._serve(now)
         self._start(now)
@@ -104,9 +104,9 @@ class Driver:
         self._heard(self.link.lost(now), now)
         for job in self._reads:
             job.due = None
-            self._desk.status[job.process.number, job.function] = Condition.INTERFACE
+            self._interface.status[job.process.number, job.function] = Condition.INTERFACE
         for job in outputs:
-            self._desk.finish(job, Condition.INTERFACE, now)
+            self._interface.finish(job, Condition.INTERFACE, now)
 
     # ---- the machine, while active
     def receive(self, data: bytes, now: Ns) -> None:
@@ -156,7 +156,7 @@ class Driver:
                     spoiled = self._damage if why is Failure.DAMAGED else Condition.INTERFACE
                     self._written(OF_FAILURE.get(why, spoiled), now)
                 case _:
-                    self._desk.tell(LinkReport(self._assignment.function, event), now)
+                    self._interface.tell(LinkReport(self._assignment.function, event), now)
                     if isinstance(event, ReceptionFailed):
                         self._not_received(event.why, now)
         self._serve(now)
@@ -168,7 +168,7 @@ class Driver:
             return
         if job.silent and condition:
             self._not_before = now + REPETITION_DELAY
-        self._desk.finish(job, condition, now)
+        self._interface.finish(job, condition, now)
 
     def _start(self, now: Ns) -> None:
         if self._not_before is not None and now >= self._not_before:
@@ -186,7 +186,7 @@ class Driver:
             return
         self._current = None
         self._heard(self.link.lost(now), now)
-        self._desk.finish(job, Condition.TIME_OUT, now)
+        self._interface.finish(job, Condition.TIME_OUT, now)
 
     def _serve(self, now: Ns) -> None:
         """Each READ takes one variable, the first by priority; a block may serve several (7.4)."""
@@ -213,12 +213,12 @@ class Driver:
         if len(job.values) == len(job.wanted):
             self._end_read(job, Condition.NO_ERROR, now)
         else:
-            job.order = self._desk.order()
+            job.order = self._interface.order()
             self._watch(job, now)
 
     def _end_read(self, job: Job, condition: Condition, now: Ns) -> None:
         self._reads.remove(job)
-        self._desk.finish(job, condition, now)
+        self._interface.finish(job, condition, now)
 
     def _not_received(self, why: Refusal, now: Ns) -> None:
         """The partner gave up: the READ that waits for the block learns why (AX-169)."""

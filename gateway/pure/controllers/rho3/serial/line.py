@@ -26,12 +26,12 @@ MOST_WAITING = 4096  # characters of user interface or coupling that the port ha
 class Line:
     """SER_1 .. SER_4 or the PHG port.  Its seven methods report the events of the whole control, in order."""
 
-    def __init__(self, name: str, setup: Setup, desk: LineInterface) -> None:
+    def __init__(self, name: str, setup: Setup, interface: LineInterface) -> None:
         self.name = name
         self.drivers: dict[Function, Driver] = {}
         self.owner: Job | None = None
         self.waiting: list[Job] = []
-        self._setup, self._desk = setup, desk
+        self._setup, self._interface = setup, interface
         formats = [one.format for one in setup.by_function.values() if one.line == name]
         self.format = formats[0] if formats else "9600 8E1"  # the port's rate and format now
         self._panel = setup.panel == name
@@ -56,7 +56,7 @@ class Line:
             self._release()
         for job in gone:
             if not job.permanent:
-                self._desk.finish(job, Condition.INTERFACE, now)
+                self._interface.finish(job, Condition.INTERFACE, now)
         if function in self.drivers:
             self.drivers[function].suspend(now)
         self._turn(now)
@@ -66,10 +66,10 @@ class Line:
         if self._writing(process, function) and self.owner is not None:
             job = self.owner
             self._release()
-            self._desk.delete(job, now)
+            self._interface.delete(job, now)
         for job in [job for job in self.waiting if job.process == process and job.function is function and not job.wanted]:
             self.waiting.remove(job)
-            self._desk.delete(job, now)
+            self._interface.delete(job, now)
         self._turn(now)
 
     def read_begin(self, process: Process) -> None:
@@ -85,7 +85,7 @@ class Line:
             gone.append(self.owner)
             self._release()
         for job in gone:
-            self._desk.delete(job, now)
+            self._interface.delete(job, now)
         self._turn(now)
 
     def say(self, data: bytes, function: Function | None) -> bool:
@@ -106,12 +106,12 @@ class Line:
         if self.owner is not None and self.owner.permanent:
             self._deliver(data, now)
         elif self.owner is None and self._panel:
-            self._desk.tell(KeyInput(self.name, data), now)
+            self._interface.tell(KeyInput(self.name, data), now)
         else:
             for byte in data:
                 self._store(byte)
             self._turn(now)
-        return self._desk.take_events()
+        return self._interface.take_events()
 
     def damaged(self, kind: Damage, now: Ns) -> list[Event]:
         self._expire(now)
@@ -122,7 +122,7 @@ class Line:
             if self.owner is not None or not self._panel:
                 self._store(kind)
             self._turn(now)
-        return self._desk.take_events()
+        return self._interface.take_events()
 
     def sent(self, now: Ns) -> list[Event]:
         if self._driver is not None:
@@ -130,15 +130,15 @@ class Line:
         elif not self._out and self.owner is not None and not self.owner.wanted and not self.owner.permanent:
             self._load(self.owner, now)
             self._turn(now)
-        return self._desk.take_events()
+        return self._interface.take_events()
 
     def wake(self, now: Ns) -> list[Event]:
         self._expire(now)
-        return self._desk.take_events()
+        return self._interface.take_events()
 
     def deadline(self) -> Ns | None:
-        if self._desk.events:
-            return self._desk.told_at
+        if self._interface.events:
+            return self._interface.told_at
         return earliest(self.owner.due if self.owner else None, *(driver.deadline() for driver in self.drivers.values()))
 
     def take_output(self) -> bytes:
@@ -150,13 +150,13 @@ class Line:
 
     def lost(self, now: Ns) -> list[Event]:
         if self._reopening:  # closed by us, to be opened with another format
-            return self._desk.take_events()
+            return self._interface.take_events()
         self._out.clear()
         if self._driver is not None:
             self._driver.lost(now)
         elif self.owner is not None and not self.owner.permanent:
             self._end(Condition.INTERFACE, now)
-        return self._desk.take_events()
+        return self._interface.take_events()
 
     # ---- inside
     @property
@@ -174,7 +174,7 @@ class Line:
         if self._driver is not None:
             self._driver.receive(data, now)
         else:
-            self._desk.tell(CouplingInput(self.name, data), now)
+            self._interface.tell(CouplingInput(self.name, data), now)
 
     def _store(self, item: int | Damage) -> None:
         if len(self._fifo) < self._setup.fifo:
@@ -195,7 +195,7 @@ class Line:
         if self.owner is not None:
             job = self.owner
             self._release()
-            self._desk.finish(job, condition, now)
+            self._interface.finish(job, condition, now)
             self._turn(now)
 
     def _release(self) -> None:
@@ -218,7 +218,7 @@ class Line:
                 break
         if self._stopped and not (self.owner is not None and self._needs_panel(self.owner)):
             self._stopped = False
-            self._desk.tell(UserInterfaceResumed(self.name), now)
+            self._interface.tell(UserInterfaceResumed(self.name), now)
 
     def _needs_panel(self, job: Job) -> bool:
         return self._assignment(job).protocol == Procedure.PHG and job.function is not Function.COUPLING
@@ -229,10 +229,10 @@ class Line:
         if wanted != self.format:
             self.format, self._reopening = wanted, True
             self._fifo.clear()
-            self._desk.tell(FormatWanted(self.name, wanted), now)
+            self._interface.tell(FormatWanted(self.name, wanted), now)
         if self._needs_panel(job) and not self._stopped:
             self._stopped = True
-            self._desk.tell(UserInterfaceStopped(self.name), now)
+            self._interface.tell(UserInterfaceStopped(self.name), now)
         if job.permanent:
             self._fifo.clear()
             if self._driver is not None:
@@ -285,12 +285,12 @@ class Line:
         job.values.append(reader.value)
         self._release()
         if len(job.values) == len(job.wanted):
-            self._desk.finish(job, Condition.NO_ERROR, now)
+            self._interface.finish(job, Condition.NO_ERROR, now)
         else:
-            job.order = self._desk.order()
+            job.order = self._interface.order()
             self.waiting.append(job)
 
     def _read_failed(self, job: Job, condition: Condition, now: Ns) -> bool:
         self._release()
-        self._desk.finish(job, condition, now)
+        self._interface.finish(job, condition, now)
         return True

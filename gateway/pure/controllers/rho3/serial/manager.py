@@ -41,9 +41,9 @@ class LineManager:
 
     def __init__(self, setup: Setup, rc_inputs: bytes = b"", now: Ns = 0) -> None:
         self.setup = setup
-        self._desk = LineInterface()
-        self._desk.on_abort = self._aborted
-        self.lines = {name: Line(name, setup, self._desk) for name in setup.lines}
+        self._interface = LineInterface()
+        self._interface.on_abort = self._aborted
+        self.lines = {name: Line(name, setup, self._interface) for name in setup.lines}
         self._disabled = {function for function in DISABLE_BITS if _bit(rc_inputs, function)}
         self._absent: dict[Function, Condition] = {}  # what units without a running driver answer
         self._held: dict[tuple[int, Function], bytes] = {}
@@ -87,17 +87,17 @@ class LineManager:
     def condition(self, process: Process, device: str | None) -> Condition | None:
         """CONDITION(device), STATUS(device): None while an output of this process is under way; ask again after the next Finished."""
         function = self.function(process, device)
-        return None if self._desk.outputs(process, function) else self.status(process, device)
+        return None if self._interface.outputs(process, function) else self.status(process, device)
 
     def status(self, process: Process, device: str | None) -> Condition:
         """What CONDITION would return, without waiting; an absent unit is reported even before the first call."""
         function = self.function(process, device)
         absent = self._absent.get(function, Condition.NO_ERROR)
-        return self._desk.status.get((process.number, function), absent)
+        return self._interface.status.get((process.number, function), absent)
 
     def room(self, process: Process, device: str | None) -> bool:
         """Whether this process may WRITE now; if not, the interpreter lets it wait for a Finished."""
-        return self._desk.outputs(process, self.function(process, device)) < MOST_OUTPUTS
+        return self._interface.outputs(process, self.function(process, device)) < MOST_OUTPUTS
 
     # ---- READ_BEGIN, WRITE_BEGIN (part 2, section 10)
     def write_begin(self, process: Process, device: str | None, now: Ns, line: int | None = None) -> None:
@@ -105,7 +105,7 @@ class LineManager:
         function = self.function(process, device)
         if self._begins(process, function, now):
             self._held.pop((process.number, function), None)
-            self._desk.status[process.number, function] = Condition.NO_ERROR
+            self._interface.status[process.number, function] = Condition.NO_ERROR
             place, driver = self._place(function)
             if driver is not None:
                 driver.write_begin(process, now)
@@ -116,7 +116,7 @@ class LineManager:
         """Delete characters not yet read; STATUS 0.  The line number is ignored (10.2)."""
         function = self.function(process, device)
         if self._begins(process, function, now):
-            self._desk.status[process.number, function] = Condition.NO_ERROR
+            self._interface.status[process.number, function] = Condition.NO_ERROR
             place, driver = self._place(function)
             if driver is not None:
                 driver.read_begin(now)
@@ -163,7 +163,7 @@ class LineManager:
         else:
             self._disabled.remove(function)
             if place is not None and function not in self._absent and self.setup.by_function[function].permanent:
-                place.submit(self._desk.claim(function), now)
+                place.submit(self._interface.claim(function), now)
 
     def info(self) -> list[str]:
         """Texts of the INFO function, one for each disable signal that is 1 (8.4)."""
@@ -182,12 +182,12 @@ class LineManager:
         for file in [file for file in self._files if file[0] == process.number]:
             del self._files[file]
         self._drop(process, aborted, now)
-        for status in [status for status in self._desk.status if status[0] == process.number]:
-            del self._desk.status[status]
+        for status in [status for status in self._interface.status if status[0] == process.number]:
+            del self._interface.status[status]
 
     def take_events(self) -> list[Event]:
         """For a control without lines; else the methods of the lines report them."""
-        return self._desk.take_events()
+        return self._interface.take_events()
 
     # ---- inside
     def _start(self, now: Ns) -> None:
@@ -205,14 +205,14 @@ class LineManager:
             elif assignment.permanent:
                 self._start_permanent(assignment, now)
             if function in self._absent and assignment.protocol == Procedure.LINK_3964R:
-                self._desk.tell(DriverNotStarted(function, self._absent[function]), now)
+                self._interface.tell(DriverNotStarted(function, self._absent[function]), now)
 
     def _start_permanent(self, assignment: Assignment, now: Ns) -> None:
         place, function = self.lines[assignment.line], assignment.function
         if function is not Function.COUPLING:
-            place.drivers[function] = Driver(assignment, self.setup, self._desk)
+            place.drivers[function] = Driver(assignment, self.setup, self._interface)
         if function not in self._disabled:
-            place.submit(self._desk.claim(function), now)
+            place.submit(self._interface.claim(function), now)
 
     def _place(self, function: Function) -> tuple[Line | None, Driver | None]:
         assignment = self.setup.by_function.get(function)
@@ -244,10 +244,10 @@ class LineManager:
     def _call(
         self, process: Process, function: Function, now: Ns, refused: Condition, data: bytes = b"", wanted: Sequence[BapsType] = ()
     ) -> int:
-        job = self._desk.open(process, function, data, wanted)
+        job = self._interface.open(process, function, data, wanted)
         place, driver = self._place(function)
         if refused or place is None or not (data or wanted):
-            self._desk.finish(job, refused, now)
+            self._interface.finish(job, refused, now)
         elif driver is not None:
             driver.submit(job, now)
         else:
@@ -259,9 +259,9 @@ class LineManager:
         if self.setup.version >= 5:
             return True
         if not self.setup.files_option:
-            self._desk.stop(process, function, None, "option not found", now)
+            self._interface.stop(process, function, None, "option not found", now)
         elif self.setup.version <= 3:
-            self._desk.stop(process, function, None, "system error 83: invalid device address", now)
+            self._interface.stop(process, function, None, "system error 83: invalid device address", now)
         return False
 
     def _drop(self, process: Process, aborted: bool, now: Ns) -> None:

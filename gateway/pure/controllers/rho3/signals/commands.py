@@ -21,106 +21,106 @@ AT_REST = (Motion.IDLE, Motion.STOPPED)
 class AxisCommands:
     """Requests of the signals to the dispatcher."""
 
-    def __init__(self, office: CommandDispatcher, sets_override: bool) -> None:
+    def __init__(self, dispatcher: CommandDispatcher, sets_override: bool) -> None:
         """`sets_override`: nobody else of this cell does, so drive-on brings 100 %."""
-        self._office, self._sets_override = office, sets_override
+        self._dispatcher, self._sets_override = dispatcher, sets_override
         self._leaving: set[int] = set()  # command sources whose drive-on has fallen: control goes back at rest
         self._abandon: list[Job] = []  # stopped moves, given up as soon as they rest
 
     def drives(self, asked: Mapping[int, Asked], wanted: int, disabled: int, now: Ns) -> None:
         """Edges of the drive-on signals; `wanted`: axes whose signal is set, `disabled`: axes that stay off regardless of it."""
-        for door, change in asked.items():
+        for source, change in asked.items():
             if change.off:
-                self._say(door, Command(Code.DISABLE, change.off), now)
+                self._say(source, Command(Code.DISABLE, change.off), now)
                 if not wanted:
-                    self._leaving.add(door)
+                    self._leaving.add(source)
             on = change.on & ~disabled
             if on:
-                self._leaving.discard(door)
-                self._switch_on(door, on, now)
+                self._leaving.discard(source)
+                self._switch_on(source, on, now)
 
-    def _switch_on(self, door: int, mask: int, now: Ns) -> None:
-        if not self._office.owns(door):
-            self._say(door, Command(Code.REQUEST_CONTROL), now)
-        self._say(door, Command(Code.ENABLE, mask), now)
-        cell = self._office.cell
+    def _switch_on(self, source: int, mask: int, now: Ns) -> None:
+        if not self._dispatcher.owns(source):
+            self._say(source, Command(Code.REQUEST_CONTROL), now)
+        self._say(source, Command(Code.ENABLE, mask), now)
+        cell = self._dispatcher.cell
         if (
             self._sets_override
             and cell is not None
-            and self._office.owns(door)
-            and cell.override_of(self._office.control.axes_of(door)) <= 0.0
+            and self._dispatcher.owns(source)
+            and cell.override_of(self._dispatcher.control.axes_of(source)) <= 0.0
         ):
-            self._say(door, Command(Code.OVERRIDE, velocity=1.0), now)
+            self._say(source, Command(Code.OVERRIDE, velocity=1.0), now)
 
-    def move(self, door: int, step: Step, now: Ns, factors: Factors = FULL) -> Job:
+    def move(self, source: int, step: Step, now: Ns, factors: Factors = FULL) -> Job:
         """A step that moves: PTP of the axes it names, or a program of the cell; `factors`: V and A of the control (AX-495)."""
         speed, acceleration = step.speed * factors.velocity, factors.acceleration
         if step.program is not None:
-            return self._office.order_program(door, step.program, now, speed, acceleration)
+            return self._dispatcher.order_program(source, step.program, now, speed, acceleration)
         mask = sum(1 << number for number in step.to)
         places = tuple(step.to.get(n, 0.0) for n in range(mask.bit_length()))
-        return self._say(door, Command(Code.PTP_ABSOLUTE, mask, speed, acceleration, places), now)
+        return self._say(source, Command(Code.PTP_ABSOLUTE, mask, speed, acceleration, places), now)
 
-    def stream(self, door: int, robot: int, mask: int) -> Job:
+    def stream(self, source: int, robot: int, mask: int) -> Job:
         """Blocks of a program of the interpreter; refused as any other command of that command source."""
-        return self._office.order_stream(door, robot, mask)
+        return self._dispatcher.order_stream(source, robot, mask)
 
-    def reference(self, door: int, mask: int, now: Ns) -> Job:
+    def reference(self, source: int, mask: int, now: Ns) -> Job:
         """A reference run of these axes."""
-        return self._say(door, Command(Code.REFERENCE, mask), now)
+        return self._say(source, Command(Code.REFERENCE, mask), now)
 
     def slow(self, move: Job, share: float) -> None:
         """Special function 41: a share, 0 .. 1, of the speed of the move under way."""
-        self._office.slow_move(move, share)
+        self._dispatcher.slow_move(move, share)
 
     def run_on(self, mask: int, distance: float) -> None:
         """Special function 42: m or rad that these axes run on behind an edge."""
-        self._office.run_on(mask, distance)
+        self._dispatcher.run_on(mask, distance)
 
-    def stop(self, door: int, now: Ns, give_up: Job | None = None) -> None:
+    def stop(self, source: int, now: Ns, give_up: Job | None = None) -> None:
         """Stops on the path; `give_up`: the move whose rest is abandoned, as where a program is taken off (L2610)."""
         if give_up is None:
-            self._say(door, Command(Code.STOP), now)
+            self._say(source, Command(Code.STOP), now)
             return
         if self._lanes:
-            self._office.stop_move(give_up)  # the other lanes go on
+            self._dispatcher.stop_move(give_up)  # the other lanes go on
         else:
-            self._say(door, Command(Code.STOP), now)
+            self._say(source, Command(Code.STOP), now)
         self._abandon.append(give_up)
 
-    def resume(self, door: int, now: Ns) -> None:
+    def resume(self, source: int, now: Ns) -> None:
         """Goes on with a stopped move."""
-        self._say(door, Command(Code.RESUME), now)
+        self._say(source, Command(Code.RESUME), now)
 
-    def override(self, door: int, value: float, now: Ns) -> None:
+    def override(self, source: int, value: float, now: Ns) -> None:
         """0..1."""
-        self._say(door, Command(Code.OVERRIDE, velocity=value), now)
+        self._say(source, Command(Code.OVERRIDE, velocity=value), now)
 
     def settle(self, now: Ns) -> None:
         """Once per cycle: what had to wait for rest."""
-        cell = self._office.cell
+        cell = self._dispatcher.cell
         for job in list(self._abandon):
             if not job.open:
                 self._abandon.remove(job)  # it ended by itself, or its rest is gone
             elif cell is not None and cell.motion_of(job.span) is Motion.STOPPED:
                 self._abandon.remove(job)
                 if self._lanes:
-                    self._office.abandon_move(job)
+                    self._dispatcher.abandon_move(job)
                 else:
-                    self._say(job.door, Command(Code.ABANDON), now)
-        for door in list(self._leaving):
-            if self._motion(door, cell) in AT_REST:
-                self._leaving.discard(door)
-                if self._office.owns(door):
-                    self._say(door, Command(Code.RELEASE_CONTROL), now)
+                    self._say(job.source, Command(Code.ABANDON), now)
+        for source in list(self._leaving):
+            if self._motion(source, cell) in AT_REST:
+                self._leaving.discard(source)
+                if self._dispatcher.owns(source):
+                    self._say(source, Command(Code.RELEASE_CONTROL), now)
 
     @property
     def _lanes(self) -> bool:
-        return self._office.cell is not None and bool(self._office.cell.apart)
+        return self._dispatcher.cell is not None and bool(self._dispatcher.cell.apart)
 
-    def _motion(self, door: int, cell: CellState | None) -> Motion:
+    def _motion(self, source: int, cell: CellState | None) -> Motion:
         """Of what this command source has control of."""
-        return cell.motion_of(self._office.control.axes_of(door)) if cell is not None else Motion.IDLE
+        return cell.motion_of(self._dispatcher.control.axes_of(source)) if cell is not None else Motion.IDLE
 
-    def _say(self, door: int, command: Command, now: Ns) -> Job:
-        return self._office.command(door, command, now)
+    def _say(self, source: int, command: Command, now: Ns) -> Job:
+        return self._dispatcher.command(source, command, now)

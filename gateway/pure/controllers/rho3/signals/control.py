@@ -48,7 +48,7 @@ SETTLES = 200  # cycles after a start in which a late one says nothing about the
 class RhoControl:
     """Call `step` once per cycle of the services."""
 
-    def __init__(self, setup: Setup, office: CommandDispatcher, errors: ErrorList, now: Ns) -> None:
+    def __init__(self, setup: Setup, dispatcher: CommandDispatcher, errors: ErrorList, now: Ns) -> None:
         """ValueError: a parameter out of its range."""
         self.setup, self.errors = setup, errors
         self.image = PicImage()
@@ -61,8 +61,8 @@ class RhoControl:
         self.board_in, self.board_out = bytearray(BOARD_IN), bytearray(BOARD_OUT)
         self.panel_used = False  # somebody works at the panel
         self.hosted: HostedPrograms | None = None  # programs of the interpreter
-        self._commands = AxisCommands(office, setup.sets_override)
-        self._office = office
+        self._commands = AxisCommands(dispatcher, setup.sets_override)
+        self._dispatcher = dispatcher
         self._drive_on = DriveOn(len(setup.axes), lambda byte: setup.owners.get(byte, 0))
         self._cycle_errors = CycleErrors(self.interface.faults, setup.axes)
         self._watch = PlcWatch(setup.plc_silence, now, setup.plc_grace) if setup.plc_silence else None
@@ -133,9 +133,9 @@ class RhoControl:
 
     def _halt(self, now: Ns, *, first: bool) -> list[str]:
         """Nothing moves and nobody switches on: READY is kept open against every fault reset."""
-        self._office.bar((1 << len(self.setup.axes)) - 1)
+        self._dispatcher.bar((1 << len(self.setup.axes)) - 1)
         if self.view.cell.generation and not self.view.cell.emergency:
-            self._office.open_ready()
+            self._dispatcher.open_ready()
         if not first:
             return []
         self.interface.faults.came(PIC_TIMER, stands=True, now=now)
@@ -162,7 +162,7 @@ class RhoControl:
         self._look_at_memory(now)
         self._end_moves()
         self._commands.drives(self._drive_on.look(image), self._drive_on.wanted, seen.disabled, now)
-        self._office.bar(seen.disabled)
+        self._dispatcher.bar(seen.disabled)
         self._commands.settle(now)
         self.channels.step(image)
         image.put(STARTUP, bool(state.generation))
@@ -241,11 +241,11 @@ class RhoControl:
 
     def open_path(self, program: str, robot: int, now: Ns) -> Job:
         """A program of the interpreter moves a robot from now on; refused as any other command of its command source.  ProcessFault."""
-        return self._opened(program, robot, lambda door, mask: self._commands.stream(door, robot, mask))
+        return self._opened(program, robot, lambda source, mask: self._commands.stream(source, robot, mask))
 
     def open_reference(self, program: str, robot: int, now: Ns) -> Job:
         """REF_PNT: a program references a robot, as its command source would."""
-        return self._opened(program, robot, lambda door, mask: self._commands.reference(door, mask, now))
+        return self._opened(program, robot, lambda source, mask: self._commands.reference(source, mask, now))
 
     def slow(self, move: Job, share: float) -> None:
         """POTI_MODIFY: what the program moves goes at this share, 0 .. 1, of the speed it was planned with."""
@@ -260,8 +260,8 @@ class RhoControl:
         barred = self.modes.set_up(program, robot) if tested else self.modes.prepare(program, (robot,))
         if barred is not None:
             raise fault_of(barred)
-        door = (self.hosted.door_of(program) if self.hosted is not None else 0) or self.selector
-        job = self._jobs[program, robot] = ask(door, self.setup.robot_masks[robot - 1])
+        source = (self.hosted.source_of(program) if self.hosted is not None else 0) or self.selector
+        job = self._jobs[program, robot] = ask(source, self.setup.robot_masks[robot - 1])
         if job.open and not tested:
             self.modes.begins(program, (robot,))
         return job
@@ -337,7 +337,7 @@ class RhoControl:
             process = self.processes.named(name)
             alive = process is not None and process.state is not State.FAULTY
             if job.open and not alive:
-                self._commands.stop(job.door, self.now, give_up=job)
+                self._commands.stop(job.source, self.now, give_up=job)
             if not job.open or not alive:
                 del self._jobs[name, robot]
         listed = {process.name for process in self.processes.processes}

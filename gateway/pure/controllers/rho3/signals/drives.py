@@ -77,11 +77,11 @@ class DriveOn:
             rises, falls = trusted and level and not axis.before, trusted and not level and axis.mine
             axis.before = level or not trusted
             axis.mine = level if trusted else axis.mine
-            door = self._group if group or not own else own
+            source = self._group if group or not own else own
             if rises:
-                asked.setdefault(door, Asked()).on |= 1 << number
+                asked.setdefault(source, Asked()).on |= 1 << number
             elif falls:
-                asked.setdefault(door, Asked()).off |= 1 << number
+                asked.setdefault(source, Asked()).off |= 1 << number
         return asked
 
     @property

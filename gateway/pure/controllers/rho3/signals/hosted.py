@@ -73,7 +73,7 @@ class HostedBody:
     run: int
     over: tuple[str, int, str, str] | None = None  # how, code, text, place
     process: Process | None = None
-    door: int = 0  # command source it moves as; 0: the one of the selection strobe
+    source: int = 0  # command source it moves as; 0: the one of the selection strobe
     test: bool = False  # it was started in test
 
     def __call__(self, now: Ns) -> Turn:
@@ -155,7 +155,7 @@ class HostedPrograms:
     def _maker(self, name: str) -> Callable[[], Body]:
         def make() -> Body:
             self._runs += 1
-            body = self._bodies[self._runs] = HostedBody(self._runs, door=self.starter, test=self.testing is not None)
+            body = self._bodies[self._runs] = HostedBody(self._runs, source=self.starter, test=self.testing is not None)
             if self.testing is not None:
                 self.orders.append({"do": "test", "run": body.run, "hold": self.testing})
             self.orders.append({"do": "start", "run": body.run, "program": name})
@@ -260,7 +260,7 @@ class HostedPrograms:
 
     def _started(self, run: int, program: str, parent: int) -> None:
         above = self._bodies.get(parent)
-        body = HostedBody(run, door=above.door if above is not None else 0, test=above.test if above is not None else False)
+        body = HostedBody(run, source=above.source if above is not None else 0, test=above.test if above is not None else False)
         number = above.process.number if above is not None and above.process is not None else 0
         try:
             body.process = self.control.processes.start(program, number, body if number else None)
@@ -315,11 +315,11 @@ class HostedPrograms:
         """Number of its run; 0: not of the interpreter."""
         return process.body.run if isinstance(process.body, HostedBody) else 0
 
-    def door_of(self, program: str) -> int:
+    def source_of(self, program: str) -> int:
         """The command source a program moves as; 0: the one of the selection strobe."""
         process = self.control.processes.named(program)
         body = process.body if process is not None else None
-        return body.door if isinstance(body, HostedBody) else 0
+        return body.source if isinstance(body, HostedBody) else 0
 
 
 def _seen(process: Process, row: Mapping[str, object]) -> None:

@@ -32,7 +32,7 @@ class Step:
     wait: Ns = 0
 
 
-class Hands(Protocol):
+class StepHost(Protocol):
     """What a program needs of the cell."""
 
     modes: OperatingModes
@@ -50,9 +50,9 @@ def fault_of(fault: RuntimeFault) -> ProcessFault:
 class Played:
     """One start of a program."""
 
-    def __init__(self, name: str, steps: Sequence[Step], kinematics: Sequence[int], hands: Hands, *, repeat: bool, language: str) -> None:
+    def __init__(self, name: str, steps: Sequence[Step], kinematics: Sequence[int], host: StepHost, *, repeat: bool, language: str) -> None:
         """`repeat`: from the beginning again after the last step."""
-        self._name, self._steps, self._kinematics, self._hands = name, steps, kinematics, hands
+        self._name, self._steps, self._kinematics, self._host = name, steps, kinematics, host
         self._repeat, self._language = repeat, language
         self._at = 0
         self._job: Job | None = None
@@ -78,7 +78,7 @@ class Played:
         return now - self._since >= step.wait
 
     def _switched(self, step: Step) -> bool:
-        channels = self._hands.channels
+        channels = self._host.channels
         try:
             if step.input:
                 return channels.read(step.input) is step.value
@@ -88,12 +88,12 @@ class Played:
         return True
 
     def _moved(self, step: Step, now: Ns) -> bool:
-        modes, job = self._hands.modes, self._job
+        modes, job = self._host.modes, self._job
         if job is None:
             barred = modes.prepare(self._name, self._kinematics)
             if barred is not None:
                 raise fault_of(barred)
-            job = self._job = self._hands.move(self._name, step, now)
+            job = self._job = self._host.move(self._name, step, now)
             if job.open:
                 modes.begins(self._name, self._kinematics)
         if job.open:
@@ -105,7 +105,7 @@ class Played:
 
 
 def body_maker(
-    name: str, steps: Sequence[Step], kinematics: Sequence[int], hands: Hands, *, repeat: bool = False, language: str = "en"
+    name: str, steps: Sequence[Step], kinematics: Sequence[int], host: StepHost, *, repeat: bool = False, language: str = "en"
 ) -> Callable[[], Body]:
     """What the process table calls for each start."""
-    return lambda: Played(name, steps, kinematics, hands, repeat=repeat, language=language)
+    return lambda: Played(name, steps, kinematics, host, repeat=repeat, language=language)

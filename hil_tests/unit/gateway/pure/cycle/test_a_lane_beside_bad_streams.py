@@ -29,11 +29,11 @@ class Tools:
         self.lanes.ready(1, ARM)
         self.lanes.ready(2, SCARA)
         self.statements: list[BlockRecord] = []
-        self.streams = ToolStreams(self.lanes.office, self.statements)
+        self.streams = ToolStreams(self.lanes.dispatcher, self.statements)
         self.arm, self.scara = self._begin(1, ARM, *OF_ARM), self._begin(2, SCARA, AXES, *lines)
 
     def _begin(self, robot: int, mask: int, *lines: str) -> Job:
-        job = self.lanes.office.order_stream(robot, robot, mask)
+        job = self.lanes.dispatcher.order_stream(robot, robot, mask)
         self.lanes.bench._hand_over()
         self.streams.begin(job)
         self.say(job, *lines)
@@ -75,13 +75,13 @@ def as_an_interpreter(tools: Tools) -> None:
     """It writes statements one by one, and does not ask how many wait."""
     ahead, job = StatementsAhead(), tools.scara.id
     for _ in range(3 * MOST):
-        record = ahead.passed(BlockRecord(Say.LINE, job, "set path=100"), tools.lanes.office.planner or PlannerState())
+        record = ahead.passed(BlockRecord(Say.LINE, job, "set path=100"), tools.lanes.dispatcher.planner or PlannerState())
         tools.lanes.lines.extend([] if record is None else [record])
     assert len(tools.lanes.lines) <= BLOCKS // 2
 
 
 def die(tools: Tools) -> None:
-    tools.lanes.office.stop_move(tools.scara)
+    tools.lanes.dispatcher.stop_move(tools.scara)
     tools.lanes.bench._hand_over()
 
 
@@ -113,7 +113,7 @@ def test_the_record_of_the_other_lane_is_the_same(alone: list[list[float]], case
 
 def test_a_lane_asked_for_twice_leaves_both_records_as_they_are(alone: list[list[float]]) -> None:
     def again(tools: Tools) -> None:
-        refused = tools.lanes.office.order_stream(1, 1, ARM)
+        refused = tools.lanes.dispatcher.order_stream(1, 1, ARM)
         assert refused.reason is Reason.BUSY and refused.detail.endswith("a stream of robot 1 of command source 1 is under way")
 
     assert Tools().record(at=again) == alone

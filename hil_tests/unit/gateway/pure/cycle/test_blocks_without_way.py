@@ -89,7 +89,7 @@ def test_it_is_done_at_rest_where_a_part_to_mpos_has_no_way_because_the_axes_sta
     while job.open and not get_bit(probing.cell.core.outputs, OUT):
         probing.cell.cycle()
     assert get_bit(probing.cell.core.outputs, IOL) and get_bit(probing.cell.core.outputs, OUT)
-    assert probing.places()[0] == pytest.approx(probing.measured / probing.cell.office.axes[0].si, abs=1e-9), "there, not behind it"
+    assert probing.places()[0] == pytest.approx(probing.measured / probing.cell.dispatcher.axes[0].si, abs=1e-9), "there, not behind it"
     assert probing.finished(job).state is CommandState.DONE
 
 
@@ -114,7 +114,7 @@ def test_a_block_without_way_waits_for_its_input_too(probing: Probing, behind: t
     probing.edge_at(20.0, FAST)
     probing.cell.run(3.0)
     there = probing.places()[0]
-    assert job.open and there == pytest.approx(probing.measured / probing.cell.office.axes[0].si, abs=1e-9)
+    assert job.open and there == pytest.approx(probing.measured / probing.cell.dispatcher.axes[0].si, abs=1e-9)
     assert not get_bit(probing.cell.core.outputs, OUT)
     probing.change(STARTS)
     assert probing.finished(job).state is CommandState.DONE

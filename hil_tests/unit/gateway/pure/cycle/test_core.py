@@ -250,8 +250,8 @@ def test_following_error_beyond_the_limit_takes_the_drives_off() -> None:
     cell.core._axes[1].tracking.lag._trip = 1e-4
     cell.run(0.1)
     assert (move.state, move.reason) == (CommandState.ABORTED, Reason.FOLLOWING_ERROR)
-    assert move.detail == cell.office.strayed() == "A2 647 tracking distance too long"
-    assert cell.office.strayed("de") == "A2 647 Schleppabstand zu gross"
+    assert move.detail == cell.dispatcher.strayed() == "A2 647 tracking distance too long"
+    assert cell.dispatcher.strayed("de") == "A2 647 Schleppabstand zu gross"
 
 
 def test_an_answer_that_comes_a_cycle_late_is_no_following_error() -> None:
@@ -278,15 +278,15 @@ def test_an_axis_pushed_out_of_its_standstill_takes_the_drives_off_with_648() ->
     cell = CellBench(cell=replace(DEMO, axis=tuple(axes))).ready()
     cell.settle(cell.give(Code.PTP_ABSOLUTE, targets=MIDDLE))
     cell.run(1.0)
-    assert cell.core.state.stop_cause == 0 and cell.office.strayed() == ""
+    assert cell.core.state.stop_cause == 0 and cell.dispatcher.strayed() == ""
     assert isinstance(cell.slave, ServodynSlave)
     cell.slave.load_torque(3, 25.0)  # more than the motor has
     cell.run(0.3)
     assert [axis.finding for axis in cell.core.state.axes[:4]] == [0, 0, 648, 0]
     assert cell.core.state.stop_cause == Reason.FOLLOWING_ERROR and not cell.core.state.axes[0].flags & AxisFlag.ENABLED
-    assert cell.office.strayed() == "A3 648 axis left its standstill position"
+    assert cell.dispatcher.strayed() == "A3 648 axis left its standstill position"
     cell.settle(cell.give(Code.FAULT_RESET))
-    assert cell.office.strayed() == "" and cell.core.state.stop_cause == 0
+    assert cell.dispatcher.strayed() == "" and cell.core.state.stop_cause == 0
 
 
 def test_a_drive_that_leaves_control_by_itself_takes_all_off_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -72,8 +72,8 @@ def test_a_planner_that_dies_before_the_first_piece_moves_nothing(both: WithPlan
 def test_pieces_nobody_ordered_are_dropped(both: WithPlanner) -> None:
     both.program(f"ptp joints {joints(5)}")
     both.planner.alive = False
-    both.cell.office.command(1, Command(Code.PROGRAM, 1), both.cell.now)
-    orders = both.cell.office.take_orders()  # lost on their way to the cycle
+    both.cell.dispatcher.command(1, Command(Code.PROGRAM, 1), both.cell.now)
+    orders = both.cell.dispatcher.take_orders()  # lost on their way to the cycle
     assert [order.order for order in orders] == [Order.PROGRAM]
     both.cell.core.state.taken = orders[0].job  # as if a later one had been taken
     both.planner.alive = True
@@ -144,18 +144,18 @@ def test_a_fault_of_the_text_names_its_line_and_nothing_moves(both: WithPlanner)
 
 
 def test_unknown_numbers_and_a_missing_planner_are_refused_at_once(both: WithPlanner) -> None:
-    job = both.cell.office.command(1, Command(Code.PROGRAM, 7), both.cell.now)
+    job = both.cell.dispatcher.command(1, Command(Code.PROGRAM, 7), both.cell.now)
     assert (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_UNKNOWN) and "1 there, 2 back" in job.detail
-    both.cell.office.planner = None
-    job = both.cell.office.order_program(1, 1, both.cell.now)
+    both.cell.dispatcher.planner = None
+    job = both.cell.dispatcher.order_program(1, 1, both.cell.now)
     assert (job.state, job.reason) == (CommandState.REFUSED, Reason.NOT_READY) and "planner" in job.detail
-    assert both.cell.office.take_programs() == []
+    assert both.cell.dispatcher.take_programs() == []
 
 
 def test_rates_owner_and_reference_are_judged_as_for_every_move(both: WithPlanner) -> None:
     both.program(f"ptp joints {joints(5)}")
     assert both.order(velocity=0.0).reason is Reason.RATE
-    assert both.order(door=2).reason is Reason.NOT_OWNER
+    assert both.order(source=2).reason is Reason.NOT_OWNER
     both.cell.core._axes[2].referenced = False
     both.cell.run(0.1)
     job = both.order()
@@ -165,7 +165,7 @@ def test_rates_owner_and_reference_are_judged_as_for_every_move(both: WithPlanne
 def test_stop_resume_and_abandon(both: WithPlanner) -> None:
     job = both.order(f"ptp joints {joints(5)} blend=joint leave=1 reach=1", f"ptp joints {joints(40)}")
     both.cell.run(0.25)
-    both.cell.settle(both.cell.give(Code.STOP, door=2))
+    both.cell.settle(both.cell.give(Code.STOP, source=2))
     both.cell.run(0.2)
     assert both.cell.core.state.motion is Motion.STOPPED and both.still()
     both.cell.settle(both.cell.give(Code.RESUME))
@@ -184,8 +184,8 @@ def test_a_stop_while_the_program_is_prepared_keeps_it_from_beginning(both: With
     both.planner.alive = False
     job = both.order(f"ptp joints {joints(5)}")
     both.cell.run(0.05)
-    both.cell.settle(both.cell.give(Code.STOP, door=2))
-    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_DOOR)
+    both.cell.settle(both.cell.give(Code.STOP, source=2))
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_SOURCE)
     both.planner.alive = True
     assert both.still()
 
@@ -202,7 +202,7 @@ def test_a_stop_while_more_has_to_come_keeps_it_from_going_on(both: WithPlanner)
             break
     assert both.cell.core.starved and later
     both.cell.settle(both.cell.give(Code.STOP))
-    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_DOOR)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_SOURCE)
     both.planner.alive = True
     assert both.still()
 

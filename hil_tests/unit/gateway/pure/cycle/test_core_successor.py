@@ -3,7 +3,7 @@
 import pytest
 
 from gateway.pure.arbitration.command_block import Code
-from gateway.pure.cell.web import PAGE_DOOR
+from gateway.pure.cell.web import PAGE_SOURCE
 from gateway.pure.image.reasons import Reason
 from gateway.pure.image.records.cell import Motion
 from hil_tests.lab.virtual.cell_bench import CellBench
@@ -28,8 +28,8 @@ def test_a_jog_of_the_page_stops_without_the_services_even_where_moves_are_finis
     """Hold-to-run: without the services the release of the key is not received."""
     cell = CellBench(finish_without_services=True).ready()
     cell.settle(cell.give(Code.RELEASE_CONTROL))
-    cell.settle(cell.give(Code.REQUEST_CONTROL, door=PAGE_DOOR))
-    cell.give(Code.PTP_ABSOLUTE, targets=FAR, door=PAGE_DOOR)
+    cell.settle(cell.give(Code.REQUEST_CONTROL, source=PAGE_SOURCE))
+    cell.give(Code.PTP_ABSOLUTE, targets=FAR, source=PAGE_SOURCE)
     cell.run(0.5)
     assert cell.core.state.motion is Motion.RUNNING
     cell.core.services_lost()

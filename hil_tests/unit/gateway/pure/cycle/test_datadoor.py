@@ -28,7 +28,7 @@ class Door:
             lambda name, words: self.bad.append(words),
             self.levels.__setitem__,
         )
-        self.door = DataBlocks(blocks, names, handshake, host)
+        self.source = DataBlocks(blocks, names, handshake, host)
 
     def send(self, **words: int) -> list[int]:
         """A whole DB 10; words as dw0=..; the codes commanded by it."""
@@ -37,7 +37,7 @@ class Door:
             at = 2 * int(name[2:])
             data[at : at + 2] = (value & 0xFFFF).to_bytes(2, "big")
         self.commands.clear()
-        self.door.written(10, 0, bytes(data), 0)
+        self.source.written(10, 0, bytes(data), 0)
         return [command.code for command in self.commands]
 
 
@@ -45,78 +45,78 @@ ON, RESET, REFERENCE, STOP, RESUME, START = 1, 1 << 2, 1 << 3, 1 << 4, 1 << 5, 1
 
 
 def test_the_first_telegram_only_says_where_the_bits_stand() -> None:
-    door = Door()
-    assert door.send(dw0=ON | START | REFERENCE) == []
-    assert door.send(dw0=ON | START | REFERENCE) == []
+    source = Door()
+    assert source.send(dw0=ON | START | REFERENCE) == []
+    assert source.send(dw0=ON | START | REFERENCE) == []
 
 
 def test_drives_on_asks_for_control_and_for_the_override_that_stands() -> None:
-    door = Door()
-    door.send(dw0=0, dw1=80)
-    assert door.send(dw0=ON, dw1=80) == [Code.REQUEST_CONTROL, Code.ENABLE, Code.OVERRIDE]
-    assert door.commands[2].velocity == pytest.approx(0.8)
+    source = Door()
+    source.send(dw0=0, dw1=80)
+    assert source.send(dw0=ON, dw1=80) == [Code.REQUEST_CONTROL, Code.ENABLE, Code.OVERRIDE]
+    assert source.commands[2].velocity == pytest.approx(0.8)
 
 
 def test_drives_off_gives_control_back_at_rest() -> None:
-    door = Door()
-    door.send(dw0=0)
-    door.send(dw0=ON)
-    assert door.send(dw0=0) == [Code.DISABLE]
-    door.door.settle(at_rest=False)
-    assert [c.code for c in door.commands] == [Code.DISABLE]
-    door.door.settle(at_rest=True)
-    assert [c.code for c in door.commands] == [Code.DISABLE, Code.RELEASE_CONTROL]
+    source = Door()
+    source.send(dw0=0)
+    source.send(dw0=ON)
+    assert source.send(dw0=0) == [Code.DISABLE]
+    source.source.settle(at_rest=False)
+    assert [c.code for c in source.commands] == [Code.DISABLE]
+    source.source.settle(at_rest=True)
+    assert [c.code for c in source.commands] == [Code.DISABLE, Code.RELEASE_CONTROL]
 
 
 def test_start_takes_the_targets_of_the_same_telegram_once() -> None:
-    door = Door()
-    door.send(dw0=ON)
-    assert door.send(dw0=ON | START, dw2=12005, dw3=-20, dw8=50) == [Code.PTP_ABSOLUTE]
-    move = door.commands[0]
+    source = Door()
+    source.send(dw0=ON)
+    assert source.send(dw0=ON | START, dw2=12005, dw3=-20, dw8=50) == [Code.PTP_ABSOLUTE]
+    move = source.commands[0]
     assert move.targets[:3] == pytest.approx((1200.5, -2.0, 0.0))
     assert (move.mask, move.velocity) == (0x3F, 0.5)
-    assert door.send(dw0=ON | START, dw2=12005, dw3=-20, dw8=50) == [], "the same telegram again"
+    assert source.send(dw0=ON | START, dw2=12005, dw3=-20, dw8=50) == [], "the same telegram again"
 
 
 def test_a_lost_link_primes_the_edges_anew() -> None:
-    door = Door()
-    door.send(dw0=ON)
-    door.door.restart()
-    assert door.send(dw0=ON | START, dw2=100, dw8=50) == []
-    door.send(dw0=ON, dw8=50)
-    assert door.send(dw0=ON | START, dw2=100, dw8=50) == [Code.PTP_ABSOLUTE]
+    source = Door()
+    source.send(dw0=ON)
+    source.source.restart()
+    assert source.send(dw0=ON | START, dw2=100, dw8=50) == []
+    source.send(dw0=ON, dw8=50)
+    assert source.send(dw0=ON | START, dw2=100, dw8=50) == [Code.PTP_ABSOLUTE]
 
 
 def test_stop_comes_before_everything_else_of_the_same_telegram() -> None:
-    door = Door()
-    door.send(dw0=ON, dw8=50)
-    assert door.send(dw0=ON | STOP | RESUME | START | REFERENCE, dw8=50) == [Code.STOP, Code.REFERENCE, Code.RESUME, Code.PTP_ABSOLUTE]
+    source = Door()
+    source.send(dw0=ON, dw8=50)
+    assert source.send(dw0=ON | STOP | RESUME | START | REFERENCE, dw8=50) == [Code.STOP, Code.REFERENCE, Code.RESUME, Code.PTP_ABSOLUTE]
 
 
 def test_override_is_taken_when_it_changed_and_only_by_the_owner() -> None:
-    door = Door()
-    door.send(dw0=ON, dw1=100)
-    assert door.send(dw0=ON, dw1=50) == [], "somebody else has control"
-    door.values["cell.control"] = 1.0
-    assert door.send(dw0=ON, dw1=60) == [Code.OVERRIDE]
-    assert door.send(dw0=ON, dw1=60) == []
+    source = Door()
+    source.send(dw0=ON, dw1=100)
+    assert source.send(dw0=ON, dw1=50) == [], "somebody else has control"
+    source.values["cell.control"] = 1.0
+    assert source.send(dw0=ON, dw1=60) == [Code.OVERRIDE]
+    assert source.send(dw0=ON, dw1=60) == []
 
 
 def test_a_number_out_of_its_range_is_not_taken_and_told() -> None:
-    door = Door()
-    door.values["cell.control"] = 1.0
-    door.send(dw0=ON, dw1=50, dw8=50)
-    assert door.send(dw0=ON, dw1=101, dw8=50) == []
-    assert "101" in door.bad[0]
-    assert "0..100" in door.bad[0]
+    source = Door()
+    source.values["cell.control"] = 1.0
+    source.send(dw0=ON, dw1=50, dw8=50)
+    assert source.send(dw0=ON, dw1=101, dw8=50) == []
+    assert "101" in source.bad[0]
+    assert "0..100" in source.bad[0]
 
 
 def test_kg_and_real_are_told_apart_by_the_entry() -> None:
-    door = Door()
-    door.send(dw0=ON, dw8=50)
-    door.door.written(12, 0, KG_1200_5 + KG_1200_5, 0)
-    door.door.written(10, 0, (ON | START).to_bytes(2, "big"), 0)
-    targets = door.commands[-1].targets
+    source = Door()
+    source.send(dw0=ON, dw8=50)
+    source.source.written(12, 0, KG_1200_5 + KG_1200_5, 0)
+    source.source.written(10, 0, (ON | START).to_bytes(2, "big"), 0)
+    targets = source.commands[-1].targets
     assert targets[1] == pytest.approx(1200.5), "DD 2 is declared KG"
     assert 0 < targets[0] < 1e-30, "DD 0 is declared REAL: the same bytes are another number, which the office refuses"
 
@@ -131,22 +131,22 @@ def test_kg_and_real_are_told_apart_by_the_entry() -> None:
     ],
 )
 def test_the_handshake_bits_of_a_move(state: CommandState, busy: int, done: int, refused: int) -> None:
-    door = Door()
-    door.send(dw0=ON, dw8=50)
-    door.send(dw0=ON | START, dw8=50)
-    door.door.move_state(state)
-    word = int.from_bytes(door.door.fill(11)[:2], "big")
+    source = Door()
+    source.send(dw0=ON, dw8=50)
+    source.send(dw0=ON | START, dw8=50)
+    source.source.move_state(state)
+    word = int.from_bytes(source.source.fill(11)[:2], "big")
     assert (word >> 8 & 1, word >> 9 & 1, word >> 15 & 1) == (busy, done, refused)
-    door.send(dw0=ON, dw8=50)
-    word = int.from_bytes(door.door.fill(11)[:2], "big")
+    source.send(dw0=ON, dw8=50)
+    word = int.from_bytes(source.source.fill(11)[:2], "big")
     assert (word >> 9 & 1, word >> 15 & 1) == (0, 0), "they fall with the start bit"
 
 
 def test_status_words_in_their_units_and_clamped_at_the_end_of_the_type() -> None:
-    door = Door()
-    door.values.update({"cell.ready": 1.0, "axis.A1.actual": 1200.52, "axis.A2.actual": -9999.0, "error.first.code": 17.0})
-    data = door.door.fill(11)
+    source = Door()
+    source.values.update({"cell.ready": 1.0, "axis.A1.actual": 1200.52, "axis.A2.actual": -9999.0, "error.first.code": 17.0})
+    data = source.source.fill(11)
     words = [int.from_bytes(data[n : n + 2], "big", signed=True) for n in range(0, 64, 2)]
     assert words[0] & 1 == 1
     assert (words[1], words[2], words[3]) == (17, 12005, -32768)
-    assert door.door.clamped == 1
+    assert source.source.clamped == 1

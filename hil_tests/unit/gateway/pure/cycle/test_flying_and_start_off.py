@@ -106,7 +106,7 @@ def zone() -> str:
 def test_a_later_block_goes_back_to_where_the_probe_was_met_and_there_the_program_rests(cell: Probing) -> None:
     lines = ("measure_on ch610", f"ptp joints {joints(40)}", f"ptp joints {joints(50)}", "ptp mpos", f"ptp joints {joints(4)}")
     sets, stamp = way(cell, *lines, edge_beyond=20.0)
-    measured = cell.was(stamp) / cell.cell.office.axes[0].si
+    measured = cell.was(stamp) / cell.cell.dispatcher.axes[0].si
     away = [abs(place - measured) for place in sets[sets.index(max(sets)) :] if not math.isnan(place)]
     assert min(away) < 5e-3 and cell.at(4.0), "gone back to there, before the last block"
 

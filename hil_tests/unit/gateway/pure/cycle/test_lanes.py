@@ -94,7 +94,7 @@ def test_a_fault_of_one_lane_ends_its_move_and_no_other(lanes: Lanes) -> None:
     lanes.bench.settle(second)
     assert (second.state, second.reason) == (CommandState.ABORTED, Reason.FOLLOWING_ERROR)
     lanes.bench.run(0.3)
-    assert lanes.office.enabled_mask() == ARM
+    assert lanes.dispatcher.enabled_mask() == ARM
     assert lanes.bench.settle(first).state is CommandState.DONE
 
 
@@ -109,12 +109,12 @@ def test_a_program_that_is_refused_leaves_the_other_lane_alone(lanes: Lanes) -> 
 def test_an_emergency_stop_ends_the_moves_of_all(lanes: Lanes) -> None:
     jobs = [lanes.order(1, 1), lanes.order(2, 2)]
     lanes.bench.run(0.4)
-    lanes.office.open_ready()
+    lanes.dispatcher.open_ready()
     for job in jobs:
         lanes.bench.settle(job)
         assert (job.state, job.reason) == (CommandState.ABORTED, Reason.EMERGENCY_STOP)
     lanes.bench.run(0.3)
-    assert lanes.office.enabled_mask() == 0
+    assert lanes.dispatcher.enabled_mask() == 0
 
 
 def test_a_coupled_move_takes_the_lanes_and_gives_them_back() -> None:

@@ -17,7 +17,7 @@ FETCH = OwnJob(10, True, Kind.BLOCK, 21, 0, 4, every=ms(250))
 CHANGE = OwnJob(12, False, Kind.BLOCK, 22, 0, 4, on_change=True)
 
 
-class Desk:
+class Sender:
     """Gives what is due and remembers it."""
 
     def __init__(self, *jobs: OwnJob) -> None:
@@ -33,68 +33,68 @@ class Desk:
 
 
 def test_each_job_comes_at_its_own_interval_and_keeps_its_phase() -> None:
-    desk = Desk(SEND, FETCH)
-    given = {0: desk.at(0)}
+    sender = Sender(SEND, FETCH)
+    given = {0: sender.at(0)}
     for now in range(5, 505, 5):
-        for number in (*desk.jobs._open,):
-            desk.jobs.over(number)
-        if found := desk.at(ms(now)):
+        for number in (*sender.jobs._open,):
+            sender.jobs.over(number)
+        if found := sender.at(ms(now)):
             given[now] = found
     assert given == {0: [SEND, FETCH], 100: [SEND], 200: [SEND], 250: [FETCH], 300: [SEND], 400: [SEND], 500: [SEND, FETCH]}
 
 
 def test_a_job_is_never_on_its_way_twice_and_what_was_missed_is_not_made_up_for() -> None:
-    desk = Desk(SEND)
-    assert desk.at(0) == [SEND]
-    assert desk.at(ms(450)) == []
-    assert desk.jobs.over(1) == SEND
-    assert desk.at(ms(450)) == [SEND]
-    desk.jobs.over(2)
-    assert desk.at(ms(495)) == []
-    assert desk.at(ms(500)) == [SEND], "the phase is kept"
+    sender = Sender(SEND)
+    assert sender.at(0) == [SEND]
+    assert sender.at(ms(450)) == []
+    assert sender.jobs.over(1) == SEND
+    assert sender.at(ms(450)) == [SEND]
+    sender.jobs.over(2)
+    assert sender.at(ms(495)) == []
+    assert sender.at(ms(500)) == [SEND], "the phase is kept"
 
 
 def test_a_change_is_sent_once_and_again_only_a_while_after_it_failed() -> None:
-    desk = Desk(CHANGE)
-    assert desk.at(0) == [CHANGE], "the partner has nothing yet"
-    desk.jobs.over(1)
-    assert desk.at(ms(5)) == []
-    desk.data = b"\0\1"
-    assert desk.at(ms(10)) == [CHANGE]
-    assert desk.jobs.failed(2, ms(20)) == CHANGE
-    assert desk.at(ms(25)) == [], "a partner that refuses is not flooded"
-    assert desk.at(ms(20) + AGAIN) == [CHANGE]
+    sender = Sender(CHANGE)
+    assert sender.at(0) == [CHANGE], "the partner has nothing yet"
+    sender.jobs.over(1)
+    assert sender.at(ms(5)) == []
+    sender.data = b"\0\1"
+    assert sender.at(ms(10)) == [CHANGE]
+    assert sender.jobs.failed(2, ms(20)) == CHANGE
+    assert sender.at(ms(25)) == [], "a partner that refuses is not flooded"
+    assert sender.at(ms(20) + AGAIN) == [CHANGE]
 
 
 def test_an_answer_to_nobody_s_job_is_told_apart() -> None:
-    desk = Desk(SEND)
-    assert desk.jobs.over(9) is None
-    assert desk.jobs.failed(9, 0) is None
+    sender = Sender(SEND)
+    assert sender.jobs.over(9) is None
+    assert sender.jobs.failed(9, 0) is None
 
 
 def test_a_passive_line_has_no_jobs_of_its_own() -> None:
-    door = Rk512Source.__new__(Rk512Source)
-    door.name, door.line = "plc", Line("plc", "sim", role="passive")
+    source = Rk512Source.__new__(Rk512Source)
+    source.name, source.line = "plc", Line("plc", "sim", role="passive")
     with pytest.raises(NotActive, match='role = "passive"'):
-        door.active  # noqa: B018
+        source.active  # noqa: B018
 
 
 def test_a_coordination_flag_falls_when_the_move_it_came_with_has_ended() -> None:
-    door = Rk512Source.__new__(Rk512Source)
-    door.line, door.flags, door.data = Line("plc", "sim", rk512=Rk512(coordination_flag="serve")), Flags(), DataDeskDoor().door
+    source = Rk512Source.__new__(Rk512Source)
+    source.line, source.flags, source.data = Line("plc", "sim", rk512=Rk512(coordination_flag="serve")), Flags(), DataDeskDoor().source
     flag = Flag(6, 4)
-    door.flags.take(flag)
-    door.data.move_state(CommandState.RUNNING)
-    door.reset_used_flags()
-    assert door.flags.locks(flag), "the move is under way"
-    door.data.move_state(CommandState.DONE)
-    door.reset_used_flags()
-    assert not door.flags.locks(flag)
+    source.flags.take(flag)
+    source.data.move_state(CommandState.RUNNING)
+    source.reset_used_flags()
+    assert source.flags.locks(flag), "the move is under way"
+    source.data.move_state(CommandState.DONE)
+    source.reset_used_flags()
+    assert not source.flags.locks(flag)
     for kept in ("keep", "ignore", "refuse"):
-        door.line = Line("plc", "sim", rk512=Rk512(coordination_flag=kept))
-        door.flags.take(flag)
-        door.reset_used_flags()
-        assert door.flags.locks(flag), f"{kept}: nobody resets it by himself"
+        source.line = Line("plc", "sim", rk512=Rk512(coordination_flag=kept))
+        source.flags.take(flag)
+        source.reset_used_flags()
+        assert source.flags.locks(flag), f"{kept}: nobody resets it by himself"
 
 
 def test_blocks_and_areas_have_one_key_each() -> None:

@@ -82,8 +82,8 @@ def test_without_an_edge_the_program_goes_on_at_the_label_and_mpos_is_not_read(b
         f"ptp joints {joints(9)}",
     ]
     assert done(both, both.order(*way)) and both.at(9.0)
-    assert max(q for _, q in both.seen) < 21.0 * both.cell.office.axes[0].si, "the rest was left out"
-    assert not any(abs(q / both.cell.office.axes[0].si - 5.0) < 1e-6 for _, q in both.seen[-200:])
+    assert max(q for _, q in both.seen) < 21.0 * both.cell.dispatcher.axes[0].si, "the rest was left out"
+    assert not any(abs(q / both.cell.dispatcher.axes[0].si - 5.0) < 1e-6 for _, q in both.seen[-200:])
     assert both.cell.core.state.measured_mask == 0
     assert both.programs.state.block in (0, 4)
 
@@ -143,7 +143,7 @@ def test_an_edge_while_a_door_has_stopped_the_path_moves_nothing_and_counts_at_i
     stopped = both.places()[0]
     both.change(PROBE)
     assert both.still(0.3) and both.cell.core.state.motion is Motion.STOPPED and job.open
-    assert both.measured == pytest.approx(stopped * both.cell.office.axes[0].si, abs=1e-4), "it is measured all the same"
+    assert both.measured == pytest.approx(stopped * both.cell.dispatcher.axes[0].si, abs=1e-4), "it is measured all the same"
     both.cell.settle(both.cell.give(Code.RESUME))
     assert done(both, job) and both.at(5.0)
-    assert max(q for _, q in both.seen) < (stopped + 1.0) * both.cell.office.axes[0].si
+    assert max(q for _, q in both.seen) < (stopped + 1.0) * both.cell.dispatcher.axes[0].si

@@ -66,11 +66,11 @@ class TestControl:
 class TestOffice:
     def test_commands_of_others_are_refused_except_stop(self) -> None:
         cell = CellBench().ready()
-        assert cell.give(Code.PTP_ABSOLUTE, targets=FAR, door=2).reason is Reason.NOT_OWNER
+        assert cell.give(Code.PTP_ABSOLUTE, targets=FAR, source=2).reason is Reason.NOT_OWNER
         move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
         cell.run(0.5)
-        assert cell.settle(cell.give(Code.STOP, door=2)).state is CommandState.DONE
-        assert (move.state, move.reason, move.detail) == (CommandState.RUNNING, Reason.STOPPED_BY_DOOR, "2")
+        assert cell.settle(cell.give(Code.STOP, source=2)).state is CommandState.DONE
+        assert (move.state, move.reason, move.detail) == (CommandState.RUNNING, Reason.STOPPED_BY_SOURCE, "2")
 
     @pytest.mark.parametrize(
         ("targets", "reason"),
@@ -118,7 +118,7 @@ class TestOffice:
         for velocity in (0.0, 1.0001):
             assert cell.give(Code.PTP_ABSOLUTE, velocity=velocity, targets=FAR).reason is Reason.RATE
         assert cell.give(Code.OVERRIDE, velocity=1.01).reason is Reason.RATE
-        assert cell.office.command(1, Command(99), cell.now).reason is Reason.UNKNOWN_CODE
+        assert cell.dispatcher.command(1, Command(99), cell.now).reason is Reason.UNKNOWN_CODE
 
     def test_a_move_while_one_runs_or_waits_is_refused(self) -> None:
         cell = CellBench().ready()
@@ -137,22 +137,22 @@ class TestOffice:
         cell = CellBench().ready()
         move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
         cell.run(0.5)
-        cell.office.link(1, OnLoss.STOP, alive=False)
+        cell.dispatcher.link(1, OnLoss.STOP, alive=False)
         cell._hand_over()
         cell.run(1.0)
         assert cell.core.state.motion is Motion.STOPPED
         assert (move.state, move.reason) == (CommandState.RUNNING, Reason.LINK_LOST)
-        cell.settle(cell.give(Code.REQUEST_CONTROL, door=2))
+        cell.settle(cell.give(Code.REQUEST_CONTROL, source=2))
         assert (cell.core.state.motion, move.state) == (Motion.IDLE, CommandState.ABORTED)
-        assert cell.give(Code.RESUME, door=2).reason is Reason.NOTHING_TO_RESUME
+        assert cell.give(Code.RESUME, source=2).reason is Reason.NOTHING_TO_RESUME
 
     def test_a_cycle_that_is_not_there_ends_what_was_open_and_is_told(self) -> None:
         cell = CellBench().ready()
         move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
         cell.run(0.5)
-        cell.office.observe(CellState(), cell.now)
+        cell.dispatcher.observe(CellState(), cell.now)
         assert (move.state, move.reason) == (CommandState.ABORTED, Reason.CYCLE_RESTARTED)
-        assert cell.office.enabled_mask() == 0
+        assert cell.dispatcher.enabled_mask() == 0
         refused = cell.give(Code.ENABLE)
         assert (refused.state, refused.reason) == (CommandState.REFUSED, Reason.NOT_READY)
 
@@ -163,7 +163,7 @@ class TestOffice:
         cell = CellBench().ready()
         cell.give(Code.PTP_ABSOLUTE, targets=FAR)
         cell.run(0.5)
-        cell.office.link(1, on_loss, alive=False)
+        cell.dispatcher.link(1, on_loss, alive=False)
         cell._hand_over()
         cell.run(6.0)
         assert cell.core.state.motion is motion
@@ -172,7 +172,7 @@ class TestOffice:
         cell = CellBench().ready()
         move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
         cell.run(0.5)
-        cell.office.link(1, OnLoss.QUICK_STOP, alive=False)
+        cell.dispatcher.link(1, OnLoss.QUICK_STOP, alive=False)
         cell._hand_over()
         cell.run(0.5)
         assert (move.state, move.reason) == (CommandState.ABORTED, Reason.LINK_LOST)
@@ -182,14 +182,14 @@ class TestOffice:
         cell = CellBench().ready()
         cell.give(Code.PTP_ABSOLUTE, targets=FAR)
         cell.run(0.3)
-        cell.office.link(2, OnLoss.QUICK_STOP, alive=False)
+        cell.dispatcher.link(2, OnLoss.QUICK_STOP, alive=False)
         cell._hand_over()
         cell.run(0.1)
         assert cell.core.state.motion is Motion.RUNNING
 
     def test_an_order_for_an_older_cycle_is_never_obeyed(self) -> None:
         cell = CellBench().ready()
-        cell.office.command(1, Command(Code.PTP_ABSOLUTE, ALL, 1.0, 1.0, (*FAR, *[0.0] * 6)), cell.now)
+        cell.dispatcher.command(1, Command(Code.PTP_ABSOLUTE, ALL, 1.0, 1.0, (*FAR, *[0.0] * 6)), cell.now)
         cell.restart_cycle()
         cell._hand_over()
         assert cell.orders == []

@@ -50,13 +50,13 @@ class Probes(WithPlanner):
     def turn(self) -> None:
         super().turn()
         if hasattr(self, "seen"):
-            one, two = (axis.actual / fact.si for axis, fact in zip(self.cell.core.state.axes[:2], self.cell.office.axes, strict=False))
+            one, two = (axis.actual / fact.si for axis, fact in zip(self.cell.core.state.axes[:2], self.cell.dispatcher.axes, strict=False))
             self.seen.append((one, two))
 
     def measured(self) -> list[float]:
         state = self.cell.core.state
         assert state.measured_mask == 0x3F
-        return [axis.measured / fact.si for axis, fact in zip(state.axes, self.cell.office.axes, strict=False)]
+        return [axis.measured / fact.si for axis, fact in zip(state.axes, self.cell.dispatcher.axes, strict=False)]
 
     def second_at(self, place: float) -> float:
         """Axis 2 where axis 1 was there, on its way up."""

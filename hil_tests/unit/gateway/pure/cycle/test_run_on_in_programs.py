@@ -37,7 +37,7 @@ class Running(Probing):
 
     def distance(self, value: float) -> None:
         """In units of axis 1, while whatever moves goes on."""
-        self.cell.office.run_on(1, value * self.unit)
+        self.cell.dispatcher.run_on(1, value * self.unit)
         self.cell._hand_over()
 
     def beyond(self, place: float) -> None:
@@ -50,7 +50,7 @@ class Running(Probing):
 
     @property
     def unit(self) -> float:
-        return self.cell.office.axes[0].si
+        return self.cell.dispatcher.axes[0].si
 
     def stepped(self) -> list[float]:
         """Ways of axis 1 in the cycles it moved in."""
@@ -139,7 +139,7 @@ def test_a_way_out_of_the_travel_is_not_begun_and_names_the_axis(both: Running) 
     job = both.order(WAY, f"ptp joints {joints(5)}")
     both.edge_at(20.0)
     assert both.finished(job).state is CommandState.ABORTED and job.reason is Reason.TARGET_LIMIT
-    assert both.cell.office.axes[0].name in job.detail
+    assert both.cell.dispatcher.axes[0].name in job.detail
     assert 20.0 < both.places()[0] < 89.9 and both.still(0.2), "stopped on the path"
 
 
@@ -147,12 +147,12 @@ def test_a_share_of_the_speed_acts_on_the_move_under_way_alone(both: Running) ->
     job = both.order(f"ptp joints {alone(90)}", velocity=0.2)
     both.beyond(40.0)
     fast = both.stepped()[-1]
-    both.cell.office.slow_move(job, 0.2)
+    both.cell.dispatcher.slow_move(job, 0.2)
     both.cell._hand_over()
     both.beyond(60.0)
     assert both.stepped()[-1] == pytest.approx(0.2 * fast, rel=0.02)
     assert done(both, job)
     both.sets.clear()
-    both.cell.office.slow_move(job, 0.1)  # too late
+    both.cell.dispatcher.slow_move(job, 0.1)  # too late
     assert done(both, both.order(f"ptp joints {joints(2)}", velocity=0.2))
     assert max(both.stepped()) > 0.9 * fast

@@ -75,7 +75,7 @@ def test_a_path_whose_end_never_came_is_gone_with_its_program(both: WithPlanner)
     planner.alive = False
     job = both.order(f"ptp joints {joints(5)}")
     both.cell.cycle(2)
-    said = [run_record(order) for order in both.cell.office.take_programs()]
+    said = [run_record(order) for order in both.cell.dispatcher.take_programs()]
     made = follow(both.programs, said, core.state, len(LIMITS))
     while both.programs.preparing:
         both.programs.prepare(standing(core.state, len(LIMITS)))

@@ -107,13 +107,13 @@ def test_a_fault_of_the_other_lane_is_no_matter_to_a_stream(lanes: Lanes) -> Non
     assert (scara.state, scara.reason) == (CommandState.ABORTED, Reason.FOLLOWING_ERROR)
     rests(lanes, scara)
     goes_on_without(lanes, arm)
-    assert lanes.office.enabled_mask() == ARM
+    assert lanes.dispatcher.enabled_mask() == ARM
 
 
 def test_a_stream_whose_sender_dies_stops_on_its_path_and_the_other_goes_on(lanes: Lanes) -> None:
     arm, scara = both(lanes, "ptp joints -60 90 -200 0")
     lanes.bench.run(0.4)
-    lanes.office.stop_move(scara)
+    lanes.dispatcher.stop_move(scara)
     lanes.bench._hand_over()
     lanes.bench.run(1.0)
     held = lanes.sets()[6:]

@@ -30,7 +30,7 @@ class Writer:
     def __init__(self, number: int, chance: random.Random) -> None:
         self.number, self.chance = number, chance
         block = DataBlock(number, 4, from_plc=True)
-        self.door = DataBlocks(
+        self.source = DataBlocks(
             [block], (), None, BlockHost(lambda command: None, lambda name: 0.0, lambda name, text: None, lambda name, bit: None)
         )
         self.block = block
@@ -51,9 +51,9 @@ class Writer:
             self.due = now + EVERY
             self.sent, self.sent_ns = tuple(self.chance.randrange(0x10000) for _ in range(4)), now
             self.watch.telegram(now, None)
-            self.door.written(self.number, 0, b"".join(word.to_bytes(2, "big") for word in self.sent), now)
+            self.source.written(self.number, 0, b"".join(word.to_bytes(2, "big") for word in self.sent), now)
         if self.watch.wake(now) is LinkEvent.SILENT:
-            self.door.restart()
+            self.source.restart()
 
 
 def signed(word: int) -> int:

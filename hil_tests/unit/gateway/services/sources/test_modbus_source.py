@@ -46,7 +46,7 @@ def test_command_words_reach_the_dispatcher_and_the_answer_is_fresh(bench: Sourc
     source.view.write_words(BLOCK_AT, words)
     words[0] = TOGGLE | Code.REQUEST_CONTROL
     assert source.view.write_words(BLOCK_AT, words) is None
-    assert bench.office.owner == source.number and source.in_control
+    assert bench.dispatcher.owner == source.number and source.in_control
     assert source.row()["state"] == CommandState.DONE.name and bench.passed_on == 2
 
 
@@ -57,7 +57,7 @@ def test_its_registers_are_values_by_name() -> None:
     made.publish(motion=3)
     source = source_of(made)
     assert source.view.read_words(Kind.HOLDING_REGISTERS, 300, 2) == [3, 0]
-    made.office.control.request(source.number, at_rest=True)
+    made.dispatcher.control.request(source.number, at_rest=True)
     assert source.view.read_words(Kind.HOLDING_REGISTERS, 300, 2) == [3, 1], "this very source is in control"
     made.close()
 

@@ -29,14 +29,14 @@ def test_a_send_to_a_declared_block_becomes_commands_of_this_source(bench: Sourc
     source = Rk512Source(bench.context("plc1"), DEMO.line[0])
     assert source.write(10, 0, b"\x00\x00") is None, "the first telegram only says where the bits are"
     assert source.write(10, 0, b"\x00\x01") is None
-    assert bench.office.owner == source.number and bench.office.door(source.number).last is not None
+    assert bench.dispatcher.owner == source.number and bench.dispatcher.source(source.number).last is not None
     assert source.read(11, 0, 1) != b"" and source.move_bit("busy") is False
 
 
 def test_a_block_no_table_declares_is_refused_and_nothing_is_commanded(bench: SourceBench) -> None:
     source = Rk512Source(bench.context("plc1"), DEMO.line[0])
     assert source.write(99, 0, b"\0\0") is ErrorNumber.BLOCK and source.write(11, 0, b"\0\0") is ErrorNumber.NOT_ALLOWED
-    assert bench.office.door(source.number).last is None and not bench.image.changed
+    assert bench.dispatcher.source(source.number).last is None and not bench.image.changed
 
 
 def test_rc_inputs_are_taken_where_the_line_owns_them_and_marked_good() -> None:
@@ -78,5 +78,5 @@ def test_without_blocks_of_its_own_db_10_is_the_command_block() -> None:
     assert source.write(10, 0, struct.pack(f">{COMMAND_WORDS}H", *words)) is None
     words[0] = TOGGLE | Code.REQUEST_CONTROL
     assert source.write(10, 0, struct.pack(f">{COMMAND_WORDS}H", *words)) is None
-    assert bench.office.owner == source.number
+    assert bench.dispatcher.owner == source.number
     bench.close()

@@ -42,7 +42,7 @@ class ControlBench(CellBench):
         super().__init__(8, cell=cell)
         owned = dict.fromkeys(range(RC_BYTES), PLC) if owners is None else owners
         self.errors = ErrorList()
-        made, self.faults = make_control(cell, owned, {"rack": PLC, "net": OTHER}, self.office, self.errors, self.now)
+        made, self.faults = make_control(cell, owned, {"rack": PLC, "net": OTHER}, self.dispatcher, self.errors, self.now)
         assert made is not None
         self.control: Control = made
         self.told: list[str] = []
@@ -54,8 +54,8 @@ class ControlBench(CellBench):
         return ServodynSlave(bus_settings(self.cell, "drives", self.p5_ms), CODEC), ServodynFamily(CODEC, [(0, 1), (1, 2)])
 
     def _step(self) -> None:
-        assert self.office.cell is not None
-        self.told += self.control.step(self.inputs, bytes(self.core.outputs), self.office.cell, self.now)
+        assert self.dispatcher.cell is not None
+        self.told += self.control.step(self.inputs, bytes(self.core.outputs), self.dispatcher.cell, self.now)
         self._hand_over()
 
     # ---- the PLC ---------------------------------------------------------------------------------------------------------
@@ -81,13 +81,13 @@ class ControlBench(CellBench):
         return get_bit(self.control.outputs, bit)
 
     def enabled(self) -> list[bool]:
-        assert self.office.cell is not None
-        return [bool(axis.flags & AxisFlag.ENABLED) for axis in self.office.cell.axes[:2]]
+        assert self.dispatcher.cell is not None
+        return [bool(axis.flags & AxisFlag.ENABLED) for axis in self.dispatcher.cell.axes[:2]]
 
     def place(self, axis: int = 0) -> float:
         """mm."""
-        assert self.office.cell is not None
-        return self.office.cell.axes[axis].actual * 1000.0
+        assert self.dispatcher.cell is not None
+        return self.dispatcher.cell.axes[axis].actual * 1000.0
 
     # ---- the kinds -------------------------------------------------------------------------------------------------------
     @property

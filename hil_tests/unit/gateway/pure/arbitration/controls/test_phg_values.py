@@ -91,13 +91,13 @@ def test_the_global_factor_slows_the_next_move_and_control_reset_brings_it_back(
     bench: ControlBench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ordered: list[float] = []
-    command = bench.office.command
+    command = bench.dispatcher.command
 
-    def heard(door: int, order: Any, now: int, **more: Any) -> Any:
+    def heard(source: int, order: Any, now: int, **more: Any) -> Any:
         ordered.append(order.velocity)
-        return command(door, order, now, **more)
+        return command(source, order, now, **more)
 
-    monkeypatch.setattr(bench.office, "command", heard)
+    monkeypatch.setattr(bench.dispatcher, "command", heard)
     bench.rho3.phg.write("phg.33793", 0.5)
     bench.put(23)
     bench.rho3.start("PICK")

@@ -261,7 +261,7 @@ def test_the_outputs_of_the_cycle_reach_the_doors_of_every_kind(robot: ControlBe
     moving(robot)
     val3 = ControlBench(VAL3)
     val3.run(0.3)
-    assert robot.output(66) and robot.output(64) and val3.output(64) and robot.office.owner == PLC
+    assert robot.output(66) and robot.output(64) and val3.output(64) and robot.dispatcher.owner == PLC
 
 
 def stepped(robot: ControlBench, *flags: AxisFlag) -> None:

@@ -52,11 +52,11 @@ def motion(bench: ControlBench) -> Motion:
 
 
 def test_drive_on_asks_for_control_and_gives_it_back_at_rest(bench: ControlBench) -> None:
-    assert bench.office.owner == 0
+    assert bench.dispatcher.owner == 0
     on(bench)
-    assert bench.office.owner == PLC and bench.core.state.override == 1.0, "nobody else of this cell sets one"
+    assert bench.dispatcher.owner == PLC and bench.core.state.override == 1.0, "nobody else of this cell sets one"
     bench.put(off=(DRIVE_ON,)).run(0.5)
-    assert bench.enabled() == [False, False] and bench.office.owner == 0
+    assert bench.enabled() == [False, False] and bench.dispatcher.owner == 0
 
 
 def test_what_stands_at_start_switches_nothing_on_and_its_fall_switches_off() -> None:
@@ -86,7 +86,7 @@ def test_single_axes_work_while_the_group_signal_is_0(bench: ControlBench) -> No
     bench.put(DRIVE_ON).run(1.0)
     assert bench.enabled() == [True, True]
     bench.put(off=(DRIVE_ON,)).run(0.5)
-    assert bench.enabled() == [False, True] and bench.office.owner == PLC
+    assert bench.enabled() == [False, True] and bench.dispatcher.owner == PLC
 
 
 def test_permits_and_control_count_as_for_every_door(bench: ControlBench) -> None:
@@ -95,11 +95,11 @@ def test_permits_and_control_count_as_for_every_door(bench: ControlBench) -> Non
     assert bench.enabled() == [False, False], "no control allow"
     bench.permit(25)
     bench.put(off=(DRIVE_ON,)).run(0.2)
-    bench.settle(bench.give(Code.REQUEST_CONTROL, door=OTHER))
-    bench.office.control.link(OTHER, alive=True)
+    bench.settle(bench.give(Code.REQUEST_CONTROL, source=OTHER))
+    bench.dispatcher.control.link(OTHER, alive=True)
     bench.put(DRIVE_ON).run(1.0)
-    assert bench.enabled() == [False, False] and bench.office.owner == OTHER
-    assert bench.office.door(PLC).by_code[Code.ENABLE].state is CommandState.REFUSED
+    assert bench.enabled() == [False, False] and bench.dispatcher.owner == OTHER
+    assert bench.dispatcher.source(PLC).by_code[Code.ENABLE].state is CommandState.REFUSED
 
 
 def test_a_disabled_axis_goes_off_at_once_and_stays_off_until_a_new_start(bench: ControlBench) -> None:

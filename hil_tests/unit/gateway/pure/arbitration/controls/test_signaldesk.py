@@ -35,7 +35,7 @@ class Host:
         self.bench = SourceBench(cell_with(controller, rho3, more))
         made = self.bench
         made.image.inputs.quality[:] = bytes((Quality.GOOD,)) * RC_BYTES
-        context = PartContext(made.run, made.image, made.values, made.office)
+        context = PartContext(made.run, made.image, made.values, made.dispatcher)
         self.host = ControllerHost(context, ErrorList(), lambda: 0, lambda jobs: None, {}, 0)
         self.contacts = DigitalContacts(made.run, made.image, made.values, lambda bus, node: "", {})
         self.bridge = Bridge(made.run, made.image, made.values, self.contacts, lambda axis, key, data: None, {}, lambda: None)
@@ -49,7 +49,7 @@ class Host:
         """The contact the route begins at."""
         self.contacts.said[0] = Said(value, Quality.GOOD)
 
-    def door_writes(self, value: int) -> float:
+    def source_writes(self, value: int) -> float:
         """What the control has of it right after."""
         self.bench.image.write(88, bytes((value,)), 1)
         self.host.inputs_came(1)
@@ -60,14 +60,14 @@ class Host:
 def test_both_edges_of_a_pulse_between_two_cycles_reach_the_control() -> None:
     made = Host('kind = "reis"')
     made.host.step(0)
-    assert [made.door_writes(value) for value in (1, 0, 5)] == [1.0, 0.0, 5.0] and made.steps == 4
+    assert [made.source_writes(value) for value in (1, 0, 5)] == [1.0, 0.0, 5.0] and made.steps == 4
 
 
 def test_a_telegram_that_changes_nothing_steps_nothing() -> None:
     made = Host('kind = "reis"')
     made.host.step(0)
-    assert [made.door_writes(value) for value in (0, 0)] == [0.0, 0.0] and made.steps == 1
-    made.door_writes(3)
+    assert [made.source_writes(value) for value in (0, 0)] == [0.0, 0.0] and made.steps == 1
+    made.source_writes(3)
     made.host.inputs_came(2)
     assert made.steps == 2
 

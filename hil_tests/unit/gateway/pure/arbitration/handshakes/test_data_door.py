@@ -43,7 +43,7 @@ class Door:
         shake = compile_handshake(cell.handshake["move"])
         blocks, names = [compile_block(db) for db in cell.db], [axis.name for axis in cell.axis]
         host = BlockHost(self.commands.append, lambda name: 0.0, lambda name, told: None, lambda name, bit: None)
-        self.door = DataBlocks(blocks, names, shake, host, selected=compile_pattern(cell))
+        self.source = DataBlocks(blocks, names, shake, host, selected=compile_pattern(cell))
         self.words = [0] * 32
         self.send()
 
@@ -52,72 +52,72 @@ class Door:
         for name, value in words.items():
             self.words[int(name[1:])] = value
         before = len(self.commands)
-        self.door.written(10, 0, b"".join(word.to_bytes(2, "big") for word in self.words), 0)
+        self.source.written(10, 0, b"".join(word.to_bytes(2, "big") for word in self.words), 0)
         return [command for command in self.commands[before:] if command.code in (Code.PTP_ABSOLUTE, Code.PROGRAM)]
 
     def answer(self) -> tuple[bool, bool]:
         """(done, refused) in DB 11."""
-        word = int.from_bytes(self.door.fill(11)[:2], "big")
+        word = int.from_bytes(self.source.fill(11)[:2], "big")
         return bool(word & 0x200), bool(word & 0x8000)
 
 
 def test_a_number_selects_its_position_once_and_is_done_until_zero() -> None:
-    door = Door(text("number-select", NUMBER, ""))
-    (move,) = door.send(w6=7)
+    source = Door(text("number-select", NUMBER, ""))
+    (move,) = source.send(w6=7)
     assert (move.mask, move.velocity, move.targets[:3]) == (0b101, 0.5, (100.0, 0.0, 5.0))
-    assert door.send() == [] == door.send(w6=7)
-    door.door.move_state(CommandState.DONE)
-    assert door.answer() == (True, False)
-    assert door.send(w6=0) == [] and door.answer() == (False, False)
-    assert door.send(w6=9) == [] and door.answer() == (False, True)
-    assert door.send(w6=0) == []
-    assert door.send(w6=8)[0].mask == 0b010
+    assert source.send() == [] == source.send(w6=7)
+    source.source.move_state(CommandState.DONE)
+    assert source.answer() == (True, False)
+    assert source.send(w6=0) == [] and source.answer() == (False, False)
+    assert source.send(w6=9) == [] and source.answer() == (False, True)
+    assert source.send(w6=0) == []
+    assert source.send(w6=8)[0].mask == 0b010
 
 
 def test_a_number_of_a_program_orders_it_once_and_zero_lies_between_two() -> None:
-    door = Door(numbered_cell(number=20))
-    (order,) = door.send(w5=100, w6=20)
+    source = Door(numbered_cell(number=20))
+    (order,) = source.send(w5=100, w6=20)
     assert (order.code, order.mask, order.velocity, order.acceleration) == (Code.PROGRAM, 20, 1.0, 1.0)
-    assert door.send() == [] == door.send(w6=7), "no second start while the first one is under way"
-    door.door.move_state(CommandState.DONE)
-    assert door.answer() == (True, False)
-    assert door.send(w6=0) == [] and door.send(w6=21) == [] and door.answer() == (False, True)
-    assert door.send(w6=0) == [] and door.send(w6=20)[0].code is Code.PROGRAM
-    door.door.move_state(CommandState.REFUSED)
-    assert door.answer() == (False, True)
+    assert source.send() == [] == source.send(w6=7), "no second start while the first one is under way"
+    source.source.move_state(CommandState.DONE)
+    assert source.answer() == (True, False)
+    assert source.send(w6=0) == [] and source.send(w6=21) == [] and source.answer() == (False, True)
+    assert source.send(w6=0) == [] and source.send(w6=20)[0].code is Code.PROGRAM
+    source.source.move_state(CommandState.REFUSED)
+    assert source.answer() == (False, True)
 
 
 def test_a_strobed_code_orders_a_program_at_the_speed_of_its_block() -> None:
     strobed = numbered_cell(number=20).replace('pattern = "number-select"', 'pattern = "strobe-parity"\nstart   = "DB10.D0.8"')
-    door = Door(strobed.replace(LAST, START + PARITY + LAST))
-    (order,) = door.send(w0=0x100, w5=40, w6=20)
+    source = Door(strobed.replace(LAST, START + PARITY + LAST))
+    (order,) = source.send(w0=0x100, w5=40, w6=20)
     assert (order.code, order.mask, order.velocity) == (Code.PROGRAM, 20, 0.4)
 
 
 def test_a_strobe_takes_number_and_parity_of_the_same_telegram() -> None:
-    door = Door(text("strobe-parity", START + NUMBER + PARITY))
-    assert door.send(w0=0x100, w6=7) == [] and door.answer() == (False, True), "7 has three ones: even parity needs the fourth"
-    assert door.send(w0=0) == []
-    assert door.send(w0=0x300, w6=7)[0].mask == 0b101
-    door.door.move_state(CommandState.ACCEPTED)
-    assert door.answer() == (True, False) and door.send() == []
+    source = Door(text("strobe-parity", START + NUMBER + PARITY))
+    assert source.send(w0=0x100, w6=7) == [] and source.answer() == (False, True), "7 has three ones: even parity needs the fourth"
+    assert source.send(w0=0) == []
+    assert source.send(w0=0x300, w6=7)[0].mask == 0b101
+    source.source.move_state(CommandState.ACCEPTED)
+    assert source.answer() == (True, False) and source.send() == []
 
 
 @pytest.mark.parametrize("pattern", ["level-ack", "toggle"])
 def test_a_bit_takes_the_targets_of_its_telegram(pattern: str) -> None:
-    door = Door(text(pattern))
-    (move,) = door.send(w0=0x100, w2=1000, w5=50)
-    assert move.targets[0] == 100.0 and door.send() == []
-    door.door.move_state(CommandState.DONE)
-    assert door.answer() == (True, False)
-    assert len(door.send(w0=0)) == (pattern == "toggle")
+    source = Door(text(pattern))
+    (move,) = source.send(w0=0x100, w2=1000, w5=50)
+    assert move.targets[0] == 100.0 and source.send() == []
+    source.source.move_state(CommandState.DONE)
+    assert source.answer() == (True, False)
+    assert len(source.send(w0=0)) == (pattern == "toggle")
 
 
 def test_a_link_that_returns_with_a_standing_number_moves_nothing() -> None:
-    door = Door(text("number-select", NUMBER, ""))
-    door.send(w6=7)
-    door.door.restart()
-    assert door.send(w6=7) == [] and door.send(w6=7) == []
+    source = Door(text("number-select", NUMBER, ""))
+    source.send(w6=7)
+    source.source.restart()
+    assert source.send(w6=7) == [] and source.send(w6=7) == []
 
 
 @pytest.mark.parametrize(

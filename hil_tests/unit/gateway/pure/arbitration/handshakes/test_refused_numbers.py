@@ -68,7 +68,7 @@ class Plc:
         shake = compile_handshake(cell.handshake["move"])
         host = BlockHost(self._command, self._value, lambda name, words: self.told.append(words), lambda name, bit: None, self._refuse)
         blocks, axes = [compile_block(db) for db in cell.db], [axis.name for axis in cell.axis]
-        self.door = DataBlocks(blocks, axes, shake, host, selected=compile_pattern(cell))
+        self.source = DataBlocks(blocks, axes, shake, host, selected=compile_pattern(cell))
         self.words = bytearray(64)
         self.put(a1=100.0, a2=100.0, speed=50, override=100)
         self.send()
@@ -78,11 +78,11 @@ class Plc:
         return float(name == "cell.control")
 
     def _command(self, command: Command) -> None:
-        self.bench.office.command(1, command, self.bench.now)
+        self.bench.dispatcher.command(1, command, self.bench.now)
         self.bench._hand_over()
 
     def _refuse(self, code: Code, words: str) -> None:
-        self.bench.office.refuse(1, code, Reason.FORMAT_SUSPICION, words)
+        self.bench.dispatcher.refuse(1, code, Reason.FORMAT_SUSPICION, words)
 
     def put(self, **words: float | bytes) -> None:
         """Into the PLC's own copy of DB 10: a1, a2, speed, override, number; bytes as they are."""
@@ -94,7 +94,7 @@ class Plc:
 
     def send(self, first: int = 0, words: int = 32) -> None:
         """Words of DB 10 as one SEND, and what the cell makes of them."""
-        self.door.written(10, first, bytes(self.words[2 * first : 2 * (first + words)]), self.bench.now)
+        self.source.written(10, first, bytes(self.words[2 * first : 2 * (first + words)]), self.bench.now)
         self.run(0.02)
 
     def bits(self, *, start: bool, number: int = 3) -> None:
@@ -108,16 +108,16 @@ class Plc:
 
     def run(self, seconds: float) -> None:
         self.bench.run(seconds)
-        jobs = [job for code, job in self.bench.office.door(1).by_code.items() if code in (Code.PTP_ABSOLUTE, Code.PROGRAM)]
+        jobs = [job for code, job in self.bench.dispatcher.source(1).by_code.items() if code in (Code.PTP_ABSOLUTE, Code.PROGRAM)]
         if jobs:
-            self.door.move_state(max(jobs, key=lambda job: job.id).state)
+            self.source.move_state(max(jobs, key=lambda job: job.id).state)
 
     def refused(self) -> bool:
         """The refused bit as the PLC fetches it."""
-        return bool(self.door.fill(11)[0] & 0x80)
+        return bool(self.source.fill(11)[0] & 0x80)
 
     def outcome(self) -> tuple[CommandState, Reason]:
-        job = self.bench.office.door(1).last
+        job = self.bench.dispatcher.source(1).last
         assert job is not None
         return job.state, job.reason
 
@@ -198,7 +198,7 @@ def test_a_number_refused_earlier_refuses_the_start_that_comes_alone(pattern: st
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_no_number_outlives_a_lost_link(pattern: str) -> None:
     plc, home = moved(pattern)
-    plc.door.restart()
+    plc.source.restart()
     plc.send(0, 1)  # where the bits stand
     if pattern == "number-select":
         plc.send(6, 1)
@@ -215,7 +215,7 @@ def test_no_number_outlives_a_lost_link(pattern: str) -> None:
 
 def test_a_single_target_that_was_not_written_again_refuses_the_others() -> None:
     plc, home = moved("start-busy-done")
-    plc.door.restart()
+    plc.source.restart()
     plc.send(0, 2)
     plc.send(4, 8)  # A2 and speed, not A1
     plc.bits(start=True)
@@ -240,7 +240,7 @@ def test_half_of_a_double_word_is_no_target() -> None:
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_what_stands_when_the_link_returns_starts_nothing_in_whatever_pieces_it_comes(pattern: str) -> None:
     plc, home = moved(pattern)
-    plc.door.restart()
+    plc.source.restart()
     plc.bits(start=True, number=5)
     for word in (2, 3, 4, 5, 8, 1, 6, 0):
         plc.send(word, 2 if word in (2, 4) else 1)

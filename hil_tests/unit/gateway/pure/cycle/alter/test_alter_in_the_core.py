@@ -40,7 +40,7 @@ def ramp(bench: AlterBench, top: float, speed: float, axis: int = 2, after: floa
 
 def sets(bench: AlterBench) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
     """(cycles, 4) mm and deg since the order."""
-    facts = bench.bench.office.axes
+    facts = bench.bench.dispatcher.axes
     return np.array([[axis.set / fact.si for axis, fact in zip(state.axes, facts, strict=False)] for state in bench.seen])
 
 
@@ -207,7 +207,7 @@ def test_a_stop_at_the_end_of_the_path_ends_the_program(bench: AlterBench) -> No
     bench.bench.run(0.1)
     bench.done(Code.STOP)
     bench.finished(job)
-    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_DOOR) and bench.still()
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_SOURCE) and bench.still()
     ramp(bench, 3.0, 10.0)
     assert bench.still(), "a correction moves nothing any more"
 
@@ -234,7 +234,7 @@ def test_an_abandoned_path_drops_its_correction_and_the_planners_death_ends_at_r
     bench.until(lambda s: s.axes[0].set > 0.2)
     bench.done(Code.STOP)
     bench.done(Code.ABANDON)
-    assert bench.finished(job).reason in (Reason.ABANDONED, Reason.STOPPED_BY_DOOR) and bench.still()
+    assert bench.finished(job).reason in (Reason.ABANDONED, Reason.STOPPED_BY_SOURCE) and bench.still()
     assert bench.bench.set()[2] == pytest.approx(56.0, abs=1e-6)
     bench.home()
     job = bench.begin(f"alter frame - path=500 until={WAIT}", *PART[1:], "linear pose 300 130 50 0 0 0")

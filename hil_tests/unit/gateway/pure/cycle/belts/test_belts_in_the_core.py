@@ -159,7 +159,7 @@ def test_a_stop_brakes_path_and_belt_and_nothing_is_left_to_resume(bench: BeltBe
     bench.until(lambda s: s.axes[1].set > 0.104 and s.axes[0].speed > 0.1)
     assert bench.settle(bench.give(Code.STOP, ALL)).state is CommandState.DONE
     bench.finished(job)
-    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_DOOR) and still(bench)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_SOURCE) and still(bench)
     assert bench.give(Code.RESUME, ALL).reason is Reason.NOTHING_TO_RESUME
     smooth(bench)
 

@@ -41,12 +41,12 @@ class Pair(OnBelts):
     """Programs of both robots."""
 
     def both(self, *lines: str) -> Job:
-        self.bench.office.programs = {**self.bench.office.programs, 3: BOTH}
+        self.bench.dispatcher.programs = {**self.bench.dispatcher.programs, 3: BOTH}
         self.driven()
         self.begun = self.state.parts
         self.robots.counted.clear()
         self.text = HEAD + "\n".join(lines)
-        job = self.bench.office.command(1, Command(Code.PROGRAM, 3, 1.0, 1.0), self.bench.now)
+        job = self.bench.dispatcher.command(1, Command(Code.PROGRAM, 3, 1.0, 1.0), self.bench.now)
         self.bench._hand_over()
         return job
 
@@ -162,7 +162,7 @@ def test_a_stop_on_the_belt_ends_the_program_and_the_next_one_begins_where_they_
     home.bench.run(0.3)
     home.done(Code.STOP)
     home.finished(job)
-    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_DOOR)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_SOURCE)
     assert home.finished(home.both(BACK)).state is CommandState.DONE
 
 

@@ -131,7 +131,7 @@ def test_a_program_that_waits_on_its_belt_is_over_beside_it_and_its_counter_is_l
         bench.give(Code.STOP if how == "stop" else Code.DISABLE, bench.all)
     bench.until(lambda s: s.failed_job == number and s.motion is Motion.IDLE)
     bench.run(0.2)
-    reasons = {"stop": Reason.STOPPED_BY_DOOR, "planner": Reason.PLANNER_LOST, "drives": Reason.DRIVES_OFF}
+    reasons = {"stop": Reason.STOPPED_BY_SOURCE, "planner": Reason.PLANNER_LOST, "drives": Reason.DRIVES_OFF}
     assert bench.core.state.failed_reason == reasons[how] and still(bench)
     assert not bench.belts.awaits and not bench.belts.carries and jumps(bench) == []
     assert all(0.0 <= axis.set < math.tau for axis in bench.core.state.axes[:5])

@@ -58,13 +58,13 @@ class Tables(OnBelts):
 
     def __init__(self) -> None:
         super().__init__(CELL)
-        self.bench.office.programs = {1: ProgramFacts("both", EVERY)}
+        self.bench.dispatcher.programs = {1: ProgramFacts("both", EVERY)}
 
 
 def ordered(tables: Tables, *lines: str) -> tuple[CommandState, int, str]:
     """A program through to its outcome."""
     tables.text = HEAD + "\n".join(lines)
-    job = tables.bench.office.command(1, Command(Code.PROGRAM, 1, 1.0, 1.0), tables.bench.now)
+    job = tables.bench.dispatcher.command(1, Command(Code.PROGRAM, 1, 1.0, 1.0), tables.bench.now)
     tables.bench._hand_over()
     tables.finished(job)
     return job.state, job.reason, job.detail

@@ -77,7 +77,7 @@ def test_belts_that_are_not_there_and_belts_without_an_encoder_keep_nothing() ->
 
 def test_a_new_cycle_gets_the_counter_back_by_an_order_of_the_services() -> None:
     bench = BeltBench()
-    bench.office.belt_stood(0, nan)
+    bench.dispatcher.belt_stood(0, nan)
     bench.drive(1, 0.15)
     bench.run(0.2)
     bench.zero(1)
@@ -87,7 +87,7 @@ def test_a_new_cycle_gets_the_counter_back_by_an_order_of_the_services() -> None
     bench.restart_cycle()
     bench.cycle(2)
     assert bench.core.state.belt < 0.005, "a new one begins at 0"
-    bench.office.belt_stood(0, offset)
+    bench.dispatcher.belt_stood(0, offset)
     bench.run(0.1)
     assert bench.core.state.belt == pytest.approx(before + 0.015, abs=0.002)
     assert bench.belts.offset(0) == pytest.approx(offset, abs=INCREMENT)

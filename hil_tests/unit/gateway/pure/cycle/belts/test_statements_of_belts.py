@@ -81,7 +81,7 @@ def test_a_stop_ends_a_program_that_waits_and_its_belt_is_left_alone(bench: Belt
     assert job.state is CommandState.RUNNING
     assert bench.settle(bench.give(Code.STOP, ALL)).state is CommandState.DONE
     bench.finished(job)
-    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_DOOR)
+    assert (job.state, job.reason) == (CommandState.ABORTED, Reason.STOPPED_BY_SOURCE)
     bench.run(1.0)
     assert bench.core.state.belt > 0.150 and bench.set()[1] == pytest.approx(100.0)
     assert bench.finished(bench.order("sync B1 >= 150mm", AWAY)).state is CommandState.DONE

@@ -88,19 +88,19 @@ def test_emergency_stop_stays_after_release_until_control_reset_or_panel() -> No
 
 
 def test_a_reset_that_stands_when_its_door_comes_back_is_no_edge() -> None:
-    image, faults, doors = PicImage(), Faults(), InputImage()
+    image, faults, sources = PicImage(), Faults(), InputImage()
     for bit in (CHAIN, RESET):
-        set_bit(doors.values, bit, True)
+        set_bit(sources.values, bit, True)
     told: list[bool] = []
     for quality in (Quality.GOOD, Quality.STALE, Quality.BAD, Quality.GOOD):
-        doors.quality[:] = bytes([quality]) * 128
-        image.take(doors)
+        sources.quality[:] = bytes([quality]) * 128
+        image.take(sources)
         told.append(faults.update(image).processes_end)
         assert image.input(RESET) == (quality is not Quality.BAD)
     assert told == [False] * 4 and faults.shown == (EMERGENCY_STOP,)  # the chain was unknown for a while
     for value in (False, True):
-        set_bit(doors.values, RESET, value)
-        image.take(doors)
+        set_bit(sources.values, RESET, value)
+        image.take(sources)
         told.append(faults.update(image).processes_end)
     assert told[-2:] == [False, True] and not faults.shown
 
