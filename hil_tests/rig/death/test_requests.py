@@ -83,7 +83,7 @@ def test_var_writes_as_the_plc_would_and_speaks_json(run: CellRun) -> None:
     assert (code, out) == (0, "DB10.DW2 = -1200 x 0.1 mm   (KF -1200, KH FB50, KM 1111101101010000)")
     code, out, _ = axisgate("var", "DB10.DW2", "--json")
     found = json.loads(out)
-    assert (code, found["value"], found["KH"], found["door"]) == (0, -1200, "FB50", "plc1")
+    assert (code, found["value"], found["KH"], found["source"]) == (0, -1200, "FB50", "plc1")
     assert "axis.A6.in_position" in axisgate("var")[1].splitlines()
 
 

@@ -17,7 +17,7 @@ def test_a_port_that_comes_late_is_taken_when_it_comes(monkeypatch: pytest.Monke
         monkeypatch.setattr(cell_running, "free_port", lambda: port)
         with running_cell(name="late", plc=False, p5_ms=max(P5_MS, 20)) as run:
             until = time.monotonic() + 20
-            while not (told := [entry for entry in run.journal("alarm") if entry.get("door")]):
+            while not (told := [entry for entry in run.journal("alarm") if entry.get("source")]):
                 assert time.monotonic() < until, run.words()
                 time.sleep(0.1)
             assert str(port) in told[0]["text"] and told[0]["text"].endswith("it is tried again every second")
@@ -26,4 +26,4 @@ def test_a_port_that_comes_late_is_taken_when_it_comes(monkeypatch: pytest.Monke
             run.plc.start()
             run.plc.wait(lambda status: True, 10)
             assert [entry["text"] for entry in run.journal("link") if "listens now" in entry["text"]] == ["Modbus server plc2 listens now"]
-            assert len([entry for entry in run.journal("alarm") if entry.get("door")]) == 1
+            assert len([entry for entry in run.journal("alarm") if entry.get("source")]) == 1

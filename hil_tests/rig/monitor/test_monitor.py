@@ -340,4 +340,4 @@ def told(run: CellRun, **request: str) -> dict[str, Any]:
 
 
 def test_looking_gave_no_command_and_no_life(run: CellRun) -> None:
-    assert [entry["text"] for entry in run.journal() if entry.get("door") == 91] == []
+    assert [entry["text"] for entry in run.journal() if entry.get("source") == 91] == []

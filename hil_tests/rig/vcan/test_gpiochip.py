@@ -19,7 +19,7 @@ pytestmark = pytest.mark.vcan
 
 CONFIGFS = pathlib.Path("/sys/kernel/config")
 LINES = 8
-LAMP, VALVE, SOURCE, KEY = 4, 5, 1, 2
+LAMP, VALVE, DOOR, KEY = 4, 5, 1, 2
 
 
 class Simulator:
@@ -68,19 +68,19 @@ def contacts(path: str) -> dict[int, Io]:
     return {
         0: Io("lamp", IoDevice("gpiochip", output=LAMP, chip=path), "cell.ready"),
         1: Io("valve", IoDevice("gpiochip", output=VALVE, chip=path, active_low=True), "cell.ready", on_loss=1),
-        2: Io("door", IoDevice("gpiochip", input=SOURCE, chip=path), "I 0.0"),
+        2: Io("door", IoDevice("gpiochip", input=DOOR, chip=path), "I 0.0"),
         3: Io("key", IoDevice("gpiochip", input=KEY, chip=path, active_low=True), "I 0.1"),
     }
 
 
 def test_outputs_stand_on_the_lines_and_inputs_come_from_them(simulator: Simulator) -> None:
     with contextlib.closing(Chip(simulator.path, contacts(simulator.path))) as chip:
-        for lamp, valve, source, key in ((True, False, True, False), (False, True, False, True), (True, True, True, True)):
-            simulator.pull(SOURCE, up=source)
+        for lamp, valve, door, key in ((True, False, True, False), (False, True, False, True), (True, True, True, True)):
+            simulator.pull(DOOR, up=door)
             simulator.pull(KEY, up=not key)
             said = chip.turn({0: lamp, 1: valve}, 0)
             assert (simulator.shows(LAMP), simulator.shows(VALVE)) == (lamp, not valve)
-            assert said == {n: Said(value, Quality.GOOD) for n, value in enumerate((lamp, valve, source, key))}
+            assert said == {n: Said(value, Quality.GOOD) for n, value in enumerate((lamp, valve, door, key))}
 
 
 def test_a_line_of_another_program_is_told_and_taken_when_it_is_free(simulator: Simulator, capfd: pytest.CaptureFixture[str]) -> None:

@@ -69,22 +69,22 @@ def test_enabling_inputs_are_set_by_a_tool_in_a_simulation_only(bench: SourceBen
 
 def test_the_page_looks_at_blocks_and_forces_inputs(bench: SourceBench) -> None:
     pages = pages_of(bench)
-    look = pages.answer({"op": "look", "door": PAGE_SOURCE}) or {}
+    look = pages.answer({"op": "look", "source": PAGE_SOURCE}) or {}
     assert isinstance(look["blocks"], dict) and look["blocks"]["10"]["line"] == "plc1"
-    assert pages.answer({"op": "force_input", "door": PAGE_SOURCE, "bit": 40, "value": 1}) == {
+    assert pages.answer({"op": "force_input", "source": PAGE_SOURCE, "bit": 40, "value": 1}) == {
         "ok": True, "forced": {"40": 1}, "forced_words": {},
     }  # fmt: skip
     assert bench.image.input_bit(40) and bench.values.read("A 5.0") == 1 and bench.passed_on == 1
-    pages.answer({"op": "unforce_input", "door": PAGE_SOURCE, "bit": 40})
+    pages.answer({"op": "unforce_input", "source": PAGE_SOURCE, "bit": 40})
     assert not bench.image.input_bit(40)
 
 
 def test_the_page_forces_a_word_of_a_block_of_a_line(bench: SourceBench) -> None:
     pages = pages_of(bench)
-    answer = pages.answer({"op": "force_words", "door": PAGE_SOURCE, "block": 11, "words": [[20, 0xFFFF, 0x1234]]}) or {}
+    answer = pages.answer({"op": "force_words", "source": PAGE_SOURCE, "block": 11, "words": [[20, 0xFFFF, 0x1234]]}) or {}
     assert answer["forced_words"] == {"11:20": 0xFFFF} and bench.values.filled_block(11) is not None
     assert (bench.values.filled_block(11) or b"")[40:42] == b"\x12\x34"
 
 
 def test_what_passed_is_asked_of_each_source_by_its_medium(bench: SourceBench) -> None:
-    assert pages_of(bench).answer({"op": "tap", "door": PAGE_SOURCE, "since": {}}) == {"lines": {}, "modbus": {}}
+    assert pages_of(bench).answer({"op": "tap", "source": PAGE_SOURCE, "since": {}}) == {"lines": {}, "modbus": {}}

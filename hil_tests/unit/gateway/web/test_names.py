@@ -89,5 +89,5 @@ def test_where_used_names_block_coil_and_cycle(names: Names) -> None:
     assert "DB 11 DW 2 (KF), line plc1" in names.by_id["axis.A1.actual"].used
     assert {"modbus plc2: coil 26", "cycle: enabling input feed"} <= set(names.by_id["in:26"].used)
     assert names.by_id["in:26"].source == "axisgate"
-    assert names.by_id["in:26"].source == "plc2"
+    assert names.by_id["in:26"].writer == "plc2"
     assert not names.by_id["out:64"].forcible

@@ -17,7 +17,7 @@ EMSTOP_OK_RCI = 1   CTRL_ALLOW_RCI = 1   FEED_ALLOW_RCI = 1   TRAVEL_ALLOW_RCI =
 AUTO_MN_RCI = 1
 O8.2 = I88.0
 """
-SWITCH, START, SOURCE, FULL = (f"rho3.pic.input.88.{bit}" for bit in range(4))
+SWITCH, START, GUARD, FULL = (f"rho3.pic.input.88.{bit}" for bit in range(4))
 
 
 def cell_of(p13: tuple[int, ...] = (), p14: tuple[int, ...] = ()) -> Cell:
@@ -47,16 +47,16 @@ BACK_AND_FORTH = "V = 200\nMOVE LINEAR TO (400, 60, 40, 12)\nMOVE LINEAR TO (60,
 
 def test_an_open_door_holds_the_robot_on_its_path() -> None:
     cell = with_pic(one(BACK_AND_FORTH), "IF NOT DOOR_DI THEN FEED_HOLD_N_RCI = 0", symbols="DOOR_DI = I88.2")
-    wire(cell, SOURCE)
+    wire(cell, GUARD)
     ready(cell)
     run = cell.start("P")
     cell.until(lambda: cell.at()[0] > 200)
-    wire(cell, SOURCE, value=False)
+    wire(cell, GUARD, value=False)
     cell.bench.run(1.0)
     held = cell.at()
     cell.bench.run(1.0)
     assert cell.at() == held and held[0] < 400, "it rests on its path"
-    wire(cell, SOURCE)
+    wire(cell, GUARD)
     assert cell.ends(run)[0] == "ended"
 
 
@@ -99,9 +99,9 @@ def test_a_full_pallet_holds_the_program_until_it_is_emptied() -> None:
 def test_a_pic_that_comes_back_has_its_flags_and_counters() -> None:
     cell = with_pic(one("WAIT 1"), "M0.0 = I88.1 IF I88.2 THEN M50.1 = 1 O58.0 = M50.1", cell_of(p14=(9,)))
     wire(cell, START)
-    wire(cell, SOURCE)
+    wire(cell, GUARD)
     cell.bench.run(0.1)
-    wire(cell, SOURCE, value=False)
+    wire(cell, GUARD, value=False)
     cell.dies()
     cell.bench.run(0.1)
     cell.born(2)
