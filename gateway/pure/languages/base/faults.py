@@ -1,10 +1,12 @@
 """Faults of a source text: all of one run are collected, none is an exception."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
 from gateway.pure.languages.base.source import Position
+
+MOST_NAMED = 8  # steps in a hint
 
 
 class Severity(Enum):
@@ -89,3 +91,15 @@ class Faults:
     def rows(self) -> list[Mapping[str, str | int]]:
         """All faults as `check --json` prints them."""
         return [fault.as_row() for fault in self]
+
+
+def also_at(steps: Iterable[int]) -> str:
+    """The hint that names further steps with the same mistake; "" for none."""
+    numbers = [str(step) for step in steps]
+    more = " .." if len(numbers) > MOST_NAMED else ""
+    return f"also at step{'s' if len(numbers) > 1 else ''} {', '.join(numbers[:MOST_NAMED])}{more}" if numbers else ""
+
+
+def hints(*parts: str) -> str:
+    """Several hints as one."""
+    return "; ".join(part for part in parts if part)

@@ -4,10 +4,13 @@ import re
 from dataclasses import dataclass
 
 from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.near import nearest
 from gateway.pure.languages.base.source import Position
-from gateway.pure.languages.plc.commands import Command, Routine
+from gateway.pure.languages.plc.commands import Code, Command, Routine
 from gateway.pure.languages.plc.steps import Wrong, step_of
 
+OPENED = re.compile(r"(?:U|O|XO)N? ?\([^)]*$", re.IGNORECASE)
+LABEL = re.compile(r"M\s+([^;,'\"]+)[;,]", re.IGNORECASE)
 NUMBERED = re.compile(r"\s*(?:S?\d+(?:\s*[.:])?\s+)?")
 HEAD = re.compile(r"(MPR|MP|SPR|MAC|PAL|PLC|DIR)\b\s*(.*)$", re.IGNORECASE)
 
@@ -50,7 +53,8 @@ def body_of(lines: list[Line], name: str, faults: Faults) -> tuple[list[Line], L
             return lines[:at], line
     last = lines[-1].line if lines else 1
     faults.error("no-end", Position(name, last), "END is missing", "END is the last step of a program")
-    return lines, None
+    misspelt = bool(lines) and bool(nearest(lines[-1].text, ("END", "ENDE")))
+    return lines[:-1] if misspelt else lines, None
 
 
 def _named(text: str) -> str:
@@ -70,7 +74,16 @@ def read_routine(name: str, text: str, faults: Faults) -> tuple[Routine, dict[in
         if isinstance(found, Wrong):
             kind = "no-plc-command" if found.text == "No PLC-command" else "operand"
             faults.error(kind, Position(name, line.line), found.text, found.hint)
+            commands += _intended(line)
         elif found is not None:
             commands.append(found)
     last = end.step if end else len(lines) + 1
     return Routine(name, tuple(commands), last), {line.step: line.line for line in lines}
+
+
+def _intended(line: Line) -> list[Command]:
+    """What a faulty step opens or names all the same: its bracket's end and the jumps to it are no mistakes of their own."""
+    if OPENED.match(line.text):
+        return [Command(Code.OPEN_AND, line.step), Command(Code.AND, line.step)]
+    label = LABEL.match(line.text)
+    return [Command(Code.LABEL, line.step, name=label[1].strip().upper())] if label else []

@@ -125,6 +125,9 @@ def _link(word: str, rest: str, line: int) -> Command | Wrong:
         return _bit(LINKS[word], found, line)
     if found := CELL.match(rest):
         return _cell(LINKS[word], found, line)
+    if rest.startswith("("):
+        hint = f"{word}( is a step of its own" if word in OPENS else "brackets are opened by U(, O( and XO("
+        return Wrong(f"{word}{rest[:60]}: wrong operand", hint)
     return Wrong(f"{word} {rest[:60]}: wrong operand", "a bit of E, A or M (E0.6), a timer (T5) or a counter (Z5)")
 
 
@@ -198,7 +201,7 @@ def _timer(word: str, rest: str, line: int) -> Command | Wrong:
 
 
 def _unnamed(word: str, rest: str, line: int) -> Wrong:
-    return Wrong(f"{word} {rest[:60]}: no name", f"{word} is followed by a blank and a name")
+    return Wrong(f"{word}{rest[:60]}: no name", f"{word} is followed by a blank and a name")
 
 
 FAMILIES: dict[str, Callable[[str, str, int], Command | Wrong]] = {

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.faults import Faults, also_at, hints
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.plc.commands import CALLS, JUMPS, OPENERS, Code, Command, Program, Routine
 from gateway.pure.languages.plc.reader import read_routine
@@ -79,11 +79,13 @@ class Translation:
         routine, self.lines[key] = self.reader(key, self._texts[key], self.faults)
         check_labels(routine, self._place, self.faults)
         deepest = 0
+        missing: dict[str, list[int]] = {}
         for command in routine.commands:
             if command.code not in CALLS:
                 continue
             target = self._target(key, command)
             if target is None:
+                missing.setdefault(command.name, []).append(command.line)
                 continue
             if target == key or target in above:
                 self.faults.error("depth", self._place(key, command.line), DEEP, f"{command.name} calls itself")
@@ -94,6 +96,9 @@ class Translation:
                 if deepest > DEPTH:
                     self.faults.error("depth", self._place(key, command.line), DEEP, f"{DEPTH} levels of SU are the most")
                     deepest = 0
+        for name, steps in missing.items():
+            hint = "SU calls programs of the same directory" if "/" in name else f"{name} is not in the directory"
+            self.faults.error("subprogram", self._place(key, steps[0]), NO_PROGRAM, hints(hint, also_at(steps[1:])))
         self._depths[key] = deepest
         self._ready[key] = Routine(key, tuple(self._resolved(key, command) for command in routine.commands), routine.last)
         return deepest
@@ -101,11 +106,7 @@ class Translation:
     def _target(self, key: str, command: Command) -> str | None:
         folder = key.rpartition("/")[0]
         target = f"{folder}/{command.name}" if folder else command.name
-        if "/" in command.name or target not in self._texts:
-            hint = "SU calls programs of the same directory" if "/" in command.name else f"{command.name} is not in the directory"
-            self.faults.error("subprogram", self._place(key, command.line), NO_PROGRAM, hint)
-            return None
-        return target
+        return None if "/" in command.name or target not in self._texts else target
 
     def _resolved(self, key: str, command: Command) -> Command:
         folder = key.rpartition("/")[0]
@@ -120,12 +121,15 @@ class Translation:
 def check_labels(routine: Routine, place: Callable[[str, int], Position], faults: Faults) -> None:
     """Labels and brackets of a routine: each label once, each jump to a label in the same bracket, each bracket closed and not empty."""
     labels, jumps = _groups(routine, place, faults)
+    lost: dict[str, list[int]] = {}
     for command, group in jumps:
         where = place(routine.name, command.line)
         if command.name not in labels:
-            faults.error("label", where, NO_LABEL, f"there is no M {command.name}")
+            lost.setdefault(command.name, []).append(command.line)
         elif labels[command.name] != group:
             faults.error("brackets", where, BRACKETS, f"the jump to {command.name} leaves or enters a bracket")
+    for name, steps in lost.items():
+        faults.error("label", place(routine.name, steps[0]), NO_LABEL, hints(f"there is no M {name}", also_at(steps[1:])))
 
 
 def _groups(

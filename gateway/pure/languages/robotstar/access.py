@@ -188,9 +188,6 @@ def text(machine: Machine, operand: Operand) -> Callable[[], str]:
     if isinstance(operand, Text):
         plain = operand.value.strip()
         return lambda: plain
-    if isinstance(operand, Number):
-        digits = str(operand.value)
-        return lambda: digits
     assert isinstance(operand, Ref)
 
     def read() -> str:

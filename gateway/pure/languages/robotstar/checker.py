@@ -2,10 +2,11 @@
 those marked late stop a program only at the step (the texts of COPY, missing programs), so that the rest of it runs as on the control.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.faults import Faults, also_at, hints
+from gateway.pure.languages.base.near import nearest
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.access import of_one_group
 from gateway.pure.languages.robotstar.circles import wrong_circles
@@ -26,9 +27,11 @@ from gateway.pure.languages.robotstar.memory import DEFAULT_TOOL, Memory
 from gateway.pure.languages.robotstar.operands import HIGHEST, LOWEST, Equate, Number, Operand, Ref, Text
 from gateway.pure.languages.robotstar.pallet import pattern_of
 from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Program, Step, definition_late
+from gateway.pure.languages.robotstar.reader import spelled
 from gateway.pure.languages.robotstar.values import Array, Names, Structure, SystemCell, Variable
 
 POSITIONS = ("POSITION", "VAR_POS")
+MOST_HINTS = 200  # faults behind which no like words are looked for any more: a foreign file
 WRITTEN = ("destination", "control")  # places a step writes to
 TAKE_PROGRAMS = ("CALL", "PROGRAM", "PALLET", "TRAFO_6D")
 NAMES_OF_PROGRAMS = frozenset(("program", "ref_source", "ref_destination", "source", "destination"))
@@ -41,15 +44,29 @@ class _Check:
     system: Names
     known: dict[str, list[Variable]] = field(default_factory=dict)
     made: set[str] = field(default_factory=set)  # programs that a TRAFO_6D of this memory makes, callable behind it (L3267-3273)
+    intended: set[str] = field(default_factory=set)  # names that misspelt definitions would define
+    lost: dict[str, list[Step]] = field(default_factory=dict)  # names defined nowhere, and the steps of this program with them
+    unreached: dict[str, list[Step]] = field(default_factory=dict)  # faults of calls, and the steps of this program with them
+    spellings: tuple[str, ...] = ()  # of commands, and names of macros
 
-    def structural(self, program: Program, step: Step, id: str, text: str) -> None:
+    def structural(self, program: Program, step: Step, id: str, text: str, hint: str = "") -> None:
         """A fault that keeps the program from starting."""
-        self.late(program, step, id, text)
+        self.late(program, step, id, text, hint)
         program.refused.append((step.line, f"step {step.number}: {text}"))
 
-    def late(self, program: Program, step: Step, id: str, text: str) -> None:
+    def late(self, program: Program, step: Step, id: str, text: str, hint: str = "") -> None:
         """A fault that stops the program at the step."""
-        self.faults.error(id, SourceFile(program.file, "").at(step.line), f"step {step.number}: {text}")
+        self.faults.error(id, SourceFile(program.file, "").at(step.line), f"step {step.number}: {text}", hint)
+
+    def miss(self, name: str, step: Step) -> None:
+        """A name that is defined nowhere."""
+        if name not in self.intended and (not self.lost.get(name) or self.lost[name][-1] is not step):
+            self.lost.setdefault(name, []).append(step)
+
+    def like(self, word: str, words: Iterable[str]) -> str:
+        """The hint with the one of these words that a word was meant to be; "": of none."""
+        near = nearest(word, words) if len(self.faults) < MOST_HINTS else ""
+        return f"did you mean {near}?" if near else ""
 
 
 def check(memory: Memory, faults: Faults, system: Names) -> None:
@@ -58,8 +75,12 @@ def check(memory: Memory, faults: Faults, system: Names) -> None:
     for table in (memory.globals, *memory.locals.values()):
         for name, variable in table.items():
             checking.known.setdefault(name, []).append(variable)
+    macros = {program.name.upper() for program in memory.all() if program.kind == "MAC"}
+    checking.spellings = tuple(sorted(macros | memory.words.words.keys() - HEADS))
+    definitions = [spelling for spelling, word in memory.words.words.items() if word in DEFINITIONS]
     for program in memory.all():
         checking.made.update(_destinations(program))
+        checking.intended.update(_intended(program, definitions))
     for program in memory.all():
         if program.kind != "PLC":
             _program(checking, program)
@@ -72,11 +93,18 @@ def _destinations(program: Program) -> Iterator[str]:
             yield name.replace("\\", "/").rpartition("/")[2].strip().upper()
 
 
+def _intended(program: Program, definitions: Sequence[str]) -> Iterator[str]:
+    """Names in steps that are definitions with a slip in their word: what uses them is no mistake of its own."""
+    for step in program.steps:
+        if step.macro and step.parameters and nearest(step.word, definitions):
+            yield from (each.operand.name for each in step.parameters[:1] if isinstance(each.operand, Ref))
+
+
 def _name_of(operand: Operand) -> str:
     """The name of a program as the step has it; "" where a string variable gives it."""
     if isinstance(operand, Ref) and operand.name[0] in "S_":
         return ""
-    return str(operand.value if isinstance(operand, Text | Number) else getattr(operand, "name", ""))
+    return str(operand.value if isinstance(operand, Text) else getattr(operand, "name", ""))
 
 
 def _program(checking: _Check, program: Program) -> None:
@@ -87,7 +115,7 @@ def _program(checking: _Check, program: Program) -> None:
         checking.late(program, program.steps[0], "rsv.macro_name", text)
     for step, wrong in wrong_circles(program):
         checking.late(program, step, "rsv.circle", wrong)
-    tool, began = False, 0
+    tool, began, late = False, 0, []
     for step in program.steps:
         if not step.valid or step.word == "C":
             continue
@@ -97,18 +125,39 @@ def _program(checking: _Check, program: Program) -> None:
             began = began or called
             continue
         if began and step.word in DEFINITIONS:
-            checking.structural(program, step, "rsv.definition_late", definition_late(began))
+            late.append(step)
         tool = tool or step.word in ("TOOL", "CALL")
         if step.word in POSITIONS:
             _position(checking, program, step, tool)
+            tool = True  # once named
         if step.word not in HEADS and step.word not in DEFINITIONS:
             _step(checking, program, step)
+    if late:
+        checking.structural(program, late[0], "rsv.definition_late", definition_late(began), also_at(step.number for step in late[1:]))
+    _lost(checking, program)
+
+
+def _lost(checking: _Check, program: Program) -> None:
+    """One fault for each name in a program that is defined nowhere, and for each program that it cannot call."""
+    for name, steps in checking.lost.items():
+        near = checking.like(name, (each for each in (*checking.known, *checking.system) if each[:1] == name[:1]))
+        remedy = near or ("" if name.startswith("_") else "define it with VAR or LOC_VAR")
+        checking.late(program, steps[0], "rsv.operand", f"{name}: {NOT_FOUND}", hints(remedy, also_at(step.number for step in steps[1:])))
+    for text, steps in checking.unreached.items():
+        kind = "SPR" if steps[0].word == "CALL" else "MPR"
+        names = (each.name for each in checking.memory.all() if each.kind == kind)
+        near = checking.like(_name_of(steps[0].slots["program"]), names) if text.endswith("not found") else ""
+        checking.late(program, steps[0], "rsv.program", text, hints(near, also_at(step.number for step in steps[1:])))
+    checking.lost.clear()
+    checking.unreached.clear()
 
 
 def _macro(checking: _Check, program: Program, step: Step) -> int:
     """Number of a step that calls a macro; 0: a word that nobody knows, which may be a misspelt definition."""
     if checking.memory.find(step.word, program.directory, ("MAC",)) is None:
-        checking.structural(program, step, "rsv.word", f"{step.word} is neither a command nor a macro of this memory")
+        text = f"{step.word} is neither a command nor a macro of this memory"
+        hint = checking.like(step.word, checking.spellings) or f"a macro is a file {step.word}.MAC"
+        checking.structural(program, step, "rsv.word", text, hint)
         return 0
     if step.parameters:
         checking.structural(program, step, "rsv.parameters", f"macro {step.word} has no parameters")
@@ -124,11 +173,10 @@ def _position(checking: _Check, program: Program, step: Step, tool: bool) -> Non
 
 def _step(checking: _Check, program: Program, step: Step) -> None:
     for text in _ranges(step):
-        checking.structural(program, step, "rsv.range", f"{step.word}: {text}")
+        checking.structural(program, step, "rsv.range", f"{spelled(step, checking.memory.words)}: {text}")
     if step.word in ("CALL", "PROGRAM"):
-        wrong = _target(checking, program, step)
-        if wrong:
-            checking.late(program, step, "rsv.program", wrong)
+        if wrong := _target(checking, program, step):
+            checking.unreached.setdefault(wrong, []).append(step)
     if step.word == "PALLET":
         wrong = _pattern(checking, program, step)
         if wrong:
@@ -139,8 +187,10 @@ def _step(checking: _Check, program: Program, step: Step) -> None:
             wrong = _reference(checking, operand, written=place in WRITTEN or (place == "position" and step.word == "ACT_POS"))
             if step.word == "MOUSE_CALIBRATION":
                 wrong = _whole_array(_meant(checking, operand), operand, wrong)
-            if wrong:
-                checking.late(program, step, "rsv.operand", f"{operand.name}: {wrong}")
+            if wrong == NOT_FOUND:
+                checking.miss(operand.name, step)
+            elif wrong:
+                checking.late(program, step, "rsv.operand", f"{operand.name}: {wrong}", _elements(checking, operand, wrong))
     if step.word == "COPY" and (_types_differ(checking.memory, step) or _groups_differ(checking.memory, step)):
         checking.late(program, step, "rsv.operand", WRONG_TYPES)
     elif wrong := wrong_kind(step, checking.memory.kind_of) or wrong_literal(step, lambda ref: _meant(checking, ref)):
@@ -232,12 +282,20 @@ def _whole_array(found: list[Variable], ref: Ref, wrong: str) -> str:
     return ""
 
 
+def _elements(checking: _Check, ref: Ref, wrong: str) -> str:
+    """The elements an array has, where one of them is needed; "" for other faults."""
+    found = _meant(checking, ref)
+    if wrong not in (IS_ARRAY, INDEX_RANGE) or len(found) != 1 or not isinstance(found[0], Array):
+        return ""
+    return f"{ref.name}[1] .. {ref.name}[{len(found[0].items)}]"
+
+
 def _element_of(checking: _Check, ref: Ref, array: Array, written: bool) -> str:
     """A fault of an array's element: its index, an element of an element (L3973), a value the control keeps."""
     if isinstance(ref.index, int):
         if not 1 <= ref.index <= len(array.items):
             return INDEX_RANGE
-    elif ref.index is not None and (wrong := _index(_meant(checking, Ref(ref.index)))):
+    elif ref.index is not None and ref.index not in checking.intended and (wrong := _index(_meant(checking, Ref(ref.index)))):
         return wrong
     if ref.element:
         return WRONG_TYPES

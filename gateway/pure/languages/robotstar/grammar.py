@@ -131,6 +131,7 @@ GRAMMAR: Mapping[str, tuple[Place, ...]] = {
     ),
     "MOUSE_CALIBRATION": (variable("data", "V"),),
 }
+PRINTED = {"INPUT": "EINGANG", "OUTPUT": "AUSGANG", "MARKER": "MERKER"}  # equates as the manual prints them in both languages
 NOT_BUILT = {
     "SEARCH_BIT": "SUCH_BIT is named by the manual only; its parameters are not known",
     "OSCILLATION": "oscillation is named by the manual only; its parameters are not known",
@@ -142,13 +143,13 @@ def fits(place: Place, operand: Operand) -> str:
     """ "" where the operand may be in the place, else what belongs there."""
     if place.kind == "equate":
         good = isinstance(operand, Equate) and operand.name in place.equates
-        return "" if good else "one of " + ", ".join(f"#{name}" for name in place.equates)
+        return "" if good else "one of " + ", ".join(f"#{PRINTED.get(name, name)}" for name in place.equates)
     if isinstance(operand, Blank):
         return f"a value for <{operand.text}>"
     if isinstance(operand, Equate):
         return "no system equate"
     if place.kind == "text":
-        plain = (isinstance(operand, Ref) and not operand.element) or (isinstance(operand, Number) and isinstance(operand.value, int))
+        plain = isinstance(operand, Ref) and not operand.element
         return "" if isinstance(operand, Text) or plain else "a name"
     if place.kind == "name":
         return "" if isinstance(operand, Ref) else "the name of a variable"

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.base.collecting import uncollected
-from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.faults import Faults, also_at
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.operands import Number, Operand, Ref, Text
@@ -95,10 +95,18 @@ class Memory:
         self.version += 1
         self.programs.setdefault(program.name.upper(), []).append(program)
         self.locals.setdefault(program.key, {})
-        if program.kind != "PLC":
-            for step in program.steps:
-                if step.valid and step.word in DEFINITIONS and "name" in step.slots:
-                    self._define(program, step, faults)
+        if program.kind == "PLC":
+            return
+        twice: dict[tuple[str, str], list[Step]] = {}
+        for step in program.steps:
+            if step.valid and step.word in DEFINITIONS and "name" in step.slots:
+                self._define(program, step, faults, twice)
+        for (name, where), steps in twice.items():
+            text = f"step {steps[0].number}: {name or _name(steps[0])} is defined twice in {where}"
+            program.refused.append((steps[0].line, text.partition(": ")[2]))
+            if faults is not None:
+                place = SourceFile(program.file, "").at(steps[0].line)
+                faults.error("rsv.definition", place, text, also_at(step.number for step in steps[1:]))
 
     def remove(self, program: Program) -> None:
         """Deletes a program and what it defines; StepFault where it is protected."""
@@ -136,7 +144,8 @@ class Memory:
         return next((each.directory for each in self.all() if each.directory.upper() == path.upper()), path)
 
     # ---- definitions ---------------------------------------------------------------------------------------------------
-    def _define(self, program: Program, step: Step, faults: Faults | None) -> None:
+    def _define(self, program: Program, step: Step, faults: Faults | None, twice: dict[tuple[str, str], list[Step]]) -> None:
+        """Defines a variable.  `twice`: steps of names that are there, by the name or, in a copy of a program, by its original."""
         name = step.slots["name"]
         assert isinstance(name, Ref)
         place = SourceFile(program.file, "").at(step.line)
@@ -145,8 +154,10 @@ class Memory:
         local = step.word.startswith("LOC_")
         table = self.locals[program.key] if local else self.globals
         if not wrong and name.name in table:
-            where = "this program" if local else f"the memory (in {self.owners[name.name].key})"
-            wrong = f"{name.name} is defined twice in {where}"
+            owner = program if local else self.owners[name.name]
+            where = "this program" if local else f"the memory (in {owner.key})"
+            twice.setdefault((name.name if owner is program else "", where), []).append(step)
+            return
         if not wrong:
             variable = made(name.name, name.index if isinstance(name.index, int) else None, name.length or 0, kind)
             wrong = self._filled(variable, step)
@@ -203,6 +214,11 @@ class Memory:
         except Exception as fault:  # a StepFault with COPY's text, or a value that is none
             return getattr(fault, "text", str(fault))
         return ""
+
+
+def _name(step: Step) -> str:
+    name = step.slots["name"]
+    return name.name if isinstance(name, Ref) else ""
 
 
 def _elements(values: dict[str, Operand], kind: str) -> list[str]:

@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from gateway.pure.languages.base.near import nearest
+
 LOWEST, HIGHEST = -(2**31), 2**31 - 1
 INDEX_SYNTAX, NESTED = "Syntax error in the index!", "Nesting not allowed!"
 
@@ -52,7 +54,11 @@ Operand: TypeAlias = Number | Text | Ref | Equate | Blank
 
 
 class OperandFault(ValueError):
-    """The text is no operand."""
+    """The text is no operand.  `hint`: the remedy."""
+
+    def __init__(self, text: str, hint: str = "") -> None:
+        super().__init__(text)
+        self.hint = hint
 
 
 _HEX = re.compile(r"[0-9A-F]+H", re.IGNORECASE)
@@ -86,7 +92,8 @@ def _equate(text: str, equates: Mapping[str, str]) -> Equate:
     if name in RELATIONS or name in ("=0", "=1"):
         return Equate(name)
     if name not in equates:
-        raise OperandFault(f"{text}: no such system equate")
+        near = nearest(name, equates)
+        raise OperandFault(f"{text}: no such system equate", f"did you mean #{near}?" if near else "")
     return Equate(equates[name])
 
 
@@ -122,7 +129,8 @@ def signed(value: int) -> int:
 def _reference(text: str) -> Ref:
     found = _NAME.match(text)
     if not found:
-        raise OperandFault(f"{text or 'nothing'}: neither a number, a name nor a text in quotation marks")
+        hint = f"did you mean #{text}?" if text in RELATIONS else ""
+        raise OperandFault(f"{text or 'nothing'}: neither a number, a name nor a text in quotation marks", hint)
     name, rest = found.group().upper(), text[found.end() :].strip()
     index: int | str | None = None
     length: int | None = None

@@ -17,6 +17,7 @@ class Parameter:
     operand: Operand
     descriptor: str = ""
     column: int = 1
+    text: str = ""  # as written
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,10 +4,11 @@ All faults of the text are collected; a step that cannot be read keeps its numbe
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
-from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.faults import Faults, also_at, hints
+from gateway.pure.languages.base.near import nearest
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.grammar import GRAMMAR, NOT_BUILT, Place, fits, typed
 from gateway.pure.languages.robotstar.operands import Blank, Equate, Number, Operand, OperandFault, Ref, Text, operand
@@ -51,7 +52,7 @@ class _Reading:
         key = text, descriptor, column
         found = self.parameters.get(key)
         if found is None:
-            found = self.parameters[key] = Parameter(operand(text, self.words.equates), descriptor, column)
+            found = self.parameters[key] = Parameter(operand(text, self.words.equates), descriptor, column, text)
         return found
 
     def fault(self, id: str, line: int, text: str, hint: str = "", step: int = 0) -> None:
@@ -146,7 +147,7 @@ def _with_parameters(reading: _Reading, step: Step, rest: str) -> Step:
         parameters = _parameters(rest, reading)
     except OperandFault as fault:
         if step.valid:
-            reading.fault("rsv.operand", step.line, str(fault), step=step.number)
+            reading.fault("rsv.operand", step.line, str(fault), fault.hint, step=step.number)
         return replace(step, word="" if step.valid else step.word, valid=False, slots={})
     if not step.valid or step.macro:
         return step.given(parameters, step.slots)
@@ -179,7 +180,8 @@ def _parameters(rest: str, reading: _Reading) -> tuple[Parameter, ...]:
         known = reading.descriptor(text)
         if following == ":" and not text.startswith(('"', "#")):
             if not known:
-                raise OperandFault(f"{text}: no such descriptor")
+                near = nearest(text, reading.words.descriptors)
+                raise OperandFault(f"{text}: no such descriptor", f"did you mean {near.title()}?" if near else "")
             descriptor, at = known, at + 1
             continue
         if known.startswith("OP_") and following and following != ",":
@@ -200,28 +202,46 @@ def _placed(reading: _Reading, step: Step, parameters: tuple[Parameter, ...], pl
     """Each parameter in its place: by its descriptor, an equate by its value, the rest in order."""
     slots: dict[str, Operand] = {}
     for parameter in parameters:
-        place = _place_of(parameter, places, slots, step.word)
+        place, given = _place_of(parameter, places, slots, step.word), parameter.operand
         if place is None:
             if step.word in DEFINITIONS and "name" in slots:
-                slots[parameter.descriptor or f"V{len(slots)}"] = parameter.operand  # values of a structure, by element
+                slots[parameter.descriptor or f"V{len(slots)}"] = given  # values of a structure, by element
                 continue
-            what = f"{parameter.descriptor} does not belong to this command" if parameter.descriptor else "there are too many parameters"
-            reading.fault("rsv.parameters", step.line, f"step {step.number}: {step.word}: {what}")
-            return replace(step, valid=False, word="")
-        wrong = fits(place, parameter.operand)
-        if wrong:
-            reading.fault("rsv.parameters", step.line, f"step {step.number}: {step.word}: {place.name} must be {wrong}")
-            return replace(step, valid=False, word="")
-        wrong = typed(place, parameter.operand)
-        if wrong:
-            reading.fault("rsv.range", step.line, f"step {step.number}: {step.word}: {wrong}")
-            return replace(step, valid=False, word="")
-        slots[place.name] = parameter.operand
+            return _wrong(reading, step, *_without_place(step, parameter, places, slots))
+        if place.kind == "text" and isinstance(given, Number):
+            given = Text(parameter.text)  # a name of digits, or one that looks hexadecimal: 0815, FACH
+        if wrong := fits(place, given):
+            return _wrong(reading, step, f"{place.name} must be {wrong}")
+        if wrong := typed(place, given):
+            return _wrong(reading, step, wrong, id="rsv.range")
+        slots[place.name] = given
     missing = [place.name for place in places if not place.optional and place.name not in slots]
     if missing:
-        reading.fault("rsv.parameters", step.line, f"step {step.number}: {step.word}: {', '.join(missing)} missing")
-        return replace(step, valid=False, word="")
+        return _wrong(reading, step, f"{', '.join(missing)} missing")
     return step.given(parameters, slots)
+
+
+def _wrong(reading: _Reading, step: Step, text: str, hint: str = "", id: str = "rsv.parameters") -> Step:
+    """The step with wrong parameters, reported."""
+    reading.fault(id, step.line, f"step {step.number}: {spelled(step, reading.words)}: {text}", hint)
+    return replace(step, valid=False, word="")
+
+
+def _without_place(step: Step, parameter: Parameter, places: tuple[Place, ...], slots: Mapping[str, Operand]) -> tuple[str, str]:
+    """What is wrong with a parameter that has no place, and the remedy."""
+    if parameter.descriptor:
+        return f"{parameter.descriptor} does not belong to this command", ""
+    for place in places:
+        if place.kind == "equate" and place.name not in slots:  # `BEWEG_ART LINEAR`
+            return f"{place.name} must be {fits(place, parameter.operand)}", ""
+    return "there are too many parameters", "numbers have a decimal point" if re.search(r"\d,\d", step.text) else ""
+
+
+def spelled(step: Step, words: Words) -> str:
+    """The command of a step as it is written there."""
+    found = _WORD.match(step.text)
+    written = found["word"].upper() if found else ""
+    return written if words.words.get(written) == step.word else step.word
 
 
 def _place_of(parameter: Parameter, places: tuple[Place, ...], slots: Mapping[str, Operand], word: str) -> Place | None:
@@ -261,17 +281,10 @@ def _position(reading: _Reading, step: Step, parameters: tuple[Parameter, ...]) 
             name = plain.pop(0) if plain else "?"
         element = name in ("MA", "AA", "PT", "FRAME", *POSITION_ELEMENTS) or _AXIS.fullmatch(name)
         if name in slots or not (name in ("kind", "variable", "name") or (element and isinstance(parameter.operand, Number))):
-            reading.fault(
-                "rsv.position", step.line, f"step {step.number}: POSITION: {name} is given twice, no number or does not belong here"
-            )
-            return replace(step, valid=False, word="")
+            return _wrong(reading, step, f"{name} is given twice, no number or does not belong here", id="rsv.position")
         slots[name] = parameter.operand
-    wrong = _lacking(slots)
-    if wrong:
-        reading.fault(
-            "rsv.position", step.line, f"step {step.number}: POSITION: {wrong}", "robotstar import --points fills in named positions"
-        )
-        return replace(step, valid=False, word="")
+    if wrong := _lacking(slots):
+        return _wrong(reading, step, wrong, "robotstar import --points fills in named positions", "rsv.position")
     return step.given(parameters, slots)
 
 
@@ -294,10 +307,12 @@ def _frame(reading: _Reading) -> None:
     head, last = program.steps[0], program.steps[-1]
     if head.word not in HEADS or head.macro or not head.valid:
         reading.fault("rsv.head", head.line, f"the first step is the head of the program: {program.kind} and the name", step=1)
+        _misspelt(reading, head, HEADS)
     else:
         _head(reading, head)
     if last.word != "END" or last.macro or not last.valid:
         reading.fault("rsv.end", last.line, f"step {last.number}: the last step is END")
+        _misspelt(reading, last, ("END", "ENDE"))
     for step in program.steps[1:-1]:
         if step.valid and not step.macro and (step.word in HEADS or step.word == "END"):
             reading.fault(
@@ -308,6 +323,12 @@ def _frame(reading: _Reading) -> None:
     _labels(reading)
     if program.kind != "PAL":
         _definitions_first(reading)
+
+
+def _misspelt(reading: _Reading, step: Step, words: Iterable[str]) -> None:
+    """A word of the frame with a slip in it has been named: it is no unknown command as well."""
+    if step.macro and nearest(step.word, words):
+        reading.faults.spoilt(reading.source.at(step.line))
 
 
 def _head(reading: _Reading, head: Step) -> None:
@@ -332,10 +353,15 @@ def _labels(reading: _Reading) -> None:
                 reading.fault("rsv.label_twice", step.line, f"step {step.number}: label {name} is at step {program.labels[name]}, too")
             else:
                 program.labels[name] = step.number
+    lost: dict[str, list[Step]] = {}
     for step in program.steps:
         needed = needed_label(step)
         if needed and needed not in program.labels:
-            reading.fault("rsv.label_lost", step.line, f"step {step.number}: label {needed} is not in this program")
+            lost.setdefault(needed, []).append(step)
+    for name, steps in lost.items():
+        near = nearest(name, program.labels)
+        hint = hints(f"did you mean {near}?" if near else "", also_at(step.number for step in steps[1:]))
+        reading.fault("rsv.label_lost", steps[0].line, f"step {steps[0].number}: label {name} is not in this program", hint)
 
 
 def label_of(step: Step) -> str:
@@ -343,10 +369,7 @@ def label_of(step: Step) -> str:
     found = step.slots.get("label")
     if isinstance(found, Text):
         return found.value.strip().upper()
-    if isinstance(found, Ref):
-        return found.name
-    value = getattr(found, "value", None)
-    return "" if value is None else str(value)
+    return found.name if isinstance(found, Ref) else ""
 
 
 def needed_label(step: Step) -> str:
@@ -362,6 +385,7 @@ def needed_label(step: Step) -> str:
 def _definitions_first(reading: _Reading) -> None:
     """Definitions stand in front of all other steps but comments (L803); a pallet pattern may end with constants (L4582)."""
     began: Step | None = None
+    late: list[Step] = []
     pattern = _looks_like_pattern(reading.program)
     for step in reading.program.steps[1:]:
         if not step.valid or step.word in ("C", "END"):
@@ -371,7 +395,10 @@ def _definitions_first(reading: _Reading) -> None:
         if step.word not in DEFINITIONS:
             began = began or step
         elif began is not None and not (pattern and step.word in ("LOC_CONST", "CONST")):
-            reading.fault("rsv.definition_late", step.line, f"step {step.number}: {definition_late(began.number)}")
+            late.append(step)
+    if began is not None and late:
+        text = f"step {late[0].number}: {definition_late(began.number)}"
+        reading.fault("rsv.definition_late", late[0].line, text, also_at(step.number for step in late[1:]))
 
 
 def _looks_like_pattern(program: Program) -> bool:

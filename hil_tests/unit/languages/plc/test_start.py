@@ -257,3 +257,21 @@ def test_the_plc_cycles_and_says_which_outputs_it_wrote() -> None:
     assert len(rig.scan().outputs) == 40
     with pytest.raises(ValueError, match="40"):
         rig.plc.scan(TICK, b"")
+
+
+@pytest.mark.parametrize(
+    ("text", "step", "message", "hint"),
+    [
+        ("SP NO,1\nU E0.0\nSP NO", 2, "Branch destination not defined", "there is no M NO; also at step 4"),
+        ("SU NO,1\nU E0.0\nSU NO\nSU NO", 2, "Subprogram not found", "NO is not in the directory; also at steps 4, 5"),
+        ("U E0.0\nSP L,1\nM L ; further on", 4, "A comment cannot follow M", ""),
+        ("U( E0.0\nO E0.1\n)\n= A0.0", 2, "U( E0.0: wrong operand", "U( is a step of its own"),
+        ("UN(\nO E0.1\n)\n= A0.0", 2, "UN(: wrong operand", "brackets are opened by U(, O( and XO("),
+        ("ST (E,T1)\n= A0.0", 2, "ST (E,T1): wrong operand", "ST I,T5 with the timer type I, V, E or A"),
+        ("= A0.0\nEDN", 3, "END is missing", ""),
+    ],
+)
+def test_one_mistake_is_one_fault(text: str, step: int, message: str, hint: str) -> None:
+    (fault,) = check_programs({"MAIN": f"PLC MAIN\n{text}" if "EDN" in text else f"PLC MAIN\n{text}\nEND"})
+    assert (fault.text, fault.position.line) == (f"step {step}: {message}", step)
+    assert fault.hint.endswith(hint)

@@ -1,0 +1,53 @@
+"""Which word a misspelt one was meant to be: letters that are missing, too many, wrong or have changed places."""
+
+from collections.abc import Iterable
+
+SHORT = 7  # letters; longer words may have two slips
+LEAST = 3
+
+
+def nearest(text: str, words: Iterable[str]) -> str:
+    """The word most like the text; "": none is like it.  Case and underscores do not count."""
+    best, least = "", 3
+    wanted = _plain(text)
+    letters = set(wanted)
+    for word in words:
+        plain = _plain(word)
+        slips = min(_allowed(wanted, plain), least - 1)
+        if abs(len(wanted) - len(plain)) > slips or len(letters - set(plain)) > slips:
+            continue  # most words, without counting
+        far = _distance(wanted, plain)
+        if far <= slips:
+            best, least = word, far
+    return best
+
+
+def _plain(text: str) -> str:
+    return text.upper().replace("_", "")
+
+
+def _allowed(wanted: str, word: str) -> int:
+    """How many slips two texts may differ by; a number in a name is no slip (WAIT1 is a name)."""
+    if sum(map(str.isdigit, wanted)) != sum(map(str.isdigit, word)) or len(wanted) < LEAST:
+        return -1
+    if max(len(wanted), len(word)) == LEAST:  # only letters that changed places
+        return 1 if sorted(wanted) == sorted(word) else 0
+    return 2 if min(len(wanted), len(word)) >= SHORT else 1
+
+
+def _distance(one: str, other: str) -> int:
+    """Letters that are too many, missing, wrong or have changed places; more than 2 is not counted exactly."""
+    if abs(len(one) - len(other)) > 2:
+        return 3
+    before: list[int] = []
+    row = list(range(len(other) + 1))
+    for i, letter in enumerate(one, 1):
+        above, last = row, before
+        row = [i]
+        for j, against in enumerate(other, 1):
+            cost = min(above[j] + 1, row[j - 1] + 1, above[j - 1] + (letter != against))
+            if i > 1 and j > 1 and letter == other[j - 2] and one[i - 2] == against:
+                cost = min(cost, last[j - 2] + 1)
+            row.append(cost)
+        before = above
+    return row[-1]
