@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.robotstar.ahead import Ahead
-from gateway.pure.languages.robotstar.faults import StepFault
+from gateway.pure.languages.robotstar.faults import INPUT_WRITTEN, StepFault
 from gateway.pure.languages.robotstar.machine import Machine, NotYet
 from gateway.pure.languages.robotstar.operands import signed
 from gateway.pure.languages.robotstar.path import Target
@@ -84,9 +84,9 @@ class CellWorld:
     # ---- writing
     def set_bit(self, area: str, number: int, bit: int, level: bool) -> None:
         """One bit, behind the position before."""
-        if area == "INPUT":
-            raise StepFault("an input is not written")
         place = BASES[area] + number
+        if BASES["INPUT"] <= place < BASES["OUTPUT"]:
+            raise StepFault(INPUT_WRITTEN)
         self.ahead.act(lambda: self._set(place, 1 << bit, level << bit))
 
     def set_element(self, area: str, number: int, value: int) -> None:
@@ -99,7 +99,7 @@ class CellWorld:
 
     def _put(self, place: int, data: bytes) -> None:
         if BASES["INPUT"] - len(data) < place < BASES["OUTPUT"]:
-            raise StepFault("an input is not written")
+            raise StepFault(INPUT_WRITTEN)
         self.ahead.act(lambda: self._put_now(place, data))
 
     def _put_now(self, place: int, data: bytes) -> None:

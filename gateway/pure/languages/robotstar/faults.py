@@ -16,6 +16,7 @@ NO_READING = "Reading not allowed!"
 NO_WRITING = "Writing not allowed!"
 STEP_UNDEFINED = "Step not defined!"
 IN_THE_STACK = "program in the stack"
+INPUT_WRITTEN = "an input is not written"
 
 
 class StepFault(RuntimeFault):

@@ -60,6 +60,10 @@ class PlcLink:
             self.plc.acknowledge()
             cell.image[1021] = cell.image[1021] & ~1 | 2
 
+    def owned(self, number: int) -> int:
+        """The bits of an output byte that the last scan wrote; those of a stopped PLC are the robot's."""
+        return self.plc.outputs_written[number] if self.plc.state is PlcState.RUN else 0
+
     def _take_markers(self, cell: VirtualCell, memory: bytearray) -> None:
         for number in range(INPUTS) if memory[:INPUTS] != cell.image[:INPUTS] else ():
             if memory[number] != cell.image[number]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.robotstar.faults import INPUT_WRITTEN, StepFault
 from gateway.pure.languages.robotstar.initial import initialise
 from gateway.pure.languages.robotstar.machine import Machine
 from gateway.pure.languages.robotstar.memory import Memory
@@ -40,6 +41,9 @@ class Plc(Protocol):
 
     def acknowledge(self, cell: "VirtualCell") -> None:
         """The operator has acknowledged."""
+
+    def owned(self, number: int) -> int:
+        """The bits of an output byte that its last scan wrote."""
 
 
 # ---- cell ------------------------------------------------------------------------------------------------------------------
@@ -81,8 +85,7 @@ class VirtualCell:
 
     def set_bit(self, area: str, number: int, bit: int, level: bool) -> None:
         """One bit of an area."""
-        old = self.byte(area, number)
-        self.set_byte(BASES[area] + number, old | 1 << bit if level else old & ~(1 << bit))
+        self._put(BASES[area] + number, _with_bit(self.byte(area, number), bit, level))
 
     def element(self, area: str, number: int) -> int:
         """Four bytes, the lowest first."""
@@ -92,7 +95,16 @@ class VirtualCell:
     def set_element(self, area: str, number: int, value: int) -> None:
         """Writes four bytes."""
         for at, byte in enumerate((value & 0xFFFFFFFF).to_bytes(4, "little")):
-            self.set_byte(BASES[area] + number + at, byte)
+            self._put(BASES[area] + number + at, byte)
+
+    def _put(self, marker: int, value: int) -> None:
+        """A byte as the robot program writes it: output bits of the PLC keep its value (L2274)."""
+        if BASES["INPUT"] <= marker < BASES["OUTPUT"]:
+            raise StepFault(INPUT_WRITTEN)
+        if self.plc is not None and marker >= BASES["OUTPUT"]:
+            own = self.plc.owned(marker - BASES["OUTPUT"])
+            value = self.image[marker] & own | value & ~own
+        self.set_byte(marker, value)
 
     def set_byte(self, marker: int, value: int) -> None:
         """Writes a marker byte; a change is an event."""
@@ -218,7 +230,7 @@ class VirtualCell:
             if bit is None:
                 self.set_byte(BASES[area] + number, int(order.value))
             else:
-                self.set_bit(area, number, bit, bool(order.value))
+                self.set_byte(BASES[area] + number, _with_bit(self.byte(area, number), bit, bool(order.value)))
 
     def start(self, name: str) -> None:
         """START, of the program selected or of another."""
@@ -380,6 +392,10 @@ class VirtualCell:
             "step": step or 1,
             "variables": variables,
         }
+
+
+def _with_bit(byte: int, bit: int, level: bool) -> int:
+    return byte | 1 << bit if level else byte & ~(1 << bit)
 
 
 def _seconds(now: Ns) -> float:

@@ -35,7 +35,14 @@ def test_markers_go_both_ways() -> None:
 
 def test_the_plc_goes_before_the_robot_at_an_output_both_write() -> None:
     ran = run("WRITE_BIT #AUSGANG,1,5,3\nWRITE_BIT #AUSGANG,1,5,4\nWAIT 1\nSTOP", FOLLOW, 1)
-    assert ran.when("A5")[-1][1] == 16
+    assert [value for _, value in ran.when("A5")] == [16]
+    ran = run("WAIT 0.1\nCOPY -1,_IBIN_OUT[2]\nWRITE_BIT #MERKER,1,2013,3\nSTOP", FOLLOW, 1)
+    assert [value for _, value in ran.when("A5")] == [255 - 8]
+
+
+def test_the_robot_writes_no_input_by_its_marker() -> None:
+    for step in ("WRITE_BIT #MERKER,1,1968,0", "COPY 1,_SPS[493]"):
+        assert run(f"{step}\nSTOP", FOLLOW, 1).texts() == ["an input is not written"]
 
 
 def test_messages_by_m948() -> None:
