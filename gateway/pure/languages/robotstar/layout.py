@@ -31,6 +31,12 @@ def steps_of(text: str, is_descriptor: Callable[[str], bool], is_command: Callab
     return found
 
 
+def is_numbered(lines: Iterable[str]) -> bool:
+    """Whether steps are printed with their numbers: a line without one is then a title, or a command whose number is lost."""
+    filled = [line for line in lines if line.strip()]
+    return 3 * sum(bool(_NUMBERED.match(line)) for line in filled) > 2 * len(filled)
+
+
 _DIGITS = str.maketrans("OolI", "0011")
 
 

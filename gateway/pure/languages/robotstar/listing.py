@@ -10,7 +10,7 @@ import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from gateway.pure.languages.robotstar.layout import steps_of
+from gateway.pure.languages.robotstar.layout import is_numbered, steps_of
 from gateway.pure.languages.robotstar.path import CARTESIAN
 from gateway.pure.languages.robotstar.program import HEADS
 from gateway.pure.languages.robotstar.slips import command, parameters
@@ -22,6 +22,8 @@ _WORD = re.compile(r"(\\?\s*)([^\W\d][\w-]*)(.*)", re.DOTALL)
 _MARKED = re.compile(r"(?:->|=>|>|-)\s*(?=S?\s*\d)")  # the cursor, or the step completed last (L1484)
 _SECOND = re.compile(r"\s+([^\W\d]\w*)")
 _POSITION = re.compile(r"\b[XYZABC]\s*:|\bA\d+\s*:", re.IGNORECASE)
+_PLC_NUMBER = re.compile(r"S?\s*(\d+)\s*[.:)]?\s+(?=\S)", re.IGNORECASE)  # `8 )` is step 8
+_PLC_HEAD = re.compile(r"(?:MPR|SPR|MAC|PAL|PLC|DIR)\b", re.IGNORECASE)  # SP is a jump of the PLC, M a label
 _KIND = re.compile(r"\s*(#[NP])\b\s*,?\s*", re.IGNORECASE)
 ALIKE = 0.84  # likeness of a misread word to a command
 
@@ -100,8 +102,12 @@ def import_listing(text: str, words: Words, points: Mapping[str, str] | None = N
         result.notes.append(Note(number, words_of_note))
 
     lines = steps_of(text, lambda spelt: bool(words.descriptor(spelt)), lambda spelt: spelt.upper() in words.words, tell)
+    numbered = is_numbered(line for _, line in lines)
     for number, line in lines:
-        printed, step = _step(number, line, words, points or {}, result.notes)
+        if program is not None and program.kind == "PLC" and not program.ended and (found := _plc_step(line)) is not None:
+            _take_plc_step(program, result, number, *found, numbered)
+            continue
+        printed, step = _step(number, line, words, points or {}, result.notes, numbered)
         if step is None:
             if printed and program is not None:
                 result.notes.append(Note(number, f"step {printed} is not printed"))
@@ -117,18 +123,48 @@ def import_listing(text: str, words: Words, points: Mapping[str, str] | None = N
             _close(program, result, number)
             program, head.last = head, printed
             continue
+        if numbered and not printed and (program is None or program.ended):
+            tell(number, f"{line.strip()[:40]!r} is no step and left out")  # a title of the page
+            continue
         if program is None or program.ended:
             program = _Open(name, "MPR", [f'MPR "{name}"'])
             result.notes.append(Note(number, f"the head is not printed; main program {name} is assumed"))
-        elif printed > program.last + 1 > 1:
-            result.notes.append(Note(number, f"steps {program.last + 1} to {printed - 1} are not printed"))
-        program.last = printed or program.last
+        _count(program, printed, number, result)
         program.steps.append(step)
         if words.words.get(word) == "END":
             _close(program, result, number)
     _close(program, result, len(text.splitlines()))
     result.notes.sort(key=lambda note: note.line)
     return result
+
+
+def _count(program: _Open, printed: int, line: int, result: Imported) -> None:
+    """Takes the number of a step; those that are not printed are named."""
+    if printed > program.last + 1 > 1:
+        first, last = program.last + 1, printed - 1
+        result.notes.append(Note(line, f"step {first} is not printed" if first == last else f"steps {first} to {last} are not printed"))
+    program.last = printed or program.last
+
+
+def _plc_step(line: str) -> tuple[int, str] | None:
+    """(step number printed or 0, the step) of a PLC program, whose commands are not those of a robot; None: the head of a program."""
+    text = _MARKED.sub("", line.translate(QUOTES).replace("|", " ").strip(), count=1)
+    found = _PLC_NUMBER.match(text)
+    text = text[found.end() :].strip() if found else text
+    return None if _PLC_HEAD.match(text) else (int(found[1]) if found else 0, text)
+
+
+def _take_plc_step(program: _Open, result: Imported, line: int, printed: int, step: str, numbered: bool) -> None:
+    """A step of a PLC program stays as it is printed."""
+    if not step or step.startswith("```"):
+        return
+    if numbered and not printed:
+        result.notes.append(Note(line, f"{step[:40]!r} is no step and left out"))
+        return
+    _count(program, printed, line, result)
+    program.steps.append(step)
+    if step.split(";", maxsplit=1)[0].strip().upper() in ("END", "ENDE"):
+        _close(program, result, line)
 
 
 def _head(step: str, word: str, words: Words) -> _Open:
@@ -155,7 +191,7 @@ def _close(program: _Open | None, result: Imported, line: int) -> None:
     result.files[file] = "".join(f"{number:<4} {step}\n" for number, step in enumerate(program.steps, 1))
 
 
-def _step(number: int, line: str, words: Words, points: Mapping[str, str], notes: list[Note]) -> tuple[int, str | None]:
+def _step(number: int, line: str, words: Words, points: Mapping[str, str], notes: list[Note], numbered: bool) -> tuple[int, str | None]:
     """(step number printed or 0, the step); None for a line that holds none."""
     text = line.translate(QUOTES).replace("**", "").strip()
     if text.startswith(("```", "#")) or re.fullmatch(r"[|\s:-]*", text):
@@ -176,7 +212,7 @@ def _step(number: int, line: str, words: Words, points: Mapping[str, str], notes
         notes.append(Note(number, f"{text[:40]!r} is no step and left out"))
         return printed, None
     spelt, rest = _joined(matched[2], matched[3], words)
-    word = _repaired(number, spelt, words, notes, certain=bool(printed))
+    word = _repaired(number, spelt, words, notes, certain=bool(printed), numbered=numbered)
     if not word:
         return printed, None
     fixed = parameters(word, rest, words)
@@ -195,7 +231,7 @@ def _joined(word: str, rest: str, words: Words) -> tuple[str, str]:
     return word, rest
 
 
-def _repaired(number: int, word: str, words: Words, notes: list[Note], certain: bool) -> str:
+def _repaired(number: int, word: str, words: Words, notes: list[Note], certain: bool, numbered: bool) -> str:
     """The word, a misread one put right; "" where a line without a number is no step."""
     if word.upper() in words.words or (word.startswith("_") and word.isupper()):
         return word
@@ -205,7 +241,7 @@ def _repaired(number: int, word: str, words: Words, notes: list[Note], certain: 
     if near and (certain or near[0] in (bare, alike)):
         notes.append(Note(number, f"{word} is read as {near[0]}"))
         return near[0]
-    if certain or word.isupper():
+    if certain or (word.isupper() and not numbered):
         notes.append(Note(number, f"{word} is no command; it is kept as the call of a macro"))
         return word
     notes.append(Note(number, f"{word} .. is no step and left out"))

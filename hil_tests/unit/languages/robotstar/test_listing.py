@@ -198,3 +198,27 @@ def test_a_head_printed_as_a_title_or_on_each_page_begins_no_program() -> None:
     }
     again = [note.line for note in found.notes if "printed again" in note.text]
     assert again == [3, 5, 9]
+
+
+def test_titles_of_the_pages_of_a_numbered_listing_are_no_steps() -> None:
+    title = "REIS ROBOTstar V      Programmlisting    12.03.97  Seite"
+    text = f'{title} 1\nProgramm: S:/TEILE/A.MPR\n\n1 MPR "A"\n2 WAIT 1\n3 WAIT 2\n4 WAIT 3\n{title} 2\n5 WAIT 4\n6 STOP\n7 ENDE\n'
+    found = import_listing(text, WORDS)
+    assert {name: len(steps.splitlines()) for name, steps in found.files.items()} == {"A.MPR": 7}
+    assert [(note.line, note.text) for note in found.notes] == [
+        (1, "REIS .. is no step and left out"),
+        (2, "'Programm: S:/TEILE/A.MPR' is no step and left out"),
+        (8, "REIS .. is no step and left out"),
+    ]
+
+
+def test_steps_of_a_printed_plc_program_stay_as_they_are() -> None:
+    """SP is a jump there and no head; brackets, comparisons and assignments begin with a sign."""
+    steps = ["; start", "U(", "O E0.0", "O E0.1", ")", "= A1.0", "SP ZIEL,1", "L 12ACH", "TD M20", "=?", "M ZIEL", "SU LAMPE", "END"]
+    rows = [f"{number:4} {step}" for number, step in enumerate(["PLC 'MAIN'", *steps], 1)]
+    found = import_listing(
+        "\n".join([*rows, "   1 PLC 'LAMPE'", "   2 = A1.1", "   3 END", "   1 MPR A", "   2 WAIT 1", "   3 END"]), WORDS
+    )
+    assert found.notes == []
+    assert list(found.files) == ["MAIN.PLC", "LAMPE.PLC", "A.MPR"]
+    assert [line[5:] for line in found.files["MAIN.PLC"].splitlines()] == ['PLC "MAIN"', *steps]
