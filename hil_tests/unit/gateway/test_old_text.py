@@ -17,3 +17,8 @@ def test_umlauts_are_read_as_they_were_written(page: str, tmp_path: pathlib.Path
     (tmp_path / "UEBER.MPR").write_bytes(TEXT.encode(page))
     assert sources(str(tmp_path))[0].text == TEXT
     assert read_listing(tmp_path / "UEBER.MPR") == TEXT
+
+
+def test_the_end_of_file_of_dos_is_no_line() -> None:
+    assert decoded(TEXT.encode("cp850") + b"\x1a") == TEXT
+    assert decoded(b"END\r\n\x1a\x1a") == "END\r\n"
