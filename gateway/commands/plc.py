@@ -5,13 +5,13 @@ import json
 import pathlib
 import time
 import zlib
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Iterator
 
 from gateway.assembly.integrated_plc import plc_folder
 from gateway.assembly.run import slug_of
 from gateway.files.plc_programs import ProgramFileFault, read_listing, read_programs, write_programs
 from gateway.pure.cell.cell import Cell
-from gateway.pure.languages.plc.awl.report import imported
+from gateway.pure.languages.plc.awl.report import Imported, imported
 from gateway.pure.languages.plc.check import check_programs
 from gateway.pure.languages.plc.orders import OrderFault, orders_of
 from gateway.pure.languages.plc.plc import Settings
@@ -125,7 +125,7 @@ def sentence(answer: Row) -> str:
     """The state of a PLC in words."""
     message = answer["message"]
     shown = f"; message: {message['text']}" if isinstance(message, dict) else ""
-    return f"PLC {answer['state']}, {answer['scans']} scans{shown}"
+    return report_text(f"PLC {answer['state']}, {answer['scans']} scans{shown}")
 
 
 def show(cell: Cell, options: argparse.Namespace, client: ToolClient) -> int:
@@ -151,13 +151,14 @@ def show(cell: Cell, options: argparse.Namespace, client: ToolClient) -> int:
     if options.json:
         print(json.dumps({"on": same, "why": why, "rows": steps if same else []}, indent=1))
         return Exit.OK if same else Exit.FINDING
-    print(f"{'step':>5} {'':40} state VKE      ACCU1      ACCU2")
+    width = len(report_text("step"))
+    print(f"{report_text('step'):>5} {'':{45 - max(width, 5)}} {report_text('state'):>5} VKE      ACCU1      ACCU2")
     for line in lines_of(text):
         row = rows.get(line.step) if same else None
         shown = f"{row[1]:>5} {row[2]:>3} {row[3]:>10} {row[4]:>10}" if row else "  NOP" if same else ""
         print(f"{line.step:>5} {line.text[:40]:40} {shown}".rstrip())
     if why:
-        print(f"the test display is off: {why}")
+        print(report_text(f"the test display is off: {why}"))
     return Exit.OK if same else Exit.FINDING
 
 
@@ -201,8 +202,8 @@ def run(options: argparse.Namespace) -> int:
         for event in virtual.events:
             print(line_of(event))
         if end["state"] == "error" and not any(event["what"] == "state" for event in virtual.events):
-            print(refused_start(start, options.folder, programs))
-        print(f"end: {end['state']}, {end['program']} step {end['step']}, {end['scans']} scans in {end['time_s']} s")
+            print(report_text(refused_start(start, options.folder, programs)))
+        print(report_text(f"end: {end['state']}, {end['program']} step {end['step']}, {end['scans']} scans in {end['time_s']} s"))
     return Exit.FINDING if end["state"] == "error" else Exit.OK
 
 
@@ -227,7 +228,7 @@ def line_of(event: Event) -> str:
     if event["what"] != "message":
         return f"{event['at']:>6}  {event['what']} = {event['value']}"
     place = f" ({event['program']} step {event['step']})" if event["program"] else ""
-    return f"{event['at']:>6}  {event['class']}: {event['text']}{place}"
+    return f"{event['at']:>6}  {event['class']}: {report_text(str(event['text']))}{place}"
 
 
 def import_list(options: argparse.Namespace) -> int:
@@ -242,5 +243,15 @@ def import_list(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps({"programs": [str(path) for path in paths], **result.as_dict()}, indent=1))
     else:
-        print("\n".join([*(f"written: {path}" for path in paths), *result.lines()]))
+        print("\n".join(lines_of_import(paths, result)))
     return Exit.FINDING if result.refused else Exit.OK
+
+
+def lines_of_import(paths: Iterable[pathlib.Path], result: Imported) -> Iterator[str]:
+    """The report for a reader, in the user's language; lines of the list as they are."""
+    yield from (report_text(f"written: {path}") for path in paths)
+    yield report_text(f"{result.statements} statements, {len(result.refused)} not translated")
+    for each in result.refused:
+        block = f" ({each.block})" if each.block else ""
+        yield f"{report_text(f'line {each.line}')}{block}: {each.text}: {report_text(each.reason)}"
+    yield from (report_text(note) for note in result.notes)

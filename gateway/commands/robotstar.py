@@ -121,7 +121,7 @@ def _directory(options: argparse.Namespace) -> int:
             done = rename(folder, name, options.to)
         case _:
             done = copy(folder, name, options.to)
-    print(json.dumps({"done": done}) if options.json else f"{name}: {done}")
+    print(json.dumps({"done": done}) if options.json else f"{name}: {report_text(done)}")
     return Exit.OK
 
 
@@ -165,8 +165,9 @@ def _run(options: argparse.Namespace) -> int:
         print(json.dumps({"events": cell.events, "end": end}, indent=1, ensure_ascii=False))
     else:
         for event in cell.events:
-            print(f"{event['at']:>10} {event['what']} {event['value']}")
-        print(f"{end['state']}: program {end['program']}, step {end['step']}")
+            value = report_text(str(event["value"])) if event["what"] == "message" else event["value"]
+            print(f"{event['at']:>10} {event['what']} {value}")
+        print(report_text(f"{end['state']}: program {end['program']}, step {end['step']}"))
     return Exit.FINDING if end["state"] == "error" else Exit.OK
 
 

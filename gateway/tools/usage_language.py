@@ -17,7 +17,7 @@ from gateway.tools.help_language import german_help, in_german_usage
 
 INVALID = 2  # as argparse ends
 FAULTS = ("usage", "command-faults")  # of configs/texts
-REPORTS = ("robotstar-words", "robotstar-check", "robotstar", "refusals")
+REPORTS = ("robotstar-words", "robotstar-check", "plc-import", "robotstar", "refusals")
 BAPS2 = ("baps2-check",)
 PLACE = re.compile(r"(?:step (\d+)|([A-Z]\w*(?:\[\w*\])?(?:\(\w*\))?)): ")  # step, command or operand in front of a sentence
 WRITTEN_OUT = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})  # for every code page (AX-253)

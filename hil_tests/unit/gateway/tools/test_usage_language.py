@@ -9,10 +9,13 @@ from collections.abc import Iterator
 
 import pytest
 
+import gateway
 from gateway.__main__ import main
+from gateway.commands import plc
 from gateway.files.texts import read_texts
 from gateway.pure.reports.spoken import FIELD
-from gateway.tools.usage_language import usage_text
+from gateway.tools.usage_language import report_text, usage_text
+from hil_tests.unit.gateway.web.test_spoken_robotstar import sentences
 
 GERMAN = {"LC_ALL": "de_DE.UTF-8"}
 NOT_OF_A_USER = (  # headings of -h, and mistakes of who builds a parser
@@ -120,7 +123,7 @@ def test_faults_of_reis_programs_are_reported_in_german(
     said = capsys.readouterr().out
     for sentence in (
         "P.MPR:2:1: Fehler: Schritt 2: I1[0]: die Zahl der Elemente liegt ausserhalb 1 .. 100000 [rsv.definition]",
-        "Schritt 3: PTP_SPEED: Wert 200 muss groesser als 0 und hoechstens 100 sein",
+        "Schritt 3: PTP_GESCHW: Wert 200 muss groesser als 0 und hoechstens 100 sein",
         "Schritt 4: WRITE_BIT: Pegel 2 liegt ausserhalb 0 .. 1",
         "Schritt 5: Marke X gibt es in diesem Programm nicht",
         "Schritt 6: POSITION: Y, Z, A, B, C fehlt; robotstar import --points setzt benannte Positionen ein",
@@ -134,8 +137,78 @@ def test_faults_of_reis_programs_are_reported_in_german(
     assert said == f"Q.MPR: geschrieben nach {tmp_path / 'to'}\n"
     assert notes.splitlines() == [
         f"{tmp_path.parent / 'list.txt'}:2: WA1T wird gelesen als WAIT",
-        f"{tmp_path.parent / 'list.txt'}:3: Schritte 3 bis 3 sind nicht gedruckt",
+        f"{tmp_path.parent / 'list.txt'}:3: Schritt 3 ist nicht gedruckt",
         f"{tmp_path.parent / 'list.txt'}:3: Q: END ist nicht gedruckt; wird ergaenzt",
     ]
     assert main(["robotstar", "check", str(tmp_path), "--json"]) == 1
     assert "step 5: label X is not in this program" in capsys.readouterr().out
+
+
+NO_SENTENCE = re.compile(r"\\[sbd]|[|]|NOT_TRANSLATED")  # patterns, and a step of the program
+IMPORT = pathlib.Path(gateway.__file__).parent / "pure/languages/plc/awl"
+NARROW = "numbers are calculated with 32 bits; STEP 5 has 16: check lines"
+UNFED = "7: uses what line 7 would have given, which is not translated"
+PUT_TOGETHER = {NARROW: f"PB1: {NARROW} 7", UNFED: f"line 7 (PB1): T MB 1{UNFED[1:]}"}
+
+
+@pytest.mark.parametrize("name", ["translator", "reader", "reasons", "report", "unfed"])
+def test_each_reason_of_an_import_has_its_german(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LC_ALL", GERMAN["LC_ALL"])
+    found = [(line, PUT_TOGETHER.get(words, words)) for line, words in sentences(IMPORT / f"{name}.py") if not NO_SENTENCE.search(words)]
+    missing = [f"{name}.py:{line}: {words}" for line, words in found if report_text(words) == words]
+    assert not missing, "give them a line in configs/texts/plc-import.toml"
+
+
+def test_an_import_and_a_plc_are_reported_in_german(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What the list itself says stays as it is; --json keeps English."""
+    (tmp_path / "list.txt").write_text("OB 1\n:U E 0.0: no\n:SS T 1\n:L DW 3\n:BE\n")
+    command = ["plc", "import", str(tmp_path / "list.txt"), "--to"]
+    monkeypatch.setenv("LC_ALL", GERMAN["LC_ALL"])
+    assert main([*command, str(tmp_path / "to")]) == 1
+    assert capsys.readouterr().out.splitlines() == [
+        f"geschrieben: {tmp_path / 'to' / 'OB1.PLC'}",
+        "4 Anweisungen, 2 nicht uebersetzt",
+        "Zeile 3 (OB1): :SS T 1: die integrierte SPS hat keine speichernde Einschaltverzoegerung; "
+        "einen Merker benutzen, der den Start haelt",
+        "Zeile 4 (OB1): :L DW 3: DW3 hat keinen Merker; mit --words einen geben: DW3 = M200",
+    ]
+    assert main([*command, str(tmp_path / "to")]) == 2
+    assert capsys.readouterr().err.endswith("gibt es schon; einen leeren Ordner nennen oder die Datei entfernen\n")
+    assert main([*command, str(tmp_path / "more"), "--json"]) == 1
+    assert "the integrated PLC has no latching switch-on delay" in capsys.readouterr().out
+    assert plc.sentence({"state": "RUN", "scans": 7, "message": {"text": "door"}}) == "SPS RUN, 7 Zyklen; Meldung: door"
+    (tmp_path / "M.PLC").write_text("PLC M\nFOO\nEND\n")
+    assert main(["plc", "run", str(tmp_path), "--start", "M", "--virtual"]) == 1
+    assert capsys.readouterr().out.splitlines() == [
+        "     0  error: Kein SPS-Befehl (M step 2)",
+        f"START abgelehnt: M berichtigen; alle Fehler mit ihren Zeilen: axisgate plc check {tmp_path}",
+        "Ende: Fehler, M Schritt 1, 100 Zyklen in 1.0 s",
+    ]
+
+
+class Shown:
+    """A tool's connection to a cell whose PLC shows a program."""
+
+    def __init__(self, *answers: dict[str, object]) -> None:
+        self._answers = list(answers)
+
+    def ask(self, *words: object, **fields: object) -> dict[str, object]:
+        return self._answers.pop(0) if len(self._answers) > 1 else self._answers[0]
+
+
+def test_the_test_display_is_headed_in_german(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "M.PLC").write_text("PLC M\nU E0.0\nEND\n")
+    monkeypatch.setenv("LC_ALL", GERMAN["LC_ALL"])
+    monkeypatch.setattr(plc, "plc_folder", lambda cell: tmp_path)
+    monkeypatch.setattr(plc, "SHOWN_S", 0.0)
+    off = {"on": False, "why": "the PLC does not run", "rows": []}
+    options = argparse.Namespace(program="M", json=False)
+    assert plc.show(None, options, Shown(off)) == 1  # type: ignore[arg-type]
+    assert capsys.readouterr().out.splitlines()[::4] == [
+        "Schritt                                        Status VKE      ACCU1      ACCU2",
+        "die Testanzeige ist aus: die SPS laeuft nicht",
+    ]
