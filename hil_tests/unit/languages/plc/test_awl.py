@@ -361,8 +361,8 @@ END_FUNCTION
 def test_a_ladder_as_step_7_prints_it_runs_with_local_bits_and_english_times() -> None:
     rig = rig_of(LADDER)
     assert [note for note in imported(LADDER).notes if "local" in note] == [
-        "OB1: local bits: LB20 is M510; no other program may use them",
-        "FC1: local bits: LB20 is M509; no other program may use them",
+        "OB1: local bits: LB20 = M510; no other program may use them",
+        "FC1: local bits: LB20 = M509; no other program may use them",
     ]
     assert [rig.scan(*high.split()).outputs[0] for high in ("", "E0.0", "E0.0 E0.2", "E0.2")] == [2, 3, 1, 0]
     assert rig.plc.data.memory[10] == 0

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 STEP7 = re.compile(r"^\s*(ORGANIZATION_BLOCK|FUNCTION_BLOCK|FUNCTION|BEGIN)\b", re.IGNORECASE | re.MULTILINE)
-OPENED = re.compile(r"(ORGANIZATION_BLOCK|FUNCTION_BLOCK|FUNCTION)\s+\"?([A-Z]+\s*\d+|[^\"\s:]+)", re.IGNORECASE)
+OPENED = re.compile(r"(ORGANIZATION_BLOCK|FUNCTION_BLOCK|FUNCTION)\s+(?:\"([^\"]+)\"|([A-Z]+\s*\d+|[^\"\s:]+))", re.IGNORECASE)
 SKIPPED = re.compile(r"(DATA_BLOCK|TYPE)\b\s*(.*)", re.IGNORECASE)
 HEADER = re.compile(
     r"#?(?:(?:(?:ORGANISATIONS|PROGRAMM|FUNKTIONS|SCHRITT|DATEN)?BAUSTEIN|BLOCK|BSTN)\s*[#:=]?\s*)?"
@@ -137,7 +137,7 @@ class Reader:
         if part.upper().startswith("END_"):
             self._block = None
         elif opened := OPENED.match(part):
-            self._begin(opened[2], number)
+            self._begin(opened[2] or opened[3], number)
         elif skipped := SKIPPED.match(part):
             self._skipping = re.compile(rf"END_{skipped[1]}\b", re.IGNORECASE)
             self._refuse(number, part, "the integrated PLC has no data blocks and no types; give its words markers with --words")
@@ -176,6 +176,8 @@ class Reader:
         self.found.refused.append(Refused(number, self._block.name if self._block else "", text[:100], reason))
 
     def _statement(self, number: int, part: str) -> None:
+        if self._block is not None and not self._block.name:
+            return  # a row of a data block, which its head has named
         addressed = ADDRESSED.match(part)
         body = part[addressed.end() :] if addressed and ":" in part else part
         label, rest = "", body

@@ -30,11 +30,6 @@ class Imported:
         rows = [{"line": each.line, "block": each.block, "text": each.text, "reason": each.reason} for each in self.refused]
         return {"statements": self.statements, "refused": rows, "notes": self.notes}
 
-    def lines(self) -> list[str]:
-        """For a reader."""
-        rows = [f"line {each.line}{f' ({each.block})' if each.block else ''}: {each.text}: {each.reason}" for each in self.refused]
-        return [f"{self.statements} statements, {len(self.refused)} not translated", *rows, *self.notes]
-
 
 def words_of(table: str) -> tuple[Mapping[str, str], list[str]]:
     """The table of words and markers, and the lines that are no row of it."""
@@ -103,8 +98,9 @@ def imported(text: str, table: str = "") -> Imported:
     result = Imported(refused=list(listing.refused), notes=[*listing.notes, *wrong])
     calls: dict[str, str] = {}
     spare, *pool = spare_bytes(text, words) or [""]
+    names = frozenset(block.name for block in listing.blocks)
     for block in listing.blocks:
-        translator = Translator(block, words, reader.english, spare, pool=pool)
+        translator = Translator(block, words, reader.english, spare, pool=pool, blocks=names)
         result.programs[block.name] = translator.run()
         result.statements += len(block.statements)
         known = {each.line for each in result.refused}
@@ -114,7 +110,7 @@ def imported(text: str, table: str = "") -> Imported:
         if translator.spared:
             result.notes.append(f"{block.name}: {spare}.0 and {spare}.1 are auxiliary bits of edges; no other program may use them")
         if translator.local:
-            rows = ", ".join(f"LB{byte} is {marker}" for byte, marker in sorted(translator.local.items()))
+            rows = ", ".join(f"LB{byte} = {marker}" for byte, marker in sorted(translator.local.items()))
             result.notes.append(f"{block.name}: local bits: {rows}; no other program may use them")
         if translator.narrow:
             result.notes.append(f"{block.name}: {NARROW} {', '.join(str(line) for line in sorted(set(translator.narrow)) if line)}")

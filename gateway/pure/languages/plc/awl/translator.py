@@ -20,6 +20,7 @@ BYTE = re.compile(r"([EAM])B\s*(\d+)\b")
 OPERAND_LIKE = re.compile(r"[A-Z]{1,3}\s*\d|[=#\"-]")  # anything else behind a single O is a comment
 TABLED = re.compile(r"(?:(D[BX]\s*\d+)\s*\.\s*)?(MW|EW|AW|MD|ED|AD|DW|DL|DR|DD|DBW|DBD|DBB|DBX|D)\s*(\d+(?:\.\d+)?)\b")
 BLOCK = re.compile(r"(OB|PB|FB|FX|SB|FC)\s*(\d+)\b")
+SYMBOL = re.compile(r'"([^"]+)"')
 LINKS = {"U": "U", "UN": "UN", "O": "O", "ON": "ON", "X": "XO", "XN": "XON"}
 OPENS = {"U(": "U(", "O(": "O(", "X(": "XO("}
 OPENS_NOT = {"UN(": "U(", "ON(": "O(", "XN(": "XO("}
@@ -63,6 +64,7 @@ class Translator:
     spare: str = ""  # marker byte that nothing else uses; "": there is none
     spared: bool = False  # it is used
     pool: list[str] = field(default_factory=list)  # further ones, for local bytes
+    blocks: frozenset[str] = frozenset()  # names of all blocks of the list
     local: dict[int, str] = field(default_factory=dict)  # local byte -> its marker byte
     lines: list[str] = field(default_factory=list)
     refused: list[Refused] = field(default_factory=list)
@@ -160,7 +162,10 @@ class Translator:
     def _close_or(self) -> None:
         if self._levels[-1].single_or:
             self._levels[-1].single_or = False
-            self.lines.append(")")
+            if self.lines[-1] == "O(":
+                self.lines.pop()  # O x or O( follows: there is no AND to be kept together
+            else:
+                self.lines.append(")")
 
     def _operand(self, operand: str) -> str:
         """A bit, timer or counter."""
@@ -211,7 +216,8 @@ class Translator:
             if key in self.words:
                 return self.words[key]
         if found[2].startswith("D"):
-            raise NoCounterpart(f"{keys[0] if keys else name} has no marker; give it one with --words: {(keys or [name])[0]} = M200")
+            key, bit = (keys or [name])[0], ".1" if "." in name else ""
+            raise NoCounterpart(f"{key} has no marker; give it one with --words: {key} = M200{bit}")
         raise NoCounterpart(WORD_ORDER)
 
     def _link(self, word: str, operand: str) -> None:
@@ -407,10 +413,11 @@ class Translator:
         when = {"SPB": ",1", "CC": ",1", "BAB": ",1", "SPBN": ",0"}.get(word, "")
         if when:
             self._result_is_one()
-        if block := BLOCK.match(operand):
+        block = BLOCK.match(operand) or SYMBOL.match(operand)
+        name = "".join("".join(block.groups()).split()) if block else ""
+        if block and (block.re is BLOCK or name in self.blocks):
             if word in ("CALL", "UC", "CC") and operand[block.end() :].strip().startswith(("(", ",")):
                 raise NoCounterpart(REASONS["CALL"])
-            name = block[1] + block[2]
             self.calls.add(name)
             self.lines.append(f"SU {name}{when}")
             self._fresh, self._one, self._call = True, False, len(self.lines) - 1 if when else None
@@ -420,6 +427,7 @@ class Translator:
         elif word in ("SPA", "SPB", "SPBN") and (label := re.match(r"=?\s*([A-Z_][A-Z0-9_]*)", operand)):
             self.lines.append(f"SP {label[1]}{when}")
         else:
+            self._symbol(operand)
             raise NoCounterpart(f"{word} {operand}: a label or a block is needed")
         self._fresh, self._one = True, bool(when)
 
