@@ -40,7 +40,7 @@ class CellRobot(RobotState):
         """enablePower: only in remote mode; the drives need their time."""
         if self.mode != REMOTE or (self.estop == OPEN and not self.dead_watch) or self.watchdog_broken or self.reboot:
             return False
-        if self.watchdog_ns > 0 and self.watchdog_until is None:
+        if not self.guarded:
             return False
         self._power(on=True)
         return True

@@ -38,6 +38,7 @@ class RobotState:
     watchdog_ns: Ns = 0  # 0: none
     watchdog_until: Ns | None = None
     watchdog_broken: bool = False
+    watchdog_stop: bool = False  # estop is that of the watchdog, which its next refresh clears
     components: dict[str, str] = field(default_factory=dict)
     service: Service = field(default_factory=Service)
     reboot: bool = False  # an overrun of the synchro task: power only after a new start of the controller
@@ -52,7 +53,7 @@ class RobotState:
         if code == 0:
             self.estop = SAFE_RESTART if self.estop == SS1 else 0
             return
-        self.estop = SS2 if code == SS2 else SS1
+        self.estop, self.watchdog_stop = SS2 if code == SS2 else SS1, False
         if self.estop == SS1:
             self.powered = False
 
@@ -62,7 +63,7 @@ class RobotState:
 
     def switch(self, on: bool) -> None:
         """The operator switches the power; off remains off while the safety chain is open."""
-        if on and not self.reboot and self.estop in (0, SAFE_RESTART):
+        if on and not self.reboot and self.estop in (0, SAFE_RESTART) and self.guarded and not self.watchdog_broken:
             self.estop, self.powered = 0, True
         elif not on:
             self.powered = False
@@ -73,21 +74,28 @@ class RobotState:
             self.watchdog_broken, self.powered = True, False
             raise Rte(45)
         active = self.watchdog_until is not None and now < self.watchdog_until
-        if not active and self.estop:
-            self.estop = 0
+        if self.watchdog_stop:
+            self.estop, self.watchdog_stop = 0, False
         self.watchdog_until = now + self.watchdog_ns
         return active
 
     def tick(self, now: Ns) -> None:
-        """An expired watchdog stops the robot."""
-        if self.watchdog_until is not None and now >= self.watchdog_until and self.powered:
-            self.estop, self.powered, self.watchdog_until = 2, False, None
+        """An expired watchdog stops the robot; without power, too, it is not active any more."""
+        if self.watchdog_until is not None and now >= self.watchdog_until:
+            self.watchdog_until = None
+            if self.powered:
+                self.estop, self.powered, self.watchdog_stop = SS1, False, True
+
+    @property
+    def guarded(self) -> bool:
+        """Power can be switched on: the watchdog is active, or there is none (L3555)."""
+        return self.watchdog_ns <= 0 or self.watchdog_until is not None
 
     def enable(self) -> bool:
         """enablePower: only in remote mode."""
         if self.mode != REMOTE or self.estop not in (0, SAFE_RESTART) or self.watchdog_broken or self.reboot:
             return False
-        if self.watchdog_ns > 0 and self.watchdog_until is None:
+        if not self.guarded:
             return False
         self.estop, self.powered = 0, True
         return True

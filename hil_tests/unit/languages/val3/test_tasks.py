@@ -229,6 +229,24 @@ def test_the_watchdog() -> None:
     assert isinstance(found, dict) and (found["n"], found["i"], found["j"], found["k"], found["b"]) == (1, 0, 2, 0, False)
 
 
+@pytest.mark.parametrize(
+    ("period", "code", "event", "powered", "stop"),
+    [
+        (0.5, "b=wdgRefresh()\ndelay(0.2)\ndisablePower()\ndelay(1)\nenablePower()", "n=0", False, 0),
+        (0.5, "b=wdgRefresh()\ndelay(0.2)\ndisablePower()\ndelay(1)\nb=wdgRefresh()\nenablePower()", "n=0", True, 0),
+        (0.5, "delay(2)\nb=wdgRefresh()", "estop=1", False, 2),
+        (0.0, 'taskCreate "w",1,refresh()\ndelay(2)', "power=1", False, 0),
+    ],
+)
+def test_power_needs_an_active_watchdog(period: float, code: str, event: str, powered: bool, stop: int) -> None:
+    """L3555, L3570-3572: also where it expired without power; it clears its own stop only; after error 45 there is no power."""
+    programs = {"start": code + "\nb=isPowered()\nk=esStatus()", "refresh": "b=wdgRefresh()"}
+    made = machine(app := App(data=DATA, programs=programs))
+    made.robot.watchdog_ns = round(period * 1e9)
+    found = run(app, on=made, at=[(1.0, event)])["globals"]
+    assert isinstance(found, dict) and (found["b"], found["k"]) == (powered, stop)
+
+
 def test_the_same_input_gives_the_same_result() -> None:
     app = App(
         data=DATA,
