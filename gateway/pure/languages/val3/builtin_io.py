@@ -10,7 +10,7 @@ from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
 from gateway.pure.languages.val3.values import AioV, DioV, LinkV, SioV, cut
-from gateway.pure.languages.val3.virtual_io import Status
+from gateway.pure.languages.val3.virtual_io import Point, Status
 
 T = TypeVar("T")
 Waiting = Generator[Ns | None, None, object]
@@ -58,9 +58,8 @@ def f_aio_get(own: Instance, variable: AioV) -> float:
 
 
 def f_aio_set(own: Instance, variable: AioV, value: float) -> float:
-    """Writes; the value the output takes."""
-    own.machine.io.write(variable.link, value)
-    return value
+    """Writes; the value as the output takes it, out of its range what it has (L2493)."""
+    return own.machine.io.write(variable.link, value)
 
 
 def f_io_status(own: Instance, variable: LinkV) -> float:
@@ -72,8 +71,8 @@ def f_io_status(own: Instance, variable: LinkV) -> float:
 
 def f_io_description(own: Instance, variable: LinkV, description: Place, path: Place) -> float:
     """With description and physical path."""
-    description[0][description[1]] = ""
-    path[0][path[1]] = cut(own.machine.io.declare(variable.link).path) if variable.link else ""
+    point = own.machine.io.declare(variable.link) if variable.link else Point("")
+    description[0][description[1]], path[0][path[1]] = cut(point.description), cut(point.path)
     return f_io_status(own, variable)
 
 

@@ -47,7 +47,7 @@ class CellIo(VirtualIo):
     def __post_init__(self) -> None:
         self._system = IoSystem(self._image, self.owned)
         for point in self.owned:
-            self.points[point.path.lower()] = Point(point.path, is_input=not point.output)
+            self.points[point.path.lower()] = Point(point.path, is_input=not point.output, description=point.description)
 
     def look(self, channels: Channels) -> None:
         """The image in a new turn."""
@@ -95,26 +95,26 @@ class CellIo(VirtualIo):
             raise Rte(123, link)
         return VirtualIo.usable(self, link)
 
-    def write(self, link: str | None, value: float) -> None:
-        """122 for an input; an analog value out of range leaves the output as it is."""
+    def write(self, link: str | None, value: float) -> float:
+        """The value as the output takes it; 122 for an input; an analog value out of range leaves the output as it is (AX-519)."""
         before = self.usable(link)
         if before.is_input:
             raise Rte(122, before.path)
         point = self._found(link or "")
-        if before.status is Status.LOCKED or point is None:
-            return
-        if point.steps:
-            value = float(int(value)) if point.integer else value
-            if not point.low <= value <= point.high:
-                return
-            value = round(value * point.steps) / point.steps
-        if before.value != value:
+        if point is None:
+            return value
+        taken = float(int(value)) if point.steps and point.integer else value
+        if point.steps and not point.low <= taken <= point.high:
+            return before.value
+        value = round(taken * point.steps) / point.steps if point.steps else taken
+        if before.status is not Status.LOCKED and before.value != value:
             before.value = self._written[point.name] = value
             if self.waits(before):
                 self._coming.pop(id(before), None)
                 self._going[point.name] = value
             else:
                 self.put(point.name, value)
+        return taken
 
     def hand_on(self) -> None:
         """Outputs of user boards go to the image."""

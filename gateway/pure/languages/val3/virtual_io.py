@@ -22,6 +22,7 @@ class Point:
     value: float = 0.0
     is_input: bool = False
     status: Status = Status.WORKS
+    description: str = ""
 
 
 def looks_like_input(path: str) -> bool:
@@ -109,11 +110,12 @@ class VirtualIo:
             raise Rte(125, point.path)
         return point
 
-    def write(self, link: str | None, value: float) -> None:
-        """122 for an input; without effect where the operator has locked it."""
+    def write(self, link: str | None, value: float) -> float:
+        """The value as it is taken; 122 for an input; without effect where the operator has locked it."""
         point = self.usable(link)
         if point.is_input:
             raise Rte(122, point.path)
         if point.status is not Status.LOCKED:
             point.value = value
             self.changes += 1
+        return value

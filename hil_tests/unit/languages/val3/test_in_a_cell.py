@@ -3,9 +3,11 @@
 import pytest
 
 from gateway.pure.arbitration.command_block import Code
+from gateway.pure.controllers.val3.io.system import Board, Point
 from gateway.pure.image.records.cell import Motion
+from gateway.pure.languages.val3.cell_io import CellIo
 from hil_tests.lab.virtual.val3_cell_bench import DONE, FOLDER, PART, TOOL, VALVE, Val3Cell
-from hil_tests.unit.languages.val3.apps import App, datum, value
+from hil_tests.unit.languages.val3.apps import App, datum, machine, run, value
 
 DATA = (
     datum("jA", "joint", "1", value(j1=5, j2=30, j3=90, j5=60))
@@ -252,3 +254,19 @@ def test_a_move_from_rest_is_on_the_bus_six_cycles_after_the_input_it_waits_for(
     cell.put(PART)
     cell.until(lambda: cell.places[-1] != rest, 1.0)
     assert len(cell.places) - first <= 6
+
+
+@pytest.mark.requirement("VAL-AIO-01", "VAL-AIO-02", by="gateway.pure.languages.val3.cell_io:CellIo.write")
+def test_analog_outputs_of_a_cell_answer_what_they_take_and_have_their_description() -> None:
+    """L2493-2504: 12.3 on a whole output is 12; what is out of range answers what the output has.  L2551: the description."""
+    board = Board("UserIO")
+    whole = Point("speed", board, "out", "%QW0", output=True, byte=60, steps=1, low=-100.0, high=100.0, integer=True, description="belt")
+    fine = Point("force", board, "out", "%QW1", output=True, byte=62, steps=10, low=-20.0, high=20.0)
+    data = "".join(datum(f"ao{name}", "aio", values=value(link=name)) for name in ("speed", "force"))
+    code = "n[0]=aioSet(aospeed,12.3)\nn[1]=aioSet(aospeed,101)\nn[2]=aioSet(aospeed,-100.5)\nn[3]=aioSet(aoforce,-12.3)\n"
+    code += "n[4]=aioSet(aoforce,99)\nn[5]=ioStatus(aospeed,s[0],s[1])\nn[6]=aioGet(aoforce)"
+    made = machine(app := App(data=data + datum("n", "num", "7") + datum("s", "string", "2"), programs={"start": code}))
+    made.io = CellIo(owned=(whole, fine))
+    found = run(app, on=made)["globals"]
+    assert isinstance(found, dict) and found["n"] == [12, 12, -100, -12.3, -12.3, 0, -12.3]
+    assert found["s"] == ["belt", "UserIO\\out\\%QW0"]
