@@ -30,6 +30,25 @@ class Local(tuple[list[object], int]):
         return super().__new__(cls, (values, start))
 
 
+class LocalPlace(int):
+    """Where a local array begins that is passed by reference: in the program that has it, it does not grow either (71)."""
+
+
+def part_of(start: object, place: int) -> int:
+    """A place in an array that was passed: the part from there on is as local as the whole."""
+    return LocalPlace(place) if isinstance(start, LocalPlace) else place
+
+
+def kept(values: list[object], place: int, start: object) -> tuple[list[object], int]:
+    """An array that was passed, as a parameter of an instruction."""
+    return Local(values, place) if isinstance(start, LocalPlace) else (values, place)
+
+
+def is_kept(start: object) -> bool:
+    """Whether what begins there is a local array."""
+    return isinstance(start, LocalPlace)
+
+
 class _One(list[object]):
     """One value as an array of size 1 (L957): what is put into it goes to where the value lies."""
 
@@ -109,7 +128,7 @@ def f_is_defined(find: Callable[[], Container], offset: int, place: tuple[object
     """Whether the element, the key or the datum of a library is there."""
     try:
         container = find()
-    except Rte:
+    except (Rte, LookupError):  # what it lies in is not there
         return False
     if place is None:
         return True
@@ -171,7 +190,7 @@ def f_append(container: list[object], make: Maker, local: bool) -> None:
 
 def f_resize(container: Container, dimension: float, size: float, make: Maker, local: bool) -> None:
     """Adds or drops values at the end of a dimension."""
-    if local:
+    if local or (isinstance(container, Grid) and container.local):
         raise Rte(71)
     which, wanted = rounded(dimension), rounded(size)
     dims, make = container.dims if isinstance(container, Grid) else (len(container),), grown(container, make)

@@ -1,11 +1,12 @@
 """trsf, frame, tool, point, joint and config instructions, on the mathematics of motion.val3.  Source: VAL 3 reference 9, L4496-5349."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
-from gateway.pure.languages.val3.values import ConfigV, FrameV, JointV, PointV, ToolV, TrsfV, may_hang
+from gateway.pure.languages.val3.values import MOST_AXES, ConfigV, FrameV, JointV, PointV, ToolV, TrsfV, may_hang
 from motion.geometry.conventions import DEGREE, angles_xyz, rotation_xyz
+from motion.geometry.units import Kind, kind_of
 from motion.kinematics.base import Configuration, Elbow, Shoulder, Wrist
 from motion.val3 import cartesian, trsf
 from motion.val3.trsf import Trsf
@@ -77,7 +78,20 @@ def check_family(own: Instance, family: str) -> None:
 def joint_in(own: Instance, value: JointV) -> tuple[float, ...]:
     """Degrees and mm; 81."""
     check_family(own, value.family)
-    return value.numbers()
+    return tuple(number * s for number, s in zip(value.numbers(), scales_of(own), strict=False))
+
+
+def joint_out(own: Instance, values: Iterable[float]) -> JointV:
+    """Degrees, and linear axes in the length unit of the application (L4511)."""
+    return JointV([number / s for number, s in zip(values, scales_of(own), strict=False)], own.machine.axes)
+
+
+def scales_of(own: Instance) -> tuple[float, ...]:
+    """Of each axis: mm in a length unit of the application; 1 of an axis that turns."""
+    s, moves = scale_of(own), own.machine.moves_or_none
+    if s == 1.0 or moves is None:
+        return (1.0,) * MOST_AXES
+    return tuple(1.0 if kind_of(unit) is Kind.ROTARY else s for unit in moves.units)
 
 
 # ---- operators -------------------------------------------------------------------------------------------------------------
@@ -248,7 +262,7 @@ def f_point_to_joint(own: Instance, tool: ToolV, initial: JointV, point: PointV,
     """false: no way there."""
     found = _arm(own).point_to_joint(tool_in(own, tool), joint_in(own, initial), point_in(own, point))
     if found is not None:
-        result.set(JointV(found, own.machine.axes))
+        result.set(joint_out(own, found))
     return found is not None
 
 
@@ -259,7 +273,7 @@ def f_config(own: Instance, joint: JointV) -> ConfigV:
 
 def f_herej(own: Instance) -> JointV:
     """The commanded position."""
-    return JointV(own.machine.moves.joints(), own.machine.axes)
+    return joint_out(own, own.machine.moves.joints())
 
 
 def f_is_in_range(own: Instance, joint: JointV) -> bool:

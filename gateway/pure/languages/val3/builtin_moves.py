@@ -4,7 +4,7 @@ import math
 from collections.abc import Generator
 
 from gateway.pure.languages.base.requests import Ns
-from gateway.pure.languages.val3.builtin_geometry import frame_in, joint_in, point_in, scale_of, tool_in, trsf_in
+from gateway.pure.languages.val3.builtin_geometry import frame_in, joint_in, joint_out, point_in, scale_of, tool_in, trsf_in
 from gateway.pure.languages.val3.builtin_io import io_put
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
@@ -173,7 +173,7 @@ def f_get_speed(own: Instance, tool: ToolV) -> float:
 
 def f_get_position_err(own: Instance) -> JointV:
     """Set less actual positions."""
-    return JointV(moves_of(own).errors, own.machine.axes)
+    return joint_out(own, moves_of(own).errors)
 
 
 def f_get_joint_force(own: Instance, force: Place) -> None:
@@ -205,7 +205,7 @@ def f_reset_turn(own: Instance, reference: JointV) -> JointV:
     values[last] += 360.0 * turns
     if turns:
         moves.restart(values)
-    return JointV(values, own.machine.axes)
+    return joint_out(own, values)
 
 
 # ---- alter (13.1) ----------------------------------------------------------------------------------------------------------

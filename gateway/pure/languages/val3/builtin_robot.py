@@ -4,6 +4,7 @@ import math
 from collections.abc import Generator, Sequence
 
 from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.val3.builtin_geometry import joint_out
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
@@ -14,6 +15,7 @@ from motion.kinematics.arm6 import Arm6
 from motion.kinematics.dh import default_dh
 
 Waiting = Generator[Ns | None, None, object]
+Matrix = tuple[Container, bool]  # whether it is a local one
 FAST = ("fin0", "fin1")
 BRAKE_NS: Ns = 100_000_000  # test of one brake
 BRAKE_FAILED, KILLED = 2, -13
@@ -97,7 +99,7 @@ def f_get_jnt_ref(own: Instance, name: str) -> JointV:
     found = own.machine.references.get(name)
     if found is None:
         raise Rte(70, f"joint reference {name!r}")
-    return JointV(found, own.machine.axes)
+    return joint_out(own, found)
 
 
 def f_hibernate_robot(own: Instance) -> float:
@@ -170,13 +172,13 @@ def f_get_latch(own: Instance, joint: JointV) -> bool:
     found = own.machine.latch.position
     if found is None:
         return False
-    joint.set(JointV(found, own.machine.axes))
+    joint.set(joint_out(own, found))
     return True
 
 
-def f_set_payload(own: Instance, tool: ToolV, mass: float, centre: TrsfV, inertia: Container) -> float:
+def f_set_payload(own: Instance, tool: ToolV, mass: float, centre: TrsfV, inertia: Matrix) -> float:
     """0, -4, -5; 70 for a matrix of another size."""
-    numbers = inertia.flat if isinstance(inertia, Grid) else inertia
+    numbers = inertia[0].flat if isinstance(inertia[0], Grid) else inertia[0]
     if isinstance(numbers, dict) or len(numbers) not in (1, 3, 9):
         raise Rte(70, "an inertia matrix of 1, 3 or 9 elements is needed")
     if mass < 0:
@@ -187,21 +189,23 @@ def f_set_payload(own: Instance, tool: ToolV, mass: float, centre: TrsfV, inerti
     return 0.0
 
 
-def f_get_payload(own: Instance, tool: ToolV, mass: Place, centre: TrsfV, inertia: Container) -> float:
-    """The array gets 9 elements, or stays at 3 where the matrix is diagonal."""
+def f_get_payload(own: Instance, tool: ToolV, mass: Place, centre: TrsfV, inertia: Matrix) -> float:
+    """The array gets 9 elements, or stays at 3 where the matrix is diagonal; 71 for a local one of another size (L6123)."""
     kilograms, place, matrix = own.machine.payload
-    if isinstance(inertia, dict):
+    container, local = inertia
+    if isinstance(container, dict):
         raise Rte(70, "an array is needed")
     full = _full(matrix)
-    diagonal = all(full[k] == 0 for k in (1, 2, 3, 5, 6, 7))
+    short = not isinstance(container, Grid) and len(container) == 3 and all(full[k] == 0 for k in (1, 2, 3, 5, 6, 7))
+    size = container.dims if isinstance(container, Grid) else (len(container),)
+    if (local or (isinstance(container, Grid) and container.local)) and not short and size not in ((3, 3), (9,)):
+        raise Rte(71, f"a matrix of {' x '.join(map(str, size))}")
     mass[0][mass[1]] = kilograms
     centre.set(TrsfV(*place))
-    if isinstance(inertia, Grid):
-        inertia.dims, inertia.flat[:] = (3, 3), list(full)
-    elif len(inertia) == 3 and diagonal:
-        inertia[:] = [full[0], full[4], full[8]]
+    if isinstance(container, Grid):
+        container.dims, container.flat[:] = (3, 3), list(full)
     else:
-        inertia[:] = list(full)
+        container[:] = [full[0], full[4], full[8]] if short else list(full)
     return 0.0
 
 

@@ -19,7 +19,7 @@ from gateway.pure.languages.val3.syntax import (
 )
 from gateway.pure.languages.val3.typing_rules import fits
 from gateway.pure.languages.val3.value_expressions import LITERAL, STRUCTURED
-from gateway.pure.languages.val3.variable_expressions import VariableTranslator
+from gateway.pure.languages.val3.variable_expressions import VariableTranslator, keeps
 
 
 class Translator(VariableTranslator):
@@ -96,10 +96,12 @@ class Translator(VariableTranslator):
         if not value.whole:
             raise self.fault(value.node, "array variable expected as parameter")
         if any_dims:
-            return value.whole
+            return f"({value.whole}, {keeps(value)})"
         if value.dims != 1:
             raise self.fault(value.node, "1d array variable expected")
         passed = f"({value.whole}, {_inside(value)})"
+        if value.start:
+            return f"kept({value.whole}, {_inside(value)}, {value.start})"
         return f"Local{passed}" if value.local else passed
 
     def _of_library(self, node: Invoke, name: str) -> Value:
@@ -191,7 +193,7 @@ class Translator(VariableTranslator):
         if value.type is not parameter.type and value.type != parameter.type:
             raise self.fault(value.node, "invalid type")
         if parameter.dims == 1:
-            return [value.whole, _inside(value)]
+            return [value.whole, _begin(value)]
         if value.indexed:
             raise self.fault(value.node, f"unexpected indices for the {'array' if parameter.dims else 'collection'}")
         return [value.whole]
@@ -201,6 +203,14 @@ def _inside(value: Value) -> str:
     """The place from which on an array is passed; 20 where it lies behind the end."""
     indexed = value.indexed and isinstance(value.node, Index)
     return f"there({value.whole}, {value.offset})" if indexed else value.offset
+
+
+def _begin(value: Value) -> str:
+    """As _inside; of a local array it says so to the program that is called."""
+    place = _inside(value)
+    if value.local:
+        return f"LocalPlace({place})"
+    return f"part_of({value.start}, {place})" if value.start and place != value.start else place
 
 
 def _page_rest(name: str, event: str) -> tuple[int, int]:

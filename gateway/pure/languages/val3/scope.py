@@ -26,6 +26,7 @@ class Value:
     dims: int = 1
     indexed: bool = False
     local: bool = False  # it ends with its program
+    start: str = ""  # of an array that was passed by reference: the place at which it begins, LocalPlace of a local one
     waits: bool = False
     parts: "list[Value | None] | None" = None
 
@@ -114,7 +115,7 @@ def of_slot(slot: Slot, node: Node) -> Value:
         return Value(f"{base}[{key}]", slot.type, node, c=base, k=key, whole=base, offset=key, indexed=True)
     if slot.reference and slot.dims == 1:
         key = f"v[{slot.index + 1}]"
-        return Value(f"{base}[{key}]", slot.type, node, c=base, k=key, whole=base, offset=key)
+        return Value(f"{base}[{key}]", slot.type, node, c=base, k=key, whole=base, offset=key, start=key)
     made = Value(f"{base}[0]", slot.type, node, c=base, k="0", whole=base, dims=slot.dims, local=not slot.reference)
     return made
 

@@ -91,6 +91,7 @@ class ValueTranslator:
         if not base.whole or base.indexed:
             raise self.fault(node, "unexpected indices")
         made = Value("", base.type, node, whole=base.whole, dims=base.dims, indexed=True, local=base.local, waits=base.waits)
+        made.start = base.start
         if base.dims == 0:
             if len(node.indices) != 1:
                 raise self.fault(node, "key expected")

@@ -264,12 +264,12 @@ class Collection(dict[str, object]):
 
 
 class Grid:
-    """A 2-D or 3-D array."""
+    """A 2-D or 3-D array; local: a variable of a program, which does not grow."""
 
-    __slots__ = ("dims", "flat")
+    __slots__ = ("dims", "flat", "local")
 
     def __init__(self, dims: tuple[int, ...], flat: list[object]) -> None:
-        self.dims, self.flat = dims, flat
+        self.dims, self.flat, self.local = dims, flat, False
 
     def at(self, *wanted: float) -> int:
         """The place of an element; 20 and 21."""

@@ -7,6 +7,13 @@ from gateway.pure.languages.val3.syntax import Field, Index, Invoke, Name, Node
 from gateway.pure.languages.val3.value_expressions import ValueTranslator
 
 
+def keeps(value: Value) -> str:
+    """Python for whether an array is a local one, which keeps its size; a local collection grows."""
+    if value.start:
+        return f"is_kept({value.start})"
+    return str(value.local and value.dims > 0)
+
+
 class VariableTranslator(ValueTranslator):
     """Their parameters are variables, not values."""
 
@@ -94,7 +101,7 @@ class VariableTranslator(ValueTranslator):
         if value.dims == 0 and not value.indexed:
             raise self.fault(node.arguments[0], "key expected")
         return Value(
-            f"f_{what}({value.whole}, {value.offset}, {self._maker(value)}, {value.local and value.dims > 0})",
+            f"f_{what}({value.whole}, {value.offset}, {self._maker(value)}, {keeps(value)})",
             result,
             node,
             waits=value.waits,
@@ -103,13 +110,13 @@ class VariableTranslator(ValueTranslator):
     def _on_append(self, node: Invoke, value: Value) -> Value:
         if value.dims != 1:
             raise self.fault(node.arguments[0], "1d array variable expected")
-        return Value(f"f_append({value.whole}, {self._maker(value)}, {value.local})", "void", node, waits=value.waits)
+        return Value(f"f_append({value.whole}, {self._maker(value)}, {keeps(value)})", "void", node, waits=value.waits)
 
     def _on_resize(self, node: Invoke, value: Value) -> Value:
         if value.dims == 0 or (value.indexed and not isinstance(node.arguments[0], Name)):
             raise self.fault(node.arguments[0], "unexpected indices" if value.indexed else "array variable expected as parameter")
         which, size = self.of(node.arguments[1], "num"), self.of(node.arguments[2], "num")
-        code = f"f_resize({value.whole}, {which.code}, {size.code}, {self._maker(value)}, {value.local})"
+        code = f"f_resize({value.whole}, {which.code}, {size.code}, {self._maker(value)}, {keeps(value)})"
         return Value(code, "void", node, waits=value.waits or which.waits or size.waits)
 
     def _maker(self, value: Value) -> str:

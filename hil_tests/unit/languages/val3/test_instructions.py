@@ -331,6 +331,15 @@ def test_payload_codes() -> None:
     assert isinstance(found["n"], list) and found["n"][:4] == [-4, -5, 0, 0] and (found["i"], found["j"]) == (2, 9)
 
 
+@pytest.mark.requirement("VAL-PAY-01", by="gateway.pure.languages.val3.builtin_robot:f_get_payload")
+@pytest.mark.parametrize(("size", "status"), [("9", -1), ("3", -1), ("3,3", -1), ("1", 71), ("10", 71), ("2,3", 71)])
+def test_a_local_matrix_is_not_resized(size: str, status: int) -> None:
+    """L6130."""
+    app = App(data=GEO, programs={"start": ([f"num l_m[{size}]"], "n[0]=getPayload(t,i,tr[1],l_m)\nn[1]=1")})
+    tasks = run(app)["tasks"]
+    assert isinstance(tasks, dict) and (tasks["demo~"]["status"] if tasks else -1) == status
+
+
 @pytest.mark.requirement("VAL-ERR-01", by="gateway.pure.languages.val3.errors:help_text")
 def test_every_code_of_the_table_has_a_text() -> None:
     codes = [

@@ -283,6 +283,26 @@ def test_containers_grow_and_shrink() -> None:
     assert isinstance(local, dict) and local["demo~"]["status"] == 71
 
 
+@pytest.mark.requirement("VAL-VAR-07", by="gateway.pure.languages.val3.arrays:part_of")
+@pytest.mark.parametrize(
+    "line", ["append(x_a)", "insert(x_a[1])", "delete(x_a[0])", "resize(x_a,1,9)", "call grow(x_a[1])", "call grow(x_a)"]
+)
+def test_a_local_array_does_not_grow_in_a_program_it_is_passed_to(line: str) -> None:
+    """L1141: also where it comes by reference; what was passed from the data grows."""
+    data = datum("a", "num", "3") + datum("m", "num", "2,2")
+    programs = {"take(num& x_a[])": line, "grow(num& x_b[])": "append(x_b)", "wide(num& x_m[,])": "resize(x_m,1,3)"}
+    for code, status in (
+        ("call take(l_a)", 71),
+        ("call take(l_a[1])", 71),
+        ("call take(a)", 0),
+        ("call wide(l_m)", 71),
+        ("call wide(m)", 0),
+    ):
+        app = App(data=data, programs={"start": (["num l_a[3]", "num l_m[2,2]"], code), **programs})
+        tasks = run(app)["tasks"]
+        assert isinstance(tasks, dict) and (tasks["demo~"]["status"] if tasks else 0) == status, code
+
+
 @pytest.mark.requirement("VAL-VAR-09", by="gateway.pure.languages.val3.arrays:f_next")
 def test_keys_come_in_alphabetical_order() -> None:
     data = datum("c", "num", "", value("b") + value("a") + value("c")) + datum("e", "num", "") + datum("s", "string", "7")
