@@ -44,9 +44,7 @@ class CellSio(VirtualSio):
         name = channel_named(self._channels, variable.link) if variable.link else None
         if name is None:
             raise Rte(123, variable.link or "")
-        if not isinstance(variable.made, Sio) or variable.made.link != name or variable.made.deleted:
-            variable.made = self.core.variable(name)
-        return variable.made
+        return self._made(variable, name)
 
     def status(self, variable: SioV) -> tuple[int, str, str]:
         """ioStatus."""

@@ -13,7 +13,8 @@ from gateway.pure.languages.val3.moves import Moves
 from gateway.pure.languages.val3.pages import PageBoard, Prompt
 from gateway.pure.languages.val3.robot_state import RobotState
 from gateway.pure.languages.val3.screen import Screen
-from gateway.pure.languages.val3.tasks import SYSTEM_CYCLE, Line, Owner, Step, Task
+from gateway.pure.languages.val3.sockets import sockets_in
+from gateway.pure.languages.val3.tasks import SYSTEM_CYCLE, Frame, Line, Owner, Step, Task
 from gateway.pure.languages.val3.values import FrameV, ToolV
 from gateway.pure.languages.val3.virtual_io import Point, VirtualIo
 from gateway.pure.languages.val3.virtual_sio import VirtualSio
@@ -168,7 +169,15 @@ class Controller:
                 self._at -= 1
         if task.waiting is not None and task is not self.current:
             task.waiting.close()
+        for frame in task.frames:  # its programs are left, too
+            self.forget_sockets(frame)
         self._quiet = 0
+
+    def forget_sockets(self, frame: Frame) -> None:
+        """sio variables of a program end with it (L2646)."""
+        for at in frame.program.sockets:
+            for variable in sockets_in(frame.v[at]):
+                self.sio.forget(variable)
 
     def help(self, code: int) -> str:
         """The description of a code in the language of the controller (L3635); "" where there is none."""

@@ -137,7 +137,14 @@ class Reader:
         for one in each.all("Field"):
             if (found := self.declaration(path, one)) is not None:
                 fields[found.name] = found
-        return Initial(each.get("key", "0"), each.attributes, fields, each.line)
+        given = {**each.attributes}
+        for name in ("key", "value", "fatherId"):
+            if code := given.pop(f"{name}Hex", ""):
+                try:
+                    given[name] = bytes.fromhex(code).decode()
+                except ValueError:
+                    self._say(path, each.line, f"{name}Hex {code[:40]!r}: the bytes of a UTF-8 text are expected")
+        return Initial(given.get("key", "0"), given, fields, each.line)
 
     def _key_fits(self, path: str, declared: Declaration, value: Initial) -> bool:
         key = value.key
@@ -146,6 +153,7 @@ class Reader:
             good = key != ""
         else:
             numbers = self._numbers(key)
+            value.key = ",".join(map(str, numbers))
             good = len(numbers) == declared.dims and all(n < size for n, size in zip(numbers, declared.sizes, strict=True))
         if not good:
             self._say(path, value.line, f"'{declared.name}' : there is no value with the key {key!r}")

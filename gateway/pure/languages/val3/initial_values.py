@@ -56,7 +56,7 @@ def default(kind: Type, home: Surroundings, linked: bool = False) -> object:
             return FrameV(home.world if linked else None)
         case "tool":
             tool = ToolV(home.flange if linked else None)
-            tool.gripper.link = "valve1" if linked else None
+            tool.gripper.link = "valve1"  # of local ones, too: they lack the base tool alone (L4923)
             return tool
         case "point":
             return PointV(home.world if linked else None)
@@ -76,15 +76,14 @@ MAKERS: dict[str, Callable[[], object]] = {
     "wrist": lambda: "wsame",
     "blend": lambda: "off",
 }
-Link = Callable[[str, object], None]  # joins a value with the frame or tool that its file names
 
 
-def container_of(declared: Declaration, home: Surroundings, linked: bool, link: Link | None = None) -> Container:
+def container_of(declared: Declaration, home: Surroundings, linked: bool) -> Container:
     """A container with its initial values.  Raises Rte 70 for a value its type does not have."""
     if declared.dims == 0:
         found = Collection()
         for value in declared.values:
-            found[value.key] = initial(declared, value, home, linked, link)
+            found[value.key] = initial(declared, value, home, linked)
         return found
     flat = [default(declared.type, home, linked) for _ in range(math.prod(declared.sizes))]
     if declared.family:
@@ -94,11 +93,11 @@ def container_of(declared: Declaration, home: Surroundings, linked: bool, link: 
     grid = Grid(declared.sizes, flat)
     for value in declared.values:
         place = grid.at(*(float(part) for part in value.key.split(",")))
-        flat[place] = initial(declared, value, home, linked, link)
+        flat[place] = initial(declared, value, home, linked)
     return flat if declared.dims == 1 else grid
 
 
-def initial(declared: Declaration, value: Initial, home: Surroundings, linked: bool, link: Link | None) -> object:
+def initial(declared: Declaration, value: Initial, home: Surroundings, linked: bool) -> object:
     """One value as the file writes it."""
     made = default(declared.type, home, linked)
     given = value.attributes
@@ -115,7 +114,7 @@ def initial(declared: Declaration, value: Initial, home: Surroundings, linked: b
                     target = made.type.fields[name]
                     filled = Declaration(name, target.type_name, own.dims, own.sizes, True, own.values, own.file, own.line, target.type)
                     filled.family = own.family
-                    setattr(made, f"u_{name}", container_of(filled, home, False, link))
+                    setattr(made, f"u_{name}", container_of(filled, home, False))
             return made
         case LinkV():
             made.link = given.get("link") or None
@@ -124,8 +123,6 @@ def initial(declared: Declaration, value: Initial, home: Surroundings, linked: b
             fill(made, given)
             if declared.family and isinstance(made, JointV | PointV):
                 made.family = declared.family
-            if isinstance(made, FrameV | ToolV | PointV) and link is not None and given.get("fatherId"):
-                link(given["fatherId"], made)
     return made
 
 

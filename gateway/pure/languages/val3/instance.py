@@ -7,9 +7,8 @@ from gateway.pure.languages.val3.controller import Controller
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.initial_values import Surroundings, container_of, default
 from gateway.pure.languages.val3.loader import Loaded
-from gateway.pure.languages.val3.model import ProgramText, UserType
+from gateway.pure.languages.val3.model import Declaration, ProgramText, UserType
 from gateway.pure.languages.val3.references import (
-    HANGING,
     NOT_LOADED,
     OUT_OF_SCOPE,
     Reference,
@@ -18,10 +17,11 @@ from gateway.pure.languages.val3.references import (
     missing,
     reference_of,
 )
-from gateway.pure.languages.val3.scope import width
+from gateway.pure.languages.val3.scope import slots_of
+from gateway.pure.languages.val3.sockets import has_sockets
 from gateway.pure.languages.val3.tasks import Step, bytes_of
 from gateway.pure.languages.val3.translate import Code
-from gateway.pure.languages.val3.values import Container, FrameV, PointV, ToolV, mark_local
+from gateway.pure.languages.val3.values import Container, FrameV, Grid, PointV, ToolV, UserV, mark_local
 
 PLAIN: dict[str, object] = {"num": 0.0, "bool": False, "string": ""}
 
@@ -34,13 +34,13 @@ class Program:
     text: ProgramText
     code: Code
     bytes: int = 0
-    sockets: tuple[int, ...] = ()  # slots of local sio variables
+    sockets: tuple[int, ...] = ()  # slots of its own variables that are sio or have some inside
     _steps: list[Step] | None = None
 
     def __post_init__(self) -> None:
         self.bytes = bytes_of(self.text)
-        first = sum(width(each) for each in self.text.parameters)
-        self.sockets = tuple(first + at for at, local in enumerate(self.text.locals) if local.type == "sio")
+        slots, _ = slots_of(self.text)
+        self.sockets = tuple(slot.index for slot in slots.values() if not slot.reference and has_sockets(slot.type))
 
     @property
     def name(self) -> str:
@@ -71,6 +71,8 @@ class Program:
             container: Container = [plain] if plain is not None else container_of(local, self.home, linked=False)
             if isinstance(local.type, UserType) or local.type in ("frame", "tool", "point"):
                 mark_local(container)
+            if isinstance(container, Grid):
+                container.local = True
             made.append(container)
         return made
 
@@ -110,29 +112,32 @@ class Instance:
         self.libraries = dict.fromkeys(app.libraries)
         for name, declared in app.data.items():
             self.data[name] = container_of(declared, self.home, linked=True)
-        for name in app.data:  # again with links, now that all frames and tools are there
-            self._fathers(name)
+        for name, declared in app.data.items():  # now that all frames and tools are there
+            self._fathers(declared, self.data[name])
         self.programs = {name: Program(self, app.programs[name], code) for name, code in self.loaded.codes.items()}
 
-    def _fathers(self, name: str) -> None:
-        declared = self.loaded.app.data[name]
-        if isinstance(declared.type, UserType):
-            self.data[name] = container_of(declared, self.home, True, self.hang)
-        if declared.type not in HANGING:
-            return
+    def _fathers(self, declared: Declaration, container: Container) -> None:
+        """Joins what its file names, inside user types, too."""
         for value in declared.values:
-            if text := value.attributes.get("fatherId", ""):
-                self.hang(text, element(self.data[name], value.key))
+            made = element(container, value.key)
+            if isinstance(made, UserV):
+                for name, inner in value.fields.items():
+                    if name in made.type.fields:
+                        self._fathers(inner, getattr(made, f"u_{name}"))
+            elif (text := value.attributes.get("fatherId")) is not None:
+                self.hang(text, made)
 
     def hang(self, text: str, value: object) -> None:
         """Joins a value with what its file names."""
         if not isinstance(value, FrameV | ToolV | PointV):
             return
         reference, kind = reference_of(text), kind_for(value)
-        if reference is not None and reference.library in self.libraries:
+        if not text.strip():  # saved without a reference
+            value["father"] = None
+        elif reference is not None and reference.library in self.libraries:
             self._abroad.append((reference, value, text))
             value["father"] = missing(kind, NOT_LOADED, text)
-        elif reference is not None and not reference.library and reference.name in ("world", "flange"):
+        elif reference is not None and not reference.library and not reference.inner and reference.name in ("world", "flange"):
             root = getattr(self.home, reference.name)
             value["father"] = root if isinstance(root, kind) else missing(kind, OUT_OF_SCOPE, text)
         else:

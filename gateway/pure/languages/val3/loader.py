@@ -15,6 +15,7 @@ from gateway.pure.languages.val3.value_checks import check_values
 from motion.val3.mdesc import TOO_LARGE, matching
 
 DEEPEST = 20  # user types one in the other
+UNIT = "val3-unit"  # faults of that kind: length units that differ
 NOMINAL = 100.0  # %
 ABOUT = 0.1  # so far accel and decel may be off the square of the speed
 
@@ -80,6 +81,7 @@ class Loader:
             found = self._user_type(app, use.name, use.path, use.line, faults)
             if found is not None:
                 app.resolved[use.name] = found
+                _compare_units(app, found.millimetres, f"user type '{use.name}'", use.line, faults)
         for declared in app.data.values():
             self._resolve(app, declared, faults)
         for program in app.programs.values():
@@ -124,7 +126,7 @@ class Loader:
         if made is None:
             faults.error("val3-type", Position(app.project, line), f"'{name}' : there is no application {path}")
             return None
-        kind = UserType(name, key)
+        kind = UserType(name, key, millimetres=made.millimetres)
         kind.fields = {each.name: each for each in made.data.values() if each.public}
         self._types[key] = kind
         return kind
@@ -196,7 +198,9 @@ class Loader:
             app.interfaces[use.name] = found
             if found is None:
                 faults.error("val3-library", Position(app.project, use.line), f"library '{use.name}': there is no application {use.path}")
-            elif ring := self._ring(app, found, [app.project]):
+                continue
+            _compare_units(app, found.millimetres, f"library '{use.name}'", use.line, faults)
+            if ring := self._ring(app, found, [app.project]):
                 faults.error("val3-library", Position(app.project, use.line), f"libraries in a ring: {' -> '.join(ring)}")
 
     def _ring(self, app: Application, found: Application, way: list[str]) -> list[str]:
@@ -213,6 +217,14 @@ class Loader:
             if inner is not None and (ring := self._ring(app, inner, [*way, found.project])):
                 return ring
         return []
+
+
+def _compare_units(app: Application, millimetres: bool, what: str, line: int, faults: Faults) -> None:
+    """A warning, which is a popup when the application starts and code 1 of libLoad (L532-538)."""
+    if millimetres != app.millimetres:
+        names = {True: "mm", False: "inch"}
+        text = f"{what}: its length unit is {names[millimetres]}, that of {app.name} is {names[app.millimetres]}"
+        faults.warning(UNIT, Position(app.project, line), text)
 
 
 def _pass_on(found: Faults, faults: Faults) -> None:

@@ -25,12 +25,14 @@ from gateway.pure.languages.val3.disk import PathFault
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.initial_values import literal
 from gateway.pure.languages.val3.instance import Instance, Program
+from gateway.pure.languages.val3.loader import UNIT
 from gateway.pure.languages.val3.model import Application, Use
 from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, REMOTE, TEST
 from gateway.pure.languages.val3.sealed import SealFault, library_of
-from gateway.pure.languages.val3.tasks import LINES_A_CYCLE, RUNNING, SYSTEM_CYCLE, Frame, Owner, Task
+from gateway.pure.languages.val3.sockets import sockets_in
+from gateway.pure.languages.val3.tasks import LINES_A_CYCLE, RUNNING, SYSTEM_CYCLE, Owner, Task
 from gateway.pure.languages.val3.translate import CALL, END
-from gateway.pure.languages.val3.values import SioV, copied, equal, passed, places
+from gateway.pure.languages.val3.values import copied, equal, passed, places
 from motion.errors import MotionError
 from motion.val3.errors import RuntimeFault
 from motion.val3.stack import Mode
@@ -77,6 +79,8 @@ class Machine(Controller):
         made.path = f"Disk://{folder}" if folder else f"Disk://{name}"
         made.names = self._names(made)
         self.shared[key] = made
+        for variable in sockets_in(list(made.data.values())):
+            self.sio.register(variable)
         for alias, use in loaded.app.libraries.items():
             if use.autoload:
                 self._autoload(made, alias, use)
@@ -112,25 +116,51 @@ class Machine(Controller):
     def load_library(self, own: Instance, identifier: str, folder: str, name: str, path: str) -> int:
         """libLoad: codes of L3970-4006."""
         old = own.libraries.get(identifier)
-        if old is not None and self._only(own, identifier, old) and any(task.owner is old for task in self.tasks):
-            return 14
+        gone = old if old is not None and self._only(own, identifier, old) else None
+        if gone is not None and (code := self._in_use(gone)):
+            return code
         loaded = self.loader.load(folder, name)
         if loaded is None or (
             not loaded.app.programs and not loaded.app.data and loaded.faults.errors and self.disk.read(loaded.app.project) is None
         ):
             return 39
+        key = f"{folder}/{name}".lower()
+        if gone is not None and self.shared.get(key) is gone:  # its data are initialised anew (L3935)
+            del self.shared[key]
         found = self.instance(folder, name, own.prefix + identifier)
         if found is None:
+            if gone is not None:
+                self.shared.setdefault(f"{gone.loaded.app.path}/{gone.loaded.app.name}".lower(), gone)
             return 24 if any(fault.id == "val3-type" for fault in loaded.faults) else 12
         own.libraries[identifier] = found
+        if gone is not None:
+            self._unload(gone)
         own.join(identifier)
         interface = own.loaded.app.interfaces.get(identifier)
         if interface is not None and not _provides(found, interface):
             return 11
+        units = [loaded.logged(fault) for fault in loaded.faults if fault.id == UNIT]
         if loaded.app.millimetres != own.loaded.app.millimetres:
-            self.note(f"{path}: the length unit is another one", "VAL3")
-            return 1
-        return 0
+            units.append(f"{path}: the length unit is another one")
+        for line in units:
+            self.note(line, "VAL3")
+        return 1 if units else 0
+
+    def _in_use(self, library: Instance) -> int:
+        """Why it cannot be unloaded: 14 a task of its own, 13 a program of it in another task; 0: it can."""
+        if any(task.owner is library for task in self.tasks):
+            return 14
+        return 13 if any(getattr(frame.program, "owner", None) is library for task in self.tasks for frame in task.frames) else 0
+
+    def _unload(self, library: Instance) -> None:
+        """Another one takes its place (L3945): it goes, and so do the libraries that it alone has."""
+        self.shared = {key: each for key, each in self.shared.items() if each is not library}
+        for variable in sockets_in(list(library.data.values())):
+            self.sio.forget(variable)
+        for inner in library.libraries.values():
+            if inner is not None and inner is not self.application and inner in self.shared.values() and not self._in_use(inner):
+                if not any(inner in each.libraries.values() for each in self.shared.values()):
+                    self._unload(inner)
 
     def _only(self, own: Instance, identifier: str, library: Instance) -> bool:
         """Whether no other identifier has this library: replacing it there unloads it."""
@@ -143,6 +173,10 @@ class Machine(Controller):
             self.note(f"{own.loaded.app.name} is not started: {self.application.loaded.app.name} is running", "VAL3")
             return False
         self.application, self.ended, self.stopping = own, False, False
+        for fault in own.loaded.faults:
+            if fault.id == UNIT:  # L534
+                self.popup(fault.text)
+                self.note(own.loaded.logged(fault), "VAL3")
         task = Task(f"{own.loaded.app.name}~", own, START_PRIORITY)
         self._begin(task, own.programs["start"])
         return True
@@ -337,7 +371,7 @@ class Machine(Controller):
             if pc >= 0:
                 frame.pc = pc
             elif pc == END:
-                self._forget_sockets(frame)
+                self.forget_sockets(frame)
                 task.leave()
                 if not task.frames:
                     return True
@@ -350,14 +384,6 @@ class Machine(Controller):
                 task.waiting = self.gen
             if task.dead or task.status != RUNNING:
                 return True
-
-    def _forget_sockets(self, frame: Frame) -> None:
-        """A local sio variable ends with its program."""
-        for at in frame.program.sockets:
-            local = frame.v[at]
-            for variable in local if isinstance(local, list) else ():
-                if isinstance(variable, SioV):
-                    self.sio.forget(variable)
 
     def _fast(self, task: Task) -> int | None:
         """Plain lines one after the other; what the last one returned, None: no line is left."""

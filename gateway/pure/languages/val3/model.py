@@ -41,6 +41,7 @@ class UserType:
     name: str
     path: str
     fields: "dict[str, Declaration]" = field(default_factory=dict)
+    millimetres: bool = True
 
     def __str__(self) -> str:
         return self.name

@@ -5,38 +5,45 @@ Until then, and where nothing has that name, the use of the value is a run-time 
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.val3.links import declarations
-from gateway.pure.languages.val3.model import Application, Declaration
-from gateway.pure.languages.val3.values import Container, FrameV, Grid, PointV, ToolV
+from gateway.pure.languages.val3.model import Application, Declaration, UserType
+from gateway.pure.languages.val3.values import Container, FrameV, Grid, PointV, ToolV, UserV
 
 NAMED = re.compile(r"(?:(\w+):)?(\w+)(?:\[(.*)\])?", re.ASCII)
+INSIDE = re.compile(r"(?<=\])\.(?=\w+\[)", re.ASCII)  # pal[0].fBase[0]
 NOT_LOADED, OUT_OF_SCOPE = 80, 82
 HANGING = ("frame", "tool", "point")
 
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """library: "" for the application itself."""
+    """library: "" for the application itself; inner: fields with their indices, of a value of a user type."""
 
     library: str
     name: str
     index: str
+    inner: tuple[tuple[str, str], ...] = ()
 
     def of(self, data: Mapping[str, Container], kind: type[FrameV] | type[ToolV]) -> FrameV | ToolV | None:
         """The frame or tool of that name; None: there is none."""
         found = element(data.get(self.name), self.index)
+        for field, index in self.inner:
+            found = element(getattr(found, f"u_{field}", None), index)
         return found if isinstance(found, kind) else None
 
 
 def reference_of(text: str) -> Reference | None:
     """As a file writes it."""
-    match = NAMED.fullmatch(text.strip())
-    return Reference(match.group(1) or "", match.group(2), match.group(3) or "") if match is not None else None
+    first, *rest = (NAMED.fullmatch(part) for part in INSIDE.split(text.strip()))
+    if first is None or any(each is None or each.group(1) for each in rest):
+        return None
+    inner = tuple((each.group(2), each.group(3) or "") for each in rest if each is not None)
+    return Reference(first.group(1) or "", first.group(2), first.group(3) or "", inner)
 
 
 def element(container: Container | None, index: str) -> object:
@@ -66,14 +73,19 @@ def missing(kind: type[FrameV] | type[ToolV], code: int, text: str) -> FrameV | 
 
 
 def written(name: str, container: Container, wanted: FrameV | ToolV) -> str:
-    """How a file names a value of a container; "" where it does not have it."""
+    """How a file names a value of a container, or of a user type in it; "" where it does not have it."""
+    values: Iterable[tuple[object, object]]
     if isinstance(container, Grid):
-        for place, each in enumerate(container.flat):
-            if each is wanted:
-                return f"{name}[{','.join(map(str, _indices(place, container.dims)))}]"
-        return ""
-    values = container.items() if isinstance(container, dict) else enumerate(container)
-    return next((f"{name}[{key}]" for key, each in values if each is wanted), "")
+        values = ((",".join(map(str, _indices(place, container.dims))), each) for place, each in enumerate(container.flat))
+    else:
+        values = container.items() if isinstance(container, dict) else enumerate(container)
+    for key, each in values:
+        if each is wanted:
+            return f"{name}[{key}]"
+        for field in each.type.fields if isinstance(each, UserV) else ():
+            if found := written(f"{name}[{key}].{field}", getattr(each, f"u_{field}"), wanted):
+                return found
+    return ""
 
 
 def _indices(place: int, dims: tuple[int, ...]) -> list[int]:
@@ -113,7 +125,7 @@ def _fathers(app: Application) -> dict[Named, tuple[Named, int]]:
             continue
         for value in declared.values:
             reference = reference_of(value.attributes.get("fatherId", ""))
-            if reference is not None and not reference.library:
+            if reference is not None and not reference.library and not reference.inner:
                 found[declared.name, value.key] = (reference.name, reference.index or "0"), value.line
     return found
 
@@ -132,15 +144,15 @@ def _in_ring(fathers: Mapping[Named, tuple[Named, int]], place: Named) -> bool:
 
 def _given(declared: Declaration) -> Iterator[tuple[Declaration, str, int]]:
     for inner in declarations(declared):
-        if inner.type in HANGING:
+        if inner.type_name in HANGING:
             yield from ((inner, text, each.line) for each in inner.values if (text := each.attributes.get("fatherId", "")))
 
 
 def _wrong(app: Application, declared: Declaration, text: str) -> str:
-    wanted, reference = ("tool" if declared.type == "tool" else "frame"), reference_of(text)
+    wanted, reference = ("tool" if declared.type_name == "tool" else "frame"), reference_of(text)
     if reference is None:
         return f"the name of a {wanted} is expected"
-    if not reference.library and reference.name == ("flange" if wanted == "tool" else "world"):
+    if not reference.library and not reference.inner and reference.name == ("flange" if wanted == "tool" else "world"):
         return ""
     data = app.data
     if reference.library:
@@ -150,8 +162,10 @@ def _wrong(app: Application, declared: Declaration, text: str) -> str:
         if interface is None:
             return ""  # its path is given by libLoad
         data = {name: each for name, each in interface.data.items() if each.public}
-    found = data.get(reference.name)
-    if found is None or found.type != wanted:
+    found = last = data.get(reference.name)
+    for field, _ in reference.inner:
+        last = last.type.fields.get(field) if last is not None and isinstance(last.type, UserType) else None
+    if found is None or last is None or last.type != wanted:
         return f"there is no {'public ' if reference.library else ''}{wanted} of that name"
     return "" if _inside(found, reference.index) else "it has no such element"
 

@@ -1,12 +1,13 @@
 """Writes an application back as files that load again equal: what libSave leaves on the disk."""
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from xml.sax.saxutils import quoteattr
 
 from gateway.pure.languages.val3.files import ROOT
 from gateway.pure.languages.val3.instance import Instance
-from gateway.pure.languages.val3.model import Declaration, Parameter, ProgramText, Type, UserType
+from gateway.pure.languages.val3.model import Declaration, Parameter, ProgramText, Type, Use, UserType
 from gateway.pure.languages.val3.references import written
 from gateway.pure.languages.val3.values import (
     Container,
@@ -20,6 +21,7 @@ from gateway.pure.languages.val3.values import (
     UserV,
 )
 
+NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 HEAD = '<?xml version="1.0" encoding="utf-8"?>\n'
 XSI = 'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
 NAMES = {"tvel": "tmax", "rvel": "rmax"}
@@ -46,13 +48,20 @@ def _project(own: Instance, name: str) -> str:
     app = own.loaded.app
     head = _attributes({"version": app.version, "stackSize": app.stack, "millimeterUnit": str(app.millimetres).lower()})
     programs = "".join(f"    <Program{_attributes({'file': f'{each}.pgx'})} />\n" for each in app.programs)
-    libraries = "".join(f"    <Library{_attributes({'alias': use.name, 'path': use.path})} />\n" for use in app.libraries.values())
+    libraries = "".join(f"    <Library{_attributes(_library(use))} />\n" for use in app.libraries.values())
     types = "".join(f"    <Type{_attributes({'name': use.name, 'path': use.path})} />\n" for use in app.types.values())
     return (
         f'{HEAD}<Project xmlns="{ROOT}Project/3">\n  <Parameters{head} />\n  <Programs>\n{programs}  </Programs>\n  <Database>\n'
         f"    <Data{_attributes({'file': f'{name}.dtx'})} />\n  </Database>\n  <Libraries>\n{libraries}  </Libraries>\n"
         f"  <Types>\n{types}  </Types>\n</Project>\n"
     )
+
+
+def _library(use: Use) -> dict[str, object]:
+    made: dict[str, object] = {"alias": use.name, "path": use.path}
+    if use.autoload:
+        made["autoload"] = "true"
+    return made if use.password is None else {**made, "password": use.password}
 
 
 def _data(own: Instance, declared: Declaration, container: Container, tag: str, indent: str) -> str:
@@ -83,8 +92,8 @@ def _key(place: int, dims: tuple[int, ...]) -> str:
 def _value(own: Instance, kind: Type, key: str, value: object, indent: str) -> str:
     if isinstance(value, UserV) and isinstance(kind, UserType):
         fields = "".join(_data(own, each, getattr(value, f"u_{name}"), "Field", indent + "  ") for name, each in kind.fields.items())
-        return f"{indent}<Value{_attributes({'key': key})}>\n{fields}{indent}</Value>\n"
-    return f"{indent}<Value{_attributes({'key': key, **_plain(own, value)})} />\n"
+        return f"{indent}<Value{_attributes(_text('key', key))}>\n{fields}{indent}</Value>\n"
+    return f"{indent}<Value{_attributes({**_text('key', key), **_plain(own, value)})} />\n"
 
 
 def _plain(own: Instance, value: object) -> dict[str, object]:
@@ -94,7 +103,7 @@ def _plain(own: Instance, value: object) -> dict[str, object]:
         case float():
             return {"value": _number(value)}
         case str():
-            return {"value": value}
+            return _text("value", value)
         case LinkV():
             return {"link": value.link} if value.link else {}
         case ToolV():
@@ -111,6 +120,12 @@ def _plain(own: Instance, value: object) -> dict[str, object]:
     return {}
 
 
+def _text(name: str, text: str) -> dict[str, object]:
+    """A text as an attribute; one with characters that XML does not have (STX of a telegram) with its bytes beside it (AX-1737)."""
+    clean = NOT_IN_XML.sub("", text)
+    return {name: text} if clean == text else {name: clean, f"{name}Hex": text.encode("utf-8", "replace").hex()}
+
+
 def _shown(value: object) -> str:
     return _number(value) if isinstance(value, float) else str(value)
 
@@ -124,16 +139,16 @@ def _number(value: float) -> str:
 
 def _father(own: Instance, father: FrameV | ToolV | None) -> dict[str, object]:
     if father is None:
-        return {}
+        return {"fatherId": ""}
     if father.root:
         return {"fatherId": "world[0]" if isinstance(father, FrameV) else "flange[0]"}
     if father.lost is not None:
-        return {"fatherId": father.lost[1]}
+        return _text("fatherId", father.lost[1])
     abroad = ((f"{alias}:", library.data) for alias, library in own.libraries.items() if library is not None)
     for prefix, data in (("", own.data), *abroad):
         for name, container in data.items():
             if found := written(name, container, father):
-                return {"fatherId": prefix + found}
+                return _text("fatherId", prefix + found)
     return {}
 
 

@@ -1,5 +1,7 @@
 """Serial lines and sockets of a virtual run: the core is the real one, events play its partners; without events there is no answer."""
 
+import contextlib
+
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
 from gateway.pure.controllers.val3.sio.core import SioCore
 from gateway.pure.controllers.val3.sio.orders import Close, Listen, Open, StopListening
@@ -88,12 +90,23 @@ class VirtualSio:
         if not variable.link:
             raise Rte(123)
         self.declare(variable.link)
-        if not isinstance(variable.made, Sio) or variable.made.link != variable.link:
-            variable.made = self.core.variable(variable.link)
+        return self._made(variable, variable.link)
+
+    def _made(self, variable: SioV, name: str) -> Sio:
+        """As a variable of this channel; what it was of another one ends (AX-188)."""
+        if not isinstance(variable.made, Sio) or variable.made.link != name or variable.made.deleted:
+            self.forget(variable)
+            variable.made = self.core.variable(name)
         return variable.made
 
+    def register(self, variable: SioV) -> None:
+        """A variable is there: a client stays open while one refers to it, used or not (L2648)."""
+        if variable.link:
+            with contextlib.suppress(Rte):  # a link to nothing is legal as a link
+                self.of(variable)
+
     def forget(self, variable: SioV) -> None:
-        """The variable ends with its program: its connection to a server closes (L2646)."""
+        """The variable ends with its program or library: its connection to a server closes (L2646)."""
         if isinstance(variable.made, Sio):
             self.core.delete(variable.made)
             variable.made = None
@@ -108,7 +121,9 @@ class VirtualSio:
         """sioLink."""
         if not source.link:
             raise Rte(123)
+        self.register(source)
         variable.link = source.link
+        self.register(variable)
 
     def status(self, variable: SioV) -> tuple[int, str, str]:
         """ioStatus."""

@@ -115,6 +115,21 @@ def test_another_length_unit_is_a_warning() -> None:
     )
 
 
+def test_other_length_units_of_what_an_application_declares_are_a_popup_at_its_start() -> None:
+    """L532-538: of libraries and user types; libLoad of a library with such a type is 1."""
+    body = App("body", datum("x", "num"), millimetres=False)
+    types = '<Type name="Body" path="body" />'
+    uses = '<Library alias="part" path="part" />'
+    part = App("part", datum("u", "Body"), types=types)
+    found = run(App(data=DATA + datum("u", "Body"), types=types, libraries=uses, programs={"start": 'n=part:libLoad("part")'}), body, part)
+    assert isinstance(found["globals"], dict) and found["globals"]["n"] == 1
+    assert isinstance(found["popups"], list) and [
+        each for each in found["popups"] if each.startswith("user type 'Body': its length unit is inch")
+    ]
+    assert str(found["log"]).count("length unit") >= 3
+    assert not run(App(data=DATA, libraries=uses), App("part", datum("x", "num")))["popups"]
+
+
 INNER = App(
     "inner",
     datum("x", "num", values=value(value=7)) + datum("list", "num", "2", value("1", value=4)) + datum("secret", "num", access="private"),
@@ -273,3 +288,78 @@ def test_get_data_of_an_index_takes_one_value_and_copies_what_was_there() -> Non
     assert (found["n"], found["i"], found["j"], found["k"]) == (-1, 1, 2, 4)
     found = globals_of('n=getData("a",a[1])', data)
     assert (found["n"], found["a"]) == (4, [1, 1, 2, 3, 4])
+
+
+@pytest.mark.requirement("VAL-LIB-01", by="gateway.pure.languages.val3.machine:Machine.load_library")
+def test_what_is_loaded_in_place_of_a_library_has_its_initial_values() -> None:
+    """L3935, L3945, also for the same library again; as long as another identifier has it, it is shared as it is (AX-1735)."""
+    code = (
+        'part:libLoad("part")\npart:nX=9\npart:libLoad("other")\npart:libLoad("part")\nn=part:nX\npart:nX=9\npart:libLoad("part")\ni=part:nX\n'
+        'again:libLoad("part")\npart:nX=9\npart:libLoad("part")\nj=part:nX\npart:libLoad("other")\npart:libLoad("part")\nk=part:nX'
+    )
+    found = using(code, App("other", PART.data, {"init": "", "tasks": "", "wait9": ""}))
+    assert (found["n"], found["i"], found["j"], found["k"]) == (3, 3, 9, 9)
+
+
+def test_what_was_saved_is_what_loads_again() -> None:
+    code = 'part:libLoad("part")\npart:nX=9\nn=part:libSave()\npart:nX=10\ni=part:libLoad("other")\nj=part:libLoad("part")\nk=part:nX'
+    found = using(code, App("other", PART.data, {"init": "", "tasks": "", "wait9": ""}))
+    assert (found["n"], found["i"], found["j"], found["k"]) == (0, 0, 0, 9)
+
+
+def test_a_library_that_a_task_is_in_is_not_unloaded() -> None:
+    code = 'part:libLoad("part")\ntaskCreate "in",1,inside()\ndelay(1)\nn=part:libLoad("thin")\ni=part:nX\n'
+    code += 'taskKill("in")\nj=part:libLoad("thin")'
+    app = App(data=DATA, libraries=USES, programs={"start": code, "inside": "call part:wait9()"})
+    found = run(app, PART, App("thin", datum("nX", "num")))["globals"]
+    assert isinstance(found, dict) and (found["n"], found["i"], found["j"]) == (13, 3, 11)
+
+
+def test_a_library_that_cannot_be_loaded_leaves_the_one_that_is_there() -> None:
+    made = disk(
+        App(data=DATA, libraries=USES, programs={"start": 'part:libLoad("part")\npart:nX=9\nn=part:libLoad("wrong")\ni=part:nX'}), PART
+    )
+    made.files["wrong/wrong.pjx"] = b"<Project"
+    found = run(App(), on=Machine(Disk(dict(made.files))))["globals"]
+    assert isinstance(found, dict) and (found["n"], found["i"]) == (12, 9)
+
+
+def test_libraries_of_an_unloaded_library_go_with_it() -> None:
+    inner = '<Library alias="inner" path="inner" autoload="true" />'
+    outer = App("part", PART.data, {"init": "inner:x=inner:x+1\nnX=inner:x", "tasks": "", "wait9": ""}, libraries=inner)
+    code = 'part:libLoad("part")\ncall part:init()\nn=part:nX\npart:libLoad("other")\npart:libLoad("part")\ncall part:init()\ni=part:nX'
+    found = run(App(data=DATA, libraries=USES, programs={"start": code}), outer, INNER, App("other", PART.data))["globals"]
+    assert isinstance(found, dict) and (found["n"], found["i"]) == (8, 8)
+
+
+def test_autoload_is_saved() -> None:
+    uses = '<Library alias="part" path="part" autoload="true" />'
+    made = machine(app := App(data=DATA, libraries=uses, programs={"start": 'n=libSave("copy")'}), PART)
+    run(app, on=made)
+    again = Machine(Disk(dict(made.disk.files)))
+    own = again.instance("copy", "copy", "")
+    assert own is not None and own.libraries["part"] is not None
+
+
+def test_is_defined_is_false_where_what_an_element_lies_in_is_missing() -> None:
+    data = DATA + datum("u", "Outer", "2") + datum("c", "Outer", "")
+    asked = ("u[7].part[0].list[0]", "u[1].part[5].list[0]", "u[1].part[1].list[9]", 'c["x"].part[0].list[0]', "u[1].part[1].list[1]")
+    code = "\n".join(f'if isDefined({each})\ns[{at}]="y"\nelse\ns[{at}]="n"\nendIf' for at, each in enumerate(asked))
+    found = run(App(data=data, types=TYPES, programs={"start": code}), INNER, OUTER)["globals"]
+    assert isinstance(found, dict) and found["s"][:5] == ["n", "n", "n", "n", "y"]
+
+
+def test_texts_with_control_characters_are_saved_and_load_again() -> None:
+    """A telegram in a global (STX, the GS of a bar code) does not make its application unreadable (AX-1737)."""
+    data = DATA + datum("c", "num", "") + datum("t", "string", "2", value("1", value="a&#13;&quot;&amp;"))
+    code = 't[0]=chr(2)+"01"+chr(29)+"é"+chr(0)+chr(65535)\ninsert(c[chr(29)])\nc[chr(29)]=4\ninsert(c["x"])\nn=libSave("copy")'
+    made = machine(app := App(data=data, programs={"start": code}))
+    first = run(app, on=made)["globals"]
+    again = Machine(Disk(dict(made.disk.files)))
+    own = again.instance("copy", "copy", "")
+    assert own is not None and isinstance(first, dict), again.log
+    assert shown_container(again, own.data["t"]) == first["t"] == ["\x0201\x1dé\0\uffff", 'a\r"&']
+    assert shown_container(again, own.data["c"]) == first["c"] == {"\x1d": 4, "x": 0}
+    broken = disk(App(data=datum("a", "string", values=value(valueHex="zz"))))
+    loaded = Loader(broken).load("demo", "demo")
+    assert loaded is not None and ["UTF-8 text" in fault.text for fault in loaded.faults] == [True]

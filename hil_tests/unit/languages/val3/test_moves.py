@@ -4,7 +4,10 @@ import math
 
 import pytest
 
-from hil_tests.unit.languages.val3.apps import App, datum, error_of, faults_of, run, value
+from gateway.files.robots import load_robot
+from gateway.pure.languages.val3.machine import Machine
+from gateway.pure.languages.val3.moves import Moves
+from hil_tests.unit.languages.val3.apps import App, datum, disk, error_of, faults_of, run, value
 
 V = "gateway.pure.languages.val3.builtin_moves:"
 DATA = "".join(datum(name, "num") for name in ("n", "i", "j", "k")) + datum("a", "num", "12") + datum("b", "bool")
@@ -171,3 +174,28 @@ def test_the_speed_is_that_of_the_tool_centre_point() -> None:
 def test_reset_motion_empties_the_queue_at_once() -> None:
     data, _ = made("movej(q[1],t,m)\ndelay(0.1)\nresetMotion()\nb=isEmpty()\nn=getMoveId()")
     assert (data["b"], data["n"]) == (True, 0)
+
+
+@pytest.mark.parametrize(("millimetres", "unit"), [(True, 1.0), (False, 25.4)])
+def test_linear_axes_are_in_the_length_unit_of_the_application(millimetres: bool, unit: float) -> None:
+    """L530, L4511: of a joint; from and to points, in moves and limits."""
+    data = datum("q", "joint", "3", value("0", j1=10, j2=20, j3=-4, j4=5)) + datum("m", "mdesc", values=value(vel=50))
+    data += datum("p", "point", "2") + datum("b", "bool", "3") + datum("c", "config")
+    code = "movej(q[0],flange,m)\nwaitEndMove()\nq[1]=herej()\np[0]=here(flange,world)\np[1]=jointToPoint(flange,world,q[0])\n"
+    code += "b[0]=pointToJoint(flange,q[0],p[1],q[2])\nb[1]=isInRange({0,0,-9.8,0})\nb[2]=isInRange({0,0,-9.9,0})\nc=config(q[0])"
+    app = App(data=data, programs={"start": code}, millimetres=millimetres)
+    on = Machine(disk(app), Moves(load_robot("sr60-like"), (0.0, 0.0, -1.0, 0.0)))
+    found = run(app, on=on)["globals"]
+    assert isinstance(found, dict)
+    assert on.moves.joints() == pytest.approx((10, 20, -4 * unit, 5))
+    for joint in found["q"]:
+        assert joint["j3"] == pytest.approx(-4) and joint["j2"] == pytest.approx(20)
+    assert found["p"][0]["trsf"]["z"] == pytest.approx(300 / unit - 4) == pytest.approx(found["p"][1]["trsf"]["z"])
+    assert found["b"] == [True, True, millimetres]
+
+
+def test_a_local_tool_has_the_output_valve1() -> None:
+    """L4921-4923: it lacks its base tool alone."""
+    app = App(data=DATA, programs={"start": (["tool l_t"], "link(l_t,flange)\nopen(l_t)\nb=valve")})
+    found = run(app, arm=True)["globals"]
+    assert isinstance(found, dict) and found["b"] is True

@@ -8,7 +8,7 @@ import pytest
 from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.references import element
-from gateway.pure.languages.val3.values import PointV
+from gateway.pure.languages.val3.values import FrameV, PointV, UserV
 from hil_tests.unit.languages.val3.apps import App, check, datum, machine, run, value
 
 GRID = '<Data name="fGrid" access="public" xsi:type="array" type="frame" size="2,2">' + value("1,0", x=7, fatherId="world[0]") + "</Data>"
@@ -181,6 +181,34 @@ def test_what_is_saved_hangs_on_the_same_data() -> None:
     assert own is not None
     point, frame = element(own.data["pGrid"], "0"), element(own.data["fGrid"], "1,0")
     assert isinstance(point, PointV) and point.father is frame is not None
+
+
+def test_frames_inside_user_types_are_named_and_saved() -> None:
+    """What hangs on nothing hangs on nothing again, too, never on world."""
+    body = App("body", datum("fBase", "frame") + datum("pAt", "point"))
+    inside = "".join(
+        f'<Field name="{name}" xsi:type="array" type="{kind}" size="1">{given}</Field>'
+        for name, kind, given in (
+            ("fBase", "frame", value(x=5, fatherId="world[0]")),
+            ("pAt", "point", value(y=2, fatherId="u[1].fBase[0]")),
+        )
+    )
+    data = datum("p", "point", "3", value("0", z=1, fatherId="u[1].fBase[0]") + value("1", fatherId="u[1].pAt[0]"))
+    data += datum("u", "Body", "2", f'<Value key="1">{inside}</Value>') + datum("tr", "trsf", "2") + datum("n", "num")
+    code = "tr[0]=position(p[0],world)\ntr[1]=position(u[1].pAt,world)\nlink(u[0].fBase,u[1].fBase)\nlink(p[0],u[0].fBase)\np[2]=l_p\n"
+    app = App(data=data, types='<Type name="Body" path="body" />', programs={"start": (["point l_p"], code + 'n=libSave("copy")')})
+    assert [fault.text for fault in check(app, body)] == ["'p' : fatherId 'u[1].pAt[0]': there is no frame of that name"]
+    made = machine(app, body)
+    found: Any = run(app, on=made)["globals"]
+    assert [(each["x"], each["y"], each["z"]) for each in found["tr"]] == [(5, 0, 1), (5, 2, 0)]
+    own = Machine(Disk(dict(made.disk.files))).instance("copy", "copy", "")
+    assert own is not None
+    points, values = [element(own.data["p"], str(at)) for at in range(3)], [element(own.data["u"], str(at)) for at in range(2)]
+    first, second = (element(vars(each)["u_fBase"], "0") for each in values if isinstance(each, UserV))
+    assert isinstance(points[0], PointV) and points[0].father is first and isinstance(first, FrameV) and first.father is second
+    assert isinstance(points[2], PointV) and points[2].father is None
+    lost = points[1]
+    assert isinstance(lost, PointV) and lost.father is not None and lost.father.lost == (82, "u[1].pAt[0]")
 
 
 def test_frames_that_hang_on_each_other_are_named_at_load() -> None:

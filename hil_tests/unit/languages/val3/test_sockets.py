@@ -2,6 +2,8 @@
 
 import pytest
 
+from gateway.pure.controllers.val3.sio.calls import AnyCall
+from gateway.pure.controllers.val3.sio.variable import Sio
 from hil_tests.unit.languages.val3.apps import App, datum, machine, run, value
 
 IO = "gateway.pure.languages.val3.builtin_io:"
@@ -181,3 +183,49 @@ def test_wait_and_watch_take_conditions_that_read() -> None:
     app = App(data=DATA + datum("b", "bool"), programs={"start": cyclic, "poll": "wait(sioGet(si,d)>0)\nn[0]=clock()\nwait(false)"})
     data = run(app, at=(*UP, (1.0, "sio.client=hex:09")), until=5.0)["globals"]
     assert isinstance(data, dict) and data["n"][0] == moment(1.0, abs=0.005)
+
+
+@pytest.mark.requirement("VAL-SIO-15", by="gateway.pure.languages.val3.controller:Controller.forget_sockets")
+def test_a_client_stays_open_while_a_global_variable_refers_to_it() -> None:
+    """A local variable and a parameter by value end with their programs, the connection of the global one does not (L2648)."""
+    at = (*UP, (0.5, "sio.client=a\\r"), (1.5, "sio.client=b\\r"), (3.5, "sio.client=c\\r"))
+    programs: dict[str, str | tuple[list[str], str]] = {"ask": (["sio l_si"], "sioLink(l_si,si)\ns[i]=l_si\ni=i+1")}
+    programs["value(sio x_si)"] = "s[i]=x_si\ni=i+1"
+    code = "call ask()\ndelay(2)\ncall value(si)\ndelay(2)\ncall ask()"
+    found = run(App(data=DATA, programs={"start": code, **programs}), at=at, until=9.0)["globals"]
+    assert isinstance(found, dict) and found["s"][:3] == ["a", "b", "c"]
+
+
+def test_variables_of_programs_leave_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    programs = {"value(sio x_si)": (["sio l_si"], "sioLink(l_si,x_si)\nx_si=1\nl_si=2")}
+    made = machine(app := App(data=DATA, programs={"start": "for i=1 to 50\ncall value(si)\nendFor\nn[0]=1", **programs}))
+    core, count = made.sio.core, {"made": 0, "deleted": 0}
+    variable, delete = core.variable, core.delete
+
+    def makes(link: str | None = None) -> Sio:
+        count["made"] += 1
+        return variable(link)
+
+    def deletes(sio: Sio) -> list[AnyCall]:
+        count["deleted"] += 1
+        return delete(sio)
+
+    monkeypatch.setattr(core, "variable", makes)
+    monkeypatch.setattr(core, "delete", deletes)
+    run(app, on=made, at=UP)
+    assert count == {"made": 105, "deleted": 100}, "five are those of the data"
+
+
+def test_a_killed_task_and_a_new_link_give_their_connection_to_a_server_free() -> None:
+    start = 'sioCtrl(srv1,"timeout",0)\nsioCtrl(srv1,"clients",1)\n'
+    at = [(float(second), f"sio.server={what}") for second, what in ((1, "connect"), (2, "disconnect"), (2.5, "connect"), (3, "hex:07"))]
+    programs = {"reader": (["sio l_si"], "sioLink(l_si,srv1)\nn[1]=sioGet(l_si,d)\nn[2]=d[0]")}
+    code = (
+        start
+        + 'taskCreate "r",10,reader()\ndelay(1.5)\nn[0]=taskStatus("r")\ntaskKill("r")\ntaskCreate "r",10,reader()\ndelay(3)\ntaskKill("r")'
+    )
+    found = run(App(data=DATA, programs={"start": code, **programs}), at=at[:1] + at[2:])["globals"]
+    assert isinstance(found, dict) and found["n"][:3] == [1, 1, 7]
+    code = start + 'taskCreate "r",10,other()\ndelay(1.5)\ntaskKill("r")\nsioLink(srv1,si)\nn[1]=sioGet(srv2,d)\nn[2]=d[0]'
+    found = run(App(data=DATA, programs={"start": code, "other": "sioGet(srv1,d)"}), at=at[:1] + at[2:])["globals"]
+    assert isinstance(found, dict) and found["n"][:3] == [0, 1, 7]
