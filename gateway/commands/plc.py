@@ -115,7 +115,7 @@ def in_cell(options: argparse.Namespace) -> int:
                 time.sleep(ACTS_S)
             answer = client.ask("plc", do="status")
     except ToolError as error:
-        complain("plc", error)
+        complain("plc", report_text(str(error)))
         return ENVIRONMENT
     print(json.dumps(answer, indent=1) if options.json else sentence(answer))
     return Exit.OK

@@ -38,8 +38,9 @@ def report_text(sentence: str) -> str:
     if _language() != "de":
         return sentence
     if place := PLACE.match(sentence):
-        where = f"Schritt {place[1]}: " if place[1] else place[0]
-        return where + report_text(sentence[place.end() :])
+        said = report_text(sentence[place.end() :])
+        if place[1] or said != sentence[place.end() :]:
+            return (f"Schritt {place[1]}: " if place[1] else place[0]) + said
     return spoken(*REPORTS).german(sentence).translate(WRITTEN_OUT)
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import ast
+import contextlib
 import inspect
 import pathlib
 import re
@@ -14,6 +15,8 @@ from gateway.__main__ import main
 from gateway.commands import plc
 from gateway.files.texts import read_texts
 from gateway.pure.reports.spoken import FIELD
+from gateway.tools.client import ToolError
+from gateway.tools.command_support import ENVIRONMENT
 from gateway.tools.usage_language import report_text, usage_text
 from hil_tests.unit.gateway.web.test_spoken_robotstar import sentences
 
@@ -186,6 +189,18 @@ def test_an_import_and_a_plc_are_reported_in_german(
         f"START abgelehnt: M berichtigen; alle Fehler mit ihren Zeilen: axisgate plc check {tmp_path}",
         "Ende: Fehler, M Schritt 1, 100 Zyklen in 1.0 s",
     ]
+
+
+def test_what_a_plc_refuses_is_reported_in_german(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    @contextlib.contextmanager
+    def refusing(name: str) -> Iterator[None]:
+        raise ToolError("M944: the robot writes it (error number of the control)")
+        yield
+
+    monkeypatch.setenv("LC_ALL", GERMAN["LC_ALL"])
+    monkeypatch.setattr(plc, "running", refusing)
+    assert main("plc set reis-plc M944 1".split()) == ENVIRONMENT
+    assert capsys.readouterr().err == "axisgate plc: M944: ihn schreibt der Roboter (Fehlernummer der Steuerung)\n"
 
 
 class Shown:
