@@ -21,6 +21,10 @@ def number(old: int, new: int, functions: Sequence[int]) -> Answer:
     )
 
 
+def all_as(code: int) -> Answer:
+    return lambda device, asked, said: bytes((said[0], code)) if said[0] & 0x80 else said
+
+
 def writes_bad(device: Device, asked: bytes, said: bytes) -> bytes:
     """Refuses a bad byte count, and writes all the same."""
     if said[0] == 0x90 and said[1] == 3 and len(asked) > 7:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from gateway.conformance.peers.modbus_answers import (
     ReadsFirst,
     after_refusals,
+    all_as,
     any_amount,
     any_coil_value,
     byte_more,
@@ -79,6 +80,7 @@ ROWS: tuple[Row, ...] = (
         ["FUN_BI_04", "FUN_BI_01"],
         lambda device, asked, said: b"\x80" + said[1:] if asked[0] == 0x41 else said,
     ),
+    _answers("all-is-04", "refuses everything with 04", ["FUN_BI_04"], all_as(4)),
     _answers("unknown-is-04", "refuses unknown functions with 04", ["FUN_BI_01"], number(1, 4, (0x41, 9, 0x64, 0x6E))),
     _answers(
         "seven-bits",

@@ -85,6 +85,10 @@ def _number(old: int, new: int) -> Maker:
     return _passive(lambda command, said: said[:3] + bytes((new,)) + said[4:] if said[3] == old else said)
 
 
+def _all_as(said: bytes, number: int) -> bytes:
+    return said[:3] + bytes((number,)) + said[4:] if said[3] else said
+
+
 def _memory(make: Callable[[], Blocks]) -> Maker:
     def station() -> Built:
         def passive(built: Built) -> Passive:
@@ -192,6 +196,7 @@ MUTANTS = (
     _mutant("reads-beyond", "reads behind the end", [f"{P}BI_04"], _memory(ReadsBeyond)),
     _mutant("writes-beyond", "writes behind the end, at the beginning", [f"{P}BI_16"], _memory(WritesBeyond)),
     _mutant("stop-for-missing", "reports CPU in STOP for a missing block", [f"{P}BI_02"], _number(0x14, 0x2A)),
+    _mutant("stop-for-all", "reports CPU in STOP whatever it refuses", [f"{P}BI_01"], _passive(lambda command, said: _all_as(said, 0x2A))),
     _mutant("locked-for-missing", "reports locked for a missing block", [f"{P}BI_02"], _number(0x14, 0x32)),
     _mutant("stop-for-type", "reports CPU in STOP for a wrong type", [f"{P}BI_06"], _number(0x0C, 0x2A)),
     _mutant("missing-for-command", "reports block missing for a wrong command", [f"{P}BI_05"], _number(0x16, 0x14)),

@@ -68,6 +68,9 @@ def _basic(p: Purposes[ModbusTester], basic: str) -> None:
                 raise Fail(f"a refusal without the top bit: {t.words(got)}", f"{got[0] | 0x80:02X} {got[1]:02X}", t.words(got))
         if not any(said):
             raise Fail("neither an amount of 0 nor function 41h is refused: no answer", "an exception of two bytes", t.words(b""))
+        if len(codes := {got[1] for got in said if len(got) == 2}) == 1 and not codes & {1, 3} and all(said):
+            what = f"an amount of 0 and function 41h are both refused with exception {codes.pop():02X}h"
+            raise Fail(what, "exception 03h and exception 01h", " and ".join(map(t.words, said)))
         t.setup.odd_exceptions = False
 
     @p.case(

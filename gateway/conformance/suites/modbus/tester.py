@@ -264,7 +264,7 @@ class ModbusTester(Tester):
                 return got[1]
         wanted = f"{pdu[0] | 0x80:02X} {code:02X} (exception {code:02X}h: {EXCEPTIONS[code]})"
         if self.setup.odd_exceptions and len(got) in (0, 2):
-            raise Inconclusive(f"preamble: {what}: {self.words(got)}; it refuses otherwise than by exceptions", wanted, self.words(got))
+            raise Inconclusive(f"preamble: {what}: {self.words(got)}; its refusals are not those of the protocol", wanted, self.words(got))
         raise Fail(f"{what}: {self.words(got)}, expected exception {code:02X}h", wanted, self.words(got))
 
     def normal(self, pdu: bytes, what: str) -> bytes:

@@ -13,6 +13,8 @@ from gateway.conformance.suites.rk512.telegrams import (
     db_of,
     fetch,
     header,
+    number_words,
+    own_numbers,
     reaction,
     read,
     refused,
@@ -28,6 +30,7 @@ from protocols.p3964r.characters import Char, wire_block
 __all__ = ["PAS"]  # the registry finds the whole group here
 
 CYCLES = 40
+SUITS_BOTH = (0x16, 0x10, 0x14, 0x0A)  # some maker has it for one of both
 FOREIGN = 7  # byte 1 is neither 00 nor FF
 
 
@@ -41,6 +44,10 @@ def is_refused(t: LineTester) -> None:
     found = ask(t, header(0x51, DB, t.setup.db, 0, 1))
     if found.number == 0 or found.data:
         raise Fail(f"byte 3 is 51h: {found.words()}", "00 00 00 and an error number, no data", found.words())
+    other = ask(t, fetch(t.setup.missing, 0, 1))
+    if other.number == found.number and found.number not in (*SUITS_BOTH, *own_numbers(t)):
+        what = f"a wrong command and a missing block are refused with the same misleading number: {number_words(found.number)}"
+        raise Fail(what, f"{number_words(0x16)}; {number_words(0x14)}", found.words())
 
 
 def _refusal(

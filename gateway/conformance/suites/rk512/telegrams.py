@@ -160,17 +160,27 @@ def write(t: LineTester, db: int, word: int, data: bytes) -> None:
     normal(t, header(SEND, DB, db, word, words) + data, 0, f"SEND DB{db}.DW{word}, {words} {'word' if words == 1 else 'words'}")
 
 
+def stated_numbers(t: LineTester) -> dict[str, int]:
+    """The device's own error numbers by what they are for, as the PICS states them."""
+    stated = t.setup.pics.get("errors")
+    return {name: int(own, 16) for name, own in stated.items() if isinstance(own, str)} if isinstance(stated, dict) else {}
+
+
+def own_numbers(t: LineTester) -> set[int]:
+    """All of them."""
+    return set(stated_numbers(t).values())
+
+
 def refused(t: LineTester, name: str, telegram: bytes, number: int, others: tuple[int, ...] = ()) -> None:
     """The command is refused; another number of the same meaning is WARN, a misleading one FAIL unless the PICS names it."""
     found = ask(t, telegram)
-    stated = t.setup.pics.get("errors")
-    own = stated.get(name) if isinstance(stated, dict) else None
+    own = stated_numbers(t).get(name)
     wanted = f"{number_words(number)}"
     if found.number == 0:
         raise Fail(f"executed, expected refusal with {wanted}", wanted, found.words())
     if found.data:
         raise Fail(f"{len(found.data)} data bytes behind error {found.number:02X}h, none may follow", "4 bytes", found.words())
-    if found.number == number or (isinstance(own, str) and int(own, 16) == found.number):
+    if found.number in (number, own):
         return
     if found.number in others:
         raise Warn(f"refused with {number_words(found.number)}; the tables of the makers differ", wanted, found.words())
