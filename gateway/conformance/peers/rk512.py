@@ -213,7 +213,7 @@ MUTANTS = (
     _mutant(
         "dies-of-errors",
         "serves nothing after five refusals",
-        [f"{P}BV_09", f"{P}BI_06", f"{P}RC_03", f"{P}BI_05", f"{P}CA_01", f"{P}CA_02", f"{P}CA_03"],
+        [f"{P}BI_01", f"{P}BV_09", f"{P}BI_06", f"{P}RC_03", f"{P}BI_05", f"{P}CA_01", f"{P}CA_02", f"{P}CA_03"],
         _kind(DiesOfErrors),
     ),
     _mutant("short-sends", "writes what came, whatever was announced", [f"{P}BI_12", f"{P}BI_13"], _kind(ShortSends)),

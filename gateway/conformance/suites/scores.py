@@ -2,9 +2,9 @@
 
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (117, 117),
-    "rk512": (76, 76),
-    "modbus-tcp": (97, 97),
-    "modbus-rtu": (90, 90),
+    "rk512": (77, 77),
+    "modbus-tcp": (98, 98),
+    "modbus-rtu": (91, 91),
     "cia402": (110, 110),
     "canopen-301": (154, 154),
     "servodyn": (82, 82),
