@@ -1,7 +1,5 @@
 """Serial lines and sockets of a virtual run: the core is the real one, events play its partners; without events there is no answer."""
 
-import contextlib
-
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
 from gateway.pure.controllers.val3.sio.core import SioCore
 from gateway.pure.controllers.val3.sio.orders import Close, Listen, Open, StopListening
@@ -101,9 +99,10 @@ class VirtualSio:
 
     def register(self, variable: SioV) -> None:
         """A variable is there: a client stays open while one refers to it, used or not (L2648)."""
-        if variable.link:
-            with contextlib.suppress(Rte):  # a link to nothing is legal as a link
-                self.of(variable)
+        try:
+            self.of(variable)
+        except Rte:  # no link, or one to nothing, which is legal as a link (AX-188)
+            return
 
     def forget(self, variable: SioV) -> None:
         """The variable ends with its program or library: its connection to a server closes (L2646)."""
