@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 SHORT = 7  # letters; longer words may have two slips
 LEAST = 3
+MOST_HINTS = 100  # faults of one kind behind which a reader looks for no like words any more: a foreign file
 
 
 def nearest(text: str, words: Iterable[str]) -> str:
@@ -13,8 +14,11 @@ def nearest(text: str, words: Iterable[str]) -> str:
     letters = set(wanted)
     for word in words:
         plain = _plain(word)
+        difference = abs(len(wanted) - len(plain))
+        if difference >= least:
+            continue
         slips = min(_allowed(wanted, plain), least - 1)
-        if abs(len(wanted) - len(plain)) > slips or len(letters - set(plain)) > slips:
+        if difference > slips or len(letters - set(plain)) > slips:
             continue  # most words, without counting
         far = _distance(wanted, plain)
         if far <= slips:

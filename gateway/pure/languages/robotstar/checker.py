@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.base.faults import Faults, also_at, hints
-from gateway.pure.languages.base.near import nearest
+from gateway.pure.languages.base.near import MOST_HINTS, nearest
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.access import of_one_group
 from gateway.pure.languages.robotstar.circles import wrong_circles
@@ -31,7 +31,6 @@ from gateway.pure.languages.robotstar.reader import spelled
 from gateway.pure.languages.robotstar.values import Array, Names, Structure, SystemCell, Variable
 
 POSITIONS = ("POSITION", "VAR_POS")
-MOST_HINTS = 200  # faults behind which no like words are looked for any more: a foreign file
 WRITTEN = ("destination", "control")  # places a step writes to
 TAKE_PROGRAMS = ("CALL", "PROGRAM", "PALLET", "TRAFO_6D")
 NAMES_OF_PROGRAMS = frozenset(("program", "ref_source", "ref_destination", "source", "destination"))

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from gateway.pure.languages.base.faults import Faults, also_at, hints
-from gateway.pure.languages.base.near import nearest
+from gateway.pure.languages.base.near import MOST_HINTS, nearest
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.grammar import GRAMMAR, NOT_BUILT, Place, fits, typed
 from gateway.pure.languages.robotstar.operands import Blank, Equate, Number, Operand, OperandFault, Ref, Text, operand
@@ -358,8 +358,8 @@ def _labels(reading: _Reading) -> None:
         needed = needed_label(step)
         if needed and needed not in program.labels:
             lost.setdefault(needed, []).append(step)
-    for name, steps in lost.items():
-        near = nearest(name, program.labels)
+    for place, (name, steps) in enumerate(lost.items()):
+        near = nearest(name, program.labels) if place < MOST_HINTS else ""
         hint = hints(f"did you mean {near}?" if near else "", also_at(step.number for step in steps[1:]))
         reading.fault("rsv.label_lost", steps[0].line, f"step {steps[0].number}: label {name} is not in this program", hint)
 
