@@ -1,7 +1,7 @@
 """The lines of a printed page as steps: two columns one after the other, broken lines joined, misread step numbers put right."""
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 Line = tuple[int, str]  # number in the file, text
 Tell = Callable[[int, str], None]
@@ -35,6 +35,26 @@ def is_numbered(lines: Iterable[str]) -> bool:
     """Whether steps are printed with their numbers: a line without one is then a title, or a command whose number is lost."""
     filled = [line for line in lines if line.strip()]
     return 3 * sum(bool(_NUMBERED.match(line)) for line in filled) > 2 * len(filled)
+
+
+def with_lost_numbers(lines: Sequence[Line], tell: Tell) -> list[Line]:
+    """A single line without a number between step n and step n + 2 is the step between them."""
+    found = list(lines)
+    printed = [_printed(line) for _, line in lines]
+    filled = [at for at, (_, line) in enumerate(lines) if line.strip()]
+    for before, at, behind in zip(filled, filled[1:], filled[2:], strict=False):
+        number, line = lines[at]
+        lost = printed[before] + 1
+        if lost > 1 and not printed[at] and printed[behind] == lost + 1 and re.match(r"\s*\\?[^\W\d]", line):
+            found[at] = number, f"{lost} {line.strip()}"
+            tell(number, f"{line.strip()} is read as {found[at][1]}")
+    return found
+
+
+def _printed(line: str) -> int:
+    """The number of a step; 0: none is printed."""
+    found = _NUMBERED.match(line)
+    return int(re.sub(r"\D", "", found[0])) if found else 0
 
 
 _DIGITS = str.maketrans("OolI", "0011")

@@ -10,7 +10,7 @@ import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from gateway.pure.languages.robotstar.layout import is_numbered, steps_of
+from gateway.pure.languages.robotstar.layout import is_numbered, steps_of, with_lost_numbers
 from gateway.pure.languages.robotstar.path import CARTESIAN
 from gateway.pure.languages.robotstar.program import HEADS
 from gateway.pure.languages.robotstar.slips import command, parameters
@@ -102,6 +102,7 @@ def import_listing(text: str, words: Words, points: Mapping[str, str] | None = N
         result.notes.append(Note(number, words_of_note))
 
     lines = steps_of(text, lambda spelt: bool(words.descriptor(spelt)), lambda spelt: spelt.upper() in words.words, tell)
+    lines = with_lost_numbers(lines, tell)
     numbered = is_numbered(line for _, line in lines)
     for number, line in lines:
         if program is not None and program.kind == "PLC" and not program.ended and (found := _plc_step(line)) is not None:

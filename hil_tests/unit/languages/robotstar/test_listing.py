@@ -212,6 +212,16 @@ def test_titles_of_the_pages_of_a_numbered_listing_are_no_steps() -> None:
     ]
 
 
+def test_a_step_whose_number_is_lost_is_between_its_neighbours() -> None:
+    found = import_listing('1 MPR "A"\n2 WAIT 1\nGREIFER_ZU\n4 WAIT 3\n  WAIT 4\n6 STOP\n7 ENDE\n', WORDS)
+    assert [line.split(None, 1)[1] for line in found.files["A.MPR"].splitlines()][2:5] == ["GREIFER_ZU", "WAIT 3", "WAIT 4"]
+    assert [note.text for note in found.notes] == [
+        "GREIFER_ZU is read as 3 GREIFER_ZU",
+        "GREIFER_ZU is no command; it is kept as the call of a macro",
+        "WAIT 4 is read as 5 WAIT 4",
+    ]
+
+
 def test_steps_of_a_printed_plc_program_stay_as_they_are() -> None:
     """SP is a jump there and no head; brackets, comparisons and assignments begin with a sign."""
     steps = ["; start", "U(", "O E0.0", "O E0.1", ")", "= A1.0", "SP ZIEL,1", "L 12ACH", "TD M20", "=?", "M ZIEL", "SU LAMPE", "END"]
