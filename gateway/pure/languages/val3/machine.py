@@ -26,7 +26,7 @@ from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.initial_values import literal
 from gateway.pure.languages.val3.instance import Instance, Program
 from gateway.pure.languages.val3.loader import UNIT
-from gateway.pure.languages.val3.model import Application, Use
+from gateway.pure.languages.val3.model import Application, Declaration, Use
 from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, REMOTE, TEST
 from gateway.pure.languages.val3.sealed import SealFault, library_of
 from gateway.pure.languages.val3.sockets import sockets_in
@@ -134,6 +134,9 @@ class Machine(Controller):
             return 24 if any(fault.id == "val3-type" for fault in loaded.faults) else 12
         own.libraries[identifier] = found
         if gone is not None:
+            old_types, types = gone.loaded.app.data, found.loaded.app.data
+            alike = [name for name, each in types.items() if name in old_types and _alike(each, old_types[name])]
+            self.pages.replaced(gone.data, {name: found.data[name] for name in alike})
             self._unload(gone)
         own.join(identifier)
         interface = own.loaded.app.interfaces.get(identifier)
@@ -431,6 +434,11 @@ def as_rte(error: Exception) -> Rte:
         case ArithmeticError() | ValueError():
             return Rte(11, str(error))
     return Rte(61, f"{type(error).__name__}: {error}")
+
+
+def _alike(first: Declaration, second: Declaration) -> bool:
+    """Whether data of two libraries have the same type and container."""
+    return (first.type, first.dims) == (second.type, second.dims)
 
 
 def _provides(found: Instance, interface: Application) -> bool:

@@ -3,6 +3,7 @@
 Nothing is drawn here.  A binding is a variable (container and place) and an attribute of an object of a page.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -138,6 +139,14 @@ class PageBoard:
         self._judge(attribute)
         text = _text(value)
         self.fixed[page, name, attribute] = text.split(",") if attribute == LIST else [text]
+
+    def replaced(self, old: Mapping[str, object], new: Mapping[str, object]) -> None:
+        """Data have taken the place of others of the same name and type: what was bound to those is bound to them."""
+        names = {id(container): name for name, container in old.items()}
+        for each in [*self.bindings, *self.reactions]:
+            name = names.get(id(each.where[0]), "")
+            if name in new:
+                each.where = (new[name], each.where[1])
 
     # ---- the operator --------------------------------------------------------------------------------------------------------
     def happen(self, page: str, name: str, event: str) -> str:

@@ -363,3 +363,15 @@ def test_texts_with_control_characters_are_saved_and_load_again() -> None:
     broken = disk(App(data=datum("a", "string", values=value(valueHex="zz"))))
     loaded = Loader(broken).load("demo", "demo")
     assert loaded is not None and ["UTF-8 text" in fault.text for fault in loaded.faults] == [True]
+
+
+def test_what_was_bound_to_a_library_is_bound_to_the_one_that_takes_its_place() -> None:
+    """An entry on the page reaches the recipe that is loaded, not one that is gone (AX-1735)."""
+    code = (
+        'part:libLoad("part")\nuserPageBind("p","a","value",part:nX,1,"rw")\nuserPageBindClick("p","b",part:nX,7)\n'
+        'part:libLoad("part")\ndelay(2)\nn=part:nX\npart:libLoad("other")\ndelay(2)\ni=part:nX'
+    )
+    app = App(data=DATA, libraries=USES, programs={"start": code})
+    at = [(1.0, "page.p.a.value=5"), (3.0, "page.p.b=click")]
+    found = run(app, PART, App("other", PART.data), at=at)["globals"]
+    assert isinstance(found, dict) and (found["n"], found["i"]) == (5, 7)
