@@ -2,17 +2,14 @@
 
 UMLAUTS = "äöüÄÖÜß"
 DOS, WINDOWS = "cp850", "cp1252"
-END_OF_FILE = "\x1a"  # editors of DOS end a text with it
+END_OF_FILE = b"\x1a"  # as the editors of DOS wrote it; what is behind it is no text
 
 
 def decoded(data: bytes) -> str:
     """UTF-8 or UTF-16 where they are marked or fit; else the code page of DOS or of Windows, by whose umlauts are more."""
-    return _text(data).rstrip(END_OF_FILE)
-
-
-def _text(data: bytes) -> str:
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return data.decode("utf-16", errors="replace")
+    data = data.partition(END_OF_FILE)[0]
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
