@@ -143,7 +143,8 @@ class PageBoard:
     def replaced(self, old: Mapping[str, object], new: Mapping[str, object]) -> None:
         """Data have taken the place of others of the same name and type: what was bound to those is bound to them."""
         names = {id(container): name for name, container in old.items()}
-        for each in [*self.bindings, *self.reactions]:
+        bound: list[Binding | Reaction] = [*self.bindings, *self.reactions]
+        for each in bound:
             name = names.get(id(each.where[0]), "")
             if name in new:
                 each.where = (new[name], each.where[1])
