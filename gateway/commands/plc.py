@@ -228,7 +228,8 @@ def line_of(event: Event) -> str:
     if event["what"] != "message":
         return f"{event['at']:>6}  {event['what']} = {event['value']}"
     place = f" ({event['program']} step {event['step']})" if event["program"] else ""
-    return f"{event['at']:>6}  {event['class']}: {report_text(str(event['text']))}{place}"
+    kind, text = report_text(str(event["class"])), report_text(f"{event['text']}{place}")
+    return f"{event['at']:>6}  {kind}: {text}"
 
 
 def import_list(options: argparse.Namespace) -> int:

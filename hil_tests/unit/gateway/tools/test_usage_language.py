@@ -185,7 +185,7 @@ def test_an_import_and_a_plc_are_reported_in_german(
     (tmp_path / "M.PLC").write_text("PLC M\nFOO\nEND\n")
     assert main(["plc", "run", str(tmp_path), "--start", "M", "--virtual"]) == 1
     assert capsys.readouterr().out.splitlines() == [
-        "     0  error: Kein SPS-Befehl (M step 2)",
+        "     0  Fehler: Kein SPS-Befehl (M Schritt 2)",
         f"START abgelehnt: M berichtigen; alle Fehler mit ihren Zeilen: axisgate plc check {tmp_path}",
         "Ende: Fehler, M Schritt 1, 100 Zyklen in 1.0 s",
     ]
