@@ -7,6 +7,7 @@ import inspect
 import pathlib
 import re
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
@@ -222,7 +223,8 @@ def test_the_test_display_is_headed_in_german(
     monkeypatch.setattr(plc, "SHOWN_S", 0.0)
     off = {"on": False, "why": "the PLC does not run", "rows": []}
     options = argparse.Namespace(program="M", json=False)
-    assert plc.show(None, options, Shown(off)) == 1  # type: ignore[arg-type]
+    shown: Any = Shown(off)
+    assert plc.show(None, options, shown) == 1
     assert capsys.readouterr().out.splitlines()[::4] == [
         "Schritt                                        Status VKE      ACCU1      ACCU2",
         "die Testanzeige ist aus: die SPS laeuft nicht",
