@@ -223,8 +223,8 @@ def test_the_test_display_is_headed_in_german(
     monkeypatch.setattr(plc, "SHOWN_S", 0.0)
     off = {"on": False, "why": "the PLC does not run", "rows": []}
     options = argparse.Namespace(program="M", json=False)
-    shown: Any = Shown(off)
-    assert plc.show(None, options, shown) == 1
+    stand_ins: tuple[Any, Any] = (None, Shown(off))
+    assert plc.show(stand_ins[0], options, stand_ins[1]) == 1
     assert capsys.readouterr().out.splitlines()[::4] == [
         "Schritt                                        Status VKE      ACCU1      ACCU2",
         "die Testanzeige ist aus: die SPS laeuft nicht",
