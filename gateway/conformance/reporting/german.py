@@ -4,6 +4,7 @@ The page and the lines of the run are in the user's language; JSON, JUnit and tr
 """
 
 import functools
+import re
 from collections.abc import Mapping
 from typing import cast
 
@@ -12,6 +13,7 @@ from gateway.files.find import PACKAGED
 from gateway.files.texts import spoken
 
 SENTENCES = ("reason", "expected", "got")
+NOT_RUN = re.compile(r"not run: the preamble needs (\S+), which is (\S+) \((.*)\)", re.DOTALL)
 
 
 @functools.cache
@@ -22,7 +24,11 @@ def text_files() -> tuple[str, ...]:
 
 def verdict_text(sentence: str, language: str) -> str:
     """A sentence about a case, in that language; as it is where it has no German."""
-    return spoken(*text_files()).german(sentence) if language == "de" else sentence
+    if language != "de":
+        return sentence
+    if found := NOT_RUN.fullmatch(sentence):  # why the other one failed is a sentence of its own, which may be one of these again
+        return f"nicht ausgeführt: der vorausgesetzte Prüffall {found[1]} ist {found[2]} ({verdict_text(found[3], language)})"
+    return spoken(*text_files()).german(sentence)
 
 
 def in_german(found: Mapping[str, object]) -> Json:

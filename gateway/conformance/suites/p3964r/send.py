@@ -27,7 +27,8 @@ def attempts(t: LineTester, silent: bool = False) -> int:
 
 def judge_count(t: LineTester, what: str, count: int, expected: int) -> None:
     if count != expected:
-        raise Fail(f"{count} {what}, expected {expected} ({t.profile.name})", f"{expected} {what}", f"{count} {what}")
+        got = f"{count} {what.replace('attempts', 'attempt', 1) if count == 1 else what}"
+        raise Fail(f"{got}, expected {expected} ({t.profile.name})", f"{expected} {what}", got)
 
 
 def gives_up(t: LineTester, got: int | Damage | None) -> None:
