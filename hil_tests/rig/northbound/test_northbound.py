@@ -212,7 +212,7 @@ def test_a_broker_that_was_away_gets_what_was_kept_and_how_much_was_dropped(nort
     toggled(north)
     until(lambda: north.broker.messages[-1]["dropped"] > 3, "the loss is told")
     whole = next(message["values"] for message in reversed(north.broker.messages) if "axis.A1.actual" in message["values"])
-    assert {"cell.ready", "cell.override", "axis.A1.enabled", "door.V24_1.alive", "error.first.code"} <= set(whole)
+    assert {"cell.ready", "cell.override", "axis.A1.enabled", "command_source.V24_1.alive", "error.first.code"} <= set(whole)
 
 
 def toggled(north: North) -> bool:
@@ -264,7 +264,7 @@ async def _looked_at(client: Client, north: North) -> None:
     space = await client.get_namespace_index("urn:axisgate")
     folder = await client.nodes.objects.get_child([f"{space}:axisgate", f"{space}:{NAME}"])
     names = {(await node.read_browse_name()).Name for node in await folder.get_children()}
-    assert {"cell.ready", "cell.override", "axis.A1.actual", "axis.A1.fault", "door.V24_1.alive"} <= names
+    assert {"cell.ready", "cell.override", "axis.A1.actual", "axis.A1.fault", "command_source.V24_1.alive"} <= names
     node: Any = client.get_node(ua.NodeId("axis.A1.actual", space))
     value = await node.read_data_value()
     assert value.StatusCode.is_good() and isinstance(value.Value.Value, float)

@@ -1,6 +1,7 @@
 """[controller] judged before anything runs: parameters, processes, points, files; entries of data blocks that name addresses."""
 
 import pathlib
+import re
 
 import pytest
 
@@ -118,3 +119,12 @@ def test_programs_with_errors_and_two_of_one_name_are_named(tmp_path: pathlib.Pa
     text = read_text(shipped) + PROCESS.format(step="{ output = 1 }").replace("PICK", "PALLET")
     with pytest.raises(CellFaults, match="palletiser has a program of this name"):
         load_cell(str(tmp_path / "palletiser.toml"), text)
+
+
+def test_the_former_key_of_the_command_source_is_read() -> None:
+    """AX-1792: recordings hold the cell they were made with."""
+    text = read_text(find_config("reis-plc", "cells"))
+    former = re.sub(r"^command_source *= ", "door = ", text, flags=re.MULTILINE)
+    assert former != text
+    controllers = [load_cell("reis-plc.toml", each).controller for each in (text, former)]
+    assert controllers[0] == controllers[1] and controllers[0] is not None and controllers[0].command_source == "plc"
