@@ -123,8 +123,9 @@ def test_programs_with_errors_and_two_of_one_name_are_named(tmp_path: pathlib.Pa
 
 def test_the_former_key_of_the_command_source_is_read() -> None:
     """AX-1792: recordings hold the cell they were made with."""
-    text = read_text(find_config("reis-plc", "cells"))
+    path = find_config("reis-plc", "cells")
+    text = read_text(path)
     former = re.sub(r"^command_source *= ", "door = ", text, flags=re.MULTILINE)
     assert former != text
-    controllers = [load_cell("reis-plc.toml", each).controller for each in (text, former)]
+    controllers = [load_cell(str(path), each).controller for each in (text, former)]
     assert controllers[0] == controllers[1] and controllers[0] is not None and controllers[0].command_source == "plc"
