@@ -9,8 +9,11 @@ from gateway.pure.languages.base.source import Position
 
 _TOKEN = re.compile(
     r"(?P<comment>;.*)|(?P<blank>\s+)|(?P<bit>[IOMEAioemea]\d{1,4}\.\d{1,2}(?!\w))"
+    r"|(?P<slip>[IOMEAioemea][\dOo]{1,4}[.,][\dOo]{1,2}(?!\w)|[&|!])"
     r"|(?P<name>[^\W\d]\w*)|(?P<number>\d+)|(?P<sign>[=:()\-])"
 )
+MEANT = {"&": "AND", "|": "OR", "!": "NOT"}
+DIGITS = str.maketrans({"O": "0", "o": "0", ",": "."})
 
 
 class Kind(Enum):
@@ -59,7 +62,17 @@ def _row(line: str, file: str, number: int, faults: Faults) -> list[Token]:
             faults.error("character", here, f"{line[at]!r} is no part of a PIC program", "a comment begins with ;")
             return found
         kind = match.lastgroup or ""
-        if kind not in ("comment", "blank"):
+        if kind == "slip":
+            found.append(_meant(match[0], here, faults))
+        elif kind not in ("comment", "blank"):
             found.append(Token(Kind(kind), match[0], here))
         at = match.end()
     return found
+
+
+def _meant(text: str, here: Position, faults: Faults) -> Token:
+    """A sign of another language, or an address with a comma or a letter O: it is reported, and read as it was meant."""
+    word = MEANT.get(text)
+    meant = word or text[0] + text[1:].translate(DIGITS)
+    faults.error("character", here, f"{text!r} is no part of a PIC program", f"write {meant}")
+    return Token(Kind.NAME if word else Kind.BIT, meant, here)

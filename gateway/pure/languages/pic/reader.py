@@ -5,8 +5,10 @@ Source: rho3 6, L1471-1572, L2079-2095, L3962-4044, L10698-10747.  What the manu
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.likeness import hint_of, like
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.pic.expressions import FLAGS, INPUTS, OUTPUTS, Expression, Operand, chain, constant, inverted, joined
 from gateway.pure.languages.pic.lexer import Kind, Token, tokens_of
@@ -68,6 +70,7 @@ class Reader:
     _brackets: list[Position] = field(default_factory=list)  # of the instruction list
     _labels: dict[str, Position] = field(default_factory=dict)
     _jumps: list[tuple[str, Position]] = field(default_factory=list)
+    _colons: set[str] | None = None  # names in front of a colon
 
     # ---- tokens
 
@@ -75,6 +78,12 @@ class Reader:
     def token(self) -> Token:
         """The next one."""
         return self.tokens[self._at]
+
+    def _is_label(self, token: Token) -> bool:
+        """Whether a colon follows it somewhere: a label may be a word of the other language (`ENDE:`)."""
+        if self._colons is None:
+            self._colons = {each.word for each, behind in pairwise(self.tokens) if behind.text == ":"}
+        return token.word in self._colons
 
     def _ahead(self, by: int = 1) -> Token:
         return self.tokens[min(self._at + by, len(self.tokens) - 1)]
@@ -113,7 +122,8 @@ class Reader:
             self.faults.error("bracket", where, "this bracket is not closed")
         for name, where in self._jumps:
             if name not in self._labels:
-                self.faults.error("label", where, f"there is no label {name}", f"write {name}: where it goes on")
+                hint = hint_of(name, self._labels) or f"write {name}: where it goes on"
+                self.faults.error("label", where, f"there is no label {name}", hint)
         self._emit(Code.LABEL, self.token.at.line, name=END_LABEL)
 
     def _recover(self, before: int) -> None:
@@ -139,15 +149,15 @@ class Reader:
         elif self._sign("-") and token.first and self._ahead().last and self._ahead().kind is Kind.NAME:
             self._take()
             self._label(self._take())
+        elif token.kind is Kind.NAME and self._ahead().text == ":" and self._ahead(2).text != "=":
+            self._label(self._take())
+            self._take()
         elif self._is(IF):
             self._condition()
         elif self._is(JUMP):
             self._jump()
         elif self._is(BEGIN):
             self._compound()
-        elif token.kind is Kind.NAME and self._ahead().text == ":" and token.word not in RESERVED:
-            self._label(self._take())
-            self._take()
         elif token.kind is Kind.NAME and token.word in LIST and (token.last or self._ahead().text not in ("=", ":")):
             self._list()
         elif (token.kind is Kind.NAME and token.word not in RESERVED) or token.kind is Kind.BIT:
@@ -167,7 +177,9 @@ class Reader:
         line = self._take().at.line
         test = self._expression(compares=True)
         if not self._is(THEN):
-            raise self._fail("then", self.token.at, "THEN is expected behind the condition")
+            self.faults.error("then", self.token.at, "THEN is expected behind the condition")
+            if self.token.kind is not Kind.NAME or not like(self.token.word, THEN):
+                raise _Wrong
         self._take()
         self._made += 1
         otherwise, behind = f"\0else{self._made}", f"\0behind{self._made}"
@@ -200,7 +212,7 @@ class Reader:
         if symbol:
             self._take()
         token = self.token
-        if token.kind is not Kind.NAME or (token.word in RESERVED and not symbol):
+        if token.kind is not Kind.NAME or (token.word in RESERVED and not symbol and not self._is_label(token)):
             raise self._fail("label", token.at, "the name of a label is expected")
         self._take()
         self._outside(token.at)
@@ -210,9 +222,15 @@ class Reader:
     def _assignment(self) -> None:
         token = self.token
         target = self._operand(writes=True)
+        if self._sign(":"):
+            self.faults.error("assign", self.token.at, "':=' is no sign", "write =")
+            self._take()
         if not self._sign("="):
             raise self._fail("assign", self.token.at, f"= is expected behind {token.text}")
         self._take()
+        if self._sign("=") and not self.token.first:
+            self.faults.error("assign", self.token.at, "'==' is no sign", "write =")
+            self._take()
         if self.token.first and self._ahead().text == "=":
             raise self._fail("operand", self.token.at, f"a signal or an address is expected behind {token.text} =, not a new line")
         self.commands += chain(self._expression(compares=False), token.at.line)
@@ -293,7 +311,8 @@ class Reader:
             raise self._fail("operand", token.at, f"{token.text or 'the end'}: a signal or an address is expected")
         found = self.symbols.find(token.text)
         if found is None:
-            raise self._fail("name", token.at, f"{token.text} is no signal and no symbol", f"a line {token.word} = I88.0 in the SYM file")
+            hint = hint_of(token.word, (*self.symbols.own, *RESERVED)) or f"a line {token.word} = I88.0 in the SYM file"
+            raise self._fail("name", token.at, f"{token.text} is no signal and no symbol", hint)
         return found
 
     # ---- the instruction list

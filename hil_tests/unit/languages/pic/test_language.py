@@ -184,5 +184,25 @@ def test_a_symbol_may_be_a_word_of_the_language() -> None:
     assert bench.get("O58.0") is True, "it is jumped over"
 
 
+def test_a_label_may_be_a_word_of_the_language_in_front_of_a_colon() -> None:
+    bench = Bench("IF I88.0 THEN JUMP ENDE\nO58.0 = 1\nENDE:\nO58.1 = 1")
+    bench.set("I88.0", value=True)
+    assert bench.bits("O58.0", "O58.1") == "01"
+    assert [row[2] for row in faults_of("JUMP ENDE\nO58.0 = 1")] == ["label"]
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("LAMPE := TASTER\nLAMPE == TASTER", [(1, 7, "assign"), (2, 8, "assign")]),
+        ("LAMPE = TASTER & I88,1\nLAMPE = !I88.O", [(1, 16, "character"), (1, 18, "character"), (2, 9, "character"), (2, 10, "character")]),
+        ("IF TASTER THAN LAMPE = 1\nLAMPE = TASTR", [(1, 11, "then"), (2, 9, "name")]),
+        ("WENN TASTER DAN BEGIN LAMPE = 1 END\nSONST LAMP = 0", [(1, 13, "then"), (2, 7, "name")]),
+    ],
+)
+def test_two_mistakes_are_two_faults_at_their_places(text: str, found: list[tuple[int, int, str]]) -> None:
+    assert faults_of(text, "TASTER = I88.0\nLAMPE = O58.0") == found
+
+
 def test_an_instruction_without_operand_is_one_fault() -> None:
     assert faults_of("A\n= O58.0\n") == [(2, 1, "operand")]
