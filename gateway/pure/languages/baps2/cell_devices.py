@@ -90,7 +90,7 @@ class CellDevices(Outside):
     """With units on lines; a unit without one has no interface (-1), the PHG is the panel."""
 
     def __init__(self, machine: Machine, serial: SerialUnits) -> None:
-        super().__init__(machine)
+        super().__init__(machine, seen=True)
         self.serial = serial
         self._tickets: dict[int, int] = {}  # process -> its READ
 

@@ -20,10 +20,11 @@ from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.baps2.feed import UnitFeed
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
-from gateway.pure.languages.baps2.outside import PANEL
+from gateway.pure.languages.baps2.outside import PANEL, Outside
 from gateway.pure.languages.baps2.robots import CellRobot
 from gateway.pure.languages.baps2.tasks import Lane, Output, Task
 from gateway.pure.languages.baps2.translation import Unit
+from gateway.pure.languages.baps2.types import CODE_PAGE
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.baps2.waiting import place_of, waits_of
 from gateway.pure.languages.base.faults import Faults
@@ -84,6 +85,7 @@ class CellRun(CellMotion):
     ) -> None:
         super().__init__(library, memory, port, robots, p5, setup or CellSetup(), one=one)
         self.devices[PANEL] = Device(UnitFeed())
+        self.units = Outside(self, seen=True)
         self._runs: dict[int, Task] = {}
         self._begun = _Begun()
         self._read: dict[int, set[tuple[int, int]]] = {}  # process -> places that have read in this turn
@@ -200,7 +202,7 @@ class CellRun(CellMotion):
         """What the control has for the test system, and for the PIC."""
         self.now = now
         if order["do"] == "phg-line":
-            self.devices[PANEL].pieces.append(bytearray(str(order["text"]).encode("latin-1", "replace")))
+            self.devices[PANEL].pieces.append(bytearray(str(order["text"]).encode(CODE_PAGE, "replace")))
             self.pendant.reading = SAID_ANEW
             return
         if order["do"] == "points":
@@ -359,7 +361,7 @@ class CellRun(CellMotion):
             for at in range(0, max(len(text), 1), PIECE):
                 self.port.tell("phg2000", hex=text[at : at + PIECE], more=at + PIECE < len(text))
         elif event == "write":
-            self.port.panel(bytes.fromhex(str(facts["hex"])).decode("cp437"))
+            self.port.panel(bytes.fromhex(str(facts["hex"])).decode(CODE_PAGE))
 
     def ended(self, process: Process, now: int) -> None:
         """The process is over; its starter gets the result."""

@@ -2,7 +2,7 @@
 
 import struct
 
-from gateway.pure.languages.baps2.types import TEXT_SIZE
+from gateway.pure.languages.baps2.types import CODE_PAGE, TEXT_SIZE
 from gateway.pure.languages.baps2.values import MOST_REAL, Array
 
 BLANKS = b" \t,;\r\n\0"
@@ -29,9 +29,9 @@ def _binary(base: str, value: object, file: bool) -> bytes:
     if isinstance(value, tuple):
         return b"".join(_single(each) for each in value)
     if base == "TEXT":
-        return _latin(str(value)).ljust(TEXT_SIZE, b"\0")[:TEXT_SIZE]
+        return _octets(str(value)).ljust(TEXT_SIZE, b"\0")[:TEXT_SIZE]
     if base == "CHAR":
-        return _latin(str(value))[:1]
+        return _octets(str(value))[:1]
     if base == "REAL":
         return _single(value)
     number = int(value) if isinstance(value, int | float) else 0
@@ -43,8 +43,8 @@ def _single(value: object) -> bytes:
     return struct.pack("<f", max(-MOST_REAL, min(MOST_REAL, number)))
 
 
-def _latin(text: str) -> bytes:
-    return text.encode("latin-1", "replace")
+def _octets(text: str) -> bytes:
+    return text.encode(CODE_PAGE, "replace")
 
 
 def _letters(base: str, value: object) -> bytes:
@@ -53,8 +53,8 @@ def _letters(base: str, value: object) -> bytes:
     if base == "REAL" and isinstance(value, int | float):
         return real_text(float(value)).encode()
     if base == "TEXT":
-        return _latin(str(value).partition("\0")[0])
-    return _latin(str(value))
+        return _octets(str(value).partition("\0")[0])
+    return _octets(str(value))
 
 
 def real_text(value: float) -> str:
@@ -70,9 +70,9 @@ def decode_binary(base: str, size: int, data: bytes, file: bool) -> object:
     if base in ("POINT", "JC_POINT"):
         return tuple(_real(data[at : at + 4]) for at in range(0, size * 4, 4))
     if base == "TEXT":
-        return data.partition(b"\0")[0].decode("latin-1")
+        return data.partition(b"\0")[0].decode(CODE_PAGE)
     if base == "CHAR":
-        return data.decode("latin-1")
+        return data.decode(CODE_PAGE)
     if base == "REAL":
         return _real(data)
     number = int.from_bytes(data, "little", signed=base == "INTEGER" or file)
@@ -98,7 +98,7 @@ def bytes_of(base: str, size: int, file: bool) -> int:
 def decode_letters(base: str, size: int, data: bytes) -> tuple[object, int]:
     """One value from characters and how many of them it took.  BadForm: there is no such value."""
     if base == "CHAR":
-        return data[:1].decode("latin-1"), 1
+        return data[:1].decode(CODE_PAGE), 1
     if base == "TEXT":
         return _line(data)
     if base in ("POINT", "JC_POINT"):
@@ -114,7 +114,7 @@ def decode_letters(base: str, size: int, data: bytes) -> tuple[object, int]:
 def _line(data: bytes) -> tuple[str, int]:
     end = next((at for at, sign in enumerate(data) if sign in b"\r\n\0"), len(data))
     taken = min(end, TEXT_SIZE)
-    return data[:taken].decode("latin-1"), taken + (_end(data, end) if taken == end else 0)
+    return data[:taken].decode(CODE_PAGE), taken + (_end(data, end) if taken == end else 0)
 
 
 def _end(data: bytes, at: int) -> int:
@@ -125,7 +125,7 @@ def _end(data: bytes, at: int) -> int:
 def _number(base: str, data: bytes) -> tuple[int | float, int]:
     begin = len(data) - len(data.lstrip(BLANKS))
     end = next((at for at in range(begin, len(data)) if data[at] in BLANKS), len(data))
-    text, taken = data[begin:end].decode("latin-1"), end + _end(data, end)
+    text, taken = data[begin:end].decode(CODE_PAGE), end + _end(data, end)
     try:
         value = float(text) if base == "REAL" else int(text)
     except ValueError:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable
 
 from gateway.pure.languages.baps2.translated import age_of
+from gateway.pure.languages.baps2.types import CODE_PAGE
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position
 
@@ -13,12 +14,12 @@ POINT_DIGITS = 9  # behind the point: what an angle of 0 has beyond is the rest 
 
 
 def decoded(data: bytes) -> str:
-    """A source as text: UTF-8, else the characters of the old control's time (Latin-1).  1Ah ends it, as the DOS editors wrote it."""
+    """A source as text: UTF-8, else the code page of the old control.  1Ah ends it, as the DOS editors wrote it."""
     data = data.partition(b"\x1a")[0]
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return data.decode("latin-1")
+        return data.decode(CODE_PAGE)
 
 
 class Memory:

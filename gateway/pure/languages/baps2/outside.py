@@ -4,7 +4,7 @@ from gateway.pure.languages.baps2 import demands, filing, forms
 from gateway.pure.languages.baps2.errors import fault
 from gateway.pure.languages.baps2.feed import UnitFeed
 from gateway.pure.languages.baps2.machine import Machine
-from gateway.pure.languages.baps2.statements import DEVICES
+from gateway.pure.languages.baps2.standard import DEVICES
 from gateway.pure.languages.baps2.tasks import Task
 from gateway.pure.languages.baps2.typing import signal_place
 from gateway.pure.languages.baps2.units import Device, Incomplete
@@ -19,8 +19,9 @@ NAME_LETTERS = 8
 class Outside:
     """Answers what concerns devices and files."""
 
-    def __init__(self, machine: Machine) -> None:
-        self._machine = machine
+    def __init__(self, machine: Machine, *, seen: bool = False) -> None:
+        """`seen`: somebody looks at the panel while a program reads from it."""
+        self._machine, self._seen = machine, seen
         machine.devices.setdefault(PANEL, Device(UnitFeed()))
 
     def answer(self, task: Task, request: Request) -> object:
@@ -74,6 +75,8 @@ class Outside:
         device = self._device(task, name)
         if device is None:
             return None
+        if self._seen and name == PANEL and (held := task.held.pop(name, b"")):  # he sees what he is asked for (L5760-5762, AX-1749)
+            self._machine.event(task, "write", task.process.line, device=name, hex=held.hex())
         device.take_in(self._machine.now)
         try:
             value = device.read(request.base, request.size, request.count)

@@ -7,6 +7,7 @@ LETTERS = ("CHAR", "TEXT")
 POINTS = ("POINT", "JC_POINT")
 SCALARS = ("INTEGER", "REAL", "BINARY", "CHAR", "TEXT", "POINT", "JC_POINT", "WC_FRAME")
 TEXT_SIZE = 80
+CODE_PAGE = "cp437"  # of the control: each octet is a character (AX-1748)
 
 
 @dataclass(frozen=True, slots=True)

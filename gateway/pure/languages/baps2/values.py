@@ -6,7 +6,7 @@ from typing import NoReturn
 
 from gateway.pure.languages.baps2.demands import Point
 from gateway.pure.languages.baps2.errors import fault
-from gateway.pure.languages.baps2.types import TEXT_SIZE
+from gateway.pure.languages.baps2.types import CODE_PAGE, TEXT_SIZE
 
 LOWEST, HIGHEST, MOST_REAL = -(2**31), 2**31 - 1, 3.4028235e38
 Scalar = int | float | str
@@ -186,8 +186,13 @@ def cosine(value: float) -> float:
 
 
 def code(text: str) -> int:
-    """ORD."""
-    return ord(text[0]) if text else 0
+    """ORD: the octet of a character."""
+    return text[0].encode(CODE_PAGE, "replace")[0] if text else 0
+
+
+def character(number: int) -> str:
+    """CHR: the character of an octet (L777)."""
+    return bytes((number % 256,)).decode(CODE_PAGE)
 
 
 def text(value: "str | Array") -> str:

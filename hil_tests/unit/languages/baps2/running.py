@@ -13,7 +13,7 @@ Event = dict[str, object]
 
 def library_of(files: dict[str, str]) -> Library:
     """Programs by name; other files with their extension."""
-    return Library(WORDS, Memory({name if "." in name else f"{name}.QLL": text.encode("latin-1") for name, text in files.items()}))
+    return Library(WORDS, Memory({name if "." in name else f"{name}.QLL": text.encode() for name, text in files.items()}))
 
 
 def faults_of(text: str, **others: str) -> list[tuple[str, int]]:
@@ -30,7 +30,7 @@ def run(text: str, feed: str = "", **others: str) -> list[Event]:
 def all_of(text: str, feed: str = "", **others: str) -> list[Event]:
     """All events of program P."""
     given = feed_of(tomllib.loads(feed))
-    files = {name if "." in name else f"{name}.QLL": each.encode("latin-1") for name, each in {"P": text, **others}.items()}
+    files = {name if "." in name else f"{name}.QLL": each.encode() for name, each in {"P": text, **others}.items()}
     memory = Memory(files, given.compiled)
     library = Library(WORDS, memory)
     unit, faults = library.unit("P")
@@ -47,7 +47,7 @@ def body(statements: str, declared: str = "") -> str:
 
 def written(events: list[Event]) -> list[str]:
     """What was written, as characters."""
-    return [bytes.fromhex(str(event["hex"])).decode("latin-1") for event in events if event["event"] == "write"]
+    return [bytes.fromhex(str(event["hex"])).decode("cp437") for event in events if event["event"] == "write"]
 
 
 def short(events: list[Event], *names: str) -> list[tuple[object, ...]]:

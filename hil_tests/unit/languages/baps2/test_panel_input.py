@@ -72,3 +72,20 @@ def test_a_line_that_is_no_number_ends_the_program_with_the_error_of_a_read() ->
     cell.bench.run(0.2)
     press(cell, *"4X", "ENTER")
     assert cell.ends(run)[:3] == ("aborted", 201, "Protocol error READ")
+
+
+def test_what_a_write_keeps_open_is_on_the_panel_while_the_program_reads() -> None:
+    cell = cell_of("WRITE CLS\nWRITE 'HOW MANY? ', ..\nREAD N\nWRITE N, ' IT IS'", "INTEGER : N")
+    cell.start("P")
+    cell.bench.run(0.2)
+    assert press(cell, "7")[0] == "HOW MANY? 7", "L5760-5762"
+    assert press(cell, "ENTER")[:2] == ["HOW MANY? 7", "7 IT IS"]
+
+
+def test_umlauts_of_a_source_are_on_the_panel_whatever_editor_wrote_them() -> None:
+    for page in ("utf-8", "cp437"):
+        cell = cell_of("WRITE 'TEIL PR\u00dcFEN'\nREAD N", "INTEGER : N")
+        cell.memory.files["P.QLL"] = cell.memory.files["P.QLL"].decode("utf-8").encode(page)
+        cell.start("P")
+        cell.bench.run(0.2)
+        assert press(cell)[0] == "TEIL PR\u00dcFEN"

@@ -24,6 +24,8 @@ from hil_tests.unit.languages.baps2.words import WORDS
         ("TRUNC(-2.5)", "-2"),
         ("ORD('i')", "105"),
         ("CHR(321)", "A"),
+        ("ORD(CHR(129))", "129"),
+        ("ORD('\u00e1')", "160"),
         ("140%", "1.4"),
         ("1 + 2.5", "3.5"),
         ("1.5E2 + 1.0e-1", "150.1"),

@@ -10,6 +10,7 @@ from gateway.pure.controllers.rho3.serial.events import Event, Finished, Program
 from gateway.pure.controllers.rho3.serial.manager import LineManager
 from gateway.pure.controllers.rho3.serial.setup import DISABLE_BITS, WORDS, Condition, Function, Process, Setup
 from gateway.pure.languages.baps2.cell_devices import Caller, Failed, Form, Got
+from gateway.pure.languages.baps2.types import CODE_PAGE
 from protocols.base.machine import Ns
 
 R = TypeVar("R")
@@ -152,9 +153,9 @@ def item_of(form: Form, value: object) -> Item:
 def sent(kind: Kind, value: object) -> Value:
     """One value of the language as the lines send it."""
     if kind is Kind.TEXT:
-        return str(value).encode("latin-1", "replace")
+        return str(value).encode(CODE_PAGE, "replace")
     if kind is Kind.CHARACTER:
-        return (str(value).encode("latin-1", "replace") or b"\0")[0]
+        return (str(value).encode(CODE_PAGE, "replace") or b"\0")[0]
     if isinstance(value, tuple):
         return tuple(float(each) if isinstance(each, int | float) else None for each in value)
     return value if isinstance(value, int | float) else None
@@ -165,7 +166,7 @@ def value_of(kind: BapsType, value: Value) -> object:
     if kind.length and isinstance(value, tuple):
         return [value_of(kind.element, each) for each in value]
     if isinstance(value, bytes):
-        return as_text(value).decode("latin-1")
+        return as_text(value).decode(CODE_PAGE)
     if kind.kind is Kind.CHARACTER and isinstance(value, int):
-        return chr(value)
+        return bytes((value,)).decode(CODE_PAGE)
     return int(value) if isinstance(value, bool) else value
