@@ -6,7 +6,7 @@ from gateway.pure.languages.baps2 import calls, exchange, travel
 from gateway.pure.languages.baps2.flow import label_paths, needs_jumps
 from gateway.pure.languages.baps2.output import Function, Lines
 from gateway.pure.languages.baps2.scope import Names
-from gateway.pure.languages.baps2.statements import DEVICES
+from gateway.pure.languages.baps2.standard import DEVICES
 from gateway.pure.languages.baps2.tree import (
     Block,
     CallStatement,
@@ -35,7 +35,8 @@ from gateway.pure.languages.baps2.tree import (
 )
 from gateway.pure.languages.baps2.typed import Typed
 from gateway.pure.languages.baps2.types import BINARY, CHAR, INTEGER, NONE, POINTS, TEXT, Type, fits
-from gateway.pure.languages.baps2.typing import Typing
+from gateway.pure.languages.baps2.typing import Typing, with_article
+from gateway.pure.languages.base.near import hint_of
 from gateway.pure.languages.base.source import Position
 
 REAL_CHECKED = "(t if -3.4028235e+38 <= (t := {}) <= 3.4028235e+38 else real_overflow())"
@@ -246,7 +247,7 @@ class Bodies:
     def _jump(self, statement: Jump) -> None:
         number = self.function.numbers.get(statement.label)
         if number is None:
-            hint = "a jump stays in its program, subroutine or branch of PARALLEL"
+            hint = hint_of(statement.label, self.function.labels) or "a jump stays in its program, subroutine or branch of PARALLEL"
             self.names.faults.error("label-missing", statement.at, f"label {statement.label} is not there", hint)
             return
         path = self.function.labels[statement.label]
@@ -389,7 +390,7 @@ class Bodies:
     def _startstop(self, statement: StartStop, request: str, program: str) -> None:
         symbol = self.names.find(program)
         if symbol is not None and symbol.kind != "program" and not symbol.misread:
-            self.names.faults.error("no-program", statement.at, f"{program} is a {symbol.kind}, no program")
+            self.names.faults.error("no-program", statement.at, f"{program} is {with_article(symbol.kind)}, no program")
         self.out.add(f"yield {request}({program!r})")
 
     def _set(self, statement: Set) -> None:

@@ -33,6 +33,7 @@ class DeclarationReader:
         self.files: set[str] = set()
         self.belts: set[str] = set()
         self.programs: set[str] = set()  # external ones, which are called by their names
+        self.garbled: list[Parameter] = []  # of a subroutine whose parameters are misread
         self._begun: list[Token] = []  # names of the declaration that is read
 
     def read(self) -> tuple[Declaration, ...]:
@@ -103,7 +104,8 @@ class DeclarationReader:
 
     def _one(self) -> list[Declaration]:
         if self._stream.word("CONST"):
-            self._stream.expect_sign(":", "behind CONST")
+            if not self._colon("behind CONST"):
+                return [_misread(self._declare(each, None)) for each in self._stream.commented()]
             return list(self._constants())
         if self._stream.word("EXTERNAL"):
             return [self._external()]
@@ -112,11 +114,31 @@ class DeclarationReader:
         public = self._stream.word("PUBLIC")
         teach = self._stream.word("DEF")
         kind = self.type_name()
+        if not self._colon("behind the type"):
+            commented = [self._declare(token, kind) for token in self._stream.commented()]
+            channels = kind.base in ("INPUT", "OUTPUT", "BELT")
+            return [_misread(each) if channels else Declared(each.position, each.key, kind, None, public, teach) for each in commented]
         if kind.base in ("INPUT", "OUTPUT", "BELT"):
-            self._stream.expect_sign(":", "behind the type")
             return list(self._channels(kind))
-        self._stream.expect_sign(":", "behind the type")
         return [Declared(token.position, token.key, kind, None, public, teach) for token in self._names(kind)]
+
+    def _colon(self, where: str) -> bool:
+        """Takes the colon; a missing or wrong one is reported, and what follows in the line is read all the same.  False: a semicolon in
+        its place makes a comment of the list."""
+        if self._stream.sign(":"):
+            self._stream.doubled(":")
+            return True
+        self._stream.missing("':'", where)
+        if self._stream.commented():
+            return False
+        if not (self._stream.sign("=", ",", ".") or self._listed(self._stream.token)):
+            raise Misread
+        return True
+
+    def _listed(self, token: Token) -> bool:
+        """Whether a name or a number is next, in the line of the token before it."""
+        named = token.kind is Kind.NAME and (not token.word or self._stream.is_foreign())
+        return (named or token.kind is Kind.NUMBER) and token.position.line == self._stream.ahead(-1).position.line
 
     def type_name(self) -> TypeName:
         """A type as it is written."""
@@ -134,7 +156,7 @@ class DeclarationReader:
         if word == "ARRAY":
             return self._array(token.position)
         element = ""
-        if word in ("FILE", "INPUT", "OUTPUT") and self._stream.is_word((*PLAIN, *KINEMATIC)):
+        if word in ("FILE", "INPUT", "OUTPUT") and self._stream.is_word((*PLAIN, *KINEMATIC)) and not self._stream.commented():
             element = self._stream.take().word
         return TypeName(token.position, word, kinematic, element=element)
 
@@ -151,11 +173,34 @@ class DeclarationReader:
 
     def _names(self, kind: TypeName | None) -> list[Token]:
         found = [self._declare(self._stream.name("a name"), kind)]
-        while self._stream.sign(","):
-            if self._begins() and self._stream.ahead().text not in (",", "="):
+        while self._stream.comma() or self._no_comma(found[-1]):
+            if self._begins_next():
                 break  # a comma too many in front of the next declaration
             found.append(self._declare(self._stream.name("a name"), kind))
+        for token in self._stream.commented():
+            self._head.commented.setdefault(token.key, token.position.line)
         return found
+
+    def _no_comma(self, before: Token) -> bool:
+        """Whether the next name of a list follows without its comma; it is reported."""
+        token, behind = self._stream.token, self._stream.ahead()
+        listed = behind.text == "," or behind.word in STARTERS or behind.word in ("BEGIN", "START") or behind.kind is Kind.END
+        other = token.word or token.key in self._head.kinematics or behind.text in (":", "[", "(", "=", ".")
+        if self._stream.is_sign(".") and behind.kind is Kind.NAME:
+            self._stream.missing("','", f"behind {before.text}")
+            self._stream.take()
+            return True
+        if token.kind is not Kind.NAME or other:
+            return False
+        if not listed and token.position.line != before.position.line:
+            return False
+        self._stream.missing("','", f"behind {before.text}")
+        return True
+
+    def _begins_next(self) -> bool:
+        """Whether a declaration begins behind a comma, and not a name that is a word of the other language (`INTEGER : NO, WERT`)."""
+        behind = self._stream.ahead().text
+        return self._begins() and behind not in (",", "=") and (behind in (":", "[") or not self._stream.is_foreign())
 
     def _declare(self, token: Token, kind: TypeName | None) -> Token:
         self._expressions.names.add(token.key)
@@ -171,9 +216,9 @@ class DeclarationReader:
         found = []
         while True:
             token = self._declare(self._stream.name("the name of a constant"), None)
-            self._stream.expect_sign("=", "behind the name of a constant")
-            found.append(Constant(token.position, token.key, self._expressions.read()))
-            comma = self._stream.sign(",")
+            self._equal("behind the name of a constant")
+            found.append(Constant(token.position, token.key, self._expressions.alone()))
+            comma = self._stream.comma()
             if self._stream.token.kind is not Kind.NAME or self._stream.ahead().text != "=" or (not comma and self._begins()):
                 return found
 
@@ -182,14 +227,27 @@ class DeclarationReader:
         found = []
         while True:
             channel = self._expressions.sum()
-            self._stream.expect_sign("=", "behind the channel")
+            self._equal("behind the channel")
             token = self._declare(self._stream.name("the name of the channel"), kind)
             found.append(Declared(token.position, token.key, kind, channel))
-            self._stream.sign(",")
+            if not self._stream.comma() and self._stream.is_sign(".") and self._stream.ahead().kind is Kind.NUMBER:
+                self._stream.missing("','", f"behind {token.text}")
+                self._stream.take()
             number = self._stream.token.kind is Kind.NUMBER
             constant = self._expressions.names_it(self._stream.token) and self._stream.ahead().text == "="
             if not (number or constant):
                 return found
+
+    def _equal(self, where: str) -> None:
+        """Takes the =; a missing or wrong one is reported, and what follows in the line is read all the same."""
+        if self._stream.sign("="):
+            self._stream.doubled("=")
+            return
+        self._stream.missing("'='", where)
+        colon = self._stream.sign(":")
+        self._stream.sign("=")
+        if not (colon or self._listed(self._stream.token)):
+            raise Misread
 
     def _external(self) -> External:
         at = self._stream.token.position
@@ -223,33 +281,44 @@ class DeclarationReader:
         """Groups of parameters in brackets; one VALUE serves its group, no comma is needed between groups (L1721, 9730)."""
         if not self._stream.sign("("):
             return ()
+        found: list[Parameter] = []
         try:
-            return tuple(self._parameters())
+            self._parameters(found)
         except Misread:
-            self._to_bracket()
+            self._to_bracket(found)
+            self.garbled.extend(found)
             raise
+        return tuple(found)
 
-    def _to_bracket(self) -> None:
-        """Behind the bracket that closes faulty parameters."""
+    def _to_bracket(self, found: list[Parameter]) -> None:
+        """Behind the bracket that closes faulty parameters; names on the way may be anything."""
         depth = 1
         while depth and not (self._stream.is_word(BODY) or self._stream.token.kind is Kind.END):
             token = self._stream.take()
             depth += (token.text == "(") - (token.text == ")")
+            if token.kind is Kind.NAME and not token.word and token.key not in {each.name for each in found}:
+                found.append(Parameter(token.position, token.key, TypeName(token.position, ""), False))
 
-    def _parameters(self) -> list[Parameter]:
-        found: list[Parameter] = []
+    def _parameters(self, found: list[Parameter]) -> None:
         while not self._stream.sign(")"):
             by_value = self._by_value()
             kind = self._parameter_type()
-            self._stream.expect_sign(":", "behind the type of a parameter")
+            self._colon("behind the type of a parameter")
             while True:
                 token = self._stream.name("the name of a parameter")
                 found.append(Parameter(token.position, token.key, kind, by_value))
-                if not self._stream.sign(",") or self._group():
+                if not (self._stream.sign(",") or self._no_comma_here(token)) or self._group():
                     break
             if not (self._group() or self._stream.is_sign(")")):
                 self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}")
-        return found
+
+    def _no_comma_here(self, before: Token) -> bool:
+        """Whether another parameter of the group follows without its comma; it is reported."""
+        token = self._stream.token
+        if token.kind is not Kind.NAME or token.word or self._group() or self._stream.ahead().text not in (",", ")"):
+            return False
+        self._stream.missing("','", f"behind {before.text}")
+        return True
 
     def _by_value(self) -> bool:
         """VALUE; a word in front of a type that is another one is reported."""

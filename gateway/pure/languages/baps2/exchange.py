@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from gateway.pure.languages.baps2.output import Writer
 from gateway.pure.languages.baps2.scope import Symbol
-from gateway.pure.languages.baps2.statements import DEVICES
+from gateway.pure.languages.baps2.standard import DEVICES
 from gateway.pure.languages.baps2.tree import Expression, FileOrder, Name, Read, Write
 from gateway.pure.languages.baps2.typed import Typed
 from gateway.pure.languages.baps2.types import NONE, POINTS, SCALARS, TEXT, Type, fits

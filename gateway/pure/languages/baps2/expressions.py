@@ -1,9 +1,14 @@
 """Reads expressions.  Order of the operators: OR, AND, NOT, comparisons, + -, * / MOD, sign, % (axisgate's; no table in the manual)."""
 
+from collections.abc import Callable
+from typing import TypeVar
+
 from gateway.pure.languages.baps2.lexer import Kind, Token
+from gateway.pure.languages.baps2.standard import GERMAN
 from gateway.pure.languages.baps2.stream import Stream
 from gateway.pure.languages.baps2.tree import Binary, Call, Expression, Index, Member, Name, Number, PointValue, Text, Unary
 
+T = TypeVar("T")
 LEVELS = {"OR": 0, "AND": 1, **dict.fromkeys(("=", "<>", "<", ">", "<=", ">="), 3), "+": 4, "-": 4, "*": 5, "/": 5, "MOD": 5}
 NOT_LEVEL = 2
 FUNCTION_WORDS = {"CHAR": "CHR", "WC_FRAME": "WC_FRAME"}  # words that are functions in front of a bracket
@@ -14,6 +19,7 @@ class ExpressionReader:
 
     def __init__(self, stream: Stream, names: set[str]) -> None:
         self._stream, self.names = stream, names
+        self._alone = False  # one value: a comma behind a number does not separate values
 
     def read(self) -> Expression:
         """A whole expression."""
@@ -22,6 +28,17 @@ class ExpressionReader:
     def sum(self) -> Expression:
         """An expression without comparisons: targets of moves."""
         return self._binary(LEVELS["+"])
+
+    def alone(self) -> Expression:
+        """A whole expression where no list of values can be, so that a comma in a number is a mistake."""
+        return self._with_commas(self.read, alone=True)
+
+    def _with_commas(self, read: Callable[[], T], *, alone: bool) -> T:
+        before, self._alone = self._alone, alone
+        try:
+            return read()
+        finally:
+            self._alone = before
 
     def names_it(self, token: Token) -> bool:
         """Whether the token is a name here: declared, or no word of the language."""
@@ -45,6 +62,8 @@ class ExpressionReader:
             left = self._signed()
         while (level := LEVELS.get(sign := self._sign(), -1)) >= lowest:
             at = self._stream.take().position
+            if sign == "=":
+                self._stream.doubled("=")
             left = Binary(at, sign, left, self._binary(level + 1))
         self._stream.back()
         return left
@@ -69,7 +88,7 @@ class ExpressionReader:
                 return self._named(token)
             case Kind.NUMBER:
                 self._stream.take()
-                return Number(token.position, _number(token.text))
+                return Number(token.position, _number(self._with_comma(token) if self._alone else token.text))
             case Kind.TEXT:
                 self._stream.take()
                 return Text(token.position, token.text)
@@ -87,21 +106,41 @@ class ExpressionReader:
         if token.word and token.key not in self.names and not (token.word in FUNCTION_WORDS and self._stream.ahead().text == "("):
             self._stream.wrong(f"a value is expected, not the word {token}")
         self._stream.take()
-        name = FUNCTION_WORDS.get(token.word, token.key) if token.key not in self.names else token.key
+        behind = self._stream.token
+        if token.key == "O" and token.key not in self.names and behind.kind is Kind.NUMBER and token.touches(behind):
+            return self._letter_o(token)
+        name = FUNCTION_WORDS.get(token.word, GERMAN.get(token.key, token.key)) if token.key not in self.names else token.key
         if self._stream.is_sign("("):
             self._stream.take()
             return Call(token.position, name, self._list())
         return Name(token.position, name)
 
+    def _letter_o(self, token: Token) -> Expression:
+        """`O.3`, which is meant to be 0.3."""
+        rest = self._stream.take().text
+        self._stream.faults.error("syntax", token.position, f"{token.text}{rest} begins with the letter O", f"write 0{rest}")
+        return Number(token.position, float(f"0{rest}"))
+
     def _list(self) -> tuple[Expression, ...]:
         """Values up to the closing bracket; the opening one is taken."""
         if self._stream.sign(")"):
             return ()
-        values = [self.read()]
+        values = [self._with_commas(self.read, alone=False)]
         while self._stream.sign(","):
-            values.append(self.read())
+            values.append(self._with_commas(self.read, alone=False))
         self._stream.expect_sign(")", "behind the values")
         return tuple(values)
+
+    def _with_comma(self, token: Token) -> str:
+        """A number; one with a comma is reported and read with a point."""
+        comma, behind = self._stream.token, self._stream.ahead()
+        if comma.text != "," or not (token.touches(comma) and comma.touches(behind) and token.text.isdigit() and behind.text.isdigit()):
+            return token.text
+        self._stream.take()
+        self._stream.take()
+        told, number = f"{token.text},{behind.text}", f"{token.text}.{behind.text}"
+        self._stream.faults.error("syntax", token.position, f"{told}: a number has a point", f"write {number}")
+        return number
 
     def _parts(self, value: Expression) -> Expression:
         """Components and elements behind a value."""
@@ -111,10 +150,11 @@ class ExpressionReader:
                 return value
             if token.text == "." and self._stream.ahead().kind is Kind.NAME and isinstance(value, Name | Member | Index):
                 self._stream.take()
-                value = Member(token.position, value, self._stream.take().key)
+                name = self._stream.take().key
+                value = Member(token.position, value, GERMAN.get(name, name))
             elif token.text == "[":
                 self._stream.take()
-                value = Index(token.position, value, self.read())
+                value = Index(token.position, value, self._with_commas(self.read, alone=False))
                 self._stream.expect_sign("]", "behind the index")
             else:
                 return value

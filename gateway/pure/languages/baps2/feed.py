@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from gateway.pure.languages.baps2.statements import DEVICES
+from gateway.pure.languages.baps2.standard import DEVICES
 
 SECOND = 1_000_000_000
 KEYS = ("block_s", "p5_ms", "until_s", "belts", "compiled", "start", "points", "input", "devices", "files")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from gateway.pure.languages.baps2 import forms
 from gateway.pure.languages.baps2.errors import fault
-from gateway.pure.languages.baps2.statements import DEVICES
+from gateway.pure.languages.baps2.standard import DEVICES
 
 _NAME = re.compile(r"([A-Z][A-Z0-9_]{0,7})(\.([A-Z][A-Z0-9_]{0,2}| {0,3})?)?")
 _DEVICE = re.compile(r"([A-Z][A-Z0-9_]*)(\. {0,3})?")

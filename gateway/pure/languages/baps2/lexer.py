@@ -38,6 +38,11 @@ class Token(NamedTuple):
         """The name as names are compared."""
         return self.text.upper()
 
+    def touches(self, behind: "Token") -> bool:
+        """Whether the other one is right behind it, without a blank."""
+        here, there = self.position, behind.position
+        return (here.line, here.file, here.column + len(self.text)) == (there.line, there.file, there.column)
+
     def __str__(self) -> str:
         return "the end of the file" if self.kind is Kind.END else f"'{self.text}'"
 
@@ -45,7 +50,7 @@ class Token(NamedTuple):
 _PATTERN = re.compile(
     r"""(?:(?P<blank>[^\S\n]+)
       | (?P<line>\n)
-      | (?P<instruction>(?:;[ \t]*;|::)[^\n]*)
+      | (?P<instruction>(?:;[ \t]*;|(?<!\w)(?<!\w[ ])::)[^\n]*)
       | (?P<separator>(?<=\w);(?=[ \t]*@?[^\W\d]\w*[ \t]*=[ \t]*[-+]?[\w.%]+[ \t]*(?:[;,]|\n|$)))
       | (?P<comment>;[^\n]*|\(\*.*?\*\))
       | (?P<number>(?:\d+\.\d+|\d+|\.\d+)[eE][-+]?\d+(?!\w)|\d+\.\d+|\d+\.(?![.\w])|\.\d+|\d+)

@@ -114,6 +114,7 @@ class _Reader:
             parameters = declarations.parameters()
         except Misread:
             self._stream.back_to(0)
+            parameters = tuple(declarations.garbled)
         expressions.names.update(parameter.name for parameter in parameters)
         declarations.files.update(each.name for each in parameters if each.type.base in ("FILE", "BNR_FILE"))
         found: list[Declaration] = []
@@ -121,9 +122,23 @@ class _Reader:
             self._instructions()
             place = self._stream.place
             found += declarations.read()
+            if self._misspelt_begin():
+                break
             if self._stream.place == place and not declarations.misspelt(found) and not self._no_declaration():
                 break
-        return Routine(at, name, parameters, tuple(found), self._body(word, at, expressions, declarations))
+        body = self._body(word, at, expressions, declarations)
+        return Routine(at, name, parameters, tuple(found), body, garbled=bool(declarations.garbled))
+
+    def _misspelt_begin(self) -> bool:
+        """Whether a BEGIN with a slip in it is alone in its line; it is reported, and read as it was meant."""
+        token, following = self._stream.token, self._stream.ahead()
+        if following.text in (":", "[", "=", "(", ".", ",") or following.position.line == token.position.line:
+            return False
+        spelling = self._stream.slip(("BEGIN",))
+        if spelling:
+            self._faults.error("no-begin", token.position, f"BEGIN is expected, not {token}", f"{spelling} is the word like it")
+            self._stream.read_as(spelling)
+        return bool(spelling)
 
     def _name(self, what: str) -> str:
         """The name of a routine; words of the language may be one (L5756), but not what begins its body or a declaration."""
@@ -137,6 +152,7 @@ class _Reader:
         """From BEGIN to the end of the routine."""
         if not self._stream.word(*BEGINS):
             self._faults.error("no-begin", self._stream.token.position, f"BEGIN is expected, not {self._stream.token}")
+        self._stream.settle(expressions.names)
         statements = StatementReader(self._stream, expressions, declarations, self._head)
         found: list[Statement] = []
         while True:

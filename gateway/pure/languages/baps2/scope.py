@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import chain
 
-from gateway.pure.languages.baps2.standard import TAKEN
+from gateway.pure.languages.baps2.standard import STANDARD_NAMES, TAKEN
 from gateway.pure.languages.baps2.tree import Head
 from gateway.pure.languages.baps2.types import NONE, Type
 from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.near import hint_of
 from gateway.pure.languages.base.source import Position
 
 
@@ -45,6 +47,7 @@ class Names:
     head: Head
     faults: Faults
     scopes: list[dict[str, Symbol]] = field(default_factory=lambda: [{}])
+    _unknown: set[str] = field(default_factory=set)  # names reported as not declared
 
     def declare(self, symbol: Symbol, at: Position) -> None:
         """Enters a name in the innermost scope."""
@@ -61,6 +64,16 @@ class Names:
             if (symbol := scope.get(name)) is not None:
                 return symbol
         return None
+
+    def unknown(self, name: str, at: Position, text: str, hint: str = "") -> None:
+        """Reports a name that is not declared, once, with the one it is like: its declaration may be missing, or misspelt."""
+        if name in self._unknown:
+            return
+        self._unknown.add(name)
+        line = self.head.commented.get(name)
+        if line is not None:
+            hint = f"line {line} has it in a comment behind a semicolon"
+        self.faults.error("name-unknown", at, text, hint_of(name, {*STANDARD_NAMES, *chain(*self.scopes)}) or hint)
 
     @property
     def kinematic(self) -> str:

@@ -10,7 +10,7 @@ CLS = "\f"
 
 FUNCTIONS: dict[str, tuple[str, Type, str]] = {  # name -> type of the parameter, result, Python function
     "ORD": ("CHAR", INTEGER, "code"),
-    "CHR": ("INTEGER", CHAR, "chr"),
+    "CHR": ("INTEGER", CHAR, "character"),
     "ROUND": ("NUMBER", INTEGER, "whole"),
     "TRUNC": ("NUMBER", INTEGER, "truncated"),
     "ABS": ("NUMBER", REAL, "abs"),
@@ -27,7 +27,15 @@ POSITIONS = {"POS": "POINT", "@POS": "JC_POINT", "@MPOS": "JC_POINT"}
 FACTORS = ("V", "A", "D", "V_PTP", "A_PTP", "D_PTP", "R", "R_PTP", "VFACTOR", "AFACTOR", "DFACTOR")
 LIMITS = ("LIMIT_MIN", "LIMIT_MAX")
 CONSTANTS: dict[str, tuple[Type, object]] = {"VERSION": (REAL, VERSION), "CLS": (TEXT, CLS)}
+DEVICES = frozenset({"PHG", "TTY", *(f"V24_{n}" for n in range(1, 5)), *(f"SER_{n}" for n in range(1, 5))})
 PROCEDURES = ("INT_ASC", "ASC_INT")
+GERMAN = {  # axisgate's, as the manual prints no German ones (AX-1747)
+    **{f"{letter}FAKTOR": f"{letter}FACTOR" for letter in "VAD"},
+    "WK": "WC",
+    "MK": "JC",
+    "WK_SYSTEM": "WC_SYSTEM",
+    "WK_UR": "WC_UR",
+}
 TAKEN = ("BREAK", "UNTERBRECHE")  # a standard subroutine, whose name no declaration may use (L11370)
 
 _I, _R, _T = ("INTEGER", True), ("REAL", True), ("TEXT", False)

@@ -6,6 +6,8 @@ from gateway.pure.languages.baps2 import instructions
 from gateway.pure.languages.baps2.declarations import DeclarationReader
 from gateway.pure.languages.baps2.expressions import ExpressionReader
 from gateway.pure.languages.baps2.lexer import Kind, Token
+from gateway.pure.languages.baps2.mistakes import CLOSERS, Mistakes
+from gateway.pure.languages.baps2.standard import DEVICES, GERMAN
 from gateway.pure.languages.baps2.stream import Misread, Stream
 from gateway.pure.languages.baps2.tree import (
     Binary,
@@ -15,6 +17,7 @@ from gateway.pure.languages.baps2.tree import (
     Choice,
     Exclusive,
     Expression,
+    Faulty,
     FileOrder,
     Head,
     If,
@@ -38,18 +41,9 @@ from gateway.pure.languages.baps2.tree import (
 )
 from gateway.pure.languages.base.source import Position
 
-DEVICES = frozenset({"PHG", "TTY", *(f"V24_{n}" for n in range(1, 5)), *(f"SER_{n}" for n in range(1, 5))})
-CLOSERS = frozenset(
-    "END PROGRAM_END SUB_END REPEAT_END PARALLEL_END ALSO EXCLUSIVE_END CASE_END EQUAL DEFAULT ELSE SUBROUTINE PROGRAM".split()
-)
-BEHIND_KINEMATIC = ("LINEAR", "PTP", "CIRCULAR", "WITH", "UNTIL", "TO", "VIA")
 IN_MOVE = ("LINEAR", "CIRCULAR", "WITH", "UNTIL")
+BEHIND_UNTIL = (*IN_MOVE, "ERROR", "MAX_TIME")
 IN_CASE = ("EQUAL", "DEFAULT", "CASE_END")
-WITH_OPERAND = frozenset(  # what they work on is in their line
-    "MOVE MOVE_REL WAIT IF CASE REPEAT EXCLUSIVE JUMP START STOP SYNC SYNCHRON "
-    "READ WRITE READ_BEGIN WRITE_BEGIN WRITE_END CLOSE ASSIGN".split()
-)
-OPERATORS = ("UNTIL", "AND", "OR", "NOT", "WITH")  # a value follows, not a statement
 ROUTINE_ENDS = frozenset("PROGRAM_END SUB_END SUBROUTINE PROGRAM".split())
 
 
@@ -85,18 +79,23 @@ class StatementReader:
             "CLOSE": lambda at: self._file(at, "CLOSE"),
             "ASSIGN": self._assign,
         }
+        self._mistakes = Mistakes(stream, expressions, declarations, head, self._readers)
 
     def body(self, ends: Collection[str]) -> tuple[Statement, ...]:
         """Statements up to one of these words, which is not taken, or a word that can only end something around."""
         found: list[Statement] = []
-        while not (self._stream.is_word(ends) or self._stream.is_word(CLOSERS) or self._stream.token.kind is Kind.END):
+        while self._goes_on(ends):
             if self._stream.sign(","):  # between assignments (L6275)
                 continue
-            if not self._stream.token.word and self._misspelt((*ends, *self._readers)) and self._stream.is_word(ends):
+            if not self._stream.token.word and self._mistakes.misspelt((*ends, *self._readers)) and self._stream.is_word(ends):
                 break
             if (statement := self.one()) is not None:
                 found.append(statement)
         return tuple(found)
+
+    def _goes_on(self, ends: Collection[str]) -> bool:
+        self._mistakes.in_two()
+        return not (self._stream.is_word(ends) or self._stream.is_word(CLOSERS) or self._stream.token.kind is Kind.END)
 
     def one(self) -> Statement | None:
         """One statement; None where it was misread or only set something."""
@@ -105,37 +104,14 @@ class StatementReader:
             self._stream.deeper()
             return self._statement()
         except Misread:
-            self._pass_over(place)
+            self._mistakes.pass_over(place)
             return None
         finally:
             self._stream.back_to(depth)
 
-    def _misspelt(self, words: Collection[str]) -> bool:
-        """Whether one of these words is next with a slip in it; it is reported, and read as it was meant."""
-        token, following = self._stream.token, self._stream.ahead()
-        known = token.key in self._expressions.names or token.key in self._stream.routines
-        if token.kind is not Kind.NAME or token.word or known or following.text in ("=", "[", ".", ":", "("):
-            return False
-        alone = following.kind is Kind.END or following.position.line != token.position.line
-        spelling = self._stream.slip([each for each in words if not (alone and each in WITH_OPERAND)])
-        if spelling:
-            self._stream.faults.error("name-unknown", token.position, f"{token.text} is no subroutine", f"{spelling} is the word like it")
-            self._stream.read_as(spelling)
-        return bool(spelling)
-
-    def _misspelt_part(self, words: Collection[str], where: str) -> None:
-        """The same for words inside of a statement, in front of a name, a number or a bracket in their line."""
-        token, following = self._stream.token, self._stream.ahead()
-        goes_on = following.kind in (Kind.NAME, Kind.NUMBER) or following.text in ("(", "@")
-        if token.key in self._expressions.names or not goes_on or following.position.line != token.position.line:
-            return
-        if spelling := self._stream.slip(words):
-            self._stream.faults.error("syntax", token.position, f"{spelling} is expected {where}, not {token}")
-            self._stream.read_as(spelling)
-
     def required(self, where: str) -> Statement:
         """One statement, which has to be there."""
-        self._misspelt(tuple(self._readers))
+        self._mistakes.misspelt(tuple(self._readers))
         at = self._stream.token.position
         if self._stream.is_word(CLOSERS) or self._stream.token.kind is Kind.END:
             self._stream.wrong(f"a statement is expected {where}, not {self._stream.token}")
@@ -150,40 +126,32 @@ class StatementReader:
             self._stream.wrong(f"a statement is expected, not {token}")
         is_name = self._expressions.names_it(token)
         assigned = following.text in ("=", "[") or (following.text == "." and following.kind is Kind.SIGN)
-        if is_name and following.text == ":" and following.kind is Kind.SIGN:
+        assigned = assigned or (following.text == ":" and self._stream.ahead(2).text == "=")
+        if is_name and following.text == ":" and following.kind is Kind.SIGN and not assigned:
             self._stream.length(self._stream.take())
             self._stream.take()
+            self._stream.doubled(":")
             return Label(token.position, token.key)
+        if self._mistakes.label():
+            return Label(token.position, self._stream.take().key)
         if token.word in self._readers and not (is_name and assigned) and following.text != "=":
             self._stream.take()
             return self._readers[token.word](token.position)
-        if assigned and (is_name or following.text == "="):
+        if (assigned and (is_name or following.text == "=")) or self._mistakes.unassigned():
             return self._set()
         if not token.word:
             return self._call(self._stream.take())
         self._stream.wrong(f"a statement is expected, not {token}")
-
-    def _pass_over(self, place: int) -> None:
-        """To a token that begins or ends a statement."""
-        if self._stream.place == place:
-            self._stream.take()
-        while self._stream.token.kind is not Kind.END:
-            before, token, following = self._stream.ahead(-1), self._stream.token, self._stream.ahead()
-            if before.word == "ERROR" and token.word in ("JUMP", "HALT"):  # of the statement that is passed over
-                self._stream.take()
-                continue
-            if token.word in self._readers or token.word in CLOSERS or token.kind is Kind.INSTRUCTION:
-                return
-            if before.word not in OPERATORS and token.kind is Kind.NAME and following.kind is Kind.SIGN and following.text in ("=", ":"):
-                return
-            self._stream.take()
 
     # ---- names that decide the grammar
 
     def _called(self, what: str) -> str:
         """The name of a label or program; a word that ends something, or begins a statement, is none: the name is missing."""
         before, token = self._stream.ahead(-1), self._stream.token
-        begins = token.word in self._readers and token.position.line != before.position.line
+        far = token.position.line != before.position.line
+        if far and self._stream.ahead().text in ("=", ":"):
+            self._stream.wrong(f"{what} is expected, not {token}")
+        begins = token.word in self._readers and far
         if (token.word in CLOSERS or begins) and not self._expressions.names_it(token):
             self._stream.wrong(f"{what} is expected, not {token}")
         return self._stream.name(what).key
@@ -194,15 +162,6 @@ class StatementReader:
         if token.kind is Kind.NAME and token.key in self._head.kinematics and self._stream.ahead().text != ".":
             return self._stream.take().key
         return ""
-
-    def _no_kinematic(self) -> bool:
-        """A name that is nothing else, in front of what goes on behind a kinematic: not a teach point, whose list goes on with a comma."""
-        token, following = self._stream.token, self._stream.ahead()
-        if token.kind is not Kind.NAME or token.word or following.word not in BEHIND_KINEMATIC or token.key in self._expressions.names:
-            return False
-        self._stream.faults.error("kinematic-unknown", token.position, f"kinematic {token.text} is not declared")
-        self._stream.take()
-        return True
 
     def _belt(self) -> str:
         token = self._stream.token
@@ -216,11 +175,7 @@ class StatementReader:
             self._stream.take()
             self._stream.take()
             return token.key
-        if token.key in DEVICES and token.key not in self._expressions.names and following.kind in (Kind.TEXT, Kind.NUMBER):
-            at = following.position
-            self._stream.faults.error("syntax", at, f"',' is expected behind the device, not {following}")
-            return self._stream.take().key
-        return ""
+        return self._mistakes.device()
 
     def _relative_mark(self) -> bool:
         """`MOVE REL`, `MOVE-REL` (L1626, L11664)."""
@@ -233,29 +188,21 @@ class StatementReader:
     def _set(self) -> Set:
         at = self._stream.token.position
         target = self._expressions.sum()
-        self._stream.expect_sign("=", "behind what is assigned to")
-        return Set(at, target, self._expressions.read())
+        self._mistakes.assigned("behind what is assigned to")
+        return Set(at, target, self._expressions.alone())
 
     def _call(self, name: Token) -> CallStatement:
         """A call, with what cannot follow it: a misspelt word is one mistake, not two."""
         arguments, token = self._arguments(), self._stream.token
-        if self._operand(name):
-            self._pass_over(-1)
+        if self._mistakes.operand(name):
+            self._mistakes.pass_over(-1)
             return CallStatement(name.position, name.key, arguments, (token.position, str(token)))
         if token.kind in (Kind.END, Kind.INSTRUCTION) or token.word in self._readers or token.word in CLOSERS or token.text == ",":
             return CallStatement(name.position, name.key, arguments)
         if token.kind is Kind.NAME and (not token.word or self._expressions.names_it(token) or self._stream.ahead().text in ("=", ":")):
             return CallStatement(name.position, name.key, arguments)
-        self._pass_over(-1)
+        self._mistakes.pass_over(-1)
         return CallStatement(name.position, name.key, arguments, (token.position, str(token)))
-
-    def _operand(self, name: Token) -> bool:
-        """Whether a declared name is next that no statement begins with, in the line of a name that may be a misspelt word."""
-        token, names = self._stream.token, self._expressions.names
-        if token.kind is not Kind.NAME or token.position.line != name.position.line or name.key in names:
-            return False
-        known = token.key in DEVICES or (token.key in names and token.key not in self._declarations.programs)
-        return known and self._stream.ahead().text not in ("=", "[", ".", ":", "(")
 
     def _arguments(self) -> tuple[Expression, ...]:
         if not self._stream.sign("("):
@@ -263,7 +210,7 @@ class StatementReader:
         found: list[Expression] = []
         while not self._stream.sign(")"):
             found.append(self._expressions.read())
-            if not self._stream.sign(",") and not self._stream.is_sign(")"):
+            if not self._stream.comma() and not self._stream.is_sign(")"):
                 self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}")
         return tuple(found)
 
@@ -276,11 +223,11 @@ class StatementReader:
         until_time: Expression | None = None
         otherwise: Statement | None = None
         while True:
-            self._misspelt_part(IN_MOVE, "behind MOVE")
+            self._mistakes.misspelt_part(IN_MOVE if until is None else BEHIND_UNTIL, "behind MOVE")
             if not kinematic and (found := self._kinematic()):
                 kinematic = found
-            elif not kinematic and self._no_kinematic():
-                pass  # reported
+            elif not kinematic and (found := self._mistakes.no_kinematic()):
+                kinematic = found  # reported
             elif self._stream.is_word(("LINEAR", "PTP", "CIRCULAR")):
                 way = self._stream.take().word
             elif self._stream.word("WITH"):
@@ -300,7 +247,7 @@ class StatementReader:
         while True:
             token = self._stream.name("the name of a speed, an acceleration or a factor")
             self._stream.expect_sign("=", f"behind WITH {token.text}")
-            found.append((token.key, self._expressions.sum()))
+            found.append((GERMAN.get(token.key, token.key), self._expressions.alone()))
             comma = self._stream.sign(",")
             another = self._stream.token.kind is Kind.NAME and self._stream.ahead().text == "="
             if not another and (not comma or self._stream.is_word(("VIA", "TO", "UNTIL", "LINEAR", "PTP", "CIRCULAR"))):
@@ -312,8 +259,12 @@ class StatementReader:
         while True:
             if self._stream.is_word(("VIA", "TO")):
                 through = self._stream.take().word == "VIA"
+            else:
+                self._mistakes.no_target_word()
+            self._mistakes.foreign_point()
+            self._mistakes.target()
             found.append(Leg(self._expressions.sum(), through))
-            if not (self._stream.sign(",") or self._stream.is_word(("TO", "VIA"))):
+            if not (self._stream.comma() or self._stream.is_word(("TO", "VIA"))):
                 return tuple(found)
 
     def _sync(self, at: Position) -> Sync:
@@ -332,22 +283,24 @@ class StatementReader:
     # ---- flow
 
     def _wait(self, at: Position) -> Statement:
-        self._misspelt_part(("UNTIL",), "behind WAIT")
+        self._mistakes.misspelt_part(("UNTIL",), "behind WAIT")
         if not self._stream.word("UNTIL"):
-            return Wait(at, self._expressions.sum())
-        condition, max_time, otherwise = self._expressions.read(), None, None
+            return Wait(at, self._expressions.alone())
+        condition, max_time, otherwise = self._mistakes.condition(("MAX_TIME", "ERROR")), None, None
+        self._mistakes.misspelt_part(("MAX_TIME", "ERROR"), "behind the condition")
         if self._stream.word("MAX_TIME"):
             self._stream.expect_sign("=", "behind MAX_TIME")
-            max_time = self._expressions.sum()
+            max_time = self._expressions.alone()
+            self._mistakes.misspelt_part(("ERROR",), "behind MAX_TIME")
         if self._stream.word("ERROR"):
             otherwise = self.required("behind ERROR")
         return WaitUntil(at, condition, max_time, otherwise)
 
     def _if(self, at: Position) -> If:
-        condition = self._expressions.read()
-        self._stream.expect_word("THEN", "behind the condition")
+        condition = self._mistakes.condition(("THEN",))
+        self._mistakes.then()
         then = self.required("behind THEN")
-        self._misspelt(("ELSE",))
+        self._mistakes.misspelt(("ELSE",))
         return If(at, condition, then, self.required("behind ELSE") if self._stream.word("ELSE") else None)
 
     def _block(self, at: Position) -> Block:
@@ -363,26 +316,25 @@ class StatementReader:
             )
 
     def _case(self, at: Position) -> Case:
-        selector, choices, otherwise = self._expressions.read(), [], None
-        while self._stream.is_word(("EQUAL",)) or (self._misspelt(IN_CASE) and self._stream.is_word(("EQUAL",))):
+        selector, choices, otherwise = self._mistakes.header(), [], None
+        while self._stream.is_word(("EQUAL",)) or (self._mistakes.misspelt(IN_CASE) and self._stream.is_word(("EQUAL",))):
             place = self._stream.take().position
-            values = [self._expressions.sum()]
-            while self._stream.sign(","):
-                values.append(self._expressions.sum())
-            self._stream.expect_sign(":", "behind the constants")
-            choices.append(Choice(place, tuple(values), self.required("behind the constants")))
+            values = self._mistakes.constants()
+            empty = not self._mistakes.colon("behind the constants") and self._stream.is_word(IN_CASE)
+            choices.append(Choice(place, tuple(values), Block(place, ()) if empty else self.required("behind the constants")))
         if not choices:
             self._stream.wrong(f"EQUAL and its constants are expected behind the expression, not {self._stream.token}")
         if self._stream.word("DEFAULT", "ELSE"):  # German SONST
             self._stream.sign(":")
             otherwise = self.required("behind DEFAULT")
-            self._misspelt(("CASE_END",))
+            self._mistakes.misspelt(("CASE_END",))
         self._close("CASE_END", "CASE", at)
         return Case(at, selector, tuple(choices), otherwise)
 
     def _repeat(self, at: Position) -> Repeat:
-        times = self._expressions.sum()
-        self._stream.expect_word("TIMES", "behind the number of repetitions", goes_on=True)
+        times = self._mistakes.header()
+        if not (isinstance(times, Faulty) and not self._stream.is_word(("TIMES",))):
+            self._stream.expect_word("TIMES", "behind the number of repetitions", goes_on=True)
         body = self.body(("REPEAT_END",))
         self._close("REPEAT_END", "REPEAT", at)
         return Repeat(at, times, body)
@@ -405,7 +357,7 @@ class StatementReader:
     def _read(self, at: Position) -> Read:
         device = self._device()
         targets = [self._expressions.sum()]
-        while self._stream.sign(","):
+        while self._stream.comma():
             targets.append(self._expressions.sum())
         return Read(at, device, tuple(targets))
 
@@ -416,7 +368,7 @@ class StatementReader:
                 is_open = True
                 break
             values.append(self._expressions.read())
-            if not self._stream.sign(","):
+            if not self._stream.comma():
                 is_open = self._stream.sign("..")
                 break
         return Write(at, device, tuple(values), is_open)

@@ -1,8 +1,10 @@
 """The tokens of a program with its included files in their place, read with one token of look-ahead and recovery after faults."""
 
+import re
 from collections.abc import Collection
 from typing import NoReturn
 
+from gateway.pure.languages.baps2.homonyms import called, is_foreign, labels_among, language_of, named
 from gateway.pure.languages.baps2.lexer import Kind, Token, tokens_of
 from gateway.pure.languages.baps2.slips import meant
 from gateway.pure.languages.baps2.words import Words
@@ -10,6 +12,9 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position, SourceFile
 from gateway.pure.languages.base.store import ProgramStore
 
+_NAME = re.compile(r"@?[^\W\d]\w*")
+_ITEM = r"(?:\d+\s*=\s*)?@?[^\W\d]\w*(?:\s*=\s*-?[\d.]+)?"  # of a list of names, channels or constants
+_LIST = re.compile(rf";\s*{_ITEM}(?:\s*,\s*{_ITEM})*\s*")
 LONG_NAME = 12  # characters that count (L5677, L8837); longer names are printed (L6914)
 MOST_INCLUDED = 16  # files one in the other
 MOST_NESTED = 60  # statements and brackets one in the other
@@ -25,16 +30,20 @@ class Stream:
     def __init__(self, source: SourceFile, words: Words, store: ProgramStore, faults: Faults) -> None:
         self.faults, self._words, self._store = faults, words, store
         self._tokens: list[Token] = []
+        self._texts: dict[str, str] = {}
+        self._rows: dict[str, list[str]] = {}  # of the texts, once they are asked for
         self._expand(source)
         self._next = 0
         self._last = len(self._tokens) - 1
         self._depth = 0
         self._too_deep = False
-        self._routines: set[str] | None = None
+        self._names: tuple[set[str], set[str]] | None = None  # of subroutines, and behind JUMP
+        self._labels: set[str] | None = None  # that are words of the language
         self.token = self._tokens[0]  # the token that is next
 
     def _expand(self, source: SourceFile) -> None:
         """Adds the tokens of a file; an included file in the place of its instruction, without its END token."""
+        self._texts[source.name] = source.text
         add = self._tokens.append
         for token in tokens_of(source, self._words, self.faults):
             if token.kind is Kind.INSTRUCTION:
@@ -100,7 +109,58 @@ class Stream:
     def expect_sign(self, sign: str, where: str) -> None:
         """Takes the sign, or reports that it is missing."""
         if not self.sign(sign):
-            self.wrong(f"'{sign}' is expected {where}, not {self.token}")
+            self.missing(f"'{sign}'", where)
+            raise Misread
+
+    def missing(self, what: str, where: str) -> None:
+        """Reports what is not there, at a semicolon in its place, which begins a comment; reading may go on without it."""
+        at, hint = self.token.position, ""
+        comment, column = self._comment()
+        if comment:
+            at, hint = self.ahead(-1).position._replace(column=column), "a semicolon begins a comment"
+        self.faults.error("syntax", at, f"{what} is expected {where}, not {self.token}", hint)
+
+    def _comment(self) -> tuple[str, int]:
+        """What follows the token that was taken in its line, if it begins with a semicolon, and the column; else "" and 0."""
+        token = self.ahead(-1)
+        if self.token.position.line == token.position.line or not self._next:
+            return "", 0
+        rows = self._rows.setdefault(token.position.file, self._texts[token.position.file].splitlines())
+        row = rows[token.position.line - 1] if token.position.line <= len(rows) else ""
+        end = token.position.column - 1 + len(token.text)
+        rest = row[end:].lstrip()
+        return (rest, len(row) - len(rest) + 1) if rest.startswith(";") else ("", 0)
+
+    def commented(self) -> list[Token]:
+        """Names of a list in the comment behind the token that was taken: the semicolon may be meant as another sign."""
+        comment, column = self._comment()
+        if not comment or _LIST.fullmatch(comment) is None:
+            return []
+        at = self.ahead(-1).position
+        return [Token(Kind.NAME, each[0], at._replace(column=column + each.start())) for each in _NAME.finditer(comment)]
+
+    def doubled(self, sign: str) -> None:
+        """Takes the same sign once more, right behind the one that was taken, and reports it."""
+        if self.is_sign(sign) and self.ahead(-1).touches(self.token):
+            self.faults.error("syntax", self.token.position, f"'{sign}{sign}' is no sign", f"write {sign}")
+            self.take()
+
+    def comma(self) -> bool:
+        """Takes a comma; a second one right behind it is reported."""
+        taken = self.sign(",")
+        if taken:
+            self.doubled(",")
+        return taken
+
+    def joins(self, whole: str) -> bool:
+        """Whether the next two tokens are this word of the language in two parts; they are one from now on."""
+        word = self._words.token(whole)
+        if word is not None:
+            self._tokens[self._next] = self.token._replace(text=whole, word=word)
+            del self._tokens[self._next + 1]
+            self._last -= 1
+            self.token = self._tokens[self._next]
+        return word is not None
 
     def expect_word(self, word: str, where: str, goes_on: bool = False) -> None:
         """Takes the word, or reports that it is missing; a misspelt one is read as meant.  goes_on: its construct is read without it."""
@@ -114,10 +174,11 @@ class Stream:
         if misspelt:
             self.take()
 
-    def slip(self, words: Collection[str]) -> str:
-        """The spelling of the one of these words that the next name was meant to be; "": of none."""
-        own = self.token.kind is Kind.NAME and not self.token.word
-        return meant(self.token.text, self._words, words) if own else ""
+    def slip(self, words: Collection[str], place: int = 0) -> str:
+        """The spelling of the one of these words that the name there was meant to be; "": of none."""
+        token = self.ahead(place)
+        own = token.kind is Kind.NAME and not token.word
+        return meant(token.text, self._words, words, language_of(self._tokens, self._words)) if own else ""
 
     def read_as(self, spelling: str) -> None:
         """From now on the next token is this word of the language."""
@@ -126,10 +187,36 @@ class Stream:
     @property
     def routines(self) -> Collection[str]:
         """Names of the subroutines of the text, also of those that follow."""
-        if self._routines is None:
-            pairs = zip(self._tokens, self._tokens[1:], strict=False)
-            self._routines = {name.key for word, name in pairs if word.word == "SUBROUTINE"}
-        return self._routines
+        return self._called()[0]
+
+    @property
+    def jumped(self) -> Collection[str]:
+        """Names that a JUMP of the text leads to."""
+        return self._called()[1]
+
+    def _called(self) -> tuple[set[str], set[str]]:
+        if self._names is None:
+            self._names = called(self._tokens)
+        return self._names
+
+    def settle(self, names: Collection[str]) -> None:
+        """In the routine that begins, words that are names of this text are names and no words."""
+        if self._labels is None:
+            self._labels = labels_among({name for name in self.jumped if name in self._words}, self._tokens)
+        homonyms = {name for name in (*names, *self.routines) if name in self._words}
+        if not (homonyms or self._labels):
+            return
+        for place in named(self._tokens, self._next, homonyms, self._labels, self._words):
+            self._tokens[place] = self._tokens[place]._replace(word="")
+        self.token = self._tokens[self._next]
+
+    def is_foreign(self) -> bool:
+        """Whether the next token is a word of the other language alone."""
+        return is_foreign(self.token, language_of(self._tokens, self._words), self._words)
+
+    def read_as_name(self) -> None:
+        """From now on the next token is a name."""
+        self.token = self._tokens[self._next] = self.token._replace(word="")
 
     def name(self, what: str) -> Token:
         """Takes a name; words of the language may be names too, where one is expected."""

@@ -10,8 +10,7 @@ from gateway.pure.languages.baps2.bodies import Bodies
 from gateway.pure.languages.baps2.flow import inside
 from gateway.pure.languages.baps2.naming import Naming, Programs
 from gateway.pure.languages.baps2.scope import Names, Symbol, python_name
-from gateway.pure.languages.baps2.standard import STANDARD_NAMES
-from gateway.pure.languages.baps2.statements import DEVICES
+from gateway.pure.languages.baps2.standard import DEVICES, STANDARD_NAMES
 from gateway.pure.languages.baps2.travel import targets
 from gateway.pure.languages.baps2.tree import Declared, Instruction, Move, Parallel, Program, Routine, StartStop, Statement
 from gateway.pure.languages.baps2.types import NONE, POINTS, Type, default_of
@@ -136,7 +135,8 @@ class _Translation:
             if routine.name in DEVICES:
                 self._faults.error("declared-twice", routine.at, f"{routine.name} is a device")
             parameters: tuple[tuple[Type, bool], ...] = ()
-            self._names.declare(Symbol(routine.name, "subroutine", parameters=parameters), routine.at)
+            known = "any" if routine.garbled else None
+            self._names.declare(Symbol(routine.name, "subroutine", constant=known, parameters=parameters), routine.at)
 
     def _check_subroutine_names(self, routine: Routine) -> None:
         """Types of the parameters, which may need constants of the main program."""
@@ -171,7 +171,8 @@ class _Translation:
                     for branch in each.branches:
                         self._taught(branch, own, kinematic)
                 elif isinstance(each, Move):
-                    self._targets(each, own, each.kinematic or kinematic[0])
+                    known = not each.kinematic or each.kinematic in self._head.kinematics
+                    self._targets(each, own, (each.kinematic or kinematic[0]) if known else "")
 
     def _targets(self, move: Move, own: set[str], kinematic: str) -> None:
         for name in targets(move):

@@ -39,7 +39,8 @@ def move(bodies: Writer, statement: Move) -> str:
 
 
 def _block(bodies: Writer, statement: Move, leg: Leg, kinematic: str, until: str) -> str:
-    point = bodies.typing.point(leg.point, kinematic, target=True)
+    known = not statement.kinematic or statement.kinematic in bodies.names.head.kinematics  # else it is reported
+    point = bodies.typing.point(leg.point, kinematic, target=True) if known else bodies.typing.of(leg.point)
     way = WAYS[statement.way or bodies.way]
     joint = point.type.base == "JC_POINT"
     target = f"point({point.code})" if point.type is not NONE else "()"
@@ -55,7 +56,8 @@ def _until(bodies: Writer, statement: Move) -> str:
     name = _input_of(statement.until)
     channel, symbol = _channel(bodies, name), bodies.names.find(name)
     condition = _direct(bodies, statement.until, "the condition behind UNTIL")
-    if not channel and (symbol is None or not symbol.misread):
+    reported = bool(name) if symbol is None else symbol.misread
+    if not channel and not reported:
         bodies.names.faults.error("until-condition", statement.until.at, "UNTIL of a MOVE takes one binary input, = or <>, and 0 or 1")
     limit = "None" if statement.until_time is None else bodies.typing.number(statement.until_time, "MAX_TIME").code
     return f"Until({channel or 0}, lambda: {condition}, {limit}, {_level(bodies, statement.until)})"

@@ -81,7 +81,14 @@ class Binary:
     right: "Expression"
 
 
-Expression = Number | Text | Name | Member | Index | PointValue | Call | Unary | Binary
+@node
+class Faulty:
+    """What was misread and reported; it fits everything."""
+
+    at: Position
+
+
+Expression = Faulty | Number | Text | Name | Member | Index | PointValue | Call | Unary | Binary
 
 # ---- declarations
 
@@ -360,6 +367,7 @@ class Routine:
     parameters: tuple[Parameter, ...]
     declarations: tuple[Declaration, ...]
     body: tuple[Statement, ...]
+    garbled: bool = False  # its parameters are misread and reported
 
 
 @dataclass(slots=True)
@@ -377,6 +385,7 @@ class Head:
     default_way: str = ""
     said: set[str] = field(default_factory=set)  # instructions that may occur once
     over: bool = False  # the main part has been read
+    commented: dict[str, int] = field(default_factory=dict)  # names in a comment right behind declared ones -> line
 
 
 @node

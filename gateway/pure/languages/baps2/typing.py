@@ -5,8 +5,8 @@ from collections.abc import Callable
 from gateway.pure.languages.baps2 import standard, values
 from gateway.pure.languages.baps2.operators import CHECKED, Operators
 from gateway.pure.languages.baps2.scope import Names, Symbol
-from gateway.pure.languages.baps2.statements import DEVICES
-from gateway.pure.languages.baps2.tree import Binary, Call, Expression, Index, Member, Name, Number, PointValue, Text, Unary
+from gateway.pure.languages.baps2.standard import DEVICES
+from gateway.pure.languages.baps2.tree import Binary, Call, Expression, Faulty, Index, Member, Name, Number, PointValue, Text, Unary
 from gateway.pure.languages.baps2.typed import NOTHING, Typed, numbers_text
 from gateway.pure.languages.baps2.types import BINARY, CHAR, FRAME, INTEGER, NONE, NUMBERS, POINTS, REAL, TEXT, Type
 from gateway.pure.languages.base.requests import RuntimeFault
@@ -50,6 +50,8 @@ class Typing:
                 return self._call(tree)
             case Unary():
                 return self._unary(tree)
+            case Faulty():
+                return NOTHING
 
     def _number(self, at: Position, value: int | float) -> Typed:
         if isinstance(value, int):
@@ -104,7 +106,8 @@ class Typing:
             return self.fault("no-value", tree.at, f"{name} is a kinematic and has no value")
         if name in DEVICES:
             return self.fault("no-value", tree.at, f"{name} is a device and has no value")
-        return self.fault("name-unknown", tree.at, f"{name} is not declared")
+        self.names.unknown(name, tree.at, f"{name} is not declared")
+        return NOTHING
 
     def is_kinematic(self, tree: Expression) -> bool:
         """Whether the expression names a kinematic."""
@@ -221,7 +224,8 @@ class Typing:
         if known is not None:
             told = f"{tree.name} is {with_article(known.kind)}, no function"
             return NOTHING if known.misread else self.fault("no-value", tree.at, told)
-        return self.fault("name-unknown", tree.at, f"{tree.name} is no function")
+        self.names.unknown(tree.name, tree.at, f"{tree.name} is no function")
+        return NOTHING
 
     def _function(self, tree: Call) -> Typed:
         takes, result, python = standard.FUNCTIONS[tree.name]
@@ -236,8 +240,8 @@ class Typing:
         if tree.name == "ABS":
             return Typed(value.type, CHECKED.format(f"abs({value.code})") if value.type == INTEGER else f"abs({value.code})")
         if tree.name == "CHR":
-            constant = chr(value.constant % 256) if isinstance(value.constant, int) else None
-            return Typed(result, repr(constant) if constant is not None else f"chr({value.code} % 256)", constant)
+            constant = values.character(value.constant) if isinstance(value.constant, int) else None
+            return Typed(result, repr(constant) if constant is not None else f"{python}({value.code})", constant)
         if tree.name == "ORD" and isinstance(value.constant, str):
             return Typed(result, f"{python}({value.code})", values.code(value.constant))
         if tree.name in standard.ROUNDED and isinstance(value.constant, int | float):
@@ -359,7 +363,7 @@ class Typing:
         if name in standard.STANDARD_NAMES:
             self.fault("not-assignable", tree.at, f"{name} cannot be assigned to")
         else:
-            self.fault("name-unknown", tree.at, f"{name} is not declared")
+            self.names.unknown(name, tree.at, f"{name} is not declared")
         return ""
 
     def reference(self, tree: Expression) -> tuple[Type, str]:

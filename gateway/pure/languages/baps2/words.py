@@ -20,6 +20,7 @@ class Words:
         """`table`: token -> its spellings.  ValueError: one spelling of two tokens."""
         self.spellings = {token: tuple(spellings) for token, spellings in table.items()}
         self._tokens: dict[str, str] = {}
+        self._languages = {each.text.upper(): each.language for row in self.spellings.values() for each in row}
         for token, spellings in self.spellings.items():
             for spelling in spellings:
                 other = self._tokens.setdefault(spelling.text.upper(), token)
@@ -29,6 +30,10 @@ class Words:
     def token(self, text: str) -> str | None:
         """The token of a word in any case; None: it is a name."""
         return self._tokens.get(text.upper())
+
+    def language(self, text: str) -> str:
+        """The language of a spelling; "": it is none."""
+        return self._languages.get(text.upper(), "")
 
     def __contains__(self, text: str) -> bool:
         return text.upper() in self._tokens

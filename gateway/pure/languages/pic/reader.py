@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from gateway.pure.languages.base.faults import Faults
-from gateway.pure.languages.base.likeness import hint_of, like
+from gateway.pure.languages.base.near import hint_of, nearest
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.pic.expressions import FLAGS, INPUTS, OUTPUTS, Expression, Operand, chain, constant, inverted, joined
 from gateway.pure.languages.pic.lexer import Kind, Token, tokens_of
@@ -178,7 +178,7 @@ class Reader:
         test = self._expression(compares=True)
         if not self._is(THEN):
             self.faults.error("then", self.token.at, "THEN is expected behind the condition")
-            if self.token.kind is not Kind.NAME or not like(self.token.word, THEN):
+            if self.token.kind is not Kind.NAME or not nearest(self.token.word, THEN):
                 raise _Wrong
         self._take()
         self._made += 1

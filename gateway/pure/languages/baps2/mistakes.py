@@ -1,0 +1,299 @@
+"""Mistakes of typing among statements: each is one fault at its place, and reading goes on as it was meant (AX-1734, AX-1747)."""
+
+from collections.abc import Collection
+
+from gateway.pure.languages.baps2.declarations import DeclarationReader
+from gateway.pure.languages.baps2.expressions import ExpressionReader
+from gateway.pure.languages.baps2.lexer import Kind, Token
+from gateway.pure.languages.baps2.standard import DEVICES
+from gateway.pure.languages.baps2.stream import Misread, Stream
+from gateway.pure.languages.baps2.tree import Expression, Faulty, Head
+from gateway.pure.languages.base.near import hint_of
+
+CLOSERS = frozenset(
+    "END PROGRAM_END SUB_END REPEAT_END PARALLEL_END ALSO EXCLUSIVE_END CASE_END EQUAL DEFAULT ELSE SUBROUTINE PROGRAM".split()
+)
+BEHIND_KINEMATIC = ("LINEAR", "PTP", "CIRCULAR", "WITH", "UNTIL", "TO", "VIA")
+WITH_OPERAND = frozenset(  # what they work on is in their line
+    "MOVE MOVE_REL WAIT IF CASE REPEAT EXCLUSIVE JUMP START STOP SYNC SYNCHRON "
+    "READ WRITE READ_BEGIN WRITE_BEGIN WRITE_END CLOSE ASSIGN".split()
+)
+OPERATORS = ("UNTIL", "AND", "OR", "NOT", "WITH")  # a value follows, not a statement
+WAITING = ("(", "[", "+", "-", "*", "/", ",", "=", "<", ">", "<=", ">=", "<>")  # a value follows here, too
+SECOND = ("END", "BEGIN")  # words that are the second half of others
+IN_TWO = ("TIMES", "EQUAL")  # words that may follow the first half of a word in two
+NEAR = 2  # lines in which the rest of a statement is looked for
+
+
+class Mistakes:
+    """What was meant.  `begins`: words that begin a statement."""
+
+    def __init__(
+        self, stream: Stream, expressions: ExpressionReader, declarations: DeclarationReader, head: Head, begins: Collection[str]
+    ) -> None:
+        self._stream, self._expressions, self._declarations = stream, expressions, declarations
+        self._head, self._begins = head, begins
+
+    def _is_known(self, token: Token) -> bool:
+        key = token.key
+        return key in self._expressions.names or key in self._stream.routines or key in self._head.kinematics
+
+    # ---- misspelt words
+
+    def misspelt(self, words: Collection[str]) -> bool:
+        """Whether one of these words is next with a slip in it; it is reported, and read as it was meant."""
+        token, following = self._stream.token, self._stream.ahead()
+        if (
+            token.kind is not Kind.NAME
+            or token.word
+            or self._is_known(token)
+            or token.key in self._stream.jumped
+            or following.text in ("=", "[", ".", ":", "(")
+        ):
+            return False
+        alone = following.kind is Kind.END or following.position.line != token.position.line
+        spelling = self._stream.slip([each for each in words if not (alone and each in WITH_OPERAND)])
+        if spelling:
+            self._stream.faults.error("name-unknown", token.position, f"{token.text} is no subroutine", f"{spelling} is the word like it")
+            self._stream.read_as(spelling)
+        return bool(spelling)
+
+    def misspelt_part(self, words: Collection[str], where: str) -> None:
+        """The same for words inside of a statement, in front of a name, a number or a bracket in their line."""
+        token, following = self._stream.token, self._stream.ahead()
+        goes_on = following.kind in (Kind.NAME, Kind.NUMBER) or following.text in ("(", "@", "=")
+        if self._is_known(token) or not goes_on or following.position.line != token.position.line:
+            return
+        if spelling := self._stream.slip(words):
+            self._stream.faults.error("syntax", token.position, f"{spelling} is expected {where}, not {token}")
+            self._stream.read_as(spelling)
+
+    def in_two(self) -> bool:
+        """Whether a word is next that has a blank in the place of its underscore; it is reported, and read as one."""
+        following = self._stream.ahead()
+        if following.word not in SECOND:  # nearly always
+            return False
+        token, behind = self._stream.token, self._stream.ahead(2)
+        if token.kind is not Kind.NAME or following.position.line != token.position.line:
+            return False
+        whole = f"{token.text}_{following.text}"
+        of_program = token.word in ("PROGRAM", "SUBROUTINE") and not (behind.kind is Kind.END or behind.word == "SUBROUTINE")
+        goes_on = behind.word in IN_TWO or behind.text in (".", "[", "=")
+        if of_program or goes_on or following.key in self._expressions.names or not self._stream.joins(whole):
+            return False
+        self._stream.faults.error("syntax", token.position, f"{token.text} {following.text} is one word", f"write {whole}")
+        return True
+
+    # ---- signs
+
+    def colon(self, where: str) -> bool:
+        """Takes the colon behind constants; False: it is missing (reported), and reading goes on as if it were there."""
+        if self._stream.sign(":"):
+            self._stream.doubled(":")
+            return True
+        line = self._stream.ahead(-1).position.line
+        self._stream.missing("':'", where)
+        while self._stream.token.position.line == line and not self._starts() and not self._stream.sign(":", "="):
+            self._stream.take()
+        return False
+
+    def constants(self) -> list[Expression]:
+        """The constants of a choice; where one is misread, reading goes on at the colon."""
+        found: list[Expression] = []
+        depth, line = self._stream.depth, self._stream.ahead(-1).position.line
+        try:
+            found.append(self._expressions.sum())
+            while self._stream.comma():
+                found.append(self._expressions.sum())
+        except Misread:
+            self._stream.back_to(depth)
+            while self._stream.token.position.line == line and not self._stream.is_sign(":") and not self._starts():
+                self._stream.take()
+            if not self._stream.is_sign(":"):
+                raise
+        return found
+
+    def unassigned(self) -> bool:
+        """Whether a declared name is next with its value behind it, without the =."""
+        token, following = self._stream.token, self._stream.ahead()
+        if token.key not in self._expressions.names or token.key in self._declarations.programs or self._is_kinematic(following):
+            return False
+        known = (
+            following.kind is Kind.NAME and following.key in self._expressions.names and self._stream.ahead(2).text not in ("=", ":", "(")
+        )
+        value = known or following.kind in (Kind.NUMBER, Kind.TEXT)
+        return value and following.position.line == token.position.line
+
+    def _is_kinematic(self, token: Token) -> bool:
+        return token.key in self._head.kinematics
+
+    def assigned(self, where: str) -> None:
+        """Takes the = of an assignment; `:=` and `==` are reported."""
+        if self._stream.is_sign(":") and self._stream.ahead().text == "=":
+            self._stream.faults.error("syntax", self._stream.token.position, "':=' is no sign", "write =")
+            self._stream.take()
+        self._stream.expect_sign("=", where)
+        self._stream.doubled("=")
+
+    # ---- names
+
+    def label(self) -> bool:
+        """Whether a name that a JUMP leads to is next without its colon; it is reported."""
+        token, following = self._stream.token, self._stream.ahead()
+        if (
+            token.kind is not Kind.NAME
+            or token.word
+            or self._is_known(token)
+            or token.key not in self._stream.jumped
+            or following.text in ("=", "[", ".", "(")
+        ):
+            return False
+        self._stream.faults.error(
+            "name-unknown", token.position, f"{token.text} is no subroutine", "declare it, or write a colon behind a label"
+        )
+        return True
+
+    def no_kinematic(self) -> str:
+        """A name that is nothing else, in front of what goes on behind a kinematic: not a teach point, whose list goes on with a comma."""
+        token, following = self._stream.token, self._stream.ahead()
+        if token.kind is not Kind.NAME or token.word or following.word not in BEHIND_KINEMATIC or token.key in self._expressions.names:
+            return ""
+        hint = hint_of(token.key, self._head.kinematics)
+        self._stream.faults.error("kinematic-unknown", token.position, f"kinematic {token.text} is not declared", hint)
+        return self._stream.take().key
+
+    def no_target_word(self) -> None:
+        """A name in front of a declared point, in its line: a misspelt TO or VIA, and no teach point."""
+        token, following = self._stream.token, self._stream.ahead()
+        names = self._expressions.names
+        pointed = following.kind is Kind.NAME and following.key in names and following.key not in self._declarations.programs
+        in_line = following.position.line == token.position.line
+        if token.kind is Kind.NAME and not token.word and token.key not in names and pointed and in_line:
+            if self._stream.ahead(2).text not in ("=", ":", "("):
+                self._stream.faults.error("syntax", token.position, f"TO or VIA is expected, not {token}")
+                self._stream.take()
+
+    def target(self) -> None:
+        """Reports a target that is missing in front of the next assignment."""
+        token, before = self._stream.token, self._stream.ahead(-1)
+        if token.kind is Kind.NAME and token.position.line != before.position.line and self._stream.ahead().text == "=":
+            self._stream.wrong(f"a point is expected, not {token}")
+
+    def foreign_point(self) -> None:
+        """A teach point that bears the name of a word of the other language: the last of its line, or in a list."""
+        before, following = self._stream.ahead(-1), self._stream.ahead()
+        last = following.position.line != self._stream.token.position.line or following.text == "," or following.word in ("TO", "VIA")
+        if last and before.position.line == self._stream.token.position.line and self._stream.is_foreign():
+            self._stream.read_as_name()
+            self._expressions.names.add(self._stream.token.key)
+
+    def device(self) -> str:
+        """A device or file, behind which a comma is missing."""
+        token, following = self._stream.token, self._stream.ahead()
+        names, device = self._expressions.names, token.key in DEVICES and token.key not in self._expressions.names
+        value = following.kind in (Kind.TEXT, Kind.NUMBER) or (following.kind is Kind.NAME and following.key in names)
+        if not (device or token.key in self._declarations.files) or not value or following.position.line != token.position.line:
+            return ""
+        if self._stream.ahead(2).text == "=":  # the next assignment
+            return ""
+        self._stream.take()
+        what = "device" if device else "file"
+        self._stream.faults.error("syntax", following.position, f"',' is expected behind the {what}, not {following}")
+        return token.key
+
+    def operand(self, name: Token) -> bool:
+        """Whether a declared name is next that no statement begins with, in the line of a name that may be a misspelt word."""
+        token, names = self._stream.token, self._expressions.names
+        if token.kind is not Kind.NAME or token.position.line != name.position.line or name.key in names:
+            return False
+        known = token.key in DEVICES or (token.key in names and token.key not in self._declarations.programs)
+        return known and self._stream.ahead().text not in ("=", "[", ".", ":", "(")
+
+    # ---- recovery
+
+    def condition(self, ends: Collection[str]) -> Expression:
+        """A condition; where it is misread, reading goes on with one of these words."""
+        at = self._stream.token.position
+        depth = self._stream.depth
+        try:
+            return self._expressions.alone()
+        except Misread:
+            self._stream.back_to(depth)
+            if not self._goes_on(ends):
+                raise
+            return Faulty(at)
+
+    def header(self) -> Expression:
+        """What a REPEAT or CASE works on; where it is misread, reading goes on behind its line."""
+        at = self._stream.token.position
+        depth = self._stream.depth
+        try:
+            return self._expressions.alone()
+        except Misread:
+            self._stream.back_to(depth)
+            while self._stream.token.position.line == at.line and not self._starts() and self._stream.token.word != "TIMES":
+                self._stream.take()
+            return Faulty(at)
+
+    def then(self) -> None:
+        """Takes THEN; where it is missing, a statement may follow."""
+        if self._stream.word("THEN"):
+            return
+        token = self._stream.token
+        if not self._starts() and not self._goes_on(("THEN",)):
+            self._stream.missing("THEN", "behind the condition")
+            raise Misread
+        self._stream.faults.error("syntax", token.position, f"THEN is expected behind the condition, not {token}")
+        if self._stream.token.word == "THEN" or self._stream.slip(("THEN",)):
+            self._stream.take()
+
+    def _goes_on(self, words: Collection[str]) -> bool:
+        """Passes over to one of these words in this statement, also where it is misspelt; False: there is none."""
+        last = self._stream.ahead(-1).position.line + NEAR
+        place = 0
+        while (token := self._stream.ahead(place)).kind is not Kind.END and token.position.line < last:
+            unknown = token.kind is Kind.NAME and not token.word and token.key not in self._expressions.names
+            if token.word in words or (unknown and self._stream.slip(words, place)):
+                for _ in range(place):
+                    self._stream.take()
+                return True
+            if place and self._starts(place):
+                return False
+            place += 1
+        return False
+
+    def _starts(self, place: int = 0) -> bool:
+        """Whether a statement begins there, or ends."""
+        token, following = self._stream.ahead(place), self._stream.ahead(place + 1)
+        if token.word:
+            return token.word in self._begins or token.word in CLOSERS
+        if token.kind is not Kind.NAME:
+            return token.kind in (Kind.INSTRUCTION, Kind.END)
+        before = self._stream.ahead(place - 1)
+        if before.word in OPERATORS or before.text == ".":
+            return False
+        if following.kind is Kind.SIGN and following.text in ("=", ":"):
+            return True
+        if before.position.line == token.position.line or before.text in WAITING:
+            return False
+        called = token.key in self._stream.routines or token.key in self._declarations.programs
+        if following.text in (".", "[", "("):
+            return called or token.key in self._expressions.names
+        return called and following.position.line != token.position.line
+
+    def pass_over(self, place: int) -> None:
+        """To a token that begins or ends a statement."""
+        if self._stream.place == place:
+            self._stream.take()
+        while self._stream.token.kind is not Kind.END:
+            if self._stream.ahead(-1).word == "ERROR" and self._stream.token.word in ("JUMP", "HALT"):  # of the statement passed over
+                self._stream.take()
+            elif self._starts() or self._ends_misspelt():
+                return
+            self._stream.take()
+
+    def _ends_misspelt(self) -> bool:
+        """Whether a word that ends something is next, alone in its line and with a slip in it."""
+        line = self._stream.token.position.line
+        alone = self._stream.ahead(-1).position.line != line != self._stream.ahead().position.line
+        return alone and not self._is_known(self._stream.token) and bool(self._stream.slip(CLOSERS))
