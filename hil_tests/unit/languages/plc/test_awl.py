@@ -165,6 +165,7 @@ def test_words_of_16_bits_with_a_sign() -> None:
         ("L PY 64", "peripheral"),
         ("L KG +1234567+01", "no constant"),
         ("GIBBERISH 1", "has no GIBBERISH"),
+        ("SPB =M001", "no label M001"),
         ("SU M 10.0", "by the result alone"),
         ("P M 10.1", "tested with U or UN"),
         ("E DB 5", "no data blocks"),

@@ -425,6 +425,8 @@ class Translator:
         elif "[" in operand:
             raise NoCounterpart(INDIRECT)
         elif word in ("SPA", "SPB", "SPBN") and (label := re.match(r"=?\s*([A-Z_][A-Z0-9_]*)", operand)):
+            if label[1] not in {each.label for each in self.block.statements}:
+                raise NoCounterpart(f"this block has no label {label[1]}")
             self.lines.append(f"SP {label[1]}{when}")
         else:
             self._symbol(operand)
