@@ -62,10 +62,10 @@ def _decoded(path: str) -> str:
 
 
 def _former_keys(raw: dict[str, Any]) -> None:
-    """Cells of recordings and of earlier versions: a key by its name of today."""
+    """Cells of recordings and of earlier versions: a key by its name of today.  Beside the key of today the former one is unknown."""
     table = raw.get("controller")
-    if isinstance(table, dict) and "door" in table:
-        table.setdefault("command_source", table.pop("door"))
+    if isinstance(table, dict) and "command_source" not in table and "door" in table:
+        table["command_source"] = table.pop("door")
 
 
 class _Loader:

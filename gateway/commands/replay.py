@@ -134,4 +134,4 @@ def _plain(value: object) -> object:
 
 def _told(each: ServiceEvent, stamp_ns: int) -> str:
     words = each.data.decode(errors="replace") if each.source is Source.TOOL else each.data.hex(" ")
-    return f"{(each.stamp - stamp_ns) / 1e6:+.1f} ms command source {each.source} {SOURCES[each.source]}: {words}"
+    return f"{(each.stamp - stamp_ns) / 1e6:+.1f} ms command source {each.number} {SOURCES[each.source]}: {words}"

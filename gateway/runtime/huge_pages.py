@@ -17,8 +17,8 @@ _libc = ctypes.CDLL(None, use_errno=True)
 def use_huge_pages() -> int:
     """Collects what this process has allocated until now into such pages; how many bytes are in them.
 
-    Call it when everything is built, before a loop that must not wait: it takes a third of a millisecond for each page.  A kernel
-    without them, or without memory for them, leaves everything as it is.
+    Call it when everything is built, before a loop that must not wait: it takes 2 to 4 ms for each page.  A kernel without them, or
+    without memory for them, leaves everything as it is.
     """
     collected = 0
     with contextlib.suppress(OSError, ValueError, AttributeError):

@@ -111,15 +111,15 @@ def _block_rows(cell: Cell) -> Iterator[tuple[Field, ...]]:
             yield row("input register", word + 2, 2, "REAL", f"status: lag {axis.name}, {axis.unit}")
 
 
-def _client(server: Modbus, routed: Sequence[ModbusValue]) -> Sheet:
+def _client(client: Modbus, routed: Sequence[ModbusValue]) -> Sheet:
     tables = {"coil": "coil", "discrete": "discrete input", "input": "input register", "holding": "holding register"}
     rows = tuple(
         (each.device, tables[each.table], each.at, reference(tables[each.table], each.at), each.type, each.to, each.from_, each.every_ms)
-        for each in (*server.value, *routed)
+        for each in (*client.value, *routed)
     )
     columns = ("device", "table", "address (base 0)", "reference (base 1)", "type", "read into", "written from", "every ms")
-    units = ", ".join(f"{device.name} = unit {device.unit} {device.order}" for device in server.device)
-    return Sheet(f"Modbus client {server.name}, {server.port_}", columns, rows, units)
+    units = ", ".join(f"{device.name} = unit {device.unit} {device.order}" for device in client.device)
+    return Sheet(f"Modbus client {client.name}, {client.port_}", columns, rows, units)
 
 
 # ------------------------------------------------------------------------------------------------- blocks, signals, wiring
@@ -156,9 +156,9 @@ def _signal(cell: Cell, signal: Signal) -> tuple[Field, ...]:
         except AddressFault:
             return ""  # this world does not reach it
 
-    server = cell.rc_inputs.owner.get(signal.at.number // 8, "") if signal.at.direction is Direction.INPUT else ""
+    owner = cell.rc_inputs.owner.get(signal.at.number // 8, "") if signal.at.direction is Direction.INPUT else ""
     source = signal.source if signal.source != "axisgate" else "axisgate (AX-002)"
-    return (signal.name, signal.at.number, address(pic), address(cl300), address(rc), signal.text(cell.cell.language), source, server)
+    return (signal.name, signal.at.number, address(pic), address(cl300), address(rc), signal.text(cell.cell.language), source, owner)
 
 
 def wiring_sheets(cell: Cell) -> list[Sheet]:
@@ -168,14 +168,14 @@ def wiring_sheets(cell: Cell) -> list[Sheet]:
         (f"line {line.name}", line.port, f"{line.format} {line.wiring}".strip(), f"{line.protocol} {line.layer}, priority {line.priority}")
         for line in cell.line
     ]
-    for server in cell.modbus:
-        how = server.format if server.serial else "TLS, certificates on both sides" if server.tls else "Ethernet"
+    for modbus in cell.modbus:
+        how = modbus.format if modbus.serial else "TLS, certificates on both sides" if modbus.tls else "Ethernet"
         rows.append(
             (
-                f"Modbus {server.role} {server.name}",
-                server.port_ or server.bind,
+                f"Modbus {modbus.role} {modbus.name}",
+                modbus.port_ or modbus.bind,
                 how,
-                f"Modbus {server.framing.upper()}, unit {server.unit}",
+                f"Modbus {modbus.framing.upper()}, unit {modbus.unit}",
             )
         )
     rows += [(f"bus {bus.name}", bus.port, f"{bus.bitrate}, 120 ohm at both ends", bus.protocol) for bus in cell.bus]

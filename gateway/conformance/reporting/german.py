@@ -9,10 +9,12 @@ from collections.abc import Mapping
 from typing import cast
 
 from gateway.conformance.reporting.document import Json, cases_of
+from gateway.conformance.reporting.words_de import GERMAN
 from gateway.files.find import PACKAGED
 from gateway.files.texts import spoken
 
 SENTENCES = ("reason", "expected", "got")
+NEEDED = "not run: the preamble needs {}, which is {} ({})"
 NOT_RUN = re.compile(r"not run: the preamble needs (\S+), which is (\S+) \((.*)\)", re.DOTALL)
 
 
@@ -27,7 +29,7 @@ def verdict_text(sentence: str, language: str) -> str:
     if language != "de":
         return sentence
     if found := NOT_RUN.fullmatch(sentence):  # why the other one failed is a sentence of its own, which may be one of these again
-        return f"nicht ausgeführt: der vorausgesetzte Prüffall {found[1]} ist {found[2]} ({verdict_text(found[3], language)})"
+        return GERMAN[NEEDED].format(found[1], found[2], verdict_text(found[3], language))
     return spoken(*text_files()).german(sentence)
 
 

@@ -69,6 +69,7 @@ GERMAN = {
     "The run was interrupted; what was done is reported.": "Der Lauf wurde abgebrochen; das Erledigte ist aufgeführt.",
     "host late at most": "Prüfrechner höchstens verspätet um",
     "remark": "Bemerkung",
+    "not run: the preamble needs {}, which is {} ({})": "nicht ausgeführt: der vorausgesetzte Prüffall {} ist {} ({})",
     "took": "Dauer",
     "role": "Rolle",
     "clause": "Fundstelle",

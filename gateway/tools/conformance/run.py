@@ -4,6 +4,7 @@ import argparse
 import contextlib
 import datetime
 import difflib
+import functools
 import json
 import os
 import signal
@@ -116,7 +117,7 @@ def run_suite(arguments: argparse.Namespace) -> int:
         make()  # a factory that raises is a fault of the bench file
     with ending_like_ctrl_c(), started(bench), witnessed(make is not None) as witness:
         seed = DEFAULT_SEED if arguments.seed is None else arguments.seed
-        opened = Opened(bench, stated, port_opener(bench), make, witness, seed, say=_say(language(arguments, bench)))
+        opened = Opened(bench, stated, port_opener(bench), make, witness, seed, say=functools.partial(_say, language(arguments, bench)))
         return _played(suite, bench, stated, purposes, waivers, opened, arguments)
 
 
@@ -223,13 +224,9 @@ def _dry(
     return DONE
 
 
-def _say(spoken: str) -> Callable[[str], None]:
+def _say(spoken: str, text: str) -> None:
     """What the operator is asked to do, in that language."""
-
-    def say(text: str) -> None:
-        print(f">>> {verdict_text(text, spoken)}", file=sys.stderr, flush=True)
-
-    return say
+    print(f">>> {verdict_text(text, spoken)}", file=sys.stderr, flush=True)
 
 
 def port_opener(bench: Bench) -> OpenPort:

@@ -36,7 +36,7 @@ class Monitor(App[None]):
     #search { display: none; height: 3; }
     #search.open { display: block; }
     LiveTable { height: 1fr; border: round $primary; }
-    #lines-doors { height: 12; }
+    #lines-sources { height: 12; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("1", "tab('axes')", "axes", show=False),
@@ -62,7 +62,7 @@ class Monitor(App[None]):
         self.line = Static(id="head", markup=False)
         self.box = Input(placeholder="name, address, words ...", id="search", disabled=True)
         self.tabs = TabbedContent(initial=tab)
-        self.sources = LiveTable("lines-doors")
+        self.sources = LiveTable("lines-sources")
         self.tables = {each: LiveTable(f"table-{each}") for each in TABS}
 
     def compose(self) -> ComposeResult:

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+import types
 
 import pytest
 
@@ -212,12 +213,17 @@ def test_what_a_process_has_allocated_is_collected_into_huge_pages() -> None:
 
 def test_a_kernel_that_refuses_huge_pages_leaves_everything_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     class Refusing:
-        def madvise(self, *_: object) -> int:
+        """madvise(2) as a function of ctypes, where neither advice is known."""
+
+        argtypes: object = None
+        asked = 0
+
+        def __call__(self, *_: object) -> int:
+            self.asked += 1
             return -1
 
     refusing = Refusing()
-    refusing.madvise.__func__.argtypes = None  # type: ignore[attr-defined]  # as a function of ctypes has
-    monkeypatch.setattr(huge_pages, "_libc", refusing)
-    assert huge_pages.use_huge_pages() == 0
+    monkeypatch.setattr(huge_pages, "_libc", types.SimpleNamespace(madvise=refusing))
+    assert huge_pages.use_huge_pages() == 0 and refusing.asked > 0
     monkeypatch.setattr(huge_pages, "_libc", object())
     assert huge_pages.use_huge_pages() == 0, "a C library without madvise"

@@ -99,7 +99,7 @@ def held(run: CellRun, op: str) -> None:
 
 def cells(app: Monitor, table: str) -> list[list[str]]:
     """Rows of a table as they stand on the screen."""
-    shown = app.sources if table == "lines-doors" else app.tables[table.removeprefix("table-")]
+    shown = app.sources if table == "lines-sources" else app.tables[table.removeprefix("table-")]
     return [[str(cell) for cell in shown.get_row_at(row)] for row in range(shown.row_count)]
 
 
@@ -120,8 +120,8 @@ def test_tabs_show_axes_signals_lines_and_errors_live(run: CellRun) -> None:
         await until(pilot, lambda: [row[8] for row in cells(app, "table-axes") if "no telegram" in row[8]], "it stands at the axes")
         held(run, "release")
         await pilot.press("3")
-        await until(pilot, lambda: [row[1] for row in cells(app, "lines-doors")] == ["rack", "net"], "both command sources")
-        assert [row[3] for row in cells(app, "lines-doors")] == ["DOWN", "DOWN"]
+        await until(pilot, lambda: [row[1] for row in cells(app, "lines-sources")] == ["rack", "net"], "both command sources")
+        assert [row[3] for row in cells(app, "lines-sources")] == ["DOWN", "DOWN"]
 
     played(Look("see"), play)
 
@@ -165,7 +165,7 @@ def test_requests_to_a_modbus_server_stand_among_what_was_said_on_the_lines(run:
 def test_a_search_over_the_services_death_goes_on_by_itself(run: CellRun) -> None:
     async def play(app: Monitor, pilot: Any) -> None:
         await pilot.press("3")
-        await until(pilot, lambda: len(cells(app, "lines-doors")) == 2, "the command sources")
+        await until(pilot, lambda: len(cells(app, "lines-sources")) == 2, "the command sources")
         dead = run.pid("services")
         run.hold("services")  # killed, they would be back before anybody saw that they were gone
         await until(pilot, lambda: "SERVICES SILENT" in str(app.line.content), "their silence is told")

@@ -296,6 +296,7 @@ def test_signals_are_found_live_and_forced_with_a_mark(web: WebRun, boss: Page) 
     boss.fill("#search", "A1.actual")
     boss.click("[data-row='axis.A1.actual']")
     until(lambda: "DB 11 DW 2" in boss.inner_text("#detail"), "where-used names the word the PLC reads")
+    assert "written by: cycle" in boss.inner_text("#detail")
 
 
 def test_lines_and_bus_are_decoded(web: WebRun, boss: Page) -> None:

@@ -18,8 +18,8 @@ def call(bodies: Writer, statement: CallStatement) -> None:
         if statement.name in standard.PROCEDURES and statement.behind is None:
             _procedure(bodies, statement)
         else:
-            told = f"{statement.name} is no subroutine"
-            bodies.names.unknown(statement.name, statement.at, told, "declare it, or write a colon behind a label")
+            text = f"{statement.name} is no subroutine"
+            bodies.names.unknown(statement.name, statement.at, text, "declare it, or write a colon behind a label")
         return
     if statement.behind is not None:
         faults.error("syntax", statement.behind[0], f"a statement is expected, not {statement.behind[1]}")

@@ -138,8 +138,8 @@ class ExpressionReader:
             return token.text
         self._stream.take()
         self._stream.take()
-        told, number = f"{token.text},{behind.text}", f"{token.text}.{behind.text}"
-        self._stream.faults.error("syntax", token.position, f"{told}: a number has a point", f"write {number}")
+        number = f"{token.text}.{behind.text}"
+        self._stream.faults.error("syntax", token.position, f"{token.text},{behind.text}: a number has a point", f"write {number}")
         return number
 
     def _parts(self, value: Expression) -> Expression:

@@ -1,6 +1,6 @@
 """Mistakes of typing among statements: each is one fault at its place, and reading goes on as it was meant (AX-1734, AX-1747)."""
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 
 from gateway.pure.languages.baps2.declarations import DeclarationReader
 from gateway.pure.languages.baps2.expressions import ExpressionReader
@@ -213,27 +213,28 @@ class Mistakes:
 
     def condition(self, ends: Collection[str]) -> Expression:
         """A condition; where it is misread, reading goes on with one of these words."""
-        at = self._stream.token.position
-        depth = self._stream.depth
-        try:
-            return self._expressions.alone()
-        except Misread:
-            self._stream.back_to(depth)
-            if not self._goes_on(ends):
-                raise
-            return Faulty(at)
+        return self._value(lambda line: self._goes_on(ends))
 
     def header(self) -> Expression:
         """What a REPEAT or CASE works on; where it is misread, reading goes on behind its line."""
-        at = self._stream.token.position
-        depth = self._stream.depth
+        return self._value(self._behind)
+
+    def _value(self, goes_on: Callable[[int], bool]) -> Expression:
+        """A value; where it is misread, reading goes on where `goes_on` leads from this line, and is given up where that is False."""
+        at, depth = self._stream.token.position, self._stream.depth
         try:
             return self._expressions.alone()
         except Misread:
             self._stream.back_to(depth)
-            while self._stream.token.position.line == at.line and not self._starts() and self._stream.token.word != "TIMES":
-                self._stream.take()
+            if not goes_on(at.line):
+                raise
             return Faulty(at)
+
+    def _behind(self, line: int) -> bool:
+        """Passes over the rest of the line, to a statement or TIMES in it."""
+        while self._stream.token.position.line == line and not self._starts() and self._stream.token.word != "TIMES":
+            self._stream.take()
+        return True
 
     def then(self) -> None:
         """Takes THEN; where it is missing, a statement may follow."""

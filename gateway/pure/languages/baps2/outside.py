@@ -20,7 +20,7 @@ class Outside:
     """Answers what concerns devices and files."""
 
     def __init__(self, machine: Machine, *, seen: bool = False) -> None:
-        """`seen`: somebody looks at the panel while a program reads from it."""
+        """`seen`: an operator watches the panel while a program reads from it."""
         self._machine, self._seen = machine, seen
         machine.devices.setdefault(PANEL, Device(UnitFeed()))
 
@@ -75,7 +75,7 @@ class Outside:
         device = self._device(task, name)
         if device is None:
             return None
-        if self._seen and name == PANEL and (held := task.held.pop(name, b"")):  # he sees what he is asked for (L5760-5762, AX-1749)
+        if self._seen and name == PANEL and (held := task.held.pop(name, b"")):  # the question (L5760-5762, AX-1749)
             self._machine.event(task, "write", task.process.line, device=name, hex=held.hex())
         device.take_in(self._machine.now)
         try:

@@ -10,7 +10,7 @@ export function mount(root, { t, cell }) {
   const level = { title: t("level"), cell: (row, td) => td.append(chip(row.level === "warning" ? "warn" : "plain", t(row.level))) };
   const notices = counted(cell.notices.map((notice, i) => ({ ...notice, i })));
   root.append(h("div", { class: "grid" },
-    h("section", { class: "card w5" }, h("h2", {}, t("Cell")), facts([[t("name"), cell.name], [t("file"), say(cell.file)], [t("replaces"), cell.replaces || "-"], [t("target"), t(cell.target)], [t("clock"), `${cell.p5_ms} ms`], [t("command sources"), cell.command_sources.map((door) => `${door.number} ${door.name}`).join(", ") || "-"],
+    h("section", { class: "card w5" }, h("h2", {}, t("Cell")), facts([[t("name"), cell.name], [t("file"), say(cell.file)], [t("replaces"), cell.replaces || "-"], [t("target"), t(cell.target)], [t("clock"), `${cell.p5_ms} ms`], [t("command sources"), cell.command_sources.map((source) => `${source.number} ${source.name}`).join(", ") || "-"],
       ...cell.safety.map(([name, value]) => [say(name), say(value)])])),
     h("section", { class: "card w7" }, h("h2", {}, t("Results of check")), notices.length ? made([level, ...plain([["where", "where"], ["text", "text"]])], notices, (row) => row.i) : h("p", { class: "none" }, t("no findings"))),
     h("section", { class: "card w12" }, h("h2", {}, t("Axes")), made(plain([["name", "axis"], ["drive", "drive"], ["bus", "bus"], ["node", "address", true], ["unit", "unit"], ["min", "min", true], ["max", "max", true], ["speed", "speed", true], ["accel", "acceleration", true], ["gear", "gear"], ["home", "reference by"]]), cell.axes, (row) => row.name)),

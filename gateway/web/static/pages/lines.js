@@ -20,7 +20,7 @@ export function mount(root, { t, cell }) {
       h("div", { class: "scroll", style: "max-height:46vh", tabindex: "0", role: "region", "aria-label": `${t("Lines")} ${line.name}` },
         h("table", {}, h("thead", {}, h("tr", {}, [t("time"), t("side"), t("what"), t("in words"), t("bytes")].map((title) => h("th", { scope: "col" }, title)))), body))));
   }
-  for (const server of cell.modbus.filter((each) => cell.command_sources.some((door) => door.kind === "modbus" && door.name === each.name))) {
+  for (const server of cell.modbus.filter((each) => cell.command_sources.some((source) => source.kind === "modbus" && source.name === each.name))) {
     const state = chip("plain", "");
     const counters = h("p", { class: "small mono" });
     const body = h("tbody", { "data-modbus": server.name });
@@ -65,13 +65,13 @@ export function mount(root, { t, cell }) {
     update(page) {
       if (!page || page.gone) return;
       links(page.asked);
-      for (const door of page.command_sources) {
-        const box = boxes.get(door.name);
+      for (const source of page.command_sources) {
+        const box = boxes.get(source.name);
         if (!box) continue;
-        put(box.state, door.alive ? t("alive") : door.connected === false ? t("port not available") : t("silent"));
-        mark(box.state, `chip ${door.alive ? "good" : "bad"}`);
+        put(box.state, source.alive ? t("alive") : source.connected === false ? t("port not available") : t("silent"));
+        mark(box.state, `chip ${source.alive ? "good" : "bad"}`);
         const known = ["sends", "fetches", "refused", "bad_blocks", "own_jobs", "own_faults", "same_priority", "received", "sent", "unknown", "requests", "losses"];
-        put(box.counters, [...known.filter((name) => name in door).map((name) => `${t(name.replace("_", " "))} ${door[name]}`), say(door.advice), say(door.why)].filter(Boolean).join("   "));
+        put(box.counters, [...known.filter((name) => name in source).map((name) => `${t(name.replace("_", " "))} ${source[name]}`), say(source.advice), say(source.why)].filter(Boolean).join("   "));
       }
       if (held) return;
       for (const [name, told] of Object.entries(page.lines)) {

@@ -90,7 +90,7 @@ export function mount(root, { t, get, post, may, live, unable }) {
     const parts = [h("h2", {}, row.name), h("p", {}, row.en ? t("en") === "de" ? row.de : row.en : ""),
       h("p", { class: "mono small" }, row.addresses.join("   ")),
       row.source === "axisgate" ? h("p", { class: "soft" }, t("The number is axisgate's own (AX-002).")) : null,
-      h("p", {}, `${t("written by")}: ${row.door || "-"}`),
+      h("p", {}, `${t("written by")}: ${row.writer || "-"}`),
       h("h2", {}, t("Where used")), row.used.length ? h("ul", {}, row.used.map((use) => h("li", {}, use)), row.used_more ? h("li", { class: "soft" }, `${t("and more")}: ${row.used_more}`) : null) : h("p", { class: "soft" }, t("nowhere in this cell"))];
     detail.replaceChildren(...parts.filter(Boolean));
   }

@@ -129,3 +129,6 @@ def test_the_former_key_of_the_command_source_is_read() -> None:
     assert former != text
     controllers = [load_cell(str(path), each).controller for each in (text, former)]
     assert controllers[0] == controllers[1] and controllers[0] is not None and controllers[0].command_source == "plc"
+    both = text.replace("command_source", 'door = "net"\ncommand_source')
+    with pytest.raises(CellFaults, match=r"controller\.door"):
+        load_cell(str(path), both)

@@ -9,6 +9,7 @@ from gateway.__main__ import main
 from gateway.files.texts import read_texts, spoken
 from gateway.pure.languages import baps2
 from gateway.pure.reports.spoken import FIELD
+from hil_tests.house.sentences import written
 
 PROGRAM = """PROGRAMM P
 GANZ : I, J, I
@@ -34,15 +35,8 @@ def templates() -> set[str]:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr.lstrip("_") in REPORTS:
                 place = REPORTS[node.func.attr.lstrip("_")]
-                found |= {_written(each) for each in node.args[place : place + 1]}
+                found |= {written(each) for each in node.args[place : place + 1]}
     return {text for text in found if " " in text.replace("X", "").strip() and not text.endswith(" = X")}
-
-
-def _written(node: ast.expr) -> str:
-    if isinstance(node, ast.Constant):
-        return str(node.value)
-    parts = node.values if isinstance(node, ast.JoinedStr) else ()
-    return "".join(str(part.value) if isinstance(part, ast.Constant) else "X" for part in parts)
 
 
 def test_each_sentence_of_the_checker_has_its_german() -> None:

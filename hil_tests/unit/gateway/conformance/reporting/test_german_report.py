@@ -13,6 +13,7 @@ from gateway.conformance import suites
 from gateway.conformance.reporting.german import text_files, verdict_text
 from gateway.files.texts import read_texts
 from gateway.pure.reports.spoken import FIELD
+from hil_tests.house.sentences import written
 
 FOLDER = pathlib.Path(suites.__file__).parent
 ENDS = {"Fail": 2, "Warn": 2, "Inconclusive": 1, "NotApplicable": 1}  # how many of its arguments are sentences of their own
@@ -31,16 +32,9 @@ def sentences() -> Iterator[tuple[str, str]]:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ENDS:
                 for argument in node.args[: ENDS[node.func.id]]:
-                    text = _written(argument)
+                    text = written(argument)
                     if " " in text.strip() and re.search("[a-z]{2}", ALIKE.sub("", text)) and text not in WITH_VALUES:
                         yield f"{path.name}:{node.lineno}", text
-
-
-def _written(node: ast.expr) -> str:
-    if isinstance(node, ast.Constant):
-        return str(node.value)
-    parts = node.values if isinstance(node, ast.JoinedStr) else ()
-    return "".join(str(part.value) if isinstance(part, ast.Constant) else "X" for part in parts)
 
 
 def test_each_sentence_that_ends_a_case_has_its_german() -> None:
