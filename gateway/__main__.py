@@ -27,7 +27,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     name, rest = arguments[0], arguments[1:]
     if name not in known:
-        said = usage_text(f"unknown command '{name}'{nearest(name, known)}; axisgate -h lists the commands")
+        said = usage_text(f"unknown command '{name}'{nearest(name, known)} axisgate -h lists the commands")
         print(f"axisgate: {said}", file=sys.stderr)
         return INVALID
     try:
@@ -60,7 +60,7 @@ def load(entry: EntryPoint) -> Command:
 
 def nearest(name: str, known: Mapping[str, EntryPoint]) -> str:
     close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
-    return f", did you mean '{close[0]}'?" if close else ""
+    return f", did you mean '{close[0]}'?" if close else ";"
 
 
 def reason(entry: EntryPoint, missing: ModuleNotFoundError) -> str:

@@ -47,7 +47,7 @@ def used_on(cell: Cell, bus: Bus) -> list[Used]:
     axes = [axis for axis in cell.axis if axis.drive.bus == bus.name]
     if BUS_PROTOCOLS[bus.protocol].nodes:
         found = gateway_identifiers(GATEWAY_NODE)
-        for axis in axes:
+        for axis in {axis.drive.node: axis for axis in reversed(axes)}.values():  # a node used twice is a fault of `drives`
             if axis.drive.node is not None:
                 measuring = probe_of(cell, axis.name)
                 pdos = default_pdos(axis.drive.node, torque=True)

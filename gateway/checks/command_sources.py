@@ -23,7 +23,7 @@ def safety(check: Context) -> None:
         return
     table = check.cell.safety
     if table is None:
-        check.fault("safety", hint='target = "machine" needs the [safety] table: emergency_stop, sto_wired, guard, limit_switches, ..')
+        check.fault("safety", hint='target = "machine" needs the [safety] table: emergency_stop, sto_wired, guard, limit_switches, ...')
         return
     for name in ("emergency_stop", "sto_wired", "guard", "limit_switches", "risk_assessment", "last_stop_test"):
         if getattr(table, name) in ("", None):
@@ -35,9 +35,11 @@ def names(check: Context) -> None:
     cell = check.cell
     sources = [(line.name, f"line.{line.name}") for line in cell.line] + [(source.name, f"modbus.{source.name}") for source in cell.modbus]
     sources += [(name, f"controller.{name}") for name, _ in own_sources(cell)]
-    _unique(check, sources, "command sources")
-    for kind, parts in (("bus", cell.bus), ("axis", cell.axis), ("io", cell.io)):
-        _unique(check, [(part.name, f"{kind}.{part.name}") for part in parts], f"[[{kind}]] tables")
+    _unique(check, [(name, place, "") for name, place in sources], "command sources")
+    kinds = (("bus", [bus.name for bus in cell.bus]), ("axis", [axis.name for axis in cell.axis]), ("io", [io.name for io in cell.io]))
+    for kind, parts in kinds:
+        named = [(name, f"{kind}.{name}", f"{kind}[{index}].name") for index, name in enumerate(parts)]
+        _unique(check, named, f"[[{kind}]] tables")
     ports = [(line.port, f"line.{line.name}.port") for line in cell.line] + [(bus.port, f"bus.{bus.name}.port") for bus in cell.bus]
     for value, first, place in twice((port, place) for port, place in ports if port not in FREE_PORTS):
         check.fault(place, value, f"{first} has this port already")
@@ -49,11 +51,12 @@ def names(check: Context) -> None:
         check.fault(place, value, f"{first} listens there already")
 
 
-def _unique(check: Context, pairs: list[tuple[str, str]], what: str) -> None:
+def _unique(check: Context, named: list[tuple[str, str, str]], what: str) -> None:
+    """`named`: name, key by name, key by number; the line is that of the second table of a name."""
     seen: set[str] = set()
-    for name, place in pairs:
+    for name, place, at in named:
         if name in seen:
-            check.fault(f"{place}.name", name, f"the name is used twice among the {what}")
+            check.fault(f"{place}.name", name, f"the name is used twice among the {what}", at=at)
         seen.add(name)
 
 

@@ -19,9 +19,9 @@ class Context:
     line_of: Callable[[str], int | None]
     faults: list[Fault] = field(default_factory=list)
 
-    def fault(self, key: str, value: object = "", hint: str = "", range_: str = "", unit: str = "") -> None:
-        """Notes one fault at a key of the file."""
-        self.faults.append(Fault(self.cell.file, key, str(value), range_, unit, hint, self.line_of(key), "cross"))
+    def fault(self, key: str, value: object = "", hint: str = "", range_: str = "", unit: str = "", at: str = "") -> None:
+        """Notes one fault at a key of the file; `at` is the place whose line it has, where the key does not find it."""
+        self.faults.append(Fault(self.cell.file, key, str(value), range_, unit, hint, self.line_of(at or key), "cross"))
 
     def unknown(self, key: str, value: str, kind: str) -> bool:
         """True (and a fault) when no part of that kind has this name."""

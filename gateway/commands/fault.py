@@ -35,8 +35,10 @@ def main(argv: list[str]) -> int:
     running = emulators()
     wanted = [name for name in running if arguments.emulator in (None, name)]
     if len(wanted) != 1:
-        what = "choose one with --emulator" if running else "start one with: axisgate run demo --sim"
-        complain("fault", f"which emulator? running: {', '.join(running) or 'none'}; {what}")
+        several = f"several emulators are active: {', '.join(running)}; choose one: --emulator NAME"
+        none = "no emulator is active; start one with: axisgate run CELL --sim"
+        missing = f"no emulator {arguments.emulator!r} is active; active: {', '.join(running)}; choose one: --emulator NAME"
+        complain("fault", (missing if arguments.emulator else several) if running else none)
         return ENVIRONMENT
     return order(wanted[0], arguments.what, values)
 

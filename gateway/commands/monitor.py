@@ -9,10 +9,11 @@ from gateway.commands.var import runs_up
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.monitor.look import FILTERS, TABS, Look, NoRun
 from gateway.tools.monitor.tables import Table, as_json, plain
+from gateway.tools.runs import not_chosen
 from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
-  axisgate monitor                                  the cell that is up; ? shows the keys
+  axisgate monitor                                  the active run; ? shows the keys
   axisgate monitor demo --tab errors --once         pending errors with cause and remedy, as plain text
   axisgate monitor demo --tab signals --search "DB10 target" --json | jq .signals
   axisgate monitor old --pendant                    the pendant of a rho 3 or a ROBOTstar V: display and keys
@@ -27,9 +28,7 @@ def main(argv: list[str]) -> int:
     up = runs_up()
     name = arguments.run or (up[0] if len(up) == 1 else "")
     if name not in up:
-        what = "name one of them" if len(up) > 1 else "start one with: axisgate run demo --sim"
-        asked = f"no run {name!r} is up" if name else "which run"
-        complain("monitor", f"{asked}; running: {', '.join(up) or 'none'}; {what}")
+        complain("monitor", not_chosen(name, up, f"axisgate monitor {up[0]}" if up else ""))
         return ENVIRONMENT
     if arguments.pendant or arguments.press:
         return _pendant(name, arguments)

@@ -7,6 +7,7 @@ import time
 
 from drivers.ports.base import runtime_dir
 from gateway.tools.command_support import DONE, ENVIRONMENT, USAGE
+from gateway.tools.runs import not_chosen
 from gateway.tools.usage_language import complain
 
 SUFFIX = "-services.sock"
@@ -30,8 +31,7 @@ def main(argv: list[str]) -> int:
     up = runs_up()
     runs = [run for run in up if arguments.name in (None, run)]
     if len(runs) != 1:
-        what = "choose one with --name" if len(up) > 1 else "start one with: axisgate run demo --sim"
-        complain("var", f"which run? running: {', '.join(up) or 'none'}; {what}")
+        complain("var", not_chosen(arguments.name, up, "--name NAME"))
         return ENVIRONMENT
     request = {"op": "names"} if not arguments.address else {"op": "get", "address": arguments.address}
     if arguments.value is not None and arguments.address:

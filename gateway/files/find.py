@@ -22,6 +22,8 @@ def find_config(name: str, kind: str, first: Sequence[pathlib.Path] = ()) -> pat
     for each in (*first, wanted):
         if each.is_file():
             return each
+    if wanted.is_dir() and len(wanted.parts) != 1:
+        raise ConfigNotFound(f"{name}: is a folder, not a file")
     searched = [str(each.absolute()) for each in (*first, wanted)]
     if not wanted.is_absolute():
         for folder in _folders():

@@ -78,7 +78,9 @@ def attached(run: str) -> Iterator[Rings]:
             RegionWriter(fds["recorder"], "recorder", ASKED_LAYOUT),
             f"{boot}-{os.fstat(fds['record']).st_ino}",
         )
-    except (OSError, PortError, ImageError, KeyError) as error:
+    except PortError as error:
+        raise RecorderError(str(error)) from error
+    except (OSError, ImageError, KeyError) as error:
         raise RecorderError(f"run {run!r} cannot be recorded ({error}); start it with: axisgate run CELL") from error
     finally:
         for fd in fds.values():

@@ -20,7 +20,7 @@ def ask(slug: str, op: str, timeout_s: float = 5.0, **more: str) -> socket.socke
         connection.sendall(json.dumps({"op": op, **more}).encode())
     except OSError as error:
         connection.close()
-        raise PortError(f"{path}: no run of {slug!r} answers ({error.strerror}); start one: axisgate run CELL --sim") from error
+        raise PortError(f"no run {slug!r} answers ({path}: {error.strerror}); start it with: axisgate run CELL --sim") from error
     return connection
 
 

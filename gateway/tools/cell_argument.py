@@ -22,7 +22,9 @@ def load(name: str) -> Cell | int:
     except CellFaults as faults:
         for fault in faults.faults:
             print(fault, file=sys.stderr)
-        print(f"axisgate: {usage_text(f'{len(faults.faults)} faults; axisgate check {name} explains them')}", file=sys.stderr)
+        count = len(faults.faults)
+        said = f"{count} faults; axisgate check {name} explains them" if count > 1 else f"1 fault; axisgate check {name} explains it"
+        print(f"axisgate: {usage_text(said)}", file=sys.stderr)
         return USAGE
 
 

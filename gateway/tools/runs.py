@@ -1,4 +1,4 @@
-"""Runs that are up on this computer, asked at the supervisor's own socket: it answers also while the services are down."""
+"""Active runs of this computer, asked at the supervisor's own socket: it answers also while the services are down."""
 
 import contextlib
 import json
@@ -10,6 +10,7 @@ from gateway.tools.usage_language import complain
 
 ASK_S = 2.0
 SERVICES = "-services"
+START = "axisgate run CELL --sim"
 Row = dict[str, object]
 
 
@@ -44,10 +45,15 @@ def chosen(command: str, name: str | None) -> str | None:
         return name
     if name is None and len(up) == 1:
         return up[0]
-    what = f"no run {name!r} is up;" if name else "which run?"
-    next_step = f"name one: axisgate {command} {up[0]}" if up else "start one: axisgate run CELL"
-    complain(command, f"{what} running: {', '.join(up) or 'none'}; {next_step}")
+    complain(command, not_chosen(name, up, f"axisgate {command} {up[0]}" if up else ""))
     return None
+
+
+def not_chosen(name: str | None, up: list[str], choose: str) -> str:
+    """Why that name, or none, does not mean one of these active runs, and what to type: `choose` where there are several."""
+    if not up:
+        return f"no run is active; start one with: {START}"
+    return f"{f'no run {name!r} is active' if name else 'several runs are active'}; active: {', '.join(up)}; choose one: {choose}"
 
 
 def processes(status: Row) -> list[Row]:

@@ -89,7 +89,7 @@ def test_var_writes_as_the_plc_would_and_speaks_json(run: CellRun) -> None:
 
 def test_var_knows_which_runs_are_up(run: CellRun) -> None:
     code, out, err = axisgate("var", "cell.ready", "--name", "other")
-    assert (code, out) == (3, "") and err == "axisgate var: which run? running: tools; start one with: axisgate run demo --sim"
+    assert (code, out) == (3, "") and err == "axisgate var: no run 'other' is active; active: tools; choose one: --name NAME"
     with socket.socket(socket.AF_UNIX) as dead:
         dead.bind(str(runtime_dir() / "crashed-services.sock"))
     assert axisgate("var", "cell.ready") == (0, "cell.ready = 1", ""), "a socket nobody listens on is no run"
@@ -163,7 +163,7 @@ def test_a_tool_waits_behind_tools_that_were_not_accepted_yet() -> None:
         late.listen(1)
         for _ in range(2):  # the queue is full
             tools.enter_context(ask("late", "status"))
-        with pytest.raises(PortError, match="no run of 'late' answers"):
+        with pytest.raises(PortError, match="no run 'late' answers"):
             ask("late", "status", timeout_s=0.1)
         accepting = threading.Timer(0.1, lambda: tools.enter_context(late.accept()[0]))
         accepting.start()

@@ -50,7 +50,7 @@ def test_a_process_that_died_six_times_comes_back_slowly_or_at_once_when_it_is_r
         assert axisgate("stop") == (0, "run 'slow' has ended", "")
         assert run.process.wait(5) == 0
         code, _, err = axisgate("status")
-        assert code == 3 and err == "axisgate status: which run? running: none; start one: axisgate run CELL"
+        assert code == 3 and err == "axisgate status: no run is active; start one with: axisgate run CELL --sim"
 
 
 def test_a_process_that_cannot_be_ended_at_once_does_not_hold_up_the_watch() -> None:

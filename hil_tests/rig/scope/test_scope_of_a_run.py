@@ -110,7 +110,7 @@ def test_the_command_records_a_run_and_names_what_it_cannot(run: CellRun, tmp_pa
     for more, code, words in (
         (("--channels", "axis.Q.lag"), 2, "no axis Q; A1, A2"),
         (("--channels", "axis.A1.lag", "--trigger", "A1 jumps"), 2, "NAME > LEVEL"),
-        (("--channels", "axis.A1.lag", "--name", "nobody"), 3, "no run of 'nobody' answers"),
+        (("--channels", "axis.A1.lag", "--name", "nobody"), 3, "no run 'nobody' answers"),
     ):
         refused = axisgate("record", "demo", "--name", "scope", "-o", tmp_path / "b.scope", *more)
         assert (refused.returncode, words in refused.stderr) == (code, True), refused.stderr
