@@ -44,7 +44,7 @@ EXAMPLES = """examples:
   axisgate plc show reis-plc MAIN                                    its listing with state, VKE and accumulators behind each step
   axisgate plc set reis-plc M10.0 1                                  a marker by hand: M10.0, M10, MD10
   axisgate plc import LIST.TXT --to cell/PLC                         a statement list of STEP 5 or STEP 7 becomes NAME.PLC files
-exit code: 0 done, 1 a finding (faults, a refused start, PLC error, lines not translated), 2 wrong arguments or files"""
+exit code: 0 done, 1 a finding (faults, a refused start, PLC error, lines not translated, missing blocks), 2 wrong arguments or files"""
 
 
 def main(argv: list[str]) -> int:
@@ -235,7 +235,8 @@ def line_of(event: Event) -> str:
 def import_list(options: argparse.Namespace) -> int:
     """Writes the programs and reports each line that was not translated."""
     table = read_listing(options.words) if options.words else ""
-    result = imported(read_listing(options.file), table)
+    present = read_programs(options.to) if options.to.is_dir() else {}
+    result = imported(read_listing(options.file), table, present)
     if not result.programs:
         raise ProgramFileFault(
             f"{options.file}: no line of a statement list was found; print the blocks as statement list (AWL) to a text file"
@@ -245,7 +246,7 @@ def import_list(options: argparse.Namespace) -> int:
         print(json.dumps({"programs": [str(path) for path in paths], **result.as_dict()}, indent=1))
     else:
         print("\n".join(lines_of_import(paths, result)))
-    return Exit.FINDING if result.refused else Exit.OK
+    return Exit.FINDING if result.refused or result.missing else Exit.OK
 
 
 def lines_of_import(paths: Iterable[pathlib.Path], result: Imported) -> Iterator[str]:

@@ -2,7 +2,9 @@
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+
+from gateway.pure.languages.plc.awl.slips import heading_of, label_of, put_right, without_colon
 
 STEP7 = re.compile(r"^\s*(ORGANIZATION_BLOCK|FUNCTION_BLOCK|FUNCTION|BEGIN)\b", re.IGNORECASE | re.MULTILINE)
 OPENED = re.compile(r"(ORGANIZATION_BLOCK|FUNCTION_BLOCK|FUNCTION)\s+(?:\"([^\"]+)\"|([A-Z]+\s*\d+|[^\"\s:]+))", re.IGNORECASE)
@@ -17,11 +19,16 @@ NOISE = re.compile(
     re.IGNORECASE,
 )
 DECLARATION = re.compile(r"VAR(_TEMP|_INPUT|_OUTPUT|_IN_OUT)?\b", re.IGNORECASE)
-ADDRESSED = re.compile(r"[0-9A-F]{4,6}\s*(?=[:A-Z])", re.IGNORECASE)
+ADDRESSED = re.compile(r"[0-9A-F][0-9A-FO]{3,5}\s*(?=[:A-Z])", re.IGNORECASE)
 PARAMETER = re.compile(r"(?:[EAMTZDIQCB][BWD]?\s+\d|K[A-Z]\s|[A-Z]+/[A-Z]+/)", re.IGNORECASE)
 PRINTED = re.compile(r"\s*(?:[0-9A-F]{4,6}\s+)?[A-Z0-9_]{0,8}\s*:", re.IGNORECASE)
+MORE = re.compile(  # a second statement in the same line: a lost line end, or a second column of the print
+    r"\s(?:(?:UN?|ON?|XN?|=|S|R|L|T|ZV|ZR|S[IVEA])\s+[EAMTZIQFC][BWD]?\s*\d|(?:SPA|SPB)\s+(?:=|[PFS]B\s*\d))|\s[0-9A-F]{4}\s+\w{0,4}\s*:",
+    re.IGNORECASE,
+)
 ADDS = re.compile(r"(?:\d*\s*:)?\s*\+\s*-?\d")  # STEP 7 adds a constant: a statement without a letter
 DECLARES = re.compile(r"(?:BEZ|DECL)\s*:.*\b[EI]/[AQ]/D/B/[TC]", re.IGNORECASE)  # BEZ :EIN  E/A/D/B/T/Z: E  BI/BY/W/D: BI, of STEP 5
+JUMP = re.compile(r"=?\s*([A-Z_0-9][A-Z0-9_]*)$")
 LABELLED = re.compile(r"([A-Z_][A-Z0-9_]{0,23})?\s*:\s*(.*)$", re.IGNORECASE)
 WORD = re.compile(
     r"(==[IDR]|<>[IDR]|[><]=?[IDRFG]|>=[IDFG]|<=[IDFG]|!=[FDG]|><[FDG]|[+\-*/:X][IDRFG]\b|[LT]AR[12]\b|\+AR[12]\b|\+|[A-Z]+\(|=|\)|[A-Z]+\b)\s*(.*)$",
@@ -109,6 +116,7 @@ class Reader:
     step7: bool = False
     english: bool = False
     _printed: bool = False  # a listing: each statement has a colon
+    _addressed: bool = False  # and its address in front; else FADE and ADD1 are labels
     _block: Block | None = None
     _skipping: re.Pattern[str] | None = None  # up to the line that matches
     _skipped: str = ""
@@ -119,13 +127,20 @@ class Reader:
         self.step7, self.english = bool(STEP7.search(bare)), english_of(bare)
         lines = [line for line in bare.splitlines() if line.strip()]
         self._printed = not self.step7 and 2 * sum(bool(PRINTED.match(line)) for line in lines) > len(lines)
+        addresses = [bool(ADDRESSED.match(line.strip())) for line in lines if ":" in line]
+        self._addressed = not self.step7 and 2 * sum(addresses) > len(addresses)
         for number, line in enumerate(self.text.removeprefix("\ufeff").splitlines(), 1):
-            for part in self._parts(line):
+            for part in self._parts(number, line):
                 self._line(number, part)
+        for block in self.found.blocks:
+            block.statements = [self._led(block, each) for each in block.statements]
         return self.found
 
-    def _parts(self, line: str) -> Iterator[str]:
+    def _parts(self, number: int, line: str) -> Iterator[str]:
         line = line.split("//", maxsplit=1)[0].replace("\f", " ").replace("\t", " ")
+        if self._addressed and ":" not in line and (meant := without_colon(line)):
+            self._read_as(number, line.strip(), meant)
+            line = meant
         parts = line.split(";") if self.step7 else [line.split(";")[0]]
         yield from (part.strip() for part in parts if part.strip())
 
@@ -154,6 +169,9 @@ class Reader:
 
     def _header(self, number: int, part: str) -> bool:
         """Whether the line is a heading, or print without a meaning for the program."""
+        if not self.step7 and (meant := heading_of(part)) != part:
+            self._read_as(number, part, meant)
+            part = meant
         found = HEADER.match(part)
         if found and not self.step7 and not found[3].startswith(":"):
             if found[1].upper() in ("DB", "DX"):
@@ -178,7 +196,7 @@ class Reader:
     def _statement(self, number: int, part: str) -> None:
         if self._block is not None and not self._block.name:
             return  # a row of a data block, which its head has named
-        addressed = ADDRESSED.match(part)
+        addressed = ADDRESSED.match(part) if self._addressed else None
         body = part[addressed.end() :] if addressed and ":" in part else part
         label, rest = "", body
         if labelled := LABELLED.match(body):
@@ -196,12 +214,31 @@ class Reader:
             if label:
                 self._add(Statement(number, label, "NOP", "0", part))
             return
+        if (meant := put_right(rest.upper())) != rest.upper():
+            self._read_as(number, rest, meant)
+            rest = meant
         word = WORD.match(rest)
         if word is None:
             self._refuse(number, part, "this line is no statement of STEP 5 or STEP 7")
             self._add(Statement(number, label, "?", "", part))
             return
+        if MORE.search(f" {word[2]}" if word[1] in ("(", ")") or word[1].endswith("(") else word[2]):
+            self._refuse(number, part, "there is more than one statement in the line; write one a line")
+            self._add(Statement(number, label, "?", "", part))
+            return
         self._add(self._normal(number, label, word[1].upper(), word[2].strip(), part))
+
+    def _read_as(self, number: int, text: str, meant: str) -> None:
+        self.found.notes.append(f"line {number}: {text[:60]!r} is read as {meant[:60]!r}")
+
+    def _led(self, block: Block, statement: Statement) -> Statement:
+        """A jump to a label of the block, also where one of the two is misread."""
+        found = JUMP.match(statement.operand) if statement.word in ("SPA", "SPB", "SPBN", "SPBB", "SPBNB") else None
+        labels = {each.label for each in block.statements if each.label}
+        if found is None or found[1] in labels or not (meant := label_of(found[1], labels)):
+            return statement
+        self._read_as(statement.line, statement.operand, f"={meant}")
+        return replace(statement, operand=f"={meant}")
 
     def _named(self, label: str, rest: str) -> bool:
         """The name line of a function block in a listing of STEP 5."""

@@ -1,11 +1,11 @@
 """Imports a statement list: programs, and a reason for each line that was not translated."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from gateway.pure.languages.plc.awl.reader import OPERANDS, Reader, Refused
-from gateway.pure.languages.plc.awl.translator import Translator
+from gateway.pure.languages.plc.awl.reader import OPERANDS, Block, Reader, Refused
+from gateway.pure.languages.plc.awl.translator import OPENS, OPENS_NOT, Translator
 from gateway.pure.languages.plc.awl.unfed import unfed
 
 ROW = re.compile(r"((?:D[BX]\d+\.)?[A-Z]{1,3}\d+(?:\.\d+)?)\s*[=;,\t ]\s*(M\d+(?:\.\d)?)$")
@@ -23,12 +23,13 @@ class Imported:
     programs: dict[str, str] = field(default_factory=dict)
     refused: list[Refused] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)  # blocks that are called and are nowhere: no PLC starts
     statements: int = 0
 
     def as_dict(self) -> dict[str, object]:
         """For --json."""
         rows = [{"line": each.line, "block": each.block, "text": each.text, "reason": each.reason} for each in self.refused]
-        return {"statements": self.statements, "refused": rows, "notes": self.notes}
+        return {"statements": self.statements, "refused": rows, "missing": self.missing, "notes": self.notes}
 
 
 def words_of(table: str) -> tuple[Mapping[str, str], list[str]]:
@@ -88,8 +89,19 @@ def spare_bytes(text: str, words: Mapping[str, str]) -> list[str]:
     return [f"M{byte}" for byte in range(511, -1, -1) if byte not in used]
 
 
-def imported(text: str, table: str = "") -> Imported:
-    """The programs of a list."""
+def _unclosed(block: Block) -> Iterator[Refused]:
+    """Brackets that the block opens and does not close."""
+    opened = []
+    for each in block.statements:
+        if each.word in OPENS or each.word in OPENS_NOT:
+            opened.append(each)
+        elif opened and (each.word == ")" or (each.word == "?" and ")" in each.text)):
+            opened.pop()
+    yield from (Refused(each.line, block.name, each.text[:100], "this bracket is not closed") for each in opened)
+
+
+def imported(text: str, table: str = "", present: Collection[str] = ()) -> Imported:
+    """The programs of a list.  `present`: names of programs that are there already and may be called."""
     reader = Reader(text)
     listing = reader.run()
     words, wrong = words_of(table)
@@ -105,8 +117,11 @@ def imported(text: str, table: str = "") -> Imported:
         result.statements += len(block.statements)
         known = {each.line for each in result.refused}
         result.refused += [each for each in translator.refused if each.line not in known]
-        result.notes += unfed(block.name, block.statements, {*known, *(each.line for each in translator.refused)})
-        calls |= dict.fromkeys(translator.calls, block.name)
+        known |= {each.line for each in translator.refused}
+        result.refused += [each for each in _unclosed(block) if each.line not in known]
+        result.notes += unfed(block.name, block.statements, known)
+        for name in translator.calls:
+            calls.setdefault(name, block.name)
         if translator.spared:
             result.notes.append(f"{block.name}: {spare}.0 and {spare}.1 are auxiliary bits of edges; no other program may use them")
         if translator.local:
@@ -116,7 +131,7 @@ def imported(text: str, table: str = "") -> Imported:
             result.notes.append(f"{block.name}: {NARROW} {', '.join(str(line) for line in sorted(set(translator.narrow)) if line)}")
         if block.name.startswith("OB") and block.name != "OB1":
             result.notes.append(f"{block.name}: the integrated PLC calls OB1 alone; call it with SU, at power-on with U M1020.4")
-    missing = sorted(name for name in calls if name not in result.programs)
-    result.notes += [f"{name} is called in {calls[name]} and is not in the list" for name in missing]
+    result.missing = sorted(name for name in calls if name not in result.programs and name not in present)
+    result.notes += [f"{name} is called in {calls[name]} and is not in the list; import it too, or write it" for name in result.missing]
     result.refused.sort(key=lambda each: each.line)
     return result

@@ -17,7 +17,7 @@ LOCAL_BYTE, LOCAL_WORD = re.compile(r"LB\s*(\d+)\b"), re.compile(r"L[WD]\s*\d")
 STATUS = re.compile(r"(?:==|<>|>=|<=|>|<)0|OV\b|OS\b|UO\b|BIE\b|BR\b|STW\b")
 CELL = re.compile(r"([TZ])\s*(\d+)\b(?!\.)")
 BYTE = re.compile(r"([EAM])B\s*(\d+)\b")
-OPERAND_LIKE = re.compile(r"[A-Z]{1,3}\s*\d|[=#\"-]")  # anything else behind a single O is a comment
+OPERAND_LIKE = re.compile(r"[A-Z]{1,3}\s*\d|[=#\"-]|\d|[EAMTZIQFC]\s+\S*[.,]\S")  # anything else behind a single O is a comment
 TABLED = re.compile(r"(?:(D[BX]\s*\d+)\s*\.\s*)?(MW|EW|AW|MD|ED|AD|DW|DL|DR|DD|DBW|DBD|DBB|DBX|D)\s*(\d+(?:\.\d+)?)\b")
 BLOCK = re.compile(r"(OB|PB|FB|FX|SB|FC)\s*(\d+)\b")
 SYMBOL = re.compile(r'"([^"]+)"')
@@ -240,6 +240,9 @@ class Translator:
             self.lines += [")"] * self._levels.pop().closes
             self._fresh = False
             return
+        if re.match(r"[EAMTZ]\s*\d", operand):
+            self._levels.append(Level(0))  # its end is no mistake of its own
+            raise NoCounterpart(f"{word} has no operand; the first link of a bracket is a statement of its own")
         if word not in ("U(", "UN("):
             self._close_or()
         if word in OPENS_NOT:
@@ -350,7 +353,7 @@ class Translator:
                 self.narrow.append(self._line)  # a negative word to comparisons and calculations with 16 bits
         else:
             self._symbol(operand)
-            raise NoCounterpart(f"{operand}: no constant and no byte that the integrated PLC loads")
+            raise NoCounterpart(f"{operand or 'a missing operand'}: no constant and no byte that the integrated PLC loads")
 
     def _store(self, word: str, operand: str) -> None:
         if found := BYTE.match(operand):
@@ -361,7 +364,7 @@ class Translator:
             self.lines.append(f"{'T' if found[2] in ('DL', 'DR', 'DBB') else 'TD'} {self._tabled(operand)}")
         else:
             self._symbol(operand)
-            raise NoCounterpart(f"{operand}: a byte of E, A or M is needed")
+            raise NoCounterpart(f"{operand or 'a missing operand'}: a byte of E, A or M is needed")
 
     def _calculate(self, word: str, operand: str) -> None:
         self._loaded = None
@@ -430,7 +433,7 @@ class Translator:
             self.lines.append(f"SP {label[1]}{when}")
         else:
             self._symbol(operand)
-            raise NoCounterpart(f"{word} {operand}: a label or a block is needed")
+            raise NoCounterpart(f"{operand or 'a missing operand'}: a label or a block is needed")
         self._fresh, self._one = True, bool(when)
 
     def _leave(self, word: str, operand: str) -> None:

@@ -1,0 +1,71 @@
+"""Statement lists read from a print: what cannot be a statement is put right and named, nothing is lost in silence (AX-1830)."""
+
+import pathlib
+
+import pytest
+
+from gateway.commands.plc import main
+from gateway.pure.languages.plc.awl.report import imported
+
+PRINT = """0B 1                                     LAE=34
+0000      :SPA PB  1O
+0001      :U(
+0002      :O   E   l.2
+0003      :ON  E   O.3
+0004      :)
+0005      ;=   A   4.O
+0006       U   E   0,4
+0007      :L   KT  1OO.1
+0009      :SE  T   I
+000A      :SPB =MOO1
+000B      :L   KF  +I5
+000D      :T   M8  2O
+000E M001 :8E
+P8 10
+0000      :0   M   30.1
+0001      :5   A   1.0
+0002      :BE
+"""
+MEANT = "PLC OB1\nSU PB10\nU(\nO E1.2\nON E0.3\n)\n= A4.0\nU E0.4\nL 1000\nST E,T1\nSP M001,1\n"
+MEANT += "L 15\nT M20\nO M0.0\nON M0.0\nM M001\nSP _END\nM _END\nEND\n"
+
+
+def test_misread_letters_of_a_print_are_put_right_and_each_change_is_named() -> None:
+    result = imported(PRINT)
+    assert result.refused == [] and result.missing == []
+    assert result.programs == {"OB1": MEANT, "PB10": "PLC PB10\nO M30.1\nS A1.0\nEND\n"}
+    named = [int(note.split(":")[0].removeprefix("line ")) for note in result.notes if " is read as " in note]
+    assert sorted(named) == [1, 2, 4, 5, 7, 7, 8, 8, *range(9, 18)]
+    assert "line 4: 'O   E   l.2' is read as 'O E 1.2'" in result.notes
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("PB 1\n:U(\n:O E ?.2\n:O E 0.1\n:)\n:= A 0.0\n:BE", 3),  # once a single O with a comment
+        ("PB 1\n0000 :U E 0.0   0010 :U E 1.0\n0001 :UN E 0.1\n0002 :BE", 2),  # two columns
+        ("PB 1\n:U E 0.0 = A 0.0\n:BE", 2),
+        ("PB 1\n:U( E 0.0\n:U E 0.1\n:)\n:= A 0.0\n:BE", 2),
+        ("PB 1\n:U(\n:U E 0.1\n:= A 0.0\n:BE", 2),  # not closed
+    ],
+)
+def test_what_cannot_be_one_statement_is_refused_with_its_line(text: str, line: int) -> None:
+    assert [each.line for each in imported(text).refused] == [line]
+
+
+def test_labels_of_the_letters_a_to_f_are_no_addresses() -> None:
+    result = imported("FUNCTION FC 1 : VOID\nBEGIN\nU E 0.0;\nSPB ADD1;\nSPA FACE;\nADD1: INC 1;\nFACE: NOP 0;\nEND_FUNCTION")
+    assert result.refused == []
+    assert result.programs["FC1"].count("M ADD1\n") == result.programs["FC1"].count("M FACE\n") == 1
+
+
+def test_a_block_that_is_called_and_nowhere_is_a_finding_until_it_is_in_the_folder(
+    tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one, two = tmp_path / "one.txt", tmp_path / "two.txt"
+    one.write_text("OB 1\n:SPA PB 8\n:BE\n")
+    two.write_text("PB 8\n:U E 0.0\n:= A 0.0\n:BE\n")
+    assert main(["import", str(one), "--to", str(tmp_path / "a")]) == 1
+    assert capsys.readouterr().out.splitlines()[-1] == "PB8 is called in OB1 and is not in the list; import it too, or write it"
+    assert main(["import", str(two), "--to", str(tmp_path / "b")]) == 0
+    assert main(["import", str(one), "--to", str(tmp_path / "b")]) == 0
