@@ -35,7 +35,7 @@ from gateway.pure.image.records.cell import AxisFlag, CellState, InputImage, Mot
 from protocols.base.machine import Ns
 
 HOLD, MOVES, PLUS, MINUS = (1020, 7), (1021, 5), (1021, 3), (1021, 4)
-OVERRIDE, ACTUAL, TCP, TCP_VALID = 1436, 1024, 1124, (1120, 0)
+INQUIRY, OVERRIDE, ACTUAL, TCP, TCP_VALID = 996, 1436, 1024, 1124, (1120, 0)
 AUTO, HAND = 0x0300, 0x0101  # operating mode codes (robotstar 5.9)
 MULTIPLIED = (AUTO, 0x0202, 0x0204)  # modes in which M1436 counts
 AUTO_MN = 23  # RC input that says which
@@ -285,6 +285,7 @@ class ReisControl:
             mode = self.robot.programs.code
             markers.set_bit(*PLUS, self.robot.keys.hand.plus)
             markers.set_bit(*MINUS, self.robot.keys.hand.minus)
+            markers.set_number(INQUIRY, next((int(str(row["inquiry"])) for row in self.robot.programs.rows), 0))
         markers.set_number(MODE, int.from_bytes(mode.to_bytes(2, "big"), "little"), 2)
         places = tuple(axis.actual * factor for axis, factor in zip(axes, self.setup.unit_per_si, strict=False))
         for number, place in enumerate(places):

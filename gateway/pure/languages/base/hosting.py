@@ -91,6 +91,7 @@ class ProcessRow:
     external: str = ""  # the external program, or the included file, that it executes just now
     level: int = 0  # subroutines one in the other
     including: str = ""  # the external program that includes this file; "": the program itself does, or it is not included
+    inquiry: int = 0  # an input it waits for, as M996 has it
     included: int = 0  # line of the instruction there that includes it; 0: it is not included
 
 

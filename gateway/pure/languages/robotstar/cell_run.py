@@ -371,7 +371,14 @@ class CellRun:
         waits = "" if asked is None or self.ahead.busy else "F1 or F2" if keys else WAITS.get(type(asked), "")
         name, done = self.robot.done()
         row = ProcessRow(
-            self.run, program or self.selected.key, self.selected.kind, state, step, waits, done=done if name == program else 0
+            self.run,
+            program or self.selected.key,
+            self.selected.kind,
+            state,
+            step,
+            waits,
+            done=done if name == program else 0,
+            inquiry=self.robot.inquiry,
         )
         if self.runs:
             return [row]

@@ -49,6 +49,12 @@ def bit_test(machine: Machine, step: Step, area: str) -> Callable[[], bool]:
     return lambda: bool(machine.world.byte(area, byte()) >> bit() & 1)
 
 
+def input_of(machine: Machine, step: Step) -> Callable[[], int | None]:
+    """A function that gives the number of an input, byte by byte."""
+    byte, bit = whole(machine, step.slots["byte"], 0, 39, "byte"), whole(machine, step.slots["bit"], 0, 7, "bit")
+    return lambda: 8 * byte() + bit()
+
+
 def _no_variable() -> bool:
     raise StepFault(WRONG_TYPES)
 
@@ -75,6 +81,7 @@ def wait_bit(machine: Machine, step: Step, following: int, program: Program) -> 
     test, level = bit_test(machine, step, area), whole(machine, step.slots["level"], 0, 1, "level")
     limit = number(machine, step.slots["time"], 0, 1e9, "time") if "time" in step.slots else lambda: 0.0
     label = label_of(step)
+    place = input_of(machine, step) if area == "INPUT" else lambda: None
 
     def op() -> int:
         machine.effects += 1
@@ -85,7 +92,8 @@ def wait_bit(machine: Machine, step: Step, following: int, program: Program) -> 
         late = program.labels.get(label, 0) - 1 if seconds else following
         if late < 0:
             raise StepFault(f"label {label or '(none)'} not found")
-        return machine.ask(BitWait(lambda: test() == wanted, wanted, round(seconds * NS) if seconds else None, late, keys), following)
+        left = round(seconds * NS) if seconds else None
+        return machine.ask(BitWait(lambda: test() == wanted, wanted, left, late, keys, place()), following)
 
     return op
 

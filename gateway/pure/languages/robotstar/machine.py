@@ -71,13 +71,20 @@ class Wait(Request):
 
 @dataclass(frozen=True, slots=True)
 class BitWait(Request):
-    """WAIT_BIT: until `test` holds; after `left` ns (None: for ever) on at `late`.  `keys`: F1 and F2 give the level."""
+    """WAIT_BIT: until `test` holds; after `left` ns (None: for ever) on at `late`.  `keys`: F1 and F2 give the level.  `input`: its
+    number, None for other bits."""
 
     test: Callable[[], bool]
     level: bool
     left: Ns | None
     late: int
     keys: bool = False
+    input: int | None = None
+
+    @property
+    def inquiry(self) -> int:
+        """Input, level and status as M996 to M999 show them (L2937); 0: no input."""
+        return 0 if self.input is None else 1 << 31 | self.level << 16 | self.input
 
 
 @dataclass(frozen=True, slots=True)

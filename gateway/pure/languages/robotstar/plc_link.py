@@ -14,7 +14,7 @@ from gateway.pure.languages.robotstar.robot import CYCLE, Message
 from gateway.pure.languages.robotstar.virtual import BASES, VirtualCell
 
 INPUTS, OUTPUTS, AREA = BASES["INPUT"], BASES["OUTPUT"], 40
-QUIET = frozenset((*range(944, 952), *range(988, 1148), *range(1464, 1480)))  # filled by the system: no event
+QUIET = frozenset((*range(944, 948), *range(988, 1148), *range(1464, 1480)))  # filled by the system: no event
 
 
 @dataclass(slots=True)

@@ -358,6 +358,12 @@ class Robot:
         """Whether a way is under way."""
         return self.state is State.RUNNING and isinstance(self.machine.request, Go)
 
+    @property
+    def inquiry(self) -> int:
+        """The input that the program waits for (M996)."""
+        request = self.machine.request
+        return request.inquiry if self.state is State.WAITING and isinstance(request, BitWait) else 0
+
     def place(self) -> tuple[str, int]:
         """Program and step under the cursor; 1 is the head."""
         frame = self.machine.frame

@@ -24,6 +24,7 @@ from gateway.pure.languages.robotstar.values import Cell, Structure, flat
 BASES = {"INPUT": 1968, "OUTPUT": 2008, "MARKER": 0}  # markers that mirror the inputs and outputs (L2985-2986)
 ANALOG_INPUTS, ANALOG_OUTPUTS, SCALE = 1872, 1920, (2**15 - 1) / 10
 POWER_ON, HOLD, REQUESTS, FACTOR, MODE_CODE, MOVES = (1020, 4), (1020, 7), 968, 1436, 1022, (1021, 5)
+INQUIRY = 996  # the input that is waited for (L2937)
 ERROR_NUMBER, IN_ERROR, ACKNOWLEDGED = 944, (1021, 0), (1021, 1)
 DEFAULT_UNTIL = 600 * NS
 AFTER = NS  # the PLC still scans once the program has stopped
@@ -368,6 +369,7 @@ class VirtualCell:
             number = self.robot.failure.number or 0
             self._set(ACKNOWLEDGED, False)
         self.image[ERROR_NUMBER : ERROR_NUMBER + 4] = number.to_bytes(4, "little")
+        self.image[INQUIRY : INQUIRY + 4] = self.robot.inquiry.to_bytes(4, "little")
         pose = self._at.pose
         self._set((1120, 0), bool(pose))
         for at, value in enumerate(pose):

@@ -96,7 +96,10 @@ def test_wait_bit_times_out_at_its_label_and_timers_begin_at_rest() -> None:
     late = 'WAIT_BIT #EINGANG,1,0,3,0.3,"LATE"\nLABEL "LATE"\n'
     body = f"{LINE}{at(884, 100, 591)}\n{late}WRITE_BIT #MERKER,1,20,0\nWAIT 0.2\nWRITE_BIT #MERKER,1,20,1\nSTOP"
     cell = ReisCell(main(body))
-    assert cell.run()[0] == "ended"
+    run = cell.start()
+    cell.until(lambda: cell.control.flag_bytes()[999] == 128)
+    assert cell.control.flag_bytes()[996:999] == bytes((3, 0, 1)), "the input that is waited for (L2937)"
+    assert cell.ends(run)[0] == "ended" and not any(cell.control.flag_bytes()[996:1000])
     (first, _), (second, _) = when(cell, "M20")
     there = next(n for n, place in enumerate(cell.places) if place[1] > 99.99)
     assert (first - there) * 0.004 == pytest.approx(0.3, abs=0.06)

@@ -55,6 +55,21 @@ def test_messages_by_m948() -> None:
     assert (ran.state, ran.value("I1")) == ("stopped", 1)
 
 
+def test_m948_is_0_again_behind_the_end_of_the_scan() -> None:
+    """L2857: the PLC deletes M948; the log shows it, so that a second message is seen as one."""
+    ran = run("COPY 80000005H,_SPS[238]\nWAIT 1\nCOPY 5,_SPS[238]\nWAIT 0.1\nSTOP", FOLLOW, 3, texts=MESSAGES)
+    assert ran.when("M948") == [(0.0, 5), (0.01, 0), (1.0, 5), (1.01, 0)] and ran.when("M951") == [(0.0, 128), (0.01, 0)]
+
+
+@pytest.mark.parametrize("mode", ["auto", "test4"])
+def test_l2937_m996_has_the_input_and_the_level_a_program_waits_for(mode: str) -> None:
+    robot = "WAIT 0.1\nWAIT_BIT #EINGANG,0,3,6,0.5,L\nLABEL L\nWAIT_BIT #EINGANG,1,4,1\nWAIT 1\nSTOP"
+    plc = "PLC MAIN\nLD M996\nTD M100\nEND"
+    ran = run(robot, plc, 5, "0 E3.6=1", "2 E4.1=1" if mode == "auto" else "2 F2", mode=mode)
+    assert ran.when("M100") == [(0.11, 30), (0.61, 33), (2.01, 0)]
+    assert ran.when("M102") == [(0.61, 1), (2.01, 0)] and ran.when("M103") == [(0.11, 128), (2.01, 0)]
+
+
 def test_an_error_of_the_plc_stops_all() -> None:
     ran = run("WRITE_BIT #AUSGANG,1,0,0\nWAIT 100", "PLC 'MAIN'\nM L\nU E0.0\nSP L,1\nEND", 2, "1 E0.0=1")
     assert (ran.message()["number"], ran.state) == (7000, "error")
