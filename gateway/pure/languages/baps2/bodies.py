@@ -248,7 +248,7 @@ class Bodies:
         number = self.function.numbers.get(statement.label)
         if number is None:
             hint = hint_of(statement.label, self.function.labels) or "a jump stays in its program, subroutine or branch of PARALLEL"
-            self.names.faults.error("label-missing", statement.at, f"label {statement.label} is not there", hint)
+            self.names.once("label-missing", statement.label, statement.at, f"label {statement.label} is not there", hint)
             return
         path = self.function.labels[statement.label]
         if path != tuple(self.function.path[: len(path)]):
@@ -355,8 +355,8 @@ class Bodies:
 
     def _exclusive(self, statement: Exclusive) -> None:
         symbol = self.names.find(statement.semaphore)
-        if symbol is None or (symbol.kind != "semaphore" and not symbol.misread):
-            self.names.faults.error("semaphore", statement.at, f"{statement.semaphore} is no semaphore")
+        if statement.semaphore and (symbol is None or (symbol.kind != "semaphore" and not symbol.misread)):
+            self.names.once("semaphore", statement.semaphore, statement.at, f"{statement.semaphore} is no semaphore")
         key = f"{(symbol.owner if symbol is not None else '', statement.semaphore)!r}"
         self.out.add(f"yield Enter({key})")
         self.function.path.append(id(statement))

@@ -32,6 +32,7 @@ class DeclarationReader:
         self._stream, self._expressions, self._head = stream, expressions, head
         self.files: set[str] = set()
         self.belts: set[str] = set()
+        self.semaphores: set[str] = set()
         self.programs: set[str] = set()  # external ones, which are called by their names
         self.garbled: list[Parameter] = []  # of a subroutine whose parameters are misread
         self._begun: list[Token] = []  # names of the declaration that is read
@@ -52,11 +53,27 @@ class DeclarationReader:
 
     def misspelt(self, found: list[Declaration]) -> bool:
         """Passes over a declaration whose type is none (reported), if declarations or BEGIN follow; its names go to `found`."""
+        if self._stream.is_sign(":", "["):
+            found += self._untyped()
+            return True
         if self._stream.token.kind is not Kind.NAME or self._stream.is_word(BODY) or not self._declares_on():
             return False
         self._stream.faults.error("syntax", self._stream.token.position, f"a declaration or BEGIN is expected, not {self._stream.token}")
         found += self._pass_over(self._stream.place)
         return True
+
+    def _untyped(self) -> list[Declaration]:
+        """A list of names whose type, or whose word ARRAY, is missing: it is reported, and the names may be anything."""
+        token = self._stream.token
+        self._stream.faults.error("syntax", token.position, f"{'a type' if token.text == ':' else 'ARRAY'} is missing in front of {token}")
+        if self._stream.sign(":"):
+            return self._pass_over(self._stream.place - 1)
+        depth = self._stream.depth
+        try:
+            return list(self._listed_of(self._array(token.position), public=False, teach=False))
+        except Misread:
+            self._stream.back_to(depth)
+            return self._pass_over(self._stream.place - 1)
 
     def _declares_on(self) -> bool:
         """Whether the next word of the language is one of a declaration or BEGIN, not of a statement."""
@@ -80,7 +97,8 @@ class DeclarationReader:
         listed = self._stream.place != place  # behind the type
         if not listed:
             self._stream.take()
-        depth, before = 0, ""  # of brackets: a type inside them, and one behind the bounds of an array, begins no declaration
+        before = self._stream.ahead(-1).text if listed else ""
+        depth = 0  # of brackets: a type inside them, and one behind the bounds of an array, begins no declaration
         named, found = False, list[Declaration]()
         while not (self._in_body(before) or self._stream.token.kind is Kind.END):
             if depth <= 0 and before != "]" and (self._begins() or (named and self._another())):
@@ -113,7 +131,10 @@ class DeclarationReader:
             return [self._special_function()]
         public = self._stream.word("PUBLIC")
         teach = self._stream.word("DEF")
-        kind = self.type_name()
+        return self._listed_of(self.type_name(), public, teach)
+
+    def _listed_of(self, kind: TypeName, public: bool, teach: bool) -> list[Declaration]:
+        """The names behind a type."""
         if not self._colon("behind the type"):
             commented = [self._declare(token, kind) for token in self._stream.commented()]
             channels = kind.base in ("INPUT", "OUTPUT", "BELT")
@@ -165,13 +186,19 @@ class DeclarationReader:
         low = self._expressions.read()
         self._stream.expect_sign("..", "between the bounds")
         high = self._expressions.read()
-        self._stream.expect_sign("]", "behind the bounds")
+        if not self._stream.sign("]"):
+            self._stream.missing("']'", "behind the bounds")
+            if not self._stream.is_word(TYPES):
+                raise Misread
         kind = self.type_name()
         if kind.base not in (*PLAIN, "POINT", "JC_POINT"):
             self._stream.wrong(f"{kind.base} is no type of an element", at=kind.at)
         return TypeName(at, kind.base, kind.kinematic, low, high)
 
     def _names(self, kind: TypeName | None) -> list[Token]:
+        if self._begins_next():
+            self._stream.faults.error("syntax", self._stream.token.position, f"a name is expected, not {self._stream.token}")
+            return []
         found = [self._declare(self._stream.name("a name"), kind)]
         while self._stream.comma() or self._no_comma(found[-1]):
             if self._begins_next():
@@ -210,6 +237,8 @@ class DeclarationReader:
             self.files.add(token.key)
         if kind is not None and kind.base == "BELT":
             self.belts.add(token.key)
+        if kind is not None and kind.base == "SEMAPHORE":
+            self.semaphores.add(token.key)
         return token
 
     def _constants(self) -> list[Constant]:
@@ -226,14 +255,18 @@ class DeclarationReader:
         """`610 = PROBE, 611 = HS`; a comma may be missing (D-34)."""
         found = []
         while True:
-            channel = self._expressions.sum()
+            if self._stream.is_sign("="):
+                self._stream.faults.error("syntax", self._stream.token.position, "the number of a channel is missing in front of '='")
+                channel: Expression | None = None
+            else:
+                channel = self._expressions.sum()
             self._equal("behind the channel")
             token = self._declare(self._stream.name("the name of the channel"), kind)
-            found.append(Declared(token.position, token.key, kind, channel))
+            found.append(_misread(token) if channel is None else Declared(token.position, token.key, kind, channel))
             if not self._stream.comma() and self._stream.is_sign(".") and self._stream.ahead().kind is Kind.NUMBER:
                 self._stream.missing("','", f"behind {token.text}")
                 self._stream.take()
-            number = self._stream.token.kind is Kind.NUMBER
+            number = self._stream.token.kind is Kind.NUMBER or self._stream.is_sign("=")
             constant = self._expressions.names_it(self._stream.token) and self._stream.ahead().text == "="
             if not (number or constant):
                 return found

@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection
 from gateway.pure.languages.baps2.declarations import DeclarationReader
 from gateway.pure.languages.baps2.expressions import ExpressionReader
 from gateway.pure.languages.baps2.lexer import Kind, Token
-from gateway.pure.languages.baps2.standard import DEVICES
+from gateway.pure.languages.baps2.standard import DEVICES, FUNCTIONS
 from gateway.pure.languages.baps2.stream import Misread, Stream
 from gateway.pure.languages.baps2.tree import Expression, Faulty, Head
 from gateway.pure.languages.base.near import hint_of
@@ -34,7 +34,8 @@ class Mistakes:
         self._stream, self._expressions, self._declarations = stream, expressions, declarations
         self._head, self._begins = head, begins
 
-    def _is_known(self, token: Token) -> bool:
+    def is_known(self, token: Token) -> bool:
+        """Whether the name is declared, a subroutine or a kinematic."""
         key = token.key
         return key in self._expressions.names or key in self._stream.routines or key in self._head.kinematics
 
@@ -46,7 +47,7 @@ class Mistakes:
         if (
             token.kind is not Kind.NAME
             or token.word
-            or self._is_known(token)
+            or self.is_known(token)
             or token.key in self._stream.jumped
             or following.text in ("=", "[", ".", ":", "(")
         ):
@@ -62,7 +63,7 @@ class Mistakes:
         """The same for words inside of a statement, in front of a name, a number or a bracket in their line."""
         token, following = self._stream.token, self._stream.ahead()
         goes_on = following.kind in (Kind.NAME, Kind.NUMBER) or following.text in ("(", "@", "=")
-        if self._is_known(token) or not goes_on or following.position.line != token.position.line:
+        if self.is_known(token) or not goes_on or following.position.line != token.position.line:
             return
         if spelling := self._stream.slip(words):
             self._stream.faults.error("syntax", token.position, f"{spelling} is expected {where}, not {token}")
@@ -93,7 +94,7 @@ class Mistakes:
             return True
         line = self._stream.ahead(-1).position.line
         self._stream.missing("':'", where)
-        while self._stream.token.position.line == line and not self._starts() and not self._stream.sign(":", "="):
+        while self._stream.token.position.line == line and not self.starts() and not self._stream.sign(":", "="):
             self._stream.take()
         return False
 
@@ -107,7 +108,7 @@ class Mistakes:
                 found.append(self._expressions.sum())
         except Misread:
             self._stream.back_to(depth)
-            while self._stream.token.position.line == line and not self._stream.is_sign(":") and not self._starts():
+            while self._stream.token.position.line == line and not self._stream.is_sign(":") and not self.starts():
                 self._stream.take()
             if not self._stream.is_sign(":"):
                 raise
@@ -116,15 +117,17 @@ class Mistakes:
     def unassigned(self) -> bool:
         """Whether a declared name is next with its value behind it, without the =."""
         token, following = self._stream.token, self._stream.ahead()
-        if token.key not in self._expressions.names or token.key in self._declarations.programs or self._is_kinematic(following):
+        if token.key not in self._expressions.names or token.key in self._declarations.programs or self.is_kinematic(following):
             return False
         known = (
             following.kind is Kind.NAME and following.key in self._expressions.names and self._stream.ahead(2).text not in ("=", ":", "(")
         )
-        value = known or following.kind in (Kind.NUMBER, Kind.TEXT)
+        function = following.key in FUNCTIONS and self._stream.ahead(2).text == "("
+        value = known or function or following.kind in (Kind.NUMBER, Kind.TEXT)
         return value and following.position.line == token.position.line
 
-    def _is_kinematic(self, token: Token) -> bool:
+    def is_kinematic(self, token: Token) -> bool:
+        """Whether the name is a kinematic."""
         return token.key in self._head.kinematics
 
     def assigned(self, where: str) -> None:
@@ -135,6 +138,12 @@ class Mistakes:
         self._stream.expect_sign("=", where)
         self._stream.doubled("=")
 
+    def value(self) -> None:
+        """Reports a value that is missing in front of the next assignment or label."""
+        token, before = self._stream.token, self._stream.ahead(-1)
+        if token.kind is Kind.NAME and token.position.line != before.position.line and self._stream.ahead().text in ("=", ":"):
+            self._stream.wrong(f"a value is expected, not {token}")
+
     # ---- names
 
     def label(self) -> bool:
@@ -143,7 +152,7 @@ class Mistakes:
         if (
             token.kind is not Kind.NAME
             or token.word
-            or self._is_known(token)
+            or self.is_known(token)
             or token.key not in self._stream.jumped
             or following.text in ("=", "[", ".", "(")
         ):
@@ -211,6 +220,13 @@ class Mistakes:
 
     # ---- recovery
 
+    def tried(self, name: Callable[[], str]) -> str:
+        """A name; "" where it is missing, which is reported: its construct is read all the same."""
+        try:
+            return name()
+        except Misread:
+            return ""
+
     def condition(self, ends: Collection[str]) -> Expression:
         """A condition; where it is misread, reading goes on with one of these words."""
         return self._value(lambda line: self._goes_on(ends))
@@ -232,7 +248,7 @@ class Mistakes:
 
     def _behind(self, line: int) -> bool:
         """Passes over the rest of the line, to a statement or TIMES in it."""
-        while self._stream.token.position.line == line and not self._starts() and self._stream.token.word != "TIMES":
+        while self._stream.token.position.line == line and not self.starts() and self._stream.token.word != "TIMES":
             self._stream.take()
         return True
 
@@ -241,7 +257,7 @@ class Mistakes:
         if self._stream.word("THEN"):
             return
         token = self._stream.token
-        if not self._starts() and not self._goes_on(("THEN",)):
+        if not self.starts() and not self._goes_on(("THEN",)):
             self._stream.missing("THEN", "behind the condition")
             raise Misread
         self._stream.faults.error("syntax", token.position, f"THEN is expected behind the condition, not {token}")
@@ -258,12 +274,12 @@ class Mistakes:
                 for _ in range(place):
                     self._stream.take()
                 return True
-            if place and self._starts(place):
+            if place and self.starts(place):
                 return False
             place += 1
         return False
 
-    def _starts(self, place: int = 0) -> bool:
+    def starts(self, place: int = 0) -> bool:
         """Whether a statement begins there, or ends."""
         token, following = self._stream.ahead(place), self._stream.ahead(place + 1)
         if token.word:
@@ -289,7 +305,7 @@ class Mistakes:
         while self._stream.token.kind is not Kind.END:
             if self._stream.ahead(-1).word == "ERROR" and self._stream.token.word in ("JUMP", "HALT"):  # of the statement passed over
                 self._stream.take()
-            elif self._starts() or self._ends_misspelt():
+            elif self.starts() or self._ends_misspelt():
                 return
             self._stream.take()
 
@@ -297,4 +313,4 @@ class Mistakes:
         """Whether a word that ends something is next, alone in its line and with a slip in it."""
         line = self._stream.token.position.line
         alone = self._stream.ahead(-1).position.line != line != self._stream.ahead().position.line
-        return alone and not self._is_known(self._stream.token) and bool(self._stream.slip(CLOSERS))
+        return alone and not self.is_known(self._stream.token) and bool(self._stream.slip(CLOSERS))

@@ -90,14 +90,25 @@ class _Reader:
         """Whether another routine follows; anything else behind an end is reported once."""
         self._instructions()
         token = self._stream.token
+        if self._nameless():
+            return True
         if token.kind is not Kind.END and token.word != "SUBROUTINE":
             self._faults.error("behind-the-end", token.position, f"only subroutines may follow here, not {token}")
             if token.word not in ENDS:
                 self._find()
         return self._stream.token.kind is not Kind.END
 
+    def _nameless(self) -> bool:
+        """Whether a subroutine without its word is next; it is reported."""
+        token, behind = self._stream.token, self._stream.ahead()
+        begins = behind.text == "(" or (behind.position.line != token.position.line and behind.word in (*BEGINS, *STARTERS))
+        if token.kind is not Kind.NAME or token.word or not begins:
+            return False
+        self._faults.error("syntax", token.position, f"SUBROUTINE is missing in front of {token}")
+        return True
+
     def _routine(self) -> Routine:
-        word = self._stream.take().word
+        word = self._stream.take().word if self._stream.token.word else "SUBROUTINE"  # missing and reported
         at, name = self._stream.token.position, ""
         expressions = ExpressionReader(self._stream, set())
         declarations = DeclarationReader(self._stream, expressions, self._head)
@@ -107,6 +118,7 @@ class _Reader:
             expressions.names |= self._main[0].names
             declarations.files |= self._main[1].files
             declarations.belts |= self._main[1].belts
+            declarations.semaphores |= self._main[1].semaphores
             declarations.programs |= self._main[1].programs
         parameters: tuple[Parameter, ...] = ()
         try:

@@ -69,11 +69,16 @@ class Names:
         """Reports a name that is not declared, once, with the one it is like: its declaration may be missing, or misspelt."""
         if name in self._unknown:
             return
-        self._unknown.add(name)
         line = self.head.commented.get(name)
         if line is not None:
             hint = f"line {line} has it in a comment behind a semicolon"
-        self.faults.error("name-unknown", at, text, hint_of(name, {*STANDARD_NAMES, *chain(*self.scopes)}) or hint)
+        self.once("name-unknown", name, at, text, hint_of(name, {*STANDARD_NAMES, *chain(*self.scopes)}) or hint)
+
+    def once(self, id: str, name: str, at: Position, text: str, hint: str = "") -> None:
+        """Reports a name that is nothing, at the first place only."""
+        if name not in self._unknown:
+            self._unknown.add(name)
+            self.faults.error(id, at, text, hint)
 
     @property
     def kinematic(self) -> str:

@@ -1,13 +1,15 @@
 """Reads statements.  A name in front of `=`, `.` or `[` is assigned to, in front of `:` it is a label, else it is called."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 
 from gateway.pure.languages.baps2 import instructions
 from gateway.pure.languages.baps2.declarations import DeclarationReader
 from gateway.pure.languages.baps2.expressions import ExpressionReader
 from gateway.pure.languages.baps2.lexer import Kind, Token
+from gateway.pure.languages.baps2.missing import IN_CASE, Missing
 from gateway.pure.languages.baps2.mistakes import CLOSERS, Mistakes
-from gateway.pure.languages.baps2.standard import DEVICES, GERMAN
+from gateway.pure.languages.baps2.orders import OrderReader
+from gateway.pure.languages.baps2.standard import GERMAN, PROCEDURES
 from gateway.pure.languages.baps2.stream import Misread, Stream
 from gateway.pure.languages.baps2.tree import (
     Binary,
@@ -18,7 +20,6 @@ from gateway.pure.languages.baps2.tree import (
     Exclusive,
     Expression,
     Faulty,
-    FileOrder,
     Head,
     If,
     Jump,
@@ -27,7 +28,6 @@ from gateway.pure.languages.baps2.tree import (
     Move,
     Name,
     Parallel,
-    Read,
     Repeat,
     Set,
     Simple,
@@ -37,13 +37,11 @@ from gateway.pure.languages.baps2.tree import (
     Synchron,
     Wait,
     WaitUntil,
-    Write,
 )
 from gateway.pure.languages.base.source import Position
 
 IN_MOVE = ("LINEAR", "CIRCULAR", "WITH", "UNTIL")
 BEHIND_UNTIL = (*IN_MOVE, "ERROR", "MAX_TIME")
-IN_CASE = ("EQUAL", "DEFAULT", "CASE_END")
 ROUTINE_ENDS = frozenset("PROGRAM_END SUB_END SUBROUTINE PROGRAM".split())
 
 
@@ -52,7 +50,7 @@ class StatementReader:
 
     def __init__(self, stream: Stream, expressions: ExpressionReader, declarations: DeclarationReader, head: Head) -> None:
         self._stream, self._expressions, self._declarations, self._head = stream, expressions, declarations, head
-        self._readers: Mapping[str, Callable[[Position], Statement]] = {
+        self.readers: dict[str, Callable[[Position], Statement]] = {
             "MOVE": lambda at: self._move(at, self._relative_mark()),
             "MOVE_REL": lambda at: self._move(at, True),
             "WAIT": self._wait,
@@ -71,31 +69,35 @@ class StatementReader:
             "SYNC": self._sync,
             "SYNCHRON": self._synchron,
             "SYNCHRON_END": lambda at: Simple(at, "SYNCHRON_END", self._belt()),
-            "READ": self._read,
-            "WRITE": self._write,
-            "READ_BEGIN": lambda at: self._file(at, "READ_BEGIN"),
-            "WRITE_BEGIN": lambda at: self._file(at, "WRITE_BEGIN"),
-            "WRITE_END": lambda at: self._file(at, "WRITE_END"),
-            "CLOSE": lambda at: self._file(at, "CLOSE"),
-            "ASSIGN": self._assign,
         }
-        self._mistakes = Mistakes(stream, expressions, declarations, head, self._readers)
+        self._mistakes = Mistakes(stream, expressions, declarations, head, self.readers)
+        orders = OrderReader(stream, expressions, declarations, self._mistakes, lambda: self._called("a file or a device"))
+        self.readers |= orders.readers()
+        self._missing = Missing(stream, expressions, declarations, self._mistakes, self)
 
     def body(self, ends: Collection[str]) -> tuple[Statement, ...]:
         """Statements up to one of these words, which is not taken, or a word that can only end something around."""
         found: list[Statement] = []
-        while self._goes_on(ends):
+        self._missing.open.append(ends)
+        while not self._ends(ends):
             if self._stream.sign(","):  # between assignments (L6275)
                 continue
-            if not self._stream.token.word and self._mistakes.misspelt((*ends, *self._readers)) and self._stream.is_word(ends):
+            if not self._stream.token.word and self._mistakes.misspelt((*ends, *self.readers)) and self._stream.is_word(ends):
                 break
-            if (statement := self.one()) is not None:
+            if self._stream.is_word(CLOSERS):
+                if (orphan := self._missing.orphan()) is None:
+                    break
+                found.append(orphan)
+            elif (statement := self.one()) is not None:
                 found.append(statement)
+        self._missing.open.pop()
         return tuple(found)
 
-    def _goes_on(self, ends: Collection[str]) -> bool:
+    def _ends(self, ends: Collection[str]) -> bool:
+        """Whether the body ends here; END may be one too many in a program."""
         self._mistakes.in_two()
-        return not (self._stream.is_word(ends) or self._stream.is_word(CLOSERS) or self._stream.token.kind is Kind.END)
+        token = self._stream.token
+        return token.kind is Kind.END or (token.word in ends and not (token.word == "END" and len(ends) > 1))
 
     def one(self) -> Statement | None:
         """One statement; None where it was misread or only set something."""
@@ -111,8 +113,10 @@ class StatementReader:
 
     def required(self, where: str) -> Statement:
         """One statement, which has to be there."""
-        self._mistakes.misspelt(tuple(self._readers))
+        self._mistakes.misspelt(tuple(self.readers))
         at = self._stream.token.position
+        if (jump := self._missing.jump()) is not None:
+            return jump
         if self._stream.is_word(CLOSERS) or self._stream.token.kind is Kind.END:
             self._stream.wrong(f"a statement is expected {where}, not {self._stream.token}")
         return self.one() or Block(at, ())
@@ -123,7 +127,7 @@ class StatementReader:
             self._stream.take()
             return instructions.take(token.text, token.position, self._head, self._stream.faults, begun=True)
         if token.kind is not Kind.NAME:
-            self._stream.wrong(f"a statement is expected, not {token}")
+            return self._other(token)
         is_name = self._expressions.names_it(token)
         assigned = following.text in ("=", "[") or (following.text == "." and following.kind is Kind.SIGN)
         assigned = assigned or (following.text == ":" and self._stream.ahead(2).text == "=")
@@ -132,16 +136,29 @@ class StatementReader:
             self._stream.take()
             self._stream.doubled(":")
             return Label(token.position, token.key)
+        if (jump := self._missing.jump()) is not None:
+            return jump
         if self._mistakes.label():
             return Label(token.position, self._stream.take().key)
-        if token.word in self._readers and not (is_name and assigned) and following.text != "=":
+        if token.word in self.readers and not (is_name and assigned) and following.text != "=":
             self._stream.take()
-            return self._readers[token.word](token.position)
+            return self.readers[token.word](token.position)
         if (assigned and (is_name or following.text == "=")) or self._mistakes.unassigned():
             return self._set()
-        if not token.word:
+        return self._other(token)
+
+    def _other(self, token: Token) -> Statement:
+        """A call, or a statement whose first word is missing."""
+        called = token.kind is Kind.NAME and not token.word
+        if not (called and self._is_called(token)) and (opened := self._missing.opener()) is not None:
+            return opened
+        if called:
             return self._call(self._stream.take())
         self._stream.wrong(f"a statement is expected, not {token}")
+
+    def _is_called(self, token: Token) -> bool:
+        """Whether the name is one of a subroutine or program."""
+        return token.key in self._stream.routines or token.key in self._declarations.programs or token.key in PROCEDURES
 
     # ---- names that decide the grammar
 
@@ -151,7 +168,7 @@ class StatementReader:
         far = token.position.line != before.position.line
         if far and self._stream.ahead().text in ("=", ":"):
             self._stream.wrong(f"{what} is expected, not {token}")
-        begins = token.word in self._readers and far
+        begins = token.word in self.readers and far
         if (token.word in CLOSERS or begins) and not self._expressions.names_it(token):
             self._stream.wrong(f"{what} is expected, not {token}")
         return self._stream.name(what).key
@@ -167,16 +184,6 @@ class StatementReader:
         token = self._stream.token
         return self._stream.take().key if token.kind is Kind.NAME and token.key in self._declarations.belts else ""
 
-    def _device(self) -> str:
-        """A device or file, behind which a comma follows."""
-        token, following = self._stream.token, self._stream.ahead()
-        known = token.key in DEVICES or token.key in self._declarations.files
-        if token.kind is Kind.NAME and known and following.text == ",":
-            self._stream.take()
-            self._stream.take()
-            return token.key
-        return self._mistakes.device()
-
     def _relative_mark(self) -> bool:
         """`MOVE REL`, `MOVE-REL` (L1626, L11664)."""
         if self._stream.is_sign("-") and self._stream.ahead().word == "REL":
@@ -185,11 +192,13 @@ class StatementReader:
 
     # ---- assignments and calls
 
-    def _set(self) -> Set:
+    def _set(self) -> Statement:
         at = self._stream.token.position
         target = self._expressions.sum()
         self._mistakes.assigned("behind what is assigned to")
-        return Set(at, target, self._expressions.alone())
+        self._mistakes.value()
+        found = Set(at, target, self._expressions.alone())
+        return self._missing.of_condition(at) or found
 
     def _call(self, name: Token) -> CallStatement:
         """A call, with what cannot follow it: a misspelt word is one mistake, not two."""
@@ -197,7 +206,7 @@ class StatementReader:
         if self._mistakes.operand(name):
             self._mistakes.pass_over(-1)
             return CallStatement(name.position, name.key, arguments, (token.position, str(token)))
-        if token.kind in (Kind.END, Kind.INSTRUCTION) or token.word in self._readers or token.word in CLOSERS or token.text == ",":
+        if token.kind in (Kind.END, Kind.INSTRUCTION) or token.word in self.readers or token.word in CLOSERS or token.text == ",":
             return CallStatement(name.position, name.key, arguments)
         if token.kind is Kind.NAME and (not token.word or self._expressions.names_it(token) or self._stream.ahead().text in ("=", ":")):
             return CallStatement(name.position, name.key, arguments)
@@ -224,14 +233,19 @@ class StatementReader:
         otherwise: Statement | None = None
         while True:
             self._mistakes.misspelt_part(IN_MOVE if until is None else BEHIND_UNTIL, "behind MOVE")
-            if not kinematic and (found := self._kinematic()):
+            lacking = self._missing.in_move(until is not None)
+            if lacking == "ERROR":
+                otherwise = self.required("behind ERROR")
+            elif lacking == "UNTIL":
+                until = self._expressions.read()
+            elif lacking or self._stream.word("WITH"):
+                factors += self._factors()
+            elif not kinematic and (found := self._kinematic()):
                 kinematic = found
             elif not kinematic and (found := self._mistakes.no_kinematic()):
                 kinematic = found  # reported
             elif self._stream.is_word(("LINEAR", "PTP", "CIRCULAR")):
                 way = self._stream.take().word
-            elif self._stream.word("WITH"):
-                factors += self._factors()
             elif self._stream.word("UNTIL"):
                 until = self._expressions.read()
             elif self._stream.word("MAX_TIME"):
@@ -284,9 +298,14 @@ class StatementReader:
 
     def _wait(self, at: Position) -> Statement:
         self._mistakes.misspelt_part(("UNTIL",), "behind WAIT")
-        if not self._stream.word("UNTIL"):
-            return Wait(at, self._expressions.alone())
-        condition, max_time, otherwise = self._mistakes.condition(("MAX_TIME", "ERROR")), None, None
+        max_time: Expression | None = None
+        otherwise: Statement | None = None
+        if self._stream.word("UNTIL"):
+            condition = self._mistakes.condition(("MAX_TIME", "ERROR"))
+        else:
+            first, condition = self._stream.token, self._expressions.alone()
+            if not self._missing.until(condition, first):
+                return Wait(at, condition)
         self._mistakes.misspelt_part(("MAX_TIME", "ERROR"), "behind the condition")
         if self._stream.word("MAX_TIME"):
             self._stream.expect_sign("=", "behind MAX_TIME")
@@ -298,8 +317,12 @@ class StatementReader:
 
     def _if(self, at: Position) -> If:
         condition = self._mistakes.condition(("THEN",))
+        if not self._stream.is_word(("THEN",)) and self._missing.operator():
+            condition = Faulty(at)
         self._mistakes.then()
+        self._missing.open.append(("ELSE",))
         then = self.required("behind THEN")
+        self._missing.open.pop()
         self._mistakes.misspelt(("ELSE",))
         return If(at, condition, then, self.required("behind ELSE") if self._stream.word("ELSE") else None)
 
@@ -308,28 +331,51 @@ class StatementReader:
         self._close("END", "BEGIN", at)
         return Block(at, body)
 
-    def _close(self, end: str, begin: str, at: Position) -> None:
+    def _close(self, end: str, begin: str, at: Position) -> bool:
         """Takes the word that ends a construct; where another one stands, the construct is reported and left."""
-        if not self._stream.word(end):
+        closed = self._stream.word(end)
+        if not closed:
             self._stream.faults.error(
                 "not-closed", self._stream.token.position, f"{end} is expected for {begin} of line {at.line}, not {self._stream.token}"
             )
+        return closed
 
     def _case(self, at: Position) -> Case:
-        selector, choices, otherwise = self._mistakes.header(), [], None
-        while self._stream.is_word(("EQUAL",)) or (self._mistakes.misspelt(IN_CASE) and self._stream.is_word(("EQUAL",))):
-            place = self._stream.take().position
-            values = self._mistakes.constants()
-            empty = not self._mistakes.colon("behind the constants") and self._stream.is_word(IN_CASE)
-            choices.append(Choice(place, tuple(values), Block(place, ()) if empty else self.required("behind the constants")))
+        selector, choices, otherwise = self._mistakes.header(), list[Choice](), None
+        self._missing.open.append(IN_CASE)
+        while (another := self._another()) or (choices and self._several_of(choices)):
+            if another:
+                choices.append(self._choice())
         if not choices:
+            self._missing.open.pop()
             self._stream.wrong(f"EQUAL and its constants are expected behind the expression, not {self._stream.token}")
         if self._stream.word("DEFAULT", "ELSE"):  # German SONST
             self._stream.sign(":")
             otherwise = self.required("behind DEFAULT")
             self._mistakes.misspelt(("CASE_END",))
+            self._missing.of_choice()
+        self._missing.open.pop()
         self._close("CASE_END", "CASE", at)
         return Case(at, selector, tuple(choices), otherwise)
+
+    def _another(self) -> bool:
+        """Whether another choice is next."""
+        misspelt = self._stream.is_word(("EQUAL",)) or self._mistakes.misspelt(IN_CASE)
+        return self._stream.is_word(("EQUAL",)) if misspelt else self._missing.equal()
+
+    def _choice(self) -> Choice:
+        place = self._stream.token.position
+        self._stream.word("EQUAL")
+        values = self._mistakes.constants()
+        empty = not self._mistakes.colon("behind the constants") and self._stream.is_word(IN_CASE)
+        return Choice(place, tuple(values), Block(place, ()) if empty else self.required("behind the constants"))
+
+    def _several_of(self, choices: list[Choice]) -> bool:
+        """Whether more statements follow in the last choice, which is reported."""
+        place, last = self._stream.place, choices[-1]
+        more = self._missing.of_choice()
+        choices[-1] = Choice(last.at, last.values, Block(last.at, (last.body, *more)))
+        return self._stream.place > place
 
     def _repeat(self, at: Position) -> Repeat:
         times = self._mistakes.header()
@@ -339,49 +385,16 @@ class StatementReader:
         self._close("REPEAT_END", "REPEAT", at)
         return Repeat(at, times, body)
 
-    def _parallel(self, at: Position) -> Parallel:
+    def _parallel(self, at: Position) -> Parallel | Block:
         branches = [self.body(("ALSO", "PARALLEL_END"))]
         while self._stream.word("ALSO"):
             branches.append(self.body(("ALSO", "PARALLEL_END")))
-        self._close("PARALLEL_END", "PARALLEL", at)
+        if not self._close("PARALLEL_END", "PARALLEL", at):
+            return Block(at, tuple(statement for branch in branches for statement in branch))  # jumps may lead out of it
         return Parallel(at, tuple(branches))
 
     def _exclusive(self, at: Position) -> Exclusive:
-        semaphore = self._stream.name("a semaphore").key
+        semaphore = self._mistakes.tried(lambda: self._called("a semaphore"))
         body = self.body(("EXCLUSIVE_END",))
         self._close("EXCLUSIVE_END", "EXCLUSIVE", at)
         return Exclusive(at, semaphore, body)
-
-    # ---- devices and files
-
-    def _read(self, at: Position) -> Read:
-        device = self._device()
-        targets = [self._expressions.sum()]
-        while self._stream.comma():
-            targets.append(self._expressions.sum())
-        return Read(at, device, tuple(targets))
-
-    def _write(self, at: Position) -> Write:
-        device, values, is_open = self._device(), [], False
-        while True:
-            if self._stream.sign(".."):
-                is_open = True
-                break
-            values.append(self._expressions.read())
-            if not self._stream.comma():
-                is_open = self._stream.sign("..")
-                break
-        return Write(at, device, tuple(values), is_open)
-
-    def _file(self, at: Position, word: str) -> FileOrder:
-        bracket = self._stream.sign("(")  # READ_BEGIN (DATA), L2262
-        file = self._stream.name("a file or a device")
-        if bracket:
-            self._stream.expect_sign(")", "behind the file")
-        offset = self._expressions.sum() if word in ("READ_BEGIN", "WRITE_BEGIN") and self._stream.sign(",") else None
-        return FileOrder(at, word, file.key, offset)
-
-    def _assign(self, at: Position) -> FileOrder:
-        file = self._stream.name("a file or a device")
-        self._stream.expect_sign(",", "behind the file")
-        return FileOrder(at, "ASSIGN", file.key, self._expressions.sum())

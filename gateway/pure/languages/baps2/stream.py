@@ -38,6 +38,7 @@ class Stream:
         self._depth = 0
         self._too_deep = False
         self._names: tuple[set[str], set[str]] | None = None  # of subroutines, and behind JUMP
+        self._marked: set[str] | None = None  # names with a colon behind them
         self._labels: set[str] | None = None  # that are words of the language
         self.token = self._tokens[0]  # the token that is next
 
@@ -193,6 +194,13 @@ class Stream:
     def jumped(self) -> Collection[str]:
         """Names that a JUMP of the text leads to."""
         return self._called()[1]
+
+    def is_label(self, key: str) -> bool:
+        """Whether a colon follows the name somewhere in the text."""
+        if self._marked is None:
+            pairs = zip(self._tokens, self._tokens[1:], strict=False)
+            self._marked = {before.key for before, behind in pairs if behind.text == ":" and before.kind is Kind.NAME}
+        return key in self._marked
 
     def _called(self) -> tuple[set[str], set[str]]:
         if self._names is None:

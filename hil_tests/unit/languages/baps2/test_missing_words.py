@@ -1,0 +1,90 @@
+"""A word that a program lacks is one fault, at its place, which names the word; the rest is read as if it were there (AX-1820)."""
+
+import pytest
+
+from hil_tests.unit.languages.baps2.test_one_mistake import DECLARED, FIRST, HEAD, check
+
+
+@pytest.mark.parametrize(
+    "statements, line, column, word",
+    [
+        ("I\nEQUAL 1, 2 : I = 2\nEQUAL 3 : I = 3\nDEFAULT I = 0\nCASE_END", 0, 1, "CASE"),
+        ("CASE I\n1, 2 : I = 2\nEQUAL 3 : I = 3\nDEFAULT I = 0\nCASE_END", 1, 1, "EQUAL"),
+        ("CASE T\nEQUAL 'A' : I = 2\n'B' : I = 3\nDEFAULT I = 0\nCASE_END", 2, 1, "EQUAL"),
+        ("CASE I\nEQUAL 1 : I = 2\nDEFAULT I = 0\n F[1] = 4\nCASE_END", 3, 2, "EQUAL, DEFAULT or CASE_END"),
+        ("CASE I\nEQUAL 1 : I = 2\nI = 0\nCASE_END", 2, 1, "EQUAL, DEFAULT or CASE_END"),
+        ("CASE I\nEQUAL 1 : I = 2\n F[1] = 3\nEQUAL 2 : I = 3\nDEFAULT I = 0\nCASE_END", 2, 2, "EQUAL, DEFAULT or CASE_END"),
+        ("EQUAL 1 : I = 2\nEQUAL 2 : I = 3\nDEFAULT I = 0\nCASE_END", 0, 1, "CASE"),
+        ("I = 3 AND E1 = 1\nTHEN BEGIN\nI = 1\nEND\nELSE I = 2", 0, 1, "IF"),
+        ("NOT E1 THEN I = 2\nELSE I = 3", 0, 1, "IF"),
+        ("I > 1 THEN I = 2 ELSE I = 3", 0, 1, "IF"),
+        ("IF E1 THEN\nI = 1\nI = 2\nELSE I = 3", 3, 1, "BEGIN and END"),
+        ("IF E1 THEN\nI = 1\nI = 2\nEND\nELSE BEGIN\nI = 3\nEND", 3, 1, "BEGIN"),
+        ("IF I = 3 E1 = 1 THEN BEGIN\nI = 1\nEND\nELSE I = 2", 0, 10, "operator"),
+        ("IF I 3 THEN I = 1", 0, 6, "operator"),
+        ("IF E1 THEN L1 ELSE JUMP L1\nL1:", 0, 12, "JUMP"),
+        ("L1: I = 1\nIF E1 THEN BEGIN\nL1\nEND", 2, 1, "JUMP"),
+        ("3 TIMES\nI = 1\nREPEAT_END", 0, 1, "REPEAT"),
+        ("I = 1\nREPEAT_END\nI = 2", 1, 1, "REPEAT"),
+        ("I = 1\nALSO\nI = 2\nALSO\nI = 3\nPARALLEL_END\nI = 4", 1, 1, "PARALLEL"),
+        ("RPT 2 TIMES\nI = 1\nALSO\nI = 2\nPARALLEL_END\nRPT_END", 2, 1, "PARALLEL"),
+        ("L1: PARALLEL\n I = 1\nALSO\n I = 2\nJUMP L1", 5, 1, "PARALLEL_END"),
+        ("S\nI = 1\nEXCLUSIVE_END", 0, 1, "EXCLUSIVE"),
+        ("EXCLUSIVE\nI = 1\nEXCLUSIVE_END", 1, 1, "a semaphore"),
+        ("WAIT E1 = 0 MAX_TIME = 3 ERROR I = 1", 0, 6, "UNTIL"),
+        ("UNTIL E1 = 1\nI = 1", 0, 1, "WAIT"),
+        ("MOVE ROB V = 100 TO P1", 0, 10, "WITH"),
+        ("MOVE ROB LINEAR E1 = 1\nERROR I = 1\nTO P1", 0, 17, "UNTIL"),
+        ("L1: MOVE ROB UNTIL E1 = 1\nJUMP L1\nTO P1", 1, 1, "ERROR"),
+        ("ROB LINEAR TO P1", 0, 1, "MOVE"),
+        ("LINEAR TO P1", 0, 1, "MOVE"),
+        ("'HALLO', I", 0, 1, "WRITE"),
+        ("PHG, 'HALLO', I", 0, 1, "READ or WRITE"),
+        ("I = \nL1: I = 2\nJUMP L1", 1, 1, "a value"),
+    ],
+)  # fmt: skip
+def test_a_missing_word_is_one_fault(statements: str, line: int, column: int, word: str) -> None:
+    found = list(check(f"{HEAD}PROGRAM P\n{DECLARED}\nBEGIN\n{statements}\nPROGRAM_END\n"))
+    assert [(each.position.line, each.position.column) for each in found] == [(FIRST + line, column)]
+    assert word in f"{found[0].text} {found[0].hint}"
+
+
+@pytest.mark.parametrize(
+    "declaration, column",
+    [
+        ("INTEGER : J : K, M", 13),
+        ("INTEGER : J, M  [1..3] INTEGER : K", 17),
+        ("ARRAY[1..3 INTEGER : K  INTEGER : J, M", 12),
+        ("INTEGER : J, K, M  REAL :", 1),
+        ("INTEGER : J, K, M  INPUT : 3 = E3, = E4", 36),
+    ],
+)
+def test_a_declaration_without_its_type_is_one_fault(declaration: str, column: int) -> None:
+    found = list(check(f"PROGRAM P\n{declaration}\nTEXT : T\nBEGIN\nT = 'A'\nJ = 1\nM = 2\nPROGRAM_END\n"))
+    assert [each.position.column for each in found] == [column]
+
+
+def test_a_subroutine_without_its_word_is_one_fault() -> None:
+    rest = "BEGIN\nN = 1\nSUB_END\n"
+    found = check(f"PROGRAM P\nBEGIN\nMELDE (1)\nPROGRAM_END\nMELDE (VALUE INTEGER : N)\n{rest}SUBROUTINE LAST (VALUE INTEGER : N)\n{rest}")
+    assert [(each.position.line, each.text) for each in found] == [(5, "SUBROUTINE is missing in front of 'MELDE'")]
+
+
+def test_a_name_that_is_nothing_is_reported_once() -> None:
+    found = check("PROGRAM P\nBEGIN\nWRITE_BEGIN F1\nCLOSE F1\nEXCLUSIVE S\nEXCLUSIVE_END\nEXCLUSIVE S\nEXCLUSIVE_END\nPROGRAM_END\n")
+    assert [(each.id, each.position.line) for each in found] == [("file-unknown", 3), ("semaphore", 5)]
+
+
+@pytest.mark.parametrize(
+    "statements",
+    [
+        "IF E1 THEN MELDE ELSE MELDE",
+        "MOVE ROB UNTIL E1 = 1 MAX_TIME = 2 ERROR HALT TO P1",
+        "MOVE ROB WITH V = 100, A = 2 UNTIL E1 = 1 ERROR I = 1 TO P1",
+        "CASE I EQUAL 1 : BEGIN I = 1 I = 2 END EQUAL -2 : MELDE ELSE I = 3 CASE_END",
+        "WAIT I * 0.5\nWAIT 1",
+        "INT_ASC (I, T, 1, 2, I)\nIF NOT E1 THEN HALT",
+    ],
+)
+def test_sound_statements_stay_sound(statements: str) -> None:
+    assert check(f"{HEAD}PROGRAM P\n{DECLARED}\nBEGIN\n{statements}\nEND\nSR MELDE\nBEGIN\nEND\n").rows() == []
