@@ -9,6 +9,7 @@ from gateway.pure.languages.val3.syntax import (
     Assign,
     Binary,
     CompileFault,
+    Consequence,
     Field,
     Index,
     Invoke,
@@ -169,6 +170,8 @@ class Translator(VariableTranslator):
         return f"[{', '.join(codes)}]", waits
 
     def _passed(self, value: Value, parameter: Parameter) -> list[str]:
+        if parameter.broken:
+            raise Consequence
         if not parameter.reference:
             made = self.need(value, parameter.type)
             structured = isinstance(made.type, UserType) or made.type in STRUCTURED or made.type in ("dio", "aio", "sio", "screen")

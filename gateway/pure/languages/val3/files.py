@@ -46,6 +46,8 @@ class Reader:
             for listed in (each for group in root.all(kind) for each in group.children):
                 if path := self._file(made, listed):
                     reader(made, path)
+                else:
+                    _lose(made, kind)
         self._uses(made, root)
         return made
 
@@ -83,6 +85,9 @@ class Reader:
 
     def _file(self, made: Application, listed: Element) -> str | None:
         path = listed.get("file")
+        if not path:
+            self._say(made.project, listed.line, f"<{listed.tag}> without the attribute file, which names a file of the application")
+            return None
         try:
             found = resolve(path if "://" in path else f"./{path}", made.path)
         except PathFault as fault:
@@ -96,9 +101,12 @@ class Reader:
     # ---- data ------------------------------------------------------------------------------------------------------------
     def _data(self, made: Application, path: str) -> None:
         root = self._root(path, "Database", "Data/2")
+        if root is None:
+            _lose(made, "Database")
         for each in (one for group in (root.all("Datas") if root else ()) for one in group.all("Data")):
             declared = self.declaration(path, each)
             if declared is None:
+                made.lost.add(each.get("name"))
                 continue
             if declared.name in made.data:
                 self._say(path, each.line, f"'{declared.name}' is declared twice")
@@ -168,9 +176,12 @@ class Reader:
     # ---- programs --------------------------------------------------------------------------------------------------------
     def _programs(self, made: Application, path: str) -> None:
         root = self._root(path, "Programs", "Program/2")
+        if root is None:
+            _lose(made, "Programs")
         for each in root.all("Program") if root else ():
             program = self._program(path, each)
             if program is None:
+                _lose(made, "Programs")
                 continue
             if program.name in made.programs:
                 self._say(path, each.line, f"the program '{program.name}' is declared twice")
@@ -193,6 +204,7 @@ class Reader:
         parameters = [one for one in given if one is not None]
         own = [self.declaration(path, one) for group in each.all("Locals") for one in group.all("Local")]
         found = [one for one in own if one is not None]
+        named = {one.get("name") for tag in ("Parameters", "Locals") for group in each.all(tag) for one in group.children}
         if name in ("start", "stop") and given:
             self._say(path, each.line, f"'{name}' : the program cannot have parameters")  # L584, L594
         known = set[str]()
@@ -201,7 +213,9 @@ class Reader:
             if own_name in known:
                 self._say(path, line, f"'{own_name}' is declared twice")
             known.add(own_name)
-        return ProgramText(name, path, each.get("access").lower() == "public", parameters, found, lines, each.line)
+        made = ProgramText(name, path, each.get("access").lower() == "public", parameters, found, lines, each.line)
+        made.lost = named - known
+        return made
 
     def _parameter(self, path: str, each: Element) -> Parameter | None:
         name = each.get("name")
@@ -253,6 +267,14 @@ class Reader:
 
     def _say(self, path: str, line: int, text: str) -> None:
         self.faults.error("val3-file", Position(path, line), text)
+
+
+def _lose(made: Application, kind: str) -> None:
+    """A file cannot be read: what programs use out of it is no fault of theirs."""
+    if kind == "Database":
+        made.lost_data = True
+    else:
+        made.lost_programs = True
 
 
 def family_of(type_name: str) -> tuple[str, str]:

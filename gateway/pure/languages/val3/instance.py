@@ -8,6 +8,7 @@ from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.initial_values import Surroundings, container_of, default
 from gateway.pure.languages.val3.loader import Loaded
 from gateway.pure.languages.val3.model import Declaration, ProgramText, UserType
+from gateway.pure.languages.val3.program_code import Code
 from gateway.pure.languages.val3.references import (
     NOT_LOADED,
     OUT_OF_SCOPE,
@@ -20,7 +21,6 @@ from gateway.pure.languages.val3.references import (
 from gateway.pure.languages.val3.scope import slots_of
 from gateway.pure.languages.val3.sockets import has_sockets
 from gateway.pure.languages.val3.tasks import Step, bytes_of
-from gateway.pure.languages.val3.translate import Code
 from gateway.pure.languages.val3.values import Container, FrameV, Grid, PointV, ToolV, UserV, mark_local
 
 PLAIN: dict[str, object] = {"num": 0.0, "bool": False, "string": ""}

@@ -8,9 +8,10 @@ from gateway.pure.languages.val3.disk import Disk, PathFault, application_of
 from gateway.pure.languages.val3.files import Reader
 from gateway.pure.languages.val3.links import declarations
 from gateway.pure.languages.val3.model import BUILT_IN, FAMILIES, Application, Declaration, Type, UserType
+from gateway.pure.languages.val3.program_code import Code
 from gateway.pure.languages.val3.references import check_references
 from gateway.pure.languages.val3.sealed import SealFault, library_of
-from gateway.pure.languages.val3.translate import Code, ProgramTranslator
+from gateway.pure.languages.val3.translate import ProgramTranslator
 from gateway.pure.languages.val3.value_checks import check_values
 from motion.val3.mdesc import TOO_LARGE, matching
 
@@ -87,19 +88,19 @@ class Loader:
         for program in app.programs.values():
             for parameter in program.parameters:
                 kind = self._type(app, parameter.type_name)
-                if kind is None:
+                if kind is None and parameter.type_name not in app.types:
                     faults.error(
                         "val3-type", Position(program.file, parameter.line), f"'{parameter.name}' : invalid type ({parameter.type_name})"
                     )
-                parameter.type = kind if kind is not None else "num"
+                parameter.type, parameter.broken = kind if kind is not None else "num", kind is None
             for local in program.locals:
                 self._resolve(app, local, faults)
 
     def _resolve(self, app: Application, declared: Declaration, faults: Faults) -> None:
         kind = self._type(app, declared.type_name)
-        if kind is None:
+        if kind is None and declared.type_name not in app.types:  # one of those is named where it is declared
             faults.error("val3-type", Position(declared.file, declared.line), f"'{declared.name}' : invalid type ({declared.type_name})")
-        declared.type = kind if kind is not None else "num"
+        declared.type, declared.broken = kind if kind is not None else "num", kind is None
 
     @staticmethod
     def _type(app: Application, name: str) -> Type | None:
@@ -128,6 +129,7 @@ class Loader:
             return None
         kind = UserType(name, key, millimetres=made.millimetres)
         kind.fields = {each.name: each for each in made.data.values() if each.public}
+        kind.partial = made.lost_data or bool(made.lost)
         self._types[key] = kind
         return kind
 
@@ -191,6 +193,7 @@ class Loader:
                 folder, own = library_of(self.disk, use.path, app.path, use.password)
             except (PathFault, SealFault) as fault:
                 faults.error("val3-library", Position(app.project, use.line), f"library '{use.name}': {fault}")
+                app.lost_libraries.add(use.name)
                 continue
             found, inside = self.read(folder, own)
             for each in inside if self._there(folder, own) else ():  # the library cannot be loaded (12), the application can
@@ -198,6 +201,7 @@ class Loader:
             app.interfaces[use.name] = found
             if found is None:
                 faults.error("val3-library", Position(app.project, use.line), f"library '{use.name}': there is no application {use.path}")
+                app.lost_libraries.add(use.name)
                 continue
             _compare_units(app, found.millimetres, f"library '{use.name}'", use.line, faults)
             if ring := self._ring(app, found, [app.project]):

@@ -27,11 +27,11 @@ from gateway.pure.languages.val3.initial_values import literal
 from gateway.pure.languages.val3.instance import Instance, Program
 from gateway.pure.languages.val3.loader import UNIT
 from gateway.pure.languages.val3.model import Application, Declaration, Use
+from gateway.pure.languages.val3.program_code import CALL, END
 from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, REMOTE, TEST
 from gateway.pure.languages.val3.sealed import SealFault, library_of
 from gateway.pure.languages.val3.sockets import sockets_in
 from gateway.pure.languages.val3.tasks import LINES_A_CYCLE, RUNNING, SYSTEM_CYCLE, Owner, Task
-from gateway.pure.languages.val3.translate import CALL, END
 from gateway.pure.languages.val3.values import copied, equal, passed, places
 from motion.errors import MotionError
 from motion.val3.errors import RuntimeFault

@@ -42,6 +42,7 @@ class UserType:
     path: str
     fields: "dict[str, Declaration]" = field(default_factory=dict)
     millimetres: bool = True
+    partial: bool = False  # some of its data cannot be read
 
     def __str__(self) -> str:
         return self.name
@@ -74,6 +75,7 @@ class Declaration:
     line: int = 1
     type: Type = "num"
     family: str = ""  # of jointRx and its like
+    broken: bool = False  # its type is not there
 
 
 @dataclass(slots=True)
@@ -87,6 +89,7 @@ class Parameter:
     dims: int = 1
     line: int = 1
     type: Type = "num"
+    broken: bool = False
 
 
 @dataclass(slots=True)
@@ -100,6 +103,7 @@ class ProgramText:
     locals: list[Declaration]
     lines: list[str]
     line: int = 1
+    lost: set[str] = field(default_factory=set)  # parameters and locals that cannot be read
 
 
 @dataclass(slots=True)
@@ -128,6 +132,10 @@ class Application:
     types: dict[str, Use] = field(default_factory=dict)
     resolved: dict[str, UserType] = field(default_factory=dict)
     interfaces: "dict[str, Application | None]" = field(default_factory=dict)
+    lost: set[str] = field(default_factory=set)  # data that cannot be read
+    lost_data: bool = False  # a whole file of them
+    lost_programs: bool = False
+    lost_libraries: set[str] = field(default_factory=set)
 
     @property
     def project(self) -> str:

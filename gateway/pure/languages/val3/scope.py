@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from gateway.pure.languages.val3.model import FAMILIES, FIELDS, WORDS, Application, Declaration, Parameter, ProgramText, Type, UserType
-from gateway.pure.languages.val3.syntax import CompileFault, Node
+from gateway.pure.languages.val3.syntax import CompileFault, Consequence, Node
 
 WORD_KINDS = {word.lower(): (kind, word) for kind, words in WORDS.items() for word in words}
 KEYWORDS = frozenset(
@@ -40,6 +40,7 @@ class Slot:
     dims: int
     reference: bool = False
     whole: bool = False
+    broken: bool = False  # its type is not there
 
 
 @dataclass(slots=True)
@@ -57,8 +58,14 @@ class Scope:
         if library:
             return self._public(library, name, node)
         if (slot := self.slots.get(name)) is not None:
+            if slot.broken:
+                raise Consequence
             return of_slot(slot, node)
+        if name in self.program.lost or name in self.app.lost:
+            raise Consequence
         if (declared := self.app.data.get(name)) is not None:
+            if declared.broken:
+                raise Consequence
             return of_container(f"g_{name}", declared, node)
         if name.lower() in ("true", "false"):
             return Value(name.lower().capitalize(), "bool", node)
@@ -67,6 +74,8 @@ class Scope:
             return Value(f"{name.lower()}[0]", kind, node, c=name.lower(), k="0", whole=name.lower())
         if (word := WORD_KINDS.get(name.lower())) is not None:
             return Value(repr(word[1]), word[0], node)
+        if self.app.lost_data:
+            raise Consequence
         raise CompileFault(f"'{name}' : data expected", node.start + 1)
 
     def _public(self, library: str, name: str, node: Node) -> Value:
@@ -74,6 +83,10 @@ class Scope:
             raise CompileFault(f"'{library}' : undefined library", node.start + 1)
         interface = self.app.interfaces.get(library)
         declared = interface.data.get(name) if interface is not None else None
+        if library in self.app.lost_libraries or (declared is not None and declared.broken):
+            raise Consequence
+        if declared is None and interface is not None and (interface.lost_data or name in interface.lost):
+            raise Consequence
         if declared is None or not declared.public:
             raise CompileFault(f"'{library}:{name}' : data expected", node.start + 1)
         return of_container(f"lib_data({library!r},{name!r})", declared, node)
@@ -82,6 +95,8 @@ class Scope:
         """base.name."""
         if isinstance(base.type, UserType):
             declared = base.type.fields.get(name)
+            if declared.broken if declared is not None else base.type.partial:
+                raise Consequence
             if declared is None:
                 raise CompileFault(f"'{name}' : invalid name", node.end - len(name) + 1)
             made = of_container(f"{base.code}.u_{name}", declared, node)
@@ -130,10 +145,10 @@ def slots_of(program: ProgramText) -> tuple[dict[str, Slot], int]:
     found: dict[str, Slot] = {}
     at = 0
     for parameter in program.parameters:
-        found[parameter.name] = Slot(at, parameter.type, parameter.dims, parameter.reference, parameter.whole)
+        found[parameter.name] = Slot(at, parameter.type, parameter.dims, parameter.reference, parameter.whole, parameter.broken)
         at += width(parameter)
     for local in program.locals:
-        found[local.name] = Slot(at, local.type, local.dims)
+        found[local.name] = Slot(at, local.type, local.dims, broken=local.broken)
         at += 1
     return found, at
 

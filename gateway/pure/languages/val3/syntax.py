@@ -25,6 +25,13 @@ class CompileFault(Exception):
         self.text, self.column = text, column
 
 
+class Consequence(CompileFault):
+    """Of a fault that is named elsewhere, in a file or declaration that cannot be read: the line is no fault of its own."""
+
+    def __init__(self) -> None:
+        super().__init__("")
+
+
 class Token(NamedTuple):
     """kind: num, name, text, op, end."""
 

@@ -8,8 +8,8 @@ from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.initial_values import Surroundings
 from gateway.pure.languages.val3.model import Declaration, ProgramText
+from gateway.pure.languages.val3.program_code import Code
 from gateway.pure.languages.val3.scope import width
-from gateway.pure.languages.val3.translate import Code
 
 RUNNING, SUSPENDED = 1, 0
 FRAME_BYTES, SLOT_BYTES, VALUE_BYTES = 32, 8, 8  # AX-721

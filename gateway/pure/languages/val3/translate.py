@@ -6,59 +6,21 @@ generator: it yields the moment before which asking again is of no use, None: it
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.val3.expressions import Translator
 from gateway.pure.languages.val3.model import Application, Parameter, ProgramText
+from gateway.pure.languages.val3.program_code import Block, Code, Instruction
 from gateway.pure.languages.val3.scope import Scope, Value, slots_of
-from gateway.pure.languages.val3.syntax import Assign, CompileFault, Expressions, Invoke, Node, Number
+from gateway.pure.languages.val3.syntax import Assign, CompileFault, Consequence, Expressions, Invoke, Node, Number
 from gateway.pure.languages.val3.typing_rules import EQUAL
 
-CALL, WAIT, END = -2, -3, -1
 TARGET = re.compile(r"@(\d+)@")
 CLOSERS = {"endif": "if", "endwhile": "while", "until": "do", "endfor": "for", "endswitch": "switch"}
 SHOWN = {"endif": "endIf", "endwhile": "endWhile", "endfor": "endFor", "endswitch": "endSwitch"}
 CONDITIONS = ("if", "elseif", "while", "until")
 OPENERS = {opener: closer for closer, opener in CLOSERS.items()}
-
-
-@dataclass(slots=True)
-class Instruction:
-    """One step: `body` in Python; or only a way on to a label."""
-
-    line: int
-    body: list[str] = field(default_factory=list)
-    waits: bool = False
-    alias: int | None = None  # label
-
-
-@dataclass(slots=True)
-class Block:
-    """An open if, while, do, for or switch."""
-
-    kind: str
-    line: int
-    end: int  # label behind it
-    again: int = 0  # label of the loop's head, or of the next branch
-    step: str = ""
-    column: int = 1
-    default: int = 0  # label of the default branch of a switch
-
-
-@dataclass(slots=True)
-class Code:
-    """A translated program.  pcs: line -> first step at or behind it."""
-
-    text: str
-    steps: int
-    lines: list[int]  # of each step
-    entry: int
-    targets: list[int]  # step -> step after ways on were followed
-    slots: int
-    temps: int
-    last_line: int
 
 
 class ProgramTranslator:
@@ -75,7 +37,8 @@ class ProgramTranslator:
         self.temps = 0
         self.blocks: list[Block] = []
         self.line = 0
-        self.warned = False
+        self.crossed: Block | None = None  # what closes another block stood in it
+        self.spoilt = False  # a line uses what cannot be read
 
     # ---- the whole -------------------------------------------------------------------------------------------------------
     def translate(self) -> Code | None:
@@ -84,6 +47,10 @@ class ProgramTranslator:
         lines = self.program.lines or ["begin", "end"]
         while lines and not lines[-1].strip():
             lines = lines[:-1]
+        closing = next((at for at in range(len(lines) - 1, 0, -1) if lines[at].strip().lower() == "end"), 0)
+        if closing and closing + 1 < len(lines):
+            self._fault(closing + 2, "text behind end")
+            lines = lines[: closing + 1]
         if not lines or lines[0].strip().lower() != "begin":
             self._fault(1, "begin expected")
             return None
@@ -96,11 +63,14 @@ class ProgramTranslator:
             try:
                 self._statement(line)
             except CompileFault as fault:
-                self._fault(number, fault.text, fault.column)
+                if isinstance(fault, Consequence):
+                    self.spoilt = True
+                else:
+                    self._fault(number, fault.text, fault.column)
                 self._keep_blocks(line)
             except RecursionError:
                 self._fault(number, "expression nested too deeply")
-        for block in reversed(self.blocks):
+        for block in reversed(self.blocks if self.crossed is None else []):  # where closing words are mixed up, that is named already
             self._fault(
                 block.line,
                 f"{shown(OPENERS[block.kind])} does not match for" if block.kind == "for" else f"{shown(OPENERS[block.kind])} expected",
@@ -108,7 +78,7 @@ class ProgramTranslator:
             )
         self.line = len(lines)
         self._emit(["return -1"])
-        return self._code(len(lines)) if self.faults.errors == before else None
+        return self._code(len(lines)) if self.faults.errors == before and not self.spoilt else None
 
     def _fault(self, line: int, text: str, column: int = 1) -> None:
         self.faults.error("val3", Position(self.program.file, line, column), text)
@@ -166,9 +136,18 @@ class ProgramTranslator:
         return block
 
     def _close(self, closer: str, parser: Expressions) -> Block:
-        if not self.blocks or self.blocks[-1].kind != CLOSERS[closer]:
+        if not self._innermost(CLOSERS[closer]):
             raise CompileFault(f"{shown(closer)} does not match {CLOSERS[closer]}", parser.tokens[0].start + 1)
         return self.blocks[-1]
+
+    def _innermost(self, kind: str) -> bool:
+        """Whether the innermost open block is of this kind.  One that a closing word has crossed before lacks its own: it is over."""
+        if len(self.blocks) > 1 and self.blocks[-1] is self.crossed and self.blocks[-1].kind != kind:
+            self._place(self.blocks.pop().end)
+        if self.blocks and self.blocks[-1].kind == kind:
+            return True
+        self.crossed = self.blocks[-1] if self.blocks else self.crossed
+        return False
 
     # ---- statements ------------------------------------------------------------------------------------------------------
     def _statement(self, line: str) -> None:
@@ -325,7 +304,7 @@ class ProgramTranslator:
         self._emit([f"v[{slot}] = copied({value.code})", f"return @{block.again}@"], value.waits)
 
     def _inside(self, word: str, parser: Expressions) -> Block:
-        if not self.blocks or self.blocks[-1].kind != "switch":
+        if not self._innermost("switch"):
             raise CompileFault(f"{word} does not match switch", parser.tokens[0].start + 1)
         return self.blocks[-1]
 
@@ -385,6 +364,8 @@ class ProgramTranslator:
     def _target(self, node: Invoke) -> tuple[str, list[Parameter]]:
         if not node.library:
             program = self.app.programs.get(node.name)
+            if program.lost if program is not None else self.app.lost_programs:
+                raise Consequence
             if program is None:
                 raise CompileFault(f"'{node.name}' : undefined program", node.start + 1)
             return f"programs[{node.name!r}]", program.parameters
@@ -392,6 +373,8 @@ class ProgramTranslator:
             raise CompileFault(f"'{node.library}' : undefined library", node.start + 1)
         interface = self.app.interfaces.get(node.library)
         program = interface.programs.get(node.name) if interface is not None else None
+        if node.library in self.app.lost_libraries or (program is None and interface is not None and interface.lost_programs):
+            raise Consequence
         if program is None or not program.public:
             raise CompileFault(f"'{node.library}:{node.name}' : undefined program", node.start + 1)
         return f"lib_program({node.library!r}, {node.name!r})", program.parameters

@@ -1,0 +1,42 @@
+"""A translated program and the steps it is made of."""
+
+from dataclasses import dataclass, field
+
+CALL, WAIT, END = -2, -3, -1  # what a step returns instead of the next one
+
+
+@dataclass(slots=True)
+class Instruction:
+    """One step: `body` in Python; or only a way on to a label."""
+
+    line: int
+    body: list[str] = field(default_factory=list)
+    waits: bool = False
+    alias: int | None = None  # label
+
+
+@dataclass(slots=True)
+class Block:
+    """An open if, while, do, for or switch."""
+
+    kind: str
+    line: int
+    end: int  # label behind it
+    again: int = 0  # label of the loop's head, or of the next branch
+    step: str = ""
+    column: int = 1
+    default: int = 0  # label of the default branch of a switch
+
+
+@dataclass(slots=True)
+class Code:
+    """A translated program.  pcs: line -> first step at or behind it."""
+
+    text: str
+    steps: int
+    lines: list[int]  # of each step
+    entry: int
+    targets: list[int]  # step -> step after ways on were followed
+    slots: int
+    temps: int
+    last_line: int
