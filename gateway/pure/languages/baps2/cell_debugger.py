@@ -251,7 +251,7 @@ def shown_value(value: object) -> str:
         return ""
     if isinstance(value, tuple):
         return ", ".join("-" if each is None else f"{each:.10g}" for each in value)
-    return real_text(value) if isinstance(value, float) else str(value)
+    return real_text(value).strip() if isinstance(value, float) else str(value)
 
 
 def value_of(kind: str, text: str, components: int) -> object:

@@ -5,6 +5,7 @@ import struct
 from gateway.pure.languages.baps2.types import CODE_PAGE, TEXT_SIZE
 from gateway.pure.languages.baps2.values import MOST_REAL, Array
 
+REAL_WIDTH = 8  # CHR(9) with the final NUL (L9853-9857)
 BLANKS = b" \t,;\r\n\0"
 SIZES = {"BINARY": 1, "CHAR": 1, "INTEGER": 4, "REAL": 4, "TEXT": TEXT_SIZE}
 
@@ -19,10 +20,11 @@ class BadForm(Exception):
 
 def encode(base: str, value: object, *, binary: bool, file: bool = False) -> bytes:
     """One value of a WRITE, or all elements of an array."""
+    separator = b" " if file else b","  # a readable file (L7214-7245); AX-164
     if isinstance(value, Array):
-        between = b"" if binary or base == "CHAR" else b" "  # L7214-7245: a readable file
+        between = b"" if binary or base == "CHAR" else separator
         return between.join(encode(base, item, binary=binary, file=file) for item in value.items)
-    return _binary(base, value, file) if binary else _letters(base, value)
+    return _binary(base, value, file) if binary else _letters(base, value, separator)
 
 
 def _binary(base: str, value: object, file: bool) -> bytes:
@@ -47,9 +49,9 @@ def _octets(text: str) -> bytes:
     return text.encode(CODE_PAGE, "replace")
 
 
-def _letters(base: str, value: object) -> bytes:
+def _letters(base: str, value: object, separator: bytes) -> bytes:
     if isinstance(value, tuple):
-        return b" ".join(_letters("REAL", each) for each in value)
+        return separator.join(_letters("REAL", each, separator) for each in value)
     if base == "REAL" and isinstance(value, int | float):
         return real_text(float(value)).encode()
     if base == "TEXT":
@@ -58,11 +60,22 @@ def _letters(base: str, value: object) -> bytes:
 
 
 def real_text(value: float) -> str:
-    """A REAL in digits: seven that count, no more than needed, always with a point."""
-    text = f"{value:.7g}"
-    if "e" in text:
-        return text.upper()
-    return text if "." in text else f"{text}.0"
+    """A REAL in eight characters, right-aligned (L9853-9857, AX-1821): the digits that fit, an exponent where it is more exact."""
+    text = _positional(value)
+    if float(text or "inf") != value:
+        exponent = next(each for each in (f"{value:.{digits}E}" for digits in (2, 1, 0)) if len(each) <= REAL_WIDTH)
+        text = exponent if not text or abs(float(exponent) - value) < abs(float(text) - value) else text
+    return text.rjust(REAL_WIDTH)
+
+
+def _positional(value: float) -> str:
+    """Without an exponent and without zeros at its end; "": it does not fit."""
+    for decimals in range(REAL_WIDTH - 2, 0, -1):
+        text = f"{value:.{decimals}f}"
+        if len(text) <= REAL_WIDTH:
+            whole, _, behind = text.partition(".")
+            return f"{whole}.{behind.rstrip('0') or '0'}"
+    return next((text for text in (f"{value:#.0f}", f"{value:.0f}") if len(text) <= REAL_WIDTH), "")
 
 
 def decode_binary(base: str, size: int, data: bytes, file: bool) -> object:

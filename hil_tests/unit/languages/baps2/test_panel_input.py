@@ -40,7 +40,7 @@ def test_what_an_operator_types_is_what_read_phg_reads() -> None:
     assert cell.outputs == [], "it reads one more"
     press(cell, "Y")
     assert cell.ends(run)[:2] == ("ended", 0)
-    assert cell.memory.files["LOG.DAT"] == b"12 2.5 AB1 Y\r\n"
+    assert cell.memory.files["LOG.DAT"] == b"12      2.5 AB1 Y\r\n"
     press(cell, "MODE", "7", "ENTER")
     assert cell.control.functions.phg.mode == "7", "the keys are the system's again"
 

@@ -34,7 +34,7 @@ from hil_tests.unit.languages.baps2.words import WORDS
 )
 @pytest.mark.requirement("RHO-BAP-04", by="gateway.pure.languages.baps2.values:code")
 def test_expressions_have_the_values_of_the_manual(expression: str, expected: str) -> None:
-    assert written(run(body(f"I = -7 J = 2 WRITE {expression}", "INTEGER : I, J"))) == [expected]
+    assert written(run(body(f"I = -7 J = 2 WRITE {expression}", "INTEGER : I, J"))) == [expected.rjust(8) if "." in expected else expected]
 
 
 @pytest.mark.parametrize(
@@ -164,7 +164,7 @@ def test_a_probe_needs_a_change_and_stores_the_position() -> None:
     pressed = run(text, "[[input]]\nchannel = 610")
     assert short(pressed, "moved", "error") == [(1.0, "moved", 1, False), (1.0, "error", 200)]
     events = run(text, "[[input]]\nchannel = 610\nat = 0.5")
-    assert written(events) == ["5.0"]
+    assert written(events) == ["     5.0"]
 
 
 @pytest.mark.requirement("RHO-BAP-09", by="gateway.pure.languages.baps2.control:Control._parallel")
@@ -283,7 +283,7 @@ def test_a_sync_waits_for_the_belt_and_sets_its_counter() -> None:
     head = ";;KINEMATICS : (1=K)\n;;K.WC_NAMES = X, B\n"
     declared = "K.BELT : 501 = B1 SPC_FCT : 28 = SETB(VALUE INTEGER : N VALUE REAL : V)"
     events = run(head + body("SETB(1, -20) SYNC B1 >= 100 WRITE B1", declared), "belts = [100]")
-    assert [(event["t"], written([event])) for event in events if event["event"] == "write"] == [(1.0, ["-20.0"])]
+    assert [(event["t"], written([event])) for event in events if event["event"] == "write"] == [(1.0, ["   -20.0"])]
 
 
 @pytest.mark.requirement("RHO-BAP-17", by="gateway.pure.languages.baps2.special:Specials._delete")
@@ -343,7 +343,7 @@ def test_def_points_of_an_array_are_in_the_point_file_and_there_at_the_next_star
         assert machine.run(name) is None
     assert memory.text("A.PKT") == "P[1] = (1, 2)\nP[3] = (7, 2)\n"
     events = list(machine.trace)
-    assert [event["target"] for event in events if event["event"] == "move"] == [[4.0, 5.0]] and written(events) == ["8.0"]
+    assert [event["target"] for event in events if event["event"] == "move"] == [[4.0, 5.0]] and written(events) == ["     8.0"]
     assert "P [ 2 ] = (4, 5) ; taught" in str(memory.text("B.PKT")), "what is not assigned to is as it was"
 
 
@@ -370,8 +370,10 @@ def test_belt_type_2_goes_one_way_in_its_synchronous_part(blocks: str, code: int
 
 def test_pos_of_a_program_that_names_no_kinematic_is_where_the_feed_starts() -> None:
     text = body("Q = POS WRITE Q MOVE TO Q", "POINT : Q")
-    assert written(run(text, "[start]\n1 = [1, 2]"))[0] == "1.0 2.0"
-    assert written(run(text, "[points.P]\nR = [4, 5, 6]"))[0] == "0.0 0.0 0.0", "as many components as the points that are known"
+    assert written(run(text, "[start]\n1 = [1, 2]"))[0] == "     1.0,     2.0"
+    assert written(run(text, "[points.P]\nR = [4, 5, 6]"))[0] == "     0.0,     0.0,     0.0", (
+        "as many components as the points that are known"
+    )
 
 
 def test_the_files_at_the_end_are_also_those_with_other_extensions() -> None:
@@ -389,7 +391,7 @@ def test_a_program_with_parameters_is_an_external_subroutine() -> None:
 def test_a_workpiece_system_that_is_turned_by_a_right_angle_leaves_no_rest() -> None:
     declared = "K.WC_FRAME : F\nPOINT : Q"
     text = body("F = WC_FRAME(100, 0, 0, 0, 0, 90) K.WC_SYSTEM = F MOVE (10, 0, 0) Q = POS WRITE Q", declared)
-    assert written(run(";;KINEMATICS : (1 = K)\n;;K.WC_NAMES = X, Y, Z\n" + text)) == ["10.0 0.0 0.0"]
+    assert written(run(";;KINEMATICS : (1 = K)\n;;K.WC_NAMES = X, Y, Z\n" + text)) == ["    10.0,     0.0,     0.0"]
 
 
 @pytest.mark.parametrize(

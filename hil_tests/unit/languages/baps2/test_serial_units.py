@@ -6,6 +6,7 @@ import pytest
 
 from gateway.assembly.program_lines import serial_setup
 from gateway.pure.cell.lines import Line, ProgramUnit
+from gateway.pure.languages.baps2 import forms
 from hil_tests.lab.virtual.baps2_bench import CELL, ProgramCell, one
 from hil_tests.lab.virtual.program_units_bench import VirtualUnits
 from protocols.p3964r.characters import wire_block
@@ -227,3 +228,18 @@ def test_seventeen_writes_wait_for_room_and_all_arrive() -> None:
     for number in range(1, 21):
         cell.takes_block(number.to_bytes(4, "little"))
     assert cell.ends(run)[0] == "ended" and cell.outputs[0][1:] == (2, True)
+
+
+@pytest.mark.parametrize(
+    "value, text",
+    [
+        (-1234.45, "-1234.45"), (0.0, "     0.0"), (1.5, "     1.5"), (0.00012, " 0.00012"), (3.14159265, "3.141593"),
+        (-3.14159265, "-3.14159"), (-1234.567, "-1234.57"), (1234567.8, "1234568."), (12345678.0, "12345678"), (1e20, "1.00E+20"),
+        (-1.5e30, "-1.5E+30"), (1.23e-5, "1.23E-05"), (-1e-7, "-1.0E-07"), (3.4e38, "3.40E+38"), (-3.4e-38, "-3.4E-38"),
+    ],
+)  # fmt: skip
+def test_a_real_is_written_in_eight_characters(value: float, text: str) -> None:
+    """L9853-9857, AX-1821."""
+    assert forms.real_text(value) == text
+    data = forms.encode("REAL", value, binary=False)
+    assert data == text.encode() and forms.decode_letters("REAL", 0, data)[0] == float(text)

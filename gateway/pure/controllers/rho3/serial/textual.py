@@ -20,9 +20,9 @@ from gateway.pure.controllers.rho3.serial.baps import (
     whole,
 )
 from gateway.pure.controllers.rho3.serial.setup import Condition
+from gateway.pure.languages.baps2.forms import real_text
 
 CR, LF, COMMA, BLANK = 0x0D, 0x0A, 0x2C, 0x20
-REAL_WIDTH = 8  # CHR(9) with the final NUL (part 3, L9853-9857)
 LONGEST_NUMBER = 20
 NUMBER = re.compile(rb"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 WHOLE = re.compile(rb"[+-]?\d+")
@@ -44,20 +44,11 @@ def to_text(kind: BapsType, value: Value) -> bytes:
         case Kind.INTEGER:
             return b"%d" % whole(value, INTEGERS, "INTEGER")
         case Kind.REAL:
-            return real_text(real(value))
+            return real_text(real(value)).encode()
         case Kind.TEXT:
             return as_text(text_bytes(value))
         case Kind.POINT | Kind.JC_POINT:
-            return b",".join(real_text(one) for one in components(kind, value))
-
-
-def real_text(value: float) -> bytes:
-    """Eight characters, right-aligned, with as many of three decimals as fit."""
-    for decimals in (3, 2, 1):
-        text = f"{value:{REAL_WIDTH}.{decimals}f}"
-        if len(text) == REAL_WIDTH:
-            return text.encode()
-    return f"{value:{REAL_WIDTH}.1e}".encode()
+            return b",".join(real_text(one).encode() for one in components(kind, value))
 
 
 class ItemReader:
