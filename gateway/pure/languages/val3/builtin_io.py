@@ -6,10 +6,12 @@ from typing import TypeVar
 
 from gateway.pure.controllers.val3.sio.calls import Call
 from gateway.pure.languages.base.requests import Ns
+from gateway.pure.languages.val3.arrays import Maker, f_delete, f_resize
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
-from gateway.pure.languages.val3.values import AioV, DioV, LinkV, SioV, cut
+from gateway.pure.languages.val3.sockets import sockets_in
+from gateway.pure.languages.val3.values import AioV, Container, DioV, LinkV, SioV, cut
 from gateway.pure.languages.val3.virtual_io import Point, Status
 
 T = TypeVar("T")
@@ -170,3 +172,25 @@ def _settle(own: Instance) -> None:
     """Bring the channels up to date: a call that must not wait (time-out -1) has ended then and costs no cycle (L3391)."""
     own.machine.sio.now = own.machine.now
     own.machine.sio.settle()
+
+
+def f_delete_of_sockets(own: Instance, container: Container, place: object, make: Maker, local: bool) -> bool:
+    """delete() of values that are sio variables or have some inside: their connections to a server close (L2646)."""
+    before = list(sockets_in(container))
+    f_delete(container, place, make, local)
+    _forget(own, before, container)
+    return True
+
+
+def f_resize_of_sockets(own: Instance, container: Container, dimension: float, size: float, make: Maker, local: bool) -> None:
+    """As delete() for what it drops."""
+    before = list(sockets_in(container))
+    f_resize(container, dimension, size, make, local)
+    _forget(own, before, container)
+
+
+def _forget(own: Instance, before: list[SioV], container: Container) -> None:
+    left = {id(each) for each in sockets_in(container)}
+    for variable in before:
+        if id(variable) not in left:
+            own.machine.sio.forget(variable)

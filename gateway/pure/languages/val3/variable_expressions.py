@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from gateway.pure.languages.val3.scope import Value
+from gateway.pure.languages.val3.sockets import has_sockets
 from gateway.pure.languages.val3.syntax import Field, Index, Invoke, Name, Node
 from gateway.pure.languages.val3.value_expressions import ValueTranslator
 
@@ -12,6 +13,11 @@ def keeps(value: Value) -> str:
     if value.start:
         return f"is_kept({value.start})"
     return str(value.local and value.dims > 0)
+
+
+def _of_sockets(value: Value) -> str:
+    """Which instruction drops values: connections of sio variables close with them (L2646)."""
+    return "_of_sockets" if has_sockets(value.type) else ""
 
 
 class VariableTranslator(ValueTranslator):
@@ -93,7 +99,7 @@ class VariableTranslator(ValueTranslator):
         return self._changed(node, value, "insert", "bool")
 
     def _on_delete(self, node: Invoke, value: Value) -> Value:
-        return self._changed(node, value, "delete", "bool")
+        return self._changed(node, value, f"delete{_of_sockets(value)}", "bool")
 
     def _changed(self, node: Invoke, value: Value, what: str, result: str) -> Value:
         if value.dims > 1:
@@ -116,7 +122,7 @@ class VariableTranslator(ValueTranslator):
         if value.dims == 0 or (value.indexed and not isinstance(node.arguments[0], Name)):
             raise self.fault(node.arguments[0], "unexpected indices" if value.indexed else "array variable expected as parameter")
         which, size = self.of(node.arguments[1], "num"), self.of(node.arguments[2], "num")
-        code = f"f_resize({value.whole}, {which.code}, {size.code}, {self._maker(value)}, {keeps(value)})"
+        code = f"f_resize{_of_sockets(value)}({value.whole}, {which.code}, {size.code}, {self._maker(value)}, {keeps(value)})"
         return Value(code, "void", node, waits=value.waits or which.waits or size.waits)
 
     def _maker(self, value: Value) -> str:

@@ -229,3 +229,28 @@ def test_a_killed_task_and_a_new_link_give_their_connection_to_a_server_free() -
     code = start + 'taskCreate "r",10,other()\ndelay(1.5)\ntaskKill("r")\nsioLink(srv1,si)\nn[1]=sioGet(srv2,d)\nn[2]=d[0]'
     found = run(App(data=DATA, programs={"start": code, "other": "sioGet(srv1,d)"}), at=at[:1] + at[2:])["globals"]
     assert isinstance(found, dict) and found["n"][:3] == [0, 1, 7]
+
+
+@pytest.mark.requirement("VAL-SIO-15", by="gateway.pure.languages.val3.builtin_io:f_delete_of_sockets")
+@pytest.mark.parametrize(
+    ("name", "drop"),
+    [
+        ("siA[1]", "delete(siA[1])"),
+        ("siA[1]", "resize(siA,1,1)"),
+        ('siC["b"]', 'delete(siC["b"])'),
+        ("link.si[1]", "delete(link.si[1])"),
+    ],
+)
+def test_a_deleted_element_gives_its_connection_to_a_server_free(name: str, drop: str) -> None:
+    """Of arrays, collections and components (L2646)."""
+    code = f'sioCtrl(siA,"clients",1)\nsioLink({name},siA)\nn[0]=sioGet({name},d)\n{drop}\nn[1]=sioGet(siA,d)\nn[2]=d[0]'
+    at = [(float(second), f"sio.server={what}") for second, what in ((1, "connect"), (2, "hex:05"), (3, "connect"), (4, "hex:07"))]
+    data = (
+        DATA
+        + datum("siA", "sio", "2", value("0", link="Socket\\server"))
+        + datum("link", "Link", "1")
+        + datum("siC", "sio", "", value("b"))
+    )
+    types = '<Type name="Link" path="Disk://chan/chan.pjx" />'
+    found = run(App(data=data, programs={"start": code}, types=types), App("chan", datum("si", "sio", "2")), at=at)["globals"]
+    assert isinstance(found, dict) and found["n"][:3] == [1, 1, 7]
