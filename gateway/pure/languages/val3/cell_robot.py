@@ -1,5 +1,6 @@
 """The robot and its operator in a cell: power, safety chain, speed are the cell's; what an application switches goes to the services."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from gateway.pure.image.records.cell import Motion
@@ -18,16 +19,23 @@ class CellRobot(RobotState):
     axes: int = 0
     held: bool = False  # nobody else has control
     button: bool = False  # hold, as the PLC or a tool gives it
-    dead_watch: bool = False  # the watchdog has expired, and power was not switched on since
+    dead_watch: bool = False  # the watchdog has expired, and was not refreshed since
+    unguarded: bool = False  # power was switched on without an active watchdog
+    said: Callable[[str], object] = str  # what a person has to know
+    _before: bool = False
 
     def look(self) -> None:
         """The cell in a new turn."""
         assert self.port is not None
         view = self.port.view
         on = self.held and self.axes & ~view.enabled == 0
-        if on:
-            self.dead_watch = False
-        self.powered = on and not self.watchdog_broken and not self.reboot
+        if on and not self._before and not self.guarded:  # by a tool, a page or the PLC: off again (L3555)
+            self.unguarded = True
+            self._power(on=False)
+            self.said("the power is switched off again: the watchdog of the application is not active")
+        self.unguarded = self.unguarded and on
+        self._before = on
+        self.powered = on and not (self.watchdog_broken or self.reboot or self.dead_watch or self.unguarded)
         self.estop = OPEN if not view.chain or self.dead_watch else 0
         self.speed = 100.0 * view.override
         self.hold = self.button or view.motion is Motion.STOPPED

@@ -93,7 +93,7 @@ class CellRun:
     def __post_init__(self) -> None:
         setup = self.setup
         self._robot = CellRobot(port=self.port, axes=setup.axes, mode=setup.mode, arm_type=setup.robot.name, profile=setup.profile)
-        self._robot.language = setup.language
+        self._robot.language, self._robot.said = setup.language, self._said
         self._robot.service, self._robot.components = setup.service, dict.fromkeys((name.lower() for name in setup.options), "enabled")
         boards = replace(setup.boards) if setup.boards is not None else None
         self._io = CellIo(owned=setup.points, put=lambda name, value: self.port.tell("put", name=name, value=value), boards=boards)
@@ -260,6 +260,7 @@ class CellRun:
             self.port.tell("faults", text="")
         self.port.over(self.run, how, error, place)
         self.machine, self.own, self.run = None, None, 0
+        self._robot.watchdog_ns = 0  # without an application power is a matter of the other command sources
 
     def seen(self, now: Ns) -> Mapping[str, object]:
         """For the dashboard, five times a second."""

@@ -1,5 +1,7 @@
 """A VAL 3 application in a cell of emulated drives, in virtual time: moves, signals, stops, power, errors, deaths (AX-930, AX-931)."""
 
+from dataclasses import replace
+
 import pytest
 
 from gateway.pure.arbitration.command_block import Code
@@ -270,3 +272,31 @@ def test_analog_outputs_of_a_cell_answer_what_they_take_and_have_their_descripti
     found = run(app, on=made)["globals"]
     assert isinstance(found, dict) and found["n"] == [12, 12, -100, -12.3, -12.3, 0, -12.3]
     assert found["s"] == ["belt", "UserIO\\out\\%QW0"]
+
+
+@pytest.mark.requirement("VAL-WDG-01", by="gateway.pure.languages.val3.cell_robot:CellRobot.look")
+def test_nobody_switches_on_behind_an_expired_watchdog() -> None:
+    """The source that started the application has control, and enables; its moves wait for wdgRefresh (L3555)."""
+    code = "wdgRefresh()\n" + POWER + "movej(jB,tHand,mSlow)\nwait(diPart)\nwhile true\nwdgRefresh()\ndelay(0.1)\nendWhile"
+    cell = Val3Cell(App(data=DATA, programs={"start": code}).files(), "demo")
+    cell.language.setup = replace(cell.language.setup, watchdog_ns=300_000_000)
+    cell.bench.settle(cell.bench.give(Code.REQUEST_CONTROL, source=TOOL))
+    assert "run" in cell.programs.answer({"do": "start", "name": "demo"}, TOOL)
+
+    def powered() -> bool:
+        return cell.language._robot.powered
+
+    cell.until(powered, 3.0)
+    cell.until(lambda: not powered(), 3.0)
+    cell.bench.run(0.5)
+    rest, every = joint(cell, 1), (1 << len(cell.cell.axis)) - 1
+    assert 0.0 < rest < 14.0
+    cell.bench.settle(cell.bench.give(Code.ENABLE, mask=every, source=TOOL))
+    for _ in range(250):
+        cell.bench.cycle()
+        assert not powered() and joint(cell, 1) == pytest.approx(rest, abs=0.01)
+    assert any("the watchdog of the application is not active" in line for line in cell.words)
+    cell.put(PART)
+    cell.bench.run(0.2)
+    cell.bench.settle(cell.bench.give(Code.ENABLE, mask=every, source=TOOL))
+    cell.until(lambda: joint(cell, 1) == pytest.approx(15.0, abs=0.01), 20.0)
