@@ -33,6 +33,7 @@ from gateway.pure.languages.robotstar.values import Array, Names, Structure, Sys
 POSITIONS = ("POSITION", "VAR_POS")
 WRITTEN = ("destination", "control")  # places a step writes to
 TAKE_PROGRAMS = ("CALL", "PROGRAM", "PALLET", "TRAFO_6D")
+PARTS = {"V": "Frame X Y Z A B C A1..A24", "P": "MA AA PT Frame X Y Z A B C A1..A24", "T": "X Y Z RX RY RZ"}
 NAMES_OF_PROGRAMS = frozenset(("program", "ref_source", "ref_destination", "source", "destination"))
 
 
@@ -93,8 +94,10 @@ def _destinations(program: Program) -> Iterator[str]:
 
 
 def _intended(program: Program, definitions: Sequence[str]) -> Iterator[str]:
-    """Names in steps that are definitions with a slip in their word: what uses them is no mistake of its own."""
+    """Names in steps that are definitions with a slip: what uses them is no mistake of its own."""
     for step in program.steps:
+        if step.valid and step.word in DEFINITIONS and isinstance(name := step.slots.get("name"), Ref):
+            yield name.name
         if step.macro and step.parameters and nearest(step.word, definitions):
             yield from (each.operand.name for each in step.parameters[:1] if isinstance(each.operand, Ref))
 
@@ -171,7 +174,8 @@ def _position(checking: _Check, program: Program, step: Step, tool: bool) -> Non
 
 
 def _step(checking: _Check, program: Program, step: Step) -> None:
-    for text in _ranges(step):
+    ranges = list(_ranges(step))
+    for text in ranges:
         checking.structural(program, step, "rsv.range", f"{spelled(step, checking.memory.words)}: {text}")
     if step.word in ("CALL", "PROGRAM"):
         if wrong := _target(checking, program, step):
@@ -192,7 +196,7 @@ def _step(checking: _Check, program: Program, step: Step) -> None:
                 checking.late(program, step, "rsv.operand", f"{operand.name}: {wrong}", _elements(checking, operand, wrong))
     if step.word == "COPY" and (_types_differ(checking.memory, step) or _groups_differ(checking.memory, step)):
         checking.late(program, step, "rsv.operand", WRONG_TYPES)
-    elif wrong := wrong_kind(step, checking.memory.kind_of) or wrong_literal(step, lambda ref: _meant(checking, ref)):
+    elif not ranges and (wrong := wrong_kind(step, checking.memory.kind_of) or wrong_literal(step, lambda ref: _meant(checking, ref))):
         checking.late(program, step, "rsv.operand", wrong)
 
 
@@ -282,8 +286,10 @@ def _whole_array(found: list[Variable], ref: Ref, wrong: str) -> str:
 
 
 def _elements(checking: _Check, ref: Ref, wrong: str) -> str:
-    """The elements an array has, where one of them is needed; "" for other faults."""
+    """The elements an array or a structure has, where one of them is needed; "" for other faults."""
     found = _meant(checking, ref)
+    if wrong == WRONG_TYPES and len(found) == 1 and isinstance(found[0], Structure) and ref.element not in found[0].parts:
+        return f"elements: {PARTS[found[0].kind]}"
     if wrong not in (IS_ARRAY, INDEX_RANGE) or len(found) != 1 or not isinstance(found[0], Array):
         return ""
     return f"{ref.name}[1] .. {ref.name}[{len(found[0].items)}]"

@@ -92,7 +92,7 @@ def _equate(text: str, equates: Mapping[str, str]) -> Equate:
     if name in RELATIONS or name in ("=0", "=1"):
         return Equate(name)
     if name not in equates:
-        near = nearest(name, equates)
+        near = name[::-1] if name in ("=>", "=<") else nearest(name, equates)
         raise OperandFault(f"{text}: no such system equate", f"did you mean #{near}?" if near else "")
     return Equate(equates[name])
 

@@ -22,7 +22,7 @@ _ASSIGNED = re.compile(r"(_[A-Z]\w*(?:\s*\[\w+\])?)\s*=\s*(\S+)", re.IGNORECASE)
 _AXIS = re.compile(r"A\d+")
 _REMARK = re.compile(r"/\*.*?\*/")
 _TOKEN = re.compile(
-    r'"[^"]*"?|<(?![=>])[^>]*>|\#(?:<>|<=|>=|<|>|=[01](?![\d.])|=|\w+)?|,|:(?!/)'
+    r'"[^"]*"?|<(?![=>])[^>]*>|\#(?:<>|<=|>=|=>|=<|<|>|=[01](?![\d.])|=|\w+)?|,|:(?!/)'
     r"|[+-]?\d+(?:\.\d*)?[eE][+-]\d+(?![\w.])|[+-]?\d[\w.]*|(?:[^\s,:\"#\[(]|:/)+(?:\s*\[[^,\"]*\]*)?(?:\s*\([^,\"]*\)?)?(?:\.\w+)?|\S"
 )
 SETS = {"UEBER_CP": "_IV_FLYBY_S", "ÜBER_CP": "_IV_FLYBY_S"}  # commands of the RSIV that are system variables (L1803)
@@ -67,7 +67,7 @@ def read_program(source: SourceFile, name: str, kind: str, words: Words, faults:
     reading = _Reading(words, source, faults, program)
     number = 0
     for line, text in enumerate(source.text.splitlines(), 1):
-        text = text.replace("\ufeff", "")
+        text = text.replace("\ufeff", "").strip("\0")  # a block of the disk is filled up with zeros
         text = (_REMARK.sub("", text) if "/*" in text else text).strip()
         if text:
             number += 1
@@ -310,7 +310,8 @@ def _frame(reading: _Reading) -> None:
         _misspelt(reading, head, HEADS)
     else:
         _head(reading, head)
-    if last.word != "END" or last.macro or not last.valid:
+    ends = [step for step in program.steps[1:-1] if step.valid and not step.macro and step.word == "END"]
+    if not ends and (last.word != "END" or last.macro or not last.valid):
         reading.fault("rsv.end", last.line, f"step {last.number}: the last step is END")
         _misspelt(reading, last, ("END", "ENDE"))
     for step in program.steps[1:-1]:

@@ -33,6 +33,11 @@ POSITION = "POSITION #N, X:1, Y:0, Z:0, A:0, B:0, C:0"
         ("WAIT 0,5", 2, "WAIT: there are too many parameters", "numbers have a decimal point"),
         ("KOPIERE Quele: 1, Ziel_Var: _SPS[1]", 2, "Quele: no such descriptor", "did you mean Quelle?"),
         ("TEST #VARIABLE, 1, =, 2, A\nLABEL A", 2, "=: neither a number, a name nor a text in quotation marks", "did you mean #=?"),
+        ("LOC_VAR I1\nTEST #VARIABLE, I1, #=>, 2, A\nLABEL A", 3, "#=>: no such system equate", "did you mean #>=?"),
+        ('LOC_VAR S1\nCOPY "A", S1', 2, "S1: write the length of a string in round brackets", ""),
+        ("LOC_VAR I1\nCOPY 3000000000, I1", 3, "COPY: 3e+09 is outside the range of an integer, -2147483648 .. 2147483647", ""),
+        ("LOC_VAR V1\nCOPY 5, V1.Q", 3, "V1: Wrong operand types!", "elements: Frame X Y Z A B C A1..A24"),
+        ("MPR P\nSTOP\nEND\nWAIT 2", 3, "END is allowed only at the end", ""),
         ("MPR P\nSTOP\nENDDE", 3, "the last step is END", ""),
     ],
 )
