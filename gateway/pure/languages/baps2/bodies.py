@@ -269,6 +269,7 @@ class Bodies:
         selector = self.typing.of(statement.selector)
         if selector.type not in (NONE, BINARY, INTEGER, CHAR, TEXT):
             self.names.faults.error("type", statement.at, f"CASE takes BINARY, INTEGER, CHAR or TEXT, not {selector.type}")
+            selector = Typed(NONE, selector.code)
         name = self.new("c")
         self.out.add(f"{name} = {selector.code}")
         self.function.path.append(id(statement))

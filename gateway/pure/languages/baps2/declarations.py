@@ -15,6 +15,7 @@ from gateway.pure.languages.baps2.tree import (
     SpecialFunction,
     TypeName,
 )
+from gateway.pure.languages.base.near import hint_of
 from gateway.pure.languages.base.source import Position
 
 PLAIN = ("INTEGER", "REAL", "BINARY", "CHAR", "TEXT")
@@ -56,10 +57,22 @@ class DeclarationReader:
         if self._stream.is_sign(":", "["):
             found += self._untyped()
             return True
+        if self._of_no_kinematic():
+            found += self._pass_over(self._stream.place)
+            return True
         if self._stream.token.kind is not Kind.NAME or self._stream.is_word(BODY) or not self._declares_on():
             return False
         self._stream.faults.error("syntax", self._stream.token.position, f"a declaration or BEGIN is expected, not {self._stream.token}")
         found += self._pass_over(self._stream.place)
+        return True
+
+    def _of_no_kinematic(self) -> bool:
+        """Whether points of a kinematic that is not declared are next; it is reported."""
+        token = self._stream.token
+        if token.word or self._stream.ahead().text != "." or self._stream.ahead(2).word not in KINEMATIC:
+            return False
+        hint = hint_of(token.key, self._head.kinematics)
+        self._stream.faults.error("kinematic-unknown", token.position, f"kinematic {token.text} is not declared", hint)
         return True
 
     def _untyped(self) -> list[Declaration]:

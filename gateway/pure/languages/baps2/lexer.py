@@ -56,7 +56,7 @@ _PATTERN = re.compile(
       | (?P<number>(?:\d+\.\d+|\d+|\.\d+)[eE][-+]?\d+(?!\w)|\d+\.\d+|\d+\.(?![.\w])|\.\d+|\d+)
       | (?P<name>@?[^\W\d]\w*)
       | (?P<text>'[^'\n]*'|"[^"\n]*")
-      | (?P<sign><>|<=|>=|=<|=>|\.\.|[-+*/=<>(),:.\[\]@%])
+      | (?P<sign>(?!//)(?:<>|<=|>=|=<|=>|\.\.|[-+*/=<>(),:.\[\]@%]))
     )[^\S\n]*  # blanks behind a token go with it: half as many matches
     """,
     re.VERBOSE | re.DOTALL,
@@ -65,6 +65,8 @@ _BEHIND = re.compile(r"[^\W\d]\w*")  # a word right behind a number
 SKIPPED = ("blank", "comment", "separator")
 QUOTES = "'\""
 _SAME = {"=<": "<=", "=>": ">="}
+_STRANGE = re.compile(r"//[^\n]*|\{[^{}\n]*\}|!=|&&?|\|\|?")
+_MEANT = {"!=": "<>", "&": "AND", "&&": "AND", "|": "OR", "||": "OR"}  # signs of other languages
 
 
 def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Token]:
@@ -76,10 +78,10 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
     while at < size:
         match = match_at(text, at)
         if match is None:
-            position, begin = source.at(line, at - start + 1), at
-            at += _unknown(text, at, position, faults)
-            if text[begin] in QUOTES:  # its end is reported as missing; the text is a value all the same
-                yield Token(Kind.TEXT, text[begin + 1 : at], position)
+            size_of, meant = _unknown(text, at, source.at(line, at - start + 1), words, faults)
+            at += size_of
+            if meant is not None:
+                yield meant
             continue
         kind = match.lastgroup or ""
         found = match[kind]
@@ -124,17 +126,31 @@ def _misnamed(name: str, position: Position, known: dict[str, tuple[Kind, str, s
     return Token(Kind.NAME, name, position)
 
 
-def _unknown(text: str, at: int, position: Position, faults: Faults) -> int:
-    """Reports one character that begins no token; how many characters to pass over."""
+def _unknown(text: str, at: int, position: Position, words: Words, faults: Faults) -> tuple[int, Token | None]:
+    """Reports what begins no token; how many characters to pass over, and the token that is meant."""
     if text[at] in QUOTES:
         end = text.find("\n", at)
         faults.error("text-without-end", position, "this text has no closing quote on its line")
-        return (end if end >= 0 else len(text)) - at
+        end = end if end >= 0 else len(text)
+        return end - at, Token(Kind.TEXT, text[at + 1 : end], position)  # a value all the same
     if text.startswith("(*", at):
         faults.error("comment-without-end", position, "this comment has no closing *)")
-        return len(text) - at
+        return len(text) - at, None
+    if found := _STRANGE.match(text, at):
+        return len(found[0]), _meant(found[0], position, words, faults)
     end = at + 1
     while end < len(text) and not text[end].isspace() and _PATTERN.match(text, end) is None:
         end += 1
     faults.error("no-token", position, f"'{text[at:end]}' means nothing here")
-    return end - at
+    return end - at, None
+
+
+def _meant(found: str, position: Position, words: Words, faults: Faults) -> Token | None:
+    """A sign of another language, read as it was meant; None: a comment."""
+    if found not in _MEANT:
+        begin = found[:2] if found[0] == "/" else found[0]
+        faults.error("no-token", position, f"{begin} begins no comment", "a semicolon begins a comment")
+        return None
+    sign = _MEANT[found]
+    faults.error("no-token", position, f"'{found}' is no sign", f"write {sign}")
+    return Token(Kind.NAME if sign.isalpha() else Kind.SIGN, sign, position, words.token(sign) or "")

@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection
 from gateway.pure.languages.baps2.declarations import DeclarationReader
 from gateway.pure.languages.baps2.expressions import ExpressionReader
 from gateway.pure.languages.baps2.lexer import Kind, Token
+from gateway.pure.languages.baps2.slips import ELSE_IF, IN_FRONT, REMEDIES, WHOLE_LINES
 from gateway.pure.languages.baps2.standard import DEVICES, FUNCTIONS
 from gateway.pure.languages.baps2.stream import Misread, Stream
 from gateway.pure.languages.baps2.tree import Expression, Faulty, Head
@@ -33,6 +34,7 @@ class Mistakes:
     ) -> None:
         self._stream, self._expressions, self._declarations = stream, expressions, declarations
         self._head, self._begins = head, begins
+        self._strange: set[str] = set()  # remedies that are reported
 
     def is_known(self, token: Token) -> bool:
         """Whether the name is declared, a subroutine or a kinematic."""
@@ -83,6 +85,30 @@ class Mistakes:
         if of_program or goes_on or following.key in self._expressions.names or not self._stream.joins(whole):
             return False
         self._stream.faults.error("syntax", token.position, f"{token.text} {following.text} is one word", f"write {whole}")
+        return True
+
+    def stranger(self) -> bool:
+        """Whether a word of another language is next that BAPS2 has no word for: it is reported, and its line passed over."""
+        token = self._stream.token
+        remedy = REMEDIES.get(token.key, "") if token.kind is Kind.NAME else ""
+        if not remedy or self.is_known(token) or self._stream.ahead().text in ("=", ":", ".", "["):
+            return False
+        if remedy not in self._strange:  # a WHILE and its end are one mistake
+            self._strange.add(remedy)
+            self._stream.faults.error("name-unknown", token.position, f"{token.text} is no word of BAPS2", remedy)
+        self._stream.take()
+        whole = token.key in WHOLE_LINES
+        while token.key not in IN_FRONT and self._stream.token.position.line == token.position.line and (whole or not self.starts()):
+            self._stream.take()
+        return True
+
+    def else_if(self) -> bool:
+        """Whether ELSE and IF are next in one word; it is reported, and read as IF."""
+        token = self._stream.token
+        if token.key not in ELSE_IF or token.kind is not Kind.NAME or self.is_known(token):
+            return False
+        self._stream.faults.error("name-unknown", token.position, f"{token.text} is no word of BAPS2", "write ELSE IF")
+        self._stream.read_as("IF")
         return True
 
     # ---- signs

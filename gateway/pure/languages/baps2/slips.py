@@ -6,6 +6,18 @@ from gateway.pure.languages.baps2.words import Words
 from gateway.pure.languages.base.near import nearest
 
 HABITS = {"GOTO": "JUMP"}  # words of other languages
+ELSE_IF = ("ELSEIF", "ELSIF", "ELIF")
+STRANGERS = {  # those that BAPS2 has no word for: the remedy
+    "BAPS2 has no WHILE: write a label, IF and JUMP": ("WHILE", "WHILE_END", "ENDWHILE", "END_WHILE", "WEND"),
+    "BAPS2 has no FOR: write REPEAT n TIMES": ("FOR", "NEXT", "FOR_END", "ENDFOR", "END_FOR"),
+    "an IF has no end: put several statements between BEGIN and END": ("ENDIF", "END_IF", "IF_END"),
+    "a subroutine ends at SUB_END": ("RETURN", "RET"),
+    "a subroutine is called by its name": ("CALL", "GOSUB"),
+    "the word is WRITE": ("PRINT",),
+}
+REMEDIES = {word: remedy for remedy, words in STRANGERS.items() for word in words}
+WHOLE_LINES = [word for remedy, words in STRANGERS.items() if remedy.startswith("BAPS2 has no") for word in words]
+IN_FRONT = ("CALL", "GOSUB")  # what follows is a statement of its own
 
 
 def meant(text: str, words: Words, tokens: Collection[str], language: str) -> str:

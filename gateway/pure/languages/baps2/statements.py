@@ -150,6 +150,8 @@ class StatementReader:
     def _other(self, token: Token) -> Statement:
         """A call, or a statement whose first word is missing."""
         called = token.kind is Kind.NAME and not token.word
+        if called and self._mistakes.stranger():
+            return Block(token.position, ())
         if not (called and self._is_called(token)) and (opened := self._missing.opener()) is not None:
             return opened
         if called:
@@ -324,7 +326,8 @@ class StatementReader:
         then = self.required("behind THEN")
         self._missing.open.pop()
         self._mistakes.misspelt(("ELSE",))
-        return If(at, condition, then, self.required("behind ELSE") if self._stream.word("ELSE") else None)
+        otherwise = self._mistakes.else_if() or self._stream.word("ELSE")
+        return If(at, condition, then, self.required("behind ELSE") if otherwise else None)
 
     def _block(self, at: Position) -> Block:
         body = self.body(("END",))

@@ -376,6 +376,8 @@ class Typing:
             return found.type, found.code
         if symbol is not None and symbol.reference and symbol.kind == "variable":
             return found.type, symbol.python
+        if not isinstance(tree, Name | Member | Index):
+            return self._no_reference(tree, "not-assignable")
         written, before = set(self.written), self.names.faults.errors
         value = self.assigned(tree, "x")
         self.written = written
@@ -389,7 +391,10 @@ class Typing:
             return found.type, f"Ref(lambda: {symbol.python}, lambda x: setattr({owner}, {attribute!r}, x))"
         if isinstance(tree, Index) and value and ".set(" in value and " = " not in value and "yield" not in value:
             return found.type, f"element({self.of(tree.base).code}, {self.of(tree.index).code})"
-        self.fault("reference", tree.at, "a variable or an element is expected, which the subroutine can set", "use VALUE for expressions")
+        return self._no_reference(tree)
+
+    def _no_reference(self, tree: Expression, id: str = "reference") -> tuple[Type, str]:
+        self.fault(id, tree.at, "a variable or an element is expected, which the subroutine can set", "use VALUE for expressions")
         return NONE, ""
 
 

@@ -88,3 +88,33 @@ def test_a_name_that_is_nothing_is_reported_once() -> None:
 )
 def test_sound_statements_stay_sound(statements: str) -> None:
     assert check(f"{HEAD}PROGRAM P\n{DECLARED}\nBEGIN\n{statements}\nEND\nSR MELDE\nBEGIN\nEND\n").rows() == []
+
+
+@pytest.mark.parametrize(
+    "statements, line, column, text",
+    [
+        ("L: WHILE I < 3 DO\nI = I + 1\nWHILE_END\nJUMP L", 0, 4, "write a label, IF and JUMP"),
+        ("FOR I = 1 TO 3 DO\nWAIT 1\nNEXT I", 0, 1, "REPEAT n TIMES"),
+        ("IF E1 THEN\nI = 1\nENDIF\nI = 2", 2, 1, "put several statements between BEGIN and END"),
+        ("IF E1 THEN I = 1\nELSEIF I = 2 THEN I = 3\nELSE I = 4", 1, 1, "write ELSE IF"),
+        ("CALL I = 1", 0, 1, "called by its name"),
+        ("PRINT 'A'", 0, 1, "the word is WRITE"),
+        ("IF I != 2 THEN I = 1", 0, 6, "write <>"),
+        ("IF E1 && I = 2 THEN I = 1", 0, 7, "write AND"),
+        ("I = 1 // set\nI = 2", 0, 7, "a semicolon begins a comment"),
+        ("{ set it }\nI = 2", 0, 1, "a semicolon begins a comment"),
+    ],
+)  # fmt: skip
+def test_a_habit_of_another_language_is_one_fault(statements: str, line: int, column: int, text: str) -> None:
+    found = list(check(f"{HEAD}PROGRAM P\n{DECLARED}\nBEGIN\n{statements}\nPROGRAM_END\n"))
+    assert [(each.position.line, each.position.column) for each in found] == [(FIRST + line, column)]
+    assert text in found[0].hint
+
+
+def test_points_of_a_kinematic_that_is_not_declared_are_one_fault() -> None:
+    found = check(f"{HEAD}PROGRAM P\nROBB.POINT : P1\nBEGIN\nMOVE TO P1\nPROGRAM_END\n")
+    assert [(each.id, each.position.line, each.hint) for each in found] == [("kinematic-unknown", 6, "ROB is the name like it")]
+
+
+def test_less_than_a_negative_number_is_no_arrow() -> None:
+    assert check(f"{HEAD}PROGRAM P\n{DECLARED}\nBEGIN\nIF I <-2 THEN I = 1\nPROGRAM_END\n").rows() == []
