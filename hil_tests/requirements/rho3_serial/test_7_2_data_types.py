@@ -39,14 +39,21 @@ EVERY: tuple[tuple[BapsType, Value, bytes], ...] = (
 
 @pytest.mark.requirement("RHO-SER-16", by="gateway.pure.controllers.rho3.serial.baps:pack")
 @pytest.mark.parametrize(
-    "kind, value, width",
-    [(BINARY, True, 1), (CHARACTER, 65, 1), (INTEGER, 1, 4), (REAL, 1.0, 4), (TEXT, b"A", 80)],
+    "kind, value, data",
+    [
+        (BINARY, True, b"\1"),
+        (CHARACTER, 65, b"A"),
+        (INTEGER, 1, b"\1\0\0\0"),
+        (REAL, 1.0, b"\0\0\x80\x3f"),
+        (TEXT, b"A", b"A" + bytes(79)),
+        (array(INTEGER, 2), (1, 2), b"\1\0\0\0\2\0\0\0"),
+    ],
     ids=str,
 )
-def test_each_type_has_its_width_on_the_line(kind: BapsType, value: Value, width: int) -> None:
+def test_each_type_has_its_width_on_the_line(kind: BapsType, value: Value, data: bytes) -> None:
     bench = InterfaceBench(LINK).write(ONE, "V24_1", (kind, value)).says(STX).hears(b"\x10")
     said = bench.heard_from()
-    assert len(said) == width + 3, said.hex(" ")
+    assert (len(said), said[:-3]) == (len(data) + 3, data), said.hex(" ")
 
 
 @pytest.mark.requirement("RHO-SER-17", by="gateway.pure.controllers.rho3.serial.baps:pack")

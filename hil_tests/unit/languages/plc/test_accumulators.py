@@ -10,6 +10,7 @@ HIGH = 0x7FFFFFFF
 @pytest.mark.requirement("RSV-PLC-09", by="gateway.pure.languages.plc.generated:Writer._accumulators")
 def test_accumulator_logic() -> None:
     assert [accus_of(f"L 0CH\nL 0AH\n{word} ACCU") for word in ("U", "O", "XO")] == [(8, 12), (14, 12), (6, 12)]
+    assert result_of("L 5\nL 3\n>\nXO ACCU"), "a comparison reads the accumulators as they were"
 
 
 @pytest.mark.requirement("RSV-PLC-11", by="gateway.pure.languages.plc.generated:Writer._write")

@@ -18,6 +18,15 @@ def test_a_bracket_is_linked_as_a_whole(opened: str) -> None:
     assert result_of(text, "E0.0", "E0.1")
     assert result_of(text, "E0.2")
     assert not result_of(text, "E0.0")
+    first = f"{opened}\nU E0.0\nU E0.1\n)\nO E0.2"
+    assert result_of(first, "E0.0", "E0.1")
+    assert not result_of(first, "E0.1")
+    nested = f"U E0.2\n{opened}\nU E0.0\nU(\nO E0.1\nO E0.3\n)\n)"
+    assert result_of(nested, "E0.0", "E0.3")
+    assert not result_of(nested, "E0.3")
+    stored = f"U E0.2\n{opened}\nU E0.0\n= A1.0\nU E0.1\n)"
+    assert result_of(stored, "E0.1")
+    assert not result_of(stored, "E0.0")
 
 
 @pytest.mark.requirement("RSV-PLC-08", by="gateway.pure.languages.plc.chains:linked")
@@ -73,6 +82,12 @@ def test_jumps() -> None:
     rig = Rig("U E0.0\nSP L1,1\nU E1.0\nON E1.0\n= A0.0\nM L1\nU E0.0\nSP L2,0\nU E1.0\nON E1.0\n= A0.1\nM L2\nSP Ende\n= A0.2\nM Ende")
     assert rig.scan().outputs[0] == 1
     assert Rig(rig.sources["MAIN"].removeprefix("PLC MAIN\n").removesuffix("\nEND")).scan("E0.0").outputs[0] == 2
+    into = "U E0.0\nSP L1,1\nU E0.1\nM L1\nU E0.2"  # a chain begins anew where the jump came from, else it goes on
+    assert result_of(into, "E0.0", "E0.2")
+    assert result_of(into, "E0.1", "E0.2")
+    assert not result_of(into, "E0.2")
+    back = "U E0.1\nM L1\nU E0.2\n= A0.0\nU M5.0\nSP L2,1\nUN M5.0\nS M5.0\nU M6.0\nSP L1,0\nM L2"
+    assert Rig(back).scan("E0.2").output("A0.0"), "the second time the chain begins at L1"
 
 
 def test_a_loop_counts() -> None:
@@ -113,8 +128,16 @@ def test_the_power_on_bit_is_there_in_the_first_scan_and_the_result_begins_as_1(
     rig = Rig("R M1020.4")
     assert rig.plc.bit(1020, 4)
     assert not rig.scan().plc.bit(1020, 4)
-    rig.plc.power_on(rig.plc.retained(0), 0)
-    assert rig.plc.bit(1020, 4)
+    kept = rig.plc.retained(0)
+    with pytest.raises(ValueError, match=f"{len(kept) - 1} bytes of retained data, {len(kept)} expected"):
+        rig.plc.power_on(kept[1:], 0)
+    rig.plc.set_marker(20, 0x80)
+    for bit in range(4):
+        rig.plc.set_bit(1021, bit, bit != 2)  # in error, acknowledged
+    rig.plc.set_number(944, 7001)
+    rig.plc.power_on(kept, 0)
+    assert (rig.plc.bit(1020, 4), rig.runs, rig.plc.marker(20)) == (True, False, 0)
+    assert ([rig.plc.bit(1021, bit) for bit in range(3)], rig.plc.number(944)) == ([False, False, True], 0)
 
 
 def test_inputs_are_written_until_they_are_read_again() -> None:

@@ -44,6 +44,8 @@ def test_elements() -> None:
     text = "COPY 12.5,V1.Y\nCOPY V1.y,R1\nCOPY 7,P1.Frame\nCOPY P1.FRAME,I1\nCOPY 90,T1.RZ\nCOPY T1.rz,RV[1]\nCOPY 4,V2.A24"
     ran = steps(text, ALL)
     assert [ran.value(name) for name in ("R1", "I1", "RV[1]", "V2.A24")] == [12.5, 7, 90.0, 4.0]
+    for text in ("COPY 1,V1.Q", "COPY 1,V1.A25", "COPY 1,P1.TIME"):
+        assert steps(text, ALL).texts() == ["Wrong operand types!"]
 
 
 @pytest.mark.requirement("RSV-CPY-05", by="gateway.pure.languages.robotstar.access:check_groups")
@@ -127,6 +129,9 @@ def test_validity_of_each_element() -> None:
     ran = steps("COPY 4,I_A[3]\nCOPY I_A[3],I1\nCOPY I_A[4],I1", ALL)
     assert (ran.texts(), ran.value("I1"), ran.step) == (["Variable not initialized!"], 4, 4)
     assert steps("COPY 1,V1.X\nCOPY V1.Y,R1", ALL).texts() == ["Variable not initialized!"]
+    for index, said in ((0, ["Index too big or too small!"]), (1, []), (10, []), (11, ["Index too big or too small!"])):
+        ran = steps(f"COPY 4,I_A[{index}]\nCOPY I_A[{index}],I1", ALL)
+        assert (ran.texts(), ran.value("I1")) == (said, None if said else 4)
 
 
 @pytest.mark.parametrize(

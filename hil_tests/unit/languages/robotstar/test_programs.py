@@ -100,8 +100,9 @@ def test_indirect_calls() -> None:
 
 @pytest.mark.requirement("RSV-PRG-10", by="gateway.pure.languages.robotstar.reader:_step")
 def test_an_invalid_step_is_skipped() -> None:
-    ran = run({"P.MPR": "\\COPY 5,I1\n\\ NONSENSE here\nCOPY 1,I2", **V}, mode="auto", until=0.005)
-    assert (ran.value("I1"), ran.value("I2"), ran.faults) == (None, 1, [])
+    text = "\\COPY 5,I1\n\\ NONSENSE here\nCOPY 1,I2\n\\COPY 5,I1\nADD 1,I2\nADD 1,I2\nSTOP"
+    ran = run({"P.MPR": text, **V}, mode="auto", until=0.005)
+    assert (ran.value("I1"), ran.value("I2"), ran.faults, ran.step) == (None, 3, [], 9)
 
 
 @pytest.mark.requirement("RSV-PRG-11", by="gateway.pure.languages.robotstar.reader:_definitions_first")

@@ -202,6 +202,7 @@ def test_sockets_nobody_answers() -> None:
 
 @pytest.mark.requirement("VAL-SIO-17", by=IO + "f_sio_ctrl")
 def test_setting_up_a_serial_line() -> None:
+    assert [globals_of(f"i=sioCtrl(siLine,{each})", SIO)["i"] for each in ('"bits", 3', '"colour", 1')] == [-3, -1]
     calls = ('"baudRate", 115200', '"bits", 8', '"parity", "none"', '"stopBits", 1', '"timeout", 0', '"endOfString", 13')
     assert numbers.__doc__ and [globals_of(f"i=sioCtrl(siLine,{each})", SIO)["i"] for each in calls] == [0] * 6
     assert globals_of('siLine="ab"\ni=sioSet(siLine,n)', SIO)["i"] == 40
@@ -297,6 +298,7 @@ def test_messages_and_dates() -> None:
     )
     assert found["popups"] == ["hello"] and found["log"] == ["[01/01/20 00:00:00]: <0x0002> USR:note"]
     assert found["globals"] is not None and "January 01, 2020 00:00:01" in str(found["globals"])
+    assert [globals_of(f'b=logMsg("note",{severity})', NUMS)["b"] for severity in (1, 4)] == [True, True]
 
 
 @pytest.mark.requirement("VAL-ROB-02", "VAL-ROB-04", by="gateway.pure.languages.val3.robot_state:RobotState.set_speed")

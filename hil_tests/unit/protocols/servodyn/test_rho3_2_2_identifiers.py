@@ -10,17 +10,14 @@ from protocols.servodyn.codec import SYNC, ActualValue, SetValue
 from protocols.servodyn.plan import place
 
 
-def identifier_of_set(axis: int) -> int:
-    return CODEC.encode_set(axis, SetValue(life=axis)).identifier
-
-
 def axis_of_actual(identifier: int) -> int:
     return CODEC.decode_actual(Frame(identifier, bytes(8)))[0]
 
 
 @pytest.mark.requirement("RHO-CAN-01", by="protocols.servodyn.codec:Codec.encode_set")
 def test_set_values_of_axes_1_to_4_are_210_to_240_and_those_of_5_and_6_follow() -> None:
-    assert [identifier_of_set(axis) for axis in range(1, 7)] == [210, 220, 230, 240, 250, 260]
+    lives = [Frame(200 + 10 * axis, bytes((0, axis)) + bytes(6)) for axis in range(1, 7)]
+    assert [CODEC.encode_set(axis, SetValue(life=axis)) for axis in range(1, 7)] == lives
 
 
 @pytest.mark.requirement("RHO-CAN-01", by="protocols.servodyn.codec:Codec.decode_actual")
@@ -32,6 +29,7 @@ def test_610_to_640_are_taken_as_actual_values_of_axes_1_to_4() -> None:
 def test_sync_is_100_without_data_and_the_drives_answer_it_in_axis_order() -> None:
     bus = DriveBus(*[ServoSettings()] * 6)
     assert Frame(100, b"") == SYNC
+    assert CODEC.encode_actual(2, ActualValue(position_inc=2)) == Frame(620, bytes((0, 0, 2)) + bytes(5))
     said = [frame.identifier for frame in bus.hand(SYNC._replace(stamp_ns=bus.now))]
     assert said == [610, 620, 630, 640, 650, 660]
 

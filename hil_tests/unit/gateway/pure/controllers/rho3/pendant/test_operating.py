@@ -61,6 +61,11 @@ def test_mode_1_without_control_enable_says_so() -> None:
     assert shown((1,), holding()) == ["No info available"]
     assert shown((6, 1), holding(CTRL_ALLOW_RCI=False)) == ["No info available"], "mode 6.1 has no such text"
     assert shown((7, 9), holding()) == ["no INFO messages"]
+    several = holding(CTRL_ALLOW_RCI=False, TRAVEL_ALLOW_RCI=False)
+    both = ["CONTRL.ALLOW n.avail", "TRAVEL ALLOW n.avail"]
+    assert shown((1,), several, selected="PORTAL") == both
+    assert shown((2,), several, (1, 2), "PORTAL") == ["Kinem.: PORTAL......", *both, "kinematics:", "1;2;"]
+    assert shown((2,), {*several, Condition.KEYS_DISABLED}) == [Condition.KEYS_DISABLED.value, *both]
 
 
 @pytest.mark.requirement("RHO-PHG-12", by="gateway.pure.controllers.rho3.pendant.infos:conditions_of")

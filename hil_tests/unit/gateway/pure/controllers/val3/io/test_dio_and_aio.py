@@ -54,6 +54,17 @@ def test_reading_or_writing_something_unlinked_is_123() -> None:
             action()
         assert fault.value.code == 123
     assert not any(cell.image.outputs)
+    with pytest.raises(RunTimeFault, match="not linked"):
+        cell.system.usable(None)
+    with pytest.raises(RunTimeFault, match="nowhere"):
+        cell.system.usable("nowhere")
+    cell.board.health = Health.FAULT
+    codes = []
+    for link in ("i0", "nowhere"):
+        with pytest.raises(RunTimeFault) as fault:
+            cell.system.usable(link)
+        codes.append(fault.value.code)
+    assert codes == [125, 123]
 
 
 @pytest.mark.requirement("VAL-DIO-01", by="gateway.pure.controllers.val3.io.system:IoSystem.writable")
