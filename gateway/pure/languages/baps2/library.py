@@ -8,7 +8,7 @@ from gateway.pure.languages.baps2.tree import Program
 from gateway.pure.languages.baps2.words import Words
 from gateway.pure.languages.base.collecting import uncollected
 from gateway.pure.languages.base.faults import Faults
-from gateway.pure.languages.base.source import SourceFile
+from gateway.pure.languages.base.source import SourceFile, base_name
 from gateway.pure.languages.base.store import ProgramStore
 
 
@@ -75,9 +75,28 @@ class Library:
             return None
 
     def check(self, file: str, text: str) -> tuple[Unit | None, Faults]:
-        """Reads and checks one source."""
-        _, unit, faults = self.examined(file, text)
+        """Reads and checks one source; a file without a program that others include, with these."""
+        program, unit, faults = self.examined(file, text)
+        if program is None and (found := self._included(file)) is not None:
+            return None, found
         return unit, faults
+
+    def _included(self, file: str) -> Faults | None:
+        """What the programs that include the file have in it; None: none does."""
+        name, found, included = base_name(file), Faults(), False
+        for other in self._store.names():
+            text = self._store.text(other) or ""
+            if other == name or not other.endswith(".QLL") or "INCLUDE" not in text.upper():
+                continue
+            uses = set[str]()
+            program, _, faults = self._examined(other, text, uses)
+            if program is None or name.partition(".")[0] not in uses:
+                continue
+            included = True
+            for each in faults:
+                if each.position.file == name:
+                    found.add(each)
+        return found if included else None
 
     def examined(self, file: str, text: str) -> tuple[Program | None, Unit | None, Faults]:
         """Reads and checks one source; its tree too, also where it has errors."""

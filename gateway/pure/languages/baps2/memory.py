@@ -9,17 +9,23 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position
 
 _POINT = re.compile(r"(?:[^\W\d]\w*\s*\.\s*)?(@?[^\W\d]\w*(?:\s*\[\s*-?\d+\s*\])?)\s*=\s*@?\s*\(?\s*([^()]*?)\s*\)?")
+_DOS = re.compile(rb"[A-Za-z][\x81\x84\x94\xe1]|[\x81\x84\x94\x8e\x99\x9a][a-z]")  # umlauts in words, with code page 437
+_WINDOWS = re.compile(rb"[A-Za-z][\xfc\xe4\xf6\xdf]|[\xfc\xe4\xf6\xc4\xd6\xdc][a-z]")
 Points = dict[str, tuple[float, ...]]
 POINT_DIGITS = 9  # behind the point: what an angle of 0 has beyond is the rest of a calculation
 
 
 def decoded(data: bytes) -> str:
-    """A source as text: UTF-8, else the code page of the old control.  1Ah ends it, as the DOS editors wrote it."""
+    """A source as text: UTF-8 or UTF-16 where it is that, else the code page of the old control, or of Windows where words have its umlauts
+    (AX-1748).  1Ah ends it, as the DOS editors wrote it."""
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16", "replace")
     data = data.partition(b"\x1a")[0]
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return data.decode(CODE_PAGE)
+        windows = len(_WINDOWS.findall(data)) > len(_DOS.findall(data))
+        return data.decode("cp1252", "replace") if windows else data.decode(CODE_PAGE)
 
 
 class Memory:

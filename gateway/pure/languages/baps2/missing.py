@@ -119,7 +119,7 @@ class Missing:
 
     def of_condition(self, at: Position) -> Statement | None:
         """Behind an assignment that is one only because IF is missing in front of it."""
-        if self._stream.token.word != "THEN":
+        if self._stream.token.word != "THEN" or self._stream.too_deep:
             return None
         token = self._stream.token
         self._stream.faults.error("syntax", at, f"IF is missing in front of the condition of {token}")
@@ -235,6 +235,9 @@ class Missing:
         if opened or (token.word == "END" and not self._routine_goes_on()):
             return None
         hint = SEVERAL if token.word == "ELSE" else ""
+        if self._stream.too_deep:  # a consequence
+            self._stream.take()
+            return Block(token.position, ())
         self._stream.faults.error("syntax", token.position, f"{token} without {OPENERS[token.word]}", hint)
         if token.word in ("ALSO", "PARALLEL_END"):
             return self._branches(token.position)

@@ -17,6 +17,7 @@ _ITEM = r"(?:\d+\s*=\s*)?@?[^\W\d]\w*(?:\s*=\s*-?[\d.]+)?"  # of a list of names
 _LIST = re.compile(rf";\s*{_ITEM}(?:\s*,\s*{_ITEM})*\s*")
 LONG_NAME = 12  # characters that count (L5677, L8837); longer names are printed (L6914)
 MOST_INCLUDED = 16  # files one in the other
+MOST_FILES = 500  # included in all: files that include others several times grow without end
 MOST_NESTED = 60  # statements and brackets one in the other
 
 
@@ -30,13 +31,15 @@ class Stream:
     def __init__(self, source: SourceFile, words: Words, store: ProgramStore, faults: Faults) -> None:
         self.faults, self._words, self._store = faults, words, store
         self._tokens: list[Token] = []
+        self._files = 0  # included
+        self._absent: set[str] = set()  # to be included
         self._texts: dict[str, str] = {}
         self._rows: dict[str, list[str]] = {}  # of the texts, once they are asked for
         self._expand(source)
         self._next = 0
         self._last = len(self._tokens) - 1
         self._depth = 0
-        self._too_deep = False
+        self.too_deep = False  # it is reported; constructs are read without their ends from there on
         self._names: tuple[set[str], set[str]] | None = None  # of subroutines, and behind JUMP
         self._marked: set[str] | None = None  # names with a colon behind them
         self._labels: set[str] | None = None  # that are words of the language
@@ -60,12 +63,19 @@ class Stream:
         file = name.upper() if "." in name else f"{name.upper()}.QLL"
         text = self._store.text(file)
         if not name or text is None:
-            self.faults.error("include-missing", at, f"file {file} is not there" if name else "INCLUDE names no file")
+            if file not in self._absent:
+                self.faults.error("include-missing", at, f"file {file} is not there" if name else "INCLUDE names no file")
+            self._absent.add(file)
         elif source.includes_itself(file):
             self.faults.error("include-loop", at, f"{file} includes itself")
         elif source.depth() >= MOST_INCLUDED:
             self.faults.error("include-too-deep", at, f"more than {MOST_INCLUDED} nested include files")
+        elif self._files >= MOST_FILES:
+            if self._files == MOST_FILES:
+                self.faults.error("include-too-deep", at, f"more than {MOST_FILES} include files")
+            self._files = MOST_FILES + 1
         else:
+            self._files += 1
             self._expand(SourceFile(file, text, at))
 
     def ahead(self, count: int = 1) -> Token:
@@ -240,7 +250,8 @@ class Stream:
 
     def wrong(self, text: str, id: str = "syntax", at: Position | None = None) -> NoReturn:
         """Reports a fault and leaves the construct."""
-        self.faults.error(id, at or self.token.position, text)
+        if not self.too_deep:
+            self.faults.error(id, at or self.token.position, text)
         raise Misread
 
     def deeper(self) -> None:
@@ -248,10 +259,10 @@ class Stream:
         self._depth += 1
         if self._depth > MOST_NESTED:
             self._depth -= 1
-            if self._too_deep:  # it is said once; what follows is a consequence
-                raise Misread
-            self._too_deep = True
-            self.wrong(f"more than {MOST_NESTED} nested levels", "nesting-too-deep")
+            if not self.too_deep:  # it is said once; what follows is a consequence
+                self.faults.error("nesting-too-deep", self.token.position, f"more than {MOST_NESTED} nested levels")
+            self.too_deep = True
+            raise Misread
 
     def back(self) -> None:
         """One level less deep."""

@@ -54,7 +54,7 @@ class Faults:
 
     def error(self, id: str, position: Position, text: str, hint: str = "") -> None:
         """An error; the same kind of error at the same place counts once."""
-        self._add(SourceFault(id, position, text, Severity.ERROR, hint))
+        self.add(SourceFault(id, position, text, Severity.ERROR, hint))
 
     def spoilt(self, position: Position) -> None:
         """A token that an error has named is read all the same: what is found at its place from now on is a consequence."""
@@ -63,9 +63,10 @@ class Faults:
     def warning(self, id: str, position: Position, text: str, hint: str = "") -> None:
         """A warning."""
         if self.warnings:
-            self._add(SourceFault(id, position, text, Severity.WARNING, hint))
+            self.add(SourceFault(id, position, text, Severity.WARNING, hint))
 
-    def _add(self, fault: SourceFault) -> None:
+    def add(self, fault: SourceFault) -> None:
+        """A fault that was found elsewhere."""
         key = (fault.id, fault.position)
         if key not in self._places and fault.position not in self._spoilt and not (self.full and fault.severity is Severity.ERROR):
             self._places.add(key)

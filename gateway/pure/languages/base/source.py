@@ -46,4 +46,9 @@ class SourceFile:
     def includes_itself(self, name: str) -> bool:
         """Whether including `name` here would never end."""
         above = self.included_from.stack() if self.included_from else ()
-        return name == self.name or any(place.file == name for place in above)
+        return base_name(name) in (base_name(self.name), *(base_name(place.file) for place in above))
+
+
+def base_name(file: str) -> str:
+    """The name of a file without its folder, as names are compared."""
+    return file.replace("\\", "/").rpartition("/")[2].upper()

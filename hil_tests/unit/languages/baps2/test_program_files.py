@@ -12,7 +12,10 @@ from gateway.files.program_memory import baps2_words, folder_memory
 from gateway.pure.languages.baps2.dry_run import DryRun
 from gateway.pure.languages.baps2.feed import Feed
 from gateway.pure.languages.baps2.library import Library
+from gateway.pure.languages.baps2.memory import decoded
+from gateway.pure.languages.base.store import MemoryStore
 from gateway.runtime.exit_codes import Exit
+from hil_tests.unit.languages.baps2.words import WORDS
 
 CELLS = pathlib.Path(configs.__file__).parent / "cells"
 GOOD = "PROGRAM PICK\nOUTPUT : 1 = O\nBEGIN\nO = 1\nPROGRAM_END\n"
@@ -98,3 +101,43 @@ def test_a_translation_without_its_source_is_refused_in_words(tmp_path: pathlib.
     assert list(library.names()) == ["OLD"]
     unit, faults = library.unit("OLD")
     assert unit is None and [each.text for each in faults] == ["OLD.IRD is a translation; axisgate runs sources"]
+
+
+def test_a_file_that_others_include_is_checked_with_them() -> None:
+    files = {"P.QLL": "PROGRAM P\n;;INCLUDE DECL\nBEGIN\nI = 1\nX = 2\nPROGRAM_END\n", "DECL.QLL": "INTEGER : I\nREAL : I\n"}
+    library = Library(WORDS, MemoryStore(files))
+    _, faults = library.check("some/folder/decl.qll", files["DECL.QLL"])
+    assert [(each.id, each.position.file, each.position.line) for each in faults] == [("declared-twice", "DECL.QLL", 2)]
+    _, alone = Library(WORDS, MemoryStore({})).check("DECL.QLL", files["DECL.QLL"])
+    assert [each.id for each in alone] == ["no-program"]
+
+
+def test_a_program_that_includes_itself_is_one_fault() -> None:
+    text = "PROGRAM P\n;;INCLUDE P\nBEGIN\nPROGRAM_END\n"
+    _, faults = Library(WORDS, MemoryStore({"P.QLL": text})).check("some/folder/P.QLL", text)
+    assert [(each.id, each.position.line) for each in faults] == [("include-loop", 2)]
+
+
+def test_includes_that_grow_without_end_are_one_fault() -> None:
+    files = {f"B{n}.QLL": f";;INCLUDE B{n + 1}\n" * 10 for n in range(1, 15)}
+    text = "PROGRAM P\n;;INCLUDE B1\nBEGIN\nPROGRAM_END\n"
+    _, faults = Library(WORDS, MemoryStore({**files, "P.QLL": text})).check("P.QLL", text)
+    assert [each.id for each in faults] == ["include-too-deep", "include-missing"]
+
+
+@pytest.mark.parametrize("code_page", ["cp437", "cp850", "cp1252", "latin-1", "utf-8", "utf-8-sig", "utf-16"])
+def test_umlauts_of_a_source_are_read_in_any_code_page(code_page: str) -> None:
+    text = "PROGRAM P\n; Prüfung der Größe, Ä\nBEGIN\nWRITE 'prüfen, äöß'\nPROGRAM_END\n"
+    assert decoded(text.encode(code_page)) == text
+
+
+def test_frames_of_comments_are_no_umlauts() -> None:
+    text = "; ╔══▀▄─ ÷╗\n; aΣ\nPROGRAM P\nBEGIN\nWRITE 'prüfen, öde'\nPROGRAM_END\n"
+    assert decoded(text.encode("cp437")) == text
+
+
+def test_nesting_without_end_is_one_fault() -> None:
+    for opened, closed, count in (("BEGIN ", "END ", 500), ("IF I = 1 THEN ", "", 500), ("RPT 2 TIMES ", "RPT_END ", 40)):
+        text = f"PROGRAM P\nINTEGER : I\nBEGIN\n{opened * count} I = 1 {closed * count}\nPROGRAM_END\n"
+        _, faults = Library(WORDS, MemoryStore({})).check("P.QLL", text)
+        assert [each.id for each in faults] == ["nesting-too-deep"], opened
