@@ -257,6 +257,8 @@ class MotionStack:
             self._dropping = False
         while len(self._moves) > 1 and self._moves[1].number <= place.block:
             del self._moves[0]
+        if self.mode is Mode.REMOTE and self.auto_connect:  # switched on while the connection move waited for the operator
+            self.confirm_connection()
         if self.connection is Connection.RUNNING and (place.waiting == 0 or (self._moves and place.block >= self._moves[0].number)):
             self.connection = Connection.NONE
 

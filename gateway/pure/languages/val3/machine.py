@@ -420,7 +420,7 @@ def as_rte(error: Exception) -> Rte:
         case RuntimeFault():
             return Rte(error.code, error.detail)
         case Val3Error():
-            return Rte(int(error.code), str(error))
+            return Rte(int(error.code), error.text)
         case ZeroDivisionError():
             return Rte(10)
         case RecursionError():

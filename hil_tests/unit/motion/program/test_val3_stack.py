@@ -237,6 +237,19 @@ def test_connection_move_by_itself_only_in_remote_mode_near_the_path_or_when_all
     assert len(run(far_arm, far.wait_end_move)) > 100
 
 
+@pytest.mark.requirement("VAL-MOV-09", by="motion.val3.stack:MotionStack.observe")
+def test_a_connection_move_that_waits_runs_when_auto_connect_move_is_switched_on() -> None:
+    """In remote mode alone: a recovery task switches it on while another task waits for the end of its moves."""
+    arm, moves = stack(following_error=(0.01, 0.01, 0.01), mode=Mode.LOCAL)
+    moves.reset_motion((0.5, 0.0, 0.0))
+    moves.movel(at(100), FLANGE, OFF)
+    moves.auto_connect_move(True)
+    moves.observe()
+    assert moves.connection is Connection.OPERATOR
+    moves.mode = Mode.REMOTE
+    assert run(arm, moves.wait_end_move)[-1] == pytest.approx([0.1, 0.0, 0.0], abs=1e-9)
+
+
 def ring(angle: float) -> PoseTarget:
     """On a circle of 100 mm about (100, 0)."""
     return at(100 - 100 * math.cos(math.radians(angle)), 100 * math.sin(math.radians(angle)))

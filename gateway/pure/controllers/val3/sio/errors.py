@@ -19,4 +19,4 @@ class Val3Error(Exception):
 
     def __init__(self, code: Rte, text: str) -> None:
         super().__init__(f"VAL 3 run-time error {int(code)}: {text}")
-        self.code = code
+        self.code, self.text = code, text
