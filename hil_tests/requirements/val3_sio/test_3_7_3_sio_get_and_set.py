@@ -6,6 +6,7 @@ from collections.abc import Callable
 import pytest
 
 from gateway.pure.controllers.val3.sio.calls import AnyCall
+from gateway.pure.controllers.val3.sio.control import Code
 from gateway.pure.controllers.val3.sio.core import SioCore
 from gateway.pure.controllers.val3.sio.variable import Sio
 from hil_tests.lab.virtual.val3_sio import WAITS, SioBench, error
@@ -189,8 +190,8 @@ def test_clear_buffer_closes_a_socket_and_gives_minus_1_the_second_time(channel:
     assert bench.outcome(bench.get(sio, [0.0])) == WAITS and bench.numbers == [1, 2]
 
 
-@pytest.mark.requirement("VAL-SIO-16", by=(LINE + "clear", LINE + "shut"))
-def test_clear_buffer_of_a_server_closes_the_own_client_and_with_the_last_one_the_server() -> None:
+@pytest.mark.requirement("VAL-SIO-16", by=LINE + "clear")
+def test_clear_buffer_of_a_server_closes_the_own_client() -> None:
     bench = SioBench(with_timeout(SERVER, -1))
     one, other = bench.variable(SERVER.name), bench.variable(SERVER.name)
     assert bench.clear(one) == -1
@@ -199,8 +200,35 @@ def test_clear_buffer_of_a_server_closes_the_own_client_and_with_the_last_one_th
     assert bench.outcome(bench.get(one, [0.0])) == 0 and bench.outcome(bench.get(other, [0.0])) == 0
     assert bench.clear(one) == 0 and bench.closed == [first] and bench.listening == [SERVER.name]
     assert bench.clear(one) == -1
-    assert bench.clear(other) == 0 and bench.closed == [first, second] and bench.listening == []
-    assert bench.clear(other) == -1
+    assert bench.clear(other) == 0 and bench.closed == [first, second]
+    assert bench.clear(other) == -1 and bench.listening == [SERVER.name], "the next client is heard"
+
+
+@pytest.mark.requirement("VAL-SIO-16", by=(LINE + "clear", LINE + "change"))
+def test_clear_buffer_after_each_error_keeps_no_client_away() -> None:
+    """An application with time-out -1 calls it each time there is no client yet (AX-189); so does one that is a client."""
+    bench = SioBench(with_timeout(SERVER, -1))
+    sio = bench.variable(SERVER.name)
+    for _ in range(3):
+        assert bench.outcome(bench.set(sio, [1.0])) == -1 and bench.clear(sio) == -1
+    bench.client_comes(SERVER.name)
+    assert bench.outcome(bench.set(sio, [1.0])) == 1 and bench.listening == [SERVER.name]
+    assert bench.control(sio, "clients", 2.0) == Code.BUSY
+    assert bench.clear(sio) == 0 and bench.control(sio, "clients", 2.0) == Code.CHANGED
+    bench.client_comes(SERVER.name)
+    assert bench.control(sio, "port", 4100.0) == Code.CHANGED, "a client for whom nobody waits is turned away"
+    bench.settle()
+    assert bench.listening == [] and len(bench.closed) == 2
+    bench.get(sio, [0.0])
+    assert bench.listening == [SERVER.name]
+    there = SioBench(with_timeout(CLIENT, -1), network="silent")
+    asks = there.variable(CLIENT.name)
+    for _ in range(3):
+        assert there.outcome(there.set(asks, [1.0])) == -1 and there.clear(asks) == -1
+    assert there.numbers == [1] and there.closed == [], "one attempt"
+    assert there.control(asks, "port", 4100.0) == Code.CHANGED
+    there.settle()
+    assert there.closed == [1]
 
 
 def test_clear_buffer_ends_an_attempt_and_those_who_wait_on_it() -> None:
@@ -211,4 +239,4 @@ def test_clear_buffer_ends_an_attempt_and_those_who_wait_on_it() -> None:
         calls += [bench.get(sio, [0.0]), bench.read_num(sio)]
         assert bench.clear(sio) == 0 and bench.clear(sio) == -1
     assert [bench.outcome(call) for call in calls] == [-1, error(125), -1, error(125)]
-    assert bench.closed == [1] and bench.listening == []
+    assert bench.closed == [1] and bench.listening == [SERVER.name]

@@ -9,12 +9,12 @@ from typing import TypeVar
 
 from gateway.pure.controllers.val3.sio.calls import AnyCall, Call, Get, ReadNum, ReadText, Set, WriteNum, WriteText
 from gateway.pure.controllers.val3.sio.channel import ANY, Channel, Kind, deadline_of
-from gateway.pure.controllers.val3.sio.connection import Connection, State
+from gateway.pure.controllers.val3.sio.connection import Connection
 from gateway.pure.controllers.val3.sio.control import Code, Value, judge
 from gateway.pure.controllers.val3.sio.errors import Rte, Val3Error
 from gateway.pure.controllers.val3.sio.inbox import Mark
 from gateway.pure.controllers.val3.sio.line import Line
-from gateway.pure.controllers.val3.sio.orders import Configure, Order
+from gateway.pure.controllers.val3.sio.orders import Order
 from gateway.pure.controllers.val3.sio.variable import Sio
 from protocols.base.machine import Ns
 
@@ -160,9 +160,7 @@ class SioCore:
 
     def change(self, channel: Channel) -> None:
         """Parameters of an existing channel; also the way back when the hardware refuses them."""
-        line = self._lines[channel.name]
-        line.channel = channel
-        line.orders += [Configure(connection.number, channel) for connection in line.connections() if connection.state is State.OPEN]
+        self._lines[channel.name].change(channel)
 
     def ordered(self) -> bool:
         """Whether take_orders() would return any."""

@@ -11,7 +11,7 @@ from gateway.pure.controllers.val3.sio.channel import ANY, Channel, Kind
 from gateway.pure.controllers.val3.sio.connection import Connection, State
 from gateway.pure.controllers.val3.sio.errors import Rte, Val3Error
 from gateway.pure.controllers.val3.sio.inbox import Mark
-from gateway.pure.controllers.val3.sio.orders import Close, Listen, Open, Order, StopListening
+from gateway.pure.controllers.val3.sio.orders import Close, Configure, Listen, Open, Order, StopListening
 from gateway.pure.controllers.val3.sio.variable import Sio
 from protocols.base.machine import Ns, ms
 
@@ -36,10 +36,10 @@ class Line:
 
     @property
     def busy(self) -> bool:
-        """Not to be changed now: a socket until it is closed, a serial line while an instruction waits on it."""
+        """Not to be changed now: a socket while one is open or waited for, a serial line while an instruction waits on it."""
         if self.channel.kind is Kind.SERIAL:
             return any(not connection.idle for connection in self.connections())
-        return self._listening or bool(self._opening or self.connections())
+        return bool(self._opening or self._own or self._open is not None)
 
     def connections(self) -> list[Connection]:
         """Every one there is."""
@@ -74,16 +74,31 @@ class Line:
         """clearBuffer: characters dropped; sockets are closed, -1 when nothing was open (AX-189)."""
         if self.channel.kind is Kind.SERIAL:
             return sum(connection.inbox.clear() for connection in self.connections()), []
-        mine = self._own.get(sio) if self.channel.kind is Kind.TCP_SERVER else self._shared
-        waiting = [call for call in self._opening if call.sio is sio or self.channel.kind is not Kind.TCP_SERVER]
-        others = len(self._own) > (mine is not None) or len(self._opening) > len(waiting)
-        if mine is None and not waiting and (others or not self._listening):
+        server = self.channel.kind is Kind.TCP_SERVER
+        waiting = [call for call in self._opening if call.sio is sio or not server]
+        mine = self._own.get(sio) if server else self._shared if waiting else self._open
+        if mine is None and not waiting:  # an attempt for which nobody waits goes on, and a server listens until the end
             return -1, []
         dropped = 0 if mine is None else mine.inbox.clear()
         done = self._fail_opening(waiting, "closed by clearBuffer")
         if mine is not None:
             done += self._close(mine, "closed by clearBuffer")
-        return dropped, done if others else done + self.shut("closed by clearBuffer")
+        return dropped, done
+
+    def change(self, channel: Channel) -> None:
+        """Other parameters.  With another port, address or number of clients what waits for a partner begins anew."""
+        before, self.channel = self.channel, channel
+        if channel.kind is not Kind.SERIAL and (before.port, before.address, before.clients) != (
+            channel.port,
+            channel.address,
+            channel.clients,
+        ):
+            waiting = [] if self._shared is None or self._shared is self._open else [self._shared]
+            for connection in [*self._pool, *waiting]:
+                self._close(connection, "the channel has other parameters")
+            self._deafen()
+            self._retry_at = None
+        self.orders += [Configure(connection.number, channel) for connection in self.connections() if connection.state is State.OPEN]
 
     def cancel(self, call: object) -> list[AnyCall]:
         """This call no longer waits; those after it move up."""
@@ -113,9 +128,7 @@ class Line:
         done = self._fail_opening(self._opening, why)
         for connection in self.connections():
             done += connection.fail(why) if self.channel.kind is Kind.SERIAL else self._close(connection, why)
-        if self._listening:
-            self._listening = False
-            self.orders.append(StopListening(self.channel.name))
+        self._deafen()
         if self.channel.kind is not Kind.SERIAL:
             self._retry_at = None
         return done
@@ -205,6 +218,16 @@ class Line:
         return late
 
     # --------------------------------------------------------------------------------------------------- helpers
+
+    @property
+    def _open(self) -> Connection | None:
+        """The one that all variables share, once it is established."""
+        return self._shared if self._shared is not None and self._shared.state is State.OPEN else None
+
+    def _deafen(self) -> None:
+        if self._listening:
+            self._listening = False
+            self.orders.append(StopListening(self.channel.name))
 
     def _wanted(self) -> bool:
         return self.channel.kind is Kind.SERIAL or bool(self._opening)
