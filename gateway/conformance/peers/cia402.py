@@ -371,6 +371,18 @@ ROWS: tuple[Row, ...] = (
     _row("fault-0-as-1", "605Eh = 0 acts like 1", "OPT_BV_14", _as(od.FAULT_OPTION, 0, 1)),
     _row("offset-reversed", "607Ch counts with the other sign", "HOM_BV_01", other_sign),
     _row("offset-unsigned", "607Ch has no sign", "HOM_BV_01", absolute_offset),
+    (
+        "no-speed-of-a-position",
+        "offers profile position without 6081h",
+        ("CIA402_MOD_BV_04",),
+        lambda: Drive(lacks=(0x6081,)),
+    ),
+    (
+        "fault-reset-by-level",
+        "bit 7 counts as a level, and 6007h and 6066h are missing",
+        ("CIA402_FLT_BI_02",),
+        lambda: Drive(_level_reset, lacks=(0x6007, 0x6066)),
+    ),
     _row("homing-goes-on", "bit 8 does not count in homing", "HOM_BO_02", halt_unheard_in_homing),
 )
 MUTANTS = tuple(Mutant(name, what, expects, make, LINK, {}) for name, what, expects, make in ROWS)
@@ -387,6 +399,7 @@ VARIANTS = (
     _good("slow-boot", "needs a second to boot", lambda: Drive(settings=DriveSettings(ServoSettings(boot_s=1.0, charge_s=0.3)))),
     _good("no-brake", "no brake", lambda: Drive(settings=DriveSettings(ServoSettings(boot_s=0.01, charge_s=0.0, brake=False)))),
     _good("no-options", "no option codes", lambda: Drive(lacks=(0x605A, 0x605B, 0x605C, 0x605D, 0x605E, 0x6007))),
+    _good("no-6066", "no 6066h, 607Ch, 6085h", lambda: Drive(lacks=(0x6066, 0x607C, 0x6085))),
     _good("no-limits", "no software limits", lambda: Drive(lacks=(0x607D,))),
     _good("positions-only", "declares profile position only", Drive, pv=False, hm=False, csp=False),
     _good("elsewhere", "begins at 40 rad", lambda: Drive(settings=DriveSettings(ServoSettings(boot_s=0.01, start_rad=40.0)))),

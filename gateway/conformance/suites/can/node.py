@@ -8,7 +8,7 @@ from gateway.conformance.framework.base import hexed
 from gateway.conformance.framework.frame_wire import FrameWire
 from gateway.conformance.suites.can.sizes import object_size
 from gateway.conformance.suites.can.tester import CanTester, shown
-from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, Warn
+from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, NotApplicable, Warn
 from protocols.base.machine import Frame, Ns, ms
 from protocols.canopen import cob_id as cobid
 from protocols.canopen import nmt, sdo
@@ -160,15 +160,23 @@ class NodeTester(CanTester):
 
     @contextmanager
     def kept(self, *keys: Key) -> Iterator[list[int]]:
-        """What these objects hold now is written back afterwards, in reverse order."""
+        """What these objects hold now is written back afterwards, in reverse order.  N/A where the device has one of them not."""
         with self.given():
-            before = [self.upload(key) for key in keys]
+            before = [self._offered(key) for key in keys]
         try:
             yield [int.from_bytes(value, "little") for value in before]
         finally:
             for key, value in reversed(list(zip(keys, before, strict=True))):
                 with suppress(Ended):
                     self.download(key, int.from_bytes(value, "little"), len(value))
+
+    def _offered(self, key: Key) -> bytes:
+        try:
+            return self.upload(key)
+        except Aborted as refused:
+            if refused.code in (Abort.NO_OBJECT, Abort.NO_SUB):
+                raise NotApplicable(f"the device has no {named(key)}") from refused
+            raise
 
     # ---- NMT
     def command(self, what: nmt.Command, node: int | None = None) -> None:

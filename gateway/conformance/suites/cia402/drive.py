@@ -138,6 +138,11 @@ def off(t: NodeTester) -> None:
     at_rest(t)
 
 
+def there(t: NodeTester, *keys: Key) -> tuple[Key, ...]:
+    """Those of these objects, which the standard leaves to the maker, that the drive has."""
+    return tuple(key for key in keys if t.exists(key))
+
+
 def position(t: NodeTester) -> int:
     return t.number(POSITION, signed=True)
 

@@ -29,9 +29,10 @@ from gateway.conformance.suites.cia402.drive import (
     state_of,
     status,
     stays,
+    there,
     until,
 )
-from gateway.conformance.suites.cia402.faults import LOST, POWER, RAMPED, WATCHES, cyclic, fault_in_motion, faulty, reset_by
+from gateway.conformance.suites.cia402.faults import FAULTS, LOST, POWER, RAMPED, WATCHES, cyclic, fault_in_motion, faulty, reset_by
 from gateway.conformance.suites.cia402.modes import RUNS, homing, runs, shown_mode, turning
 from gateway.conformance.suites.cia402.positioning import MOVES, arrives, order, positioning
 from gateway.conformance.suites.cia402.setpoints import HALT, back
@@ -47,7 +48,7 @@ EFFECT = Purposes[NodeTester](
     preamble=(*POWER, "CIA402_MOD_BV_01", "CIA402_MOD_BV_02", "CIA402_VEL_BV_01"),
 )
 KEPT = Purposes[NodeTester](
-    "CIA402_FLT", "drive", "CiA 402-2, 6064h", condition=(*WATCHES, "pp", "may_move"), preamble=(*MOVES, LOST, "CIA402_FLT_BV_02")
+    "CIA402_FLT", "drive", "CiA 402-2, 6064h", condition=(*FAULTS, "pp", "may_move"), preamble=(*MOVES, LOST, "CIA402_FLT_BV_02")
 )
 WIDE = Purposes[NodeTester](
     "CIA402_FLT", "drive", "CiA 402-2, 6065h", condition=("csp", "following", "may_move"), preamble=(*POWER, "CIA402_FLT_BV_07")
@@ -122,10 +123,12 @@ def kept(t: NodeTester) -> None:
 )
 def inside(t: NodeTester) -> None:
     way = plan(t)[1]
-    with t.kept(WINDOW, WINDOW_TIME, TARGET), cyclic(t):
+    times = there(t, WINDOW_TIME)
+    with t.kept(WINDOW, *times, TARGET), cyclic(t):
         with t.given():
             t.download(WINDOW, 16 * way, 4)
-            t.download(WINDOW_TIME, 1, 2)
+            for key in times:
+                t.download(key, 1, 2)
         t.download(TARGET, position(t) + 4 * way, 4)
         for _ in range(60):
             t.on_grid()

@@ -34,10 +34,12 @@ from gateway.conformance.suites.cia402.drive import (
     plan,
     position,
     reaches,
+    standing,
     state_of,
     status,
     stays,
     stop_time,
+    there,
 )
 from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive
@@ -51,6 +53,7 @@ POWER = (BASIC, "CIA402_PWR_BV_02", "CIA402_PWR_BV_03", ENABLE)
 LOST = "CIA402_FLT_BV_01"
 FLT = Purposes[NodeTester]("CIA402_FLT", "drive", "CiA 402-2, faults", condition=("may_power",), preamble=POWER)
 WATCHES = ("consumer", "abort_option")
+FAULTS = ("fault_cause",)  # the tester can bring the drive into fault: by a lost master, or by a following error
 MASTER, TIME_MS = 126, 100
 CONSUMER = (0x1016, 1)
 
@@ -82,12 +85,40 @@ def beat(t: NodeTester) -> None:
 
 @contextmanager
 def faulty(t: NodeTester, word: int = 0x0F) -> Iterator[None]:
-    """In fault, because its master was lost."""
+    """In fault, because its master was lost; where 6007h is missing, by a following error."""
+    if not all(t.setup.pics.get(item) for item in WATCHES):
+        with lagging(t, word):
+            yield
+        return
     with brought_to(t, ENABLED), supervised(t, 1):
         with t.given():
             control(t, word)
             reaches(t, FAULT, "the master's heartbeat stays away, 6007h = 1")
         yield
+
+
+@contextmanager
+def lagging(t: NodeTester, word: int) -> Iterator[None]:
+    """In fault and at rest, because a set value jumped."""
+    way = plan(t)[1]
+    with t.kept(WINDOW, *there(t, WINDOW_TIME), TARGET), cyclic(t):
+        with t.given():
+            narrow(t, way)
+            control(t, word)
+            t.download(TARGET, position(t) + 4 * way, 4)
+            for _ in range(100):
+                t.on_grid()
+                if state_of(status(t)) == FAULT and standing(t):
+                    break
+            reaches(t, FAULT, "a jump of the set value far beyond 6065h")
+        yield
+
+
+def narrow(t: NodeTester, way: int) -> None:
+    """A small window of the following error, for a short time where the drive has one."""
+    t.download(WINDOW, max(way // 20, 1), 4)
+    for key in there(t, WINDOW_TIME):
+        t.download(key, 10, 2)
 
 
 @FLT.case(
@@ -122,7 +153,7 @@ def reset_by(t: NodeTester, word: int, what: str) -> None:
     "BV_02",
     "the rising edge of bit 7 resets a fault (transition 15), and 603Fh is 0",
     "die steigende Flanke von Bit 7 setzt einen Fehler zurück (Übergang 15), 603Fh ist 0",
-    condition=WATCHES,
+    condition=FAULTS,
     preamble=(*POWER, LOST),
 )
 def reset(t: NodeTester) -> None:
@@ -133,7 +164,7 @@ def reset(t: NodeTester) -> None:
 
 
 @FLT.case(
-    "BI_01", "in fault other commands have no effect", "im Fehler wirken andere Befehle nicht", condition=WATCHES, preamble=(*POWER, LOST)
+    "BI_01", "in fault other commands have no effect", "im Fehler wirken andere Befehle nicht", condition=FAULTS, preamble=(*POWER, LOST)
 )
 def no_commands(t: NodeTester) -> None:
     with faulty(t):
@@ -146,7 +177,7 @@ def no_commands(t: NodeTester) -> None:
     "BI_02",
     "bit 7 that is set already resets nothing: it is an edge",
     "ein bereits gesetztes Bit 7 setzt nichts zurück: es ist eine Flanke",
-    condition=WATCHES,
+    condition=FAULTS,
     preamble=(*POWER, LOST, "CIA402_FLT_BV_02"),
 )
 def level(t: NodeTester) -> None:
@@ -216,10 +247,9 @@ def supervised_well(t: NodeTester) -> None:
 )
 def following(t: NodeTester) -> None:
     way = plan(t)[1]
-    with t.kept(WINDOW, WINDOW_TIME, TARGET), cyclic(t):
+    with t.kept(WINDOW, *there(t, WINDOW_TIME), TARGET), cyclic(t):
         with t.given():
-            t.download(WINDOW, max(way // 20, 1), 4)
-            t.download(WINDOW_TIME, 10, 2)
+            narrow(t, way)
         goal = position(t) + 4 * way
         t.download(TARGET, goal, 4)
         t.on_grid(2)

@@ -44,7 +44,7 @@ from gateway.conformance.suites.cia402.drive import (
     stays,
     until,
 )
-from gateway.conformance.suites.cia402.faults import LOST, POWER, WATCHES, cyclic, faulty, reset_by
+from gateway.conformance.suites.cia402.faults import FAULTS, LOST, POWER, cyclic, faulty, reset_by
 from gateway.conformance.suites.cia402.modes import METHOD, OFFSET, homing, runs, shown_mode, turning
 from gateway.conformance.suites.cia402.positioning import MOVES, order, positioning
 from gateway.pure.conformance.purpose import Purposes
@@ -175,7 +175,7 @@ def stopped(t: NodeTester) -> None:
     "603Fh is the code of the emergency message",
     "603Fh ist der Code der Emergency-Nachricht",
     clause="CiA 402-2, 603Fh",
-    condition=WATCHES,
+    condition=FAULTS,
     preamble=(*POWER, LOST),
 )
 def same_code(t: NodeTester) -> None:
@@ -189,7 +189,7 @@ def same_code(t: NodeTester) -> None:
     "BI_03",
     "a fault reset with 008Fh ends in switch on disabled, and does not make ready",
     "ein Fehler-Reset mit 008Fh endet in Einschaltsperre und macht nicht bereit",
-    condition=WATCHES,
+    condition=FAULTS,
     preamble=(*POWER, LOST, "CIA402_FLT_BV_02"),
 )
 def reset_only(t: NodeTester) -> None:
@@ -334,7 +334,7 @@ def not_reached(t: NodeTester) -> None:
     preamble=(*POWER, "CIA402_HOM_BV_01", "CIA402_HOM_BV_02"),
 )
 def index_sets(t: NodeTester) -> None:
-    with t.kept(METHOD, OFFSET), homing(t, 34):
+    with t.kept(OFFSET), homing(t, 34):
         with t.given():
             way = plan(t)[1]
             wanted = position(t) + 40 * way

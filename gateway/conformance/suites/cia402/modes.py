@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from gateway.conformance.suites.can.node import Aborted, NodeTester
+from gateway.conformance.suites.can.node import named as object_name
 from gateway.conformance.suites.cia402.drive import (
     ACCELERATION,
     BIT12,
@@ -14,6 +15,7 @@ from gateway.conformance.suites.cia402.drive import (
     MODE,
     MODE_SHOWN,
     MODES_OFFERED,
+    PROFILE_SPEED,
     REACHED,
     STEP,
     TARGET,
@@ -26,6 +28,7 @@ from gateway.conformance.suites.cia402.drive import (
     speed,
     standing,
     status,
+    there,
     until,
 )
 from gateway.conformance.suites.cia402.faults import POWER, cyclic
@@ -33,6 +36,7 @@ from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, NotApplicable, Warn
 from protocols.base.machine import Ns, ms
 from protocols.canopen import sdo
+from protocols.canopen.dictionary import Key
 from protocols.canopen.sdo import Abort, Request
 
 BASIC = "CIA402_PWR_BV_01"
@@ -79,6 +83,22 @@ def other_modes(t: NodeTester) -> None:
             t.pause(ms(10))
             if (shown := t.number(MODE_SHOWN, signed=True)) == mode:
                 raise Fail(f"mode {mode} is shown, 6502h does not offer it", "a refusal, or another 6061h", f"6061h = {shown}")
+
+
+NEEDED: dict[str, tuple[Key, ...]] = {"pp": (TARGET, PROFILE_SPEED), "pv": (TARGET_SPEED,), "hm": (METHOD,), "csp": (TARGET,)}
+
+
+@MOD.case(
+    "BV_04",
+    "each mode that is offered has its mandatory objects",
+    "jede angebotene Betriebsart hat ihre vorgeschriebenen Objekte",
+)
+def complete(t: NodeTester) -> None:
+    for item, keys in NEEDED.items():
+        missing = [key for key in keys if t.setup.pics.get(item) and not t.exists(key)]
+        if missing:
+            shown = ", ".join(object_name(key) for key in missing)
+            raise Fail(f"the drive offers {item} without {shown}", shown, "the object does not exist")
 
 
 # ---- profile velocity
@@ -160,7 +180,7 @@ HOM = Purposes[NodeTester]("CIA402_HOM", "drive", "CiA 402-2, homing", condition
 
 @contextmanager
 def homing(t: NodeTester, method: int) -> Iterator[None]:
-    with t.kept(METHOD, OFFSET):
+    with t.kept(METHOD, *there(t, OFFSET)):
         with t.given():
             try:
                 t.download(METHOD, method, 1)
@@ -184,10 +204,12 @@ def _here(t: NodeTester) -> int:
 
 @HOM.case("BV_01", "homing on the spot: bit 12, and 6064h is 607Ch", "Referenzieren auf der Stelle: Bit 12, und 6064h ist 607Ch")
 def on_the_spot(t: NodeTester) -> None:
-    for wanted in (-4321, 1234):
+    offsets = there(t, OFFSET)
+    for wanted in (-4321, 1234) if offsets else (0,):
         with homing(t, _here(t)):
             with t.given():
-                t.download(OFFSET, wanted, 4)
+                for key in offsets:
+                    t.download(key, wanted, 4)
             control(t, 0x1F)
             until(t, lambda: status(t) & (BIT12 | BIT13) == BIT12 and bool(status(t) & REACHED), "homing attained (bits 10 and 12)")
             if abs((got := position(t)) - wanted) > max(plan(t)[1] // 100, 20):
