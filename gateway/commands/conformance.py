@@ -1,10 +1,15 @@
 """Test the conformance of a device: 3964R, RK512, Modbus, CANopen, CiA 402; verdicts with reasons, times, traces and a report."""
 
 import argparse
+import contextlib
+import io
+import json
 import pathlib
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Sequence
 
 from gateway.conformance.framework.bench_file import BadFile
+from gateway.conformance.reporting.document import FORMAT, KIND
 from gateway.conformance.reporting.folder import BadReport
 from gateway.tools.conformance import compare_reports, list_suites, new_case, new_pics, play_mutants, run_suite, verify_folder
 from gateway.tools.conformance.run import Stop
@@ -19,22 +24,50 @@ USAGE, ENVIRONMENT = 2, 3
 
 
 def main(argv: list[str]) -> int:
-    arguments = _parser().parse_args(argv)
+    arguments = _parsed(argv)
     run: Callable[[argparse.Namespace], int] = arguments.run
     try:
         return run(arguments)
     except (BadFile, BadReport, Stop, ValueError) as error:
-        for line in str(error).splitlines():
-            complain("conformance", line)
-        return USAGE
+        return _refused(arguments, USAGE, str(error).splitlines())
     except KeyboardInterrupt:
-        complain("conformance", "interrupted before the first case; nothing was tested")
-        return ENVIRONMENT
+        return _refused(arguments, ENVIRONMENT, ["interrupted before the first case; nothing was tested"])
     except BrokenPipeError:  # `| head` has seen enough: __main__ ends quietly
         raise
     except OSError as error:
-        complain("conformance", error.args[-1] if error.args else error)
-        return ENVIRONMENT
+        return _refused(arguments, ENVIRONMENT, [str(error.args[-1] if error.args else error)])
+
+
+def _parsed(argv: list[str]) -> argparse.Namespace:
+    """argparse ends the program itself; with --json its complaint is printed as an object as well."""
+    if "--json" not in argv:
+        return _parser().parse_args(argv)
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(said):
+            return _parser().parse_args(argv)
+    except SystemExit as ended:
+        if ended.code == USAGE:
+            _print_errors("", USAGE, said.getvalue().strip().splitlines()[-1:])
+        raise
+    finally:
+        sys.stderr.write(said.getvalue())
+
+
+def _refused(arguments: argparse.Namespace, code: int, faults: Sequence[str]) -> int:
+    """What stops a command before it has a result; with --json in one object on standard output, too."""
+    for fault in faults:
+        complain("conformance", fault)
+    if getattr(arguments, "json", False):
+        _print_errors(getattr(arguments, "suite", None) or "", code, faults)
+    return code
+
+
+def _print_errors(suite: str, code: int, faults: Sequence[str]) -> None:
+    """Of the kind of a result, with `errors` and without cases."""
+    found = {"kind": KIND, "format": FORMAT, "suite": {"name": suite}, "exit": code, "errors": list(faults), "cases": []}
+    with contextlib.suppress(OSError):  # standard output may be what failed
+        print(json.dumps(found, ensure_ascii=False), flush=True)
 
 
 def _parser() -> argparse.ArgumentParser:

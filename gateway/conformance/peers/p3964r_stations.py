@@ -91,6 +91,10 @@ def check_counts_once(output: bytes) -> bytes:
     return output[:-1] + bytes((counts_once(output),)) if is_block(output) else output
 
 
+def check_doubled(output: bytes) -> bytes:
+    return output + output[-1:] if is_block(output) and output[-1] == Char.DLE else output
+
+
 def check_without_end(output: bytes) -> bytes:
     return output[:-1] + bytes((check_of(output[:-3]),)) if is_block(output) else output
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from gateway.conformance.peers.p3964r_receivers import TakesBrokenOff
-from gateway.conformance.peers.p3964r_stations import check_counts_once, wrong_long_check
+from gateway.conformance.peers.p3964r_stations import NeverDoublesDle, check_counts_once, check_doubled, wrong_long_check
 from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.rk512_active import (
     CommandTwice,
@@ -191,7 +191,7 @@ MUTANTS = (
         [f"{P}BV_05"],
         _memory(lambda: Memory(lambda data, db, word, words: bytes(byte & 0x7F for byte in data))),
     ),
-    _mutant("each-12th", "each twelfth write is lost", [f"{P}ST_02", f"{P}BV_08", f"{P}BV_07"], _memory(EveryTwelfth)),
+    _mutant("each-12th", "each twelfth write is lost", [f"{P}ST_02", f"{P}BV_08", f"{P}BV_07", f"{P}BV_05"], _memory(EveryTwelfth)),
     _mutant("any-block", "serves blocks that are not there", [f"{P}BI_02"], _memory(Growing)),
     _mutant("reads-beyond", "reads behind the end", [f"{P}BI_04"], _memory(ReadsBeyond)),
     _mutant("writes-beyond", "writes behind the end, at the beginning", [f"{P}BI_16"], _memory(WritesBeyond)),
@@ -213,7 +213,7 @@ MUTANTS = (
     _mutant(
         "dies-of-errors",
         "serves nothing after five refusals",
-        [f"{P}BI_01", f"{P}BV_09", f"{P}BI_06", f"{P}RC_03", f"{P}BI_05", f"{P}CA_01", f"{P}CA_02", f"{P}CA_03"],
+        [f"{P}BI_01", f"{P}BV_09", f"{P}BI_06", f"{P}RC_03", f"{P}BI_05", f"{P}CA_01", f"{P}CA_02", f"{P}CA_03", f"{P}CA_07"],
         _kind(DiesOfErrors),
     ),
     _mutant("short-sends", "writes what came, whatever was announced", [f"{P}BI_12", f"{P}BI_13"], _kind(ShortSends)),
@@ -268,8 +268,10 @@ MUTANTS = (
     _mutant("no-command", "its SEND is command I", [f"{A}BV_03"], NoCommand),
     _mutant("wrong-amount", "announces another amount than it sends", [f"{A}BV_01"], WrongAmount),
     _mutant("refuses-reaction", "answers the reaction to its FETCH with NAK", ["RK512_ACT_BV_01"], RefusesReaction),
-    _mutant("check-counts-once", "the check of its blocks counts a doubled DLE once", [f"{P}BV_05"], lambda: Built(says=check_counts_once)),
-    _mutant("long-check", "the check of its long blocks is wrong", [f"{P}BV_02"], lambda: Built(says=wrong_long_check)),
+    _mutant("never-doubles", "sends a DLE of its data once", [f"{P}BV_21"], lambda: NeverDoublesDle(RHO3, LOW)),
+    _mutant("check-doubled", "a block check of 10h is doubled", [f"{P}BV_21"], lambda: Built(says=check_doubled)),
+    _mutant("check-counts-once", "the check of its blocks counts a doubled DLE once", [f"{P}BV_21"], lambda: Built(says=check_counts_once)),
+    _mutant("long-check", "the check of its long blocks is wrong", [f"{P}BV_21"], lambda: Built(says=wrong_long_check)),
     _mutant("rotates", "longer jobs from odd words begin with the second word", [f"{P}ST_03"], _memory(Rotates)),
     _mutant("63-words", "the last of 63 words is 0", [f"{P}ST_03"], _passive(_only_fetch(_last_of_63))),
     _mutant("once", "the same data are not written again, wherever", [f"{P}BV_19"], _memory(Once)),

@@ -53,6 +53,7 @@ class LineSetup:
     job: int = 64  # words the station serves in one job
     size: int | None = None  # of the block that is read, where it was found out
     seed: int = 1
+    form_fault: str = ""  # the case that found blocks of reactions in a wrong form
 
 
 @dataclass(frozen=True, slots=True)

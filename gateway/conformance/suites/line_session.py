@@ -12,7 +12,7 @@ from gateway.conformance.framework.machine import Guarded
 from gateway.conformance.framework.peers import Peers
 from gateway.conformance.framework.witness import Witness
 from gateway.conformance.suites.line import LineSetup, LineTester
-from gateway.conformance.suites.rk512.telegrams import ask, fetch, finish, is_command, meant_as_command, right_reaction, size_of
+from gateway.conformance.suites.rk512.telegrams import Reaction, ask, fetch, finish, is_command, meant_as_command, right_reaction, size_of
 from gateway.links.serial.tool_wire import VirtualWire, Wire
 from gateway.pure.conformance.verdict import BenchFault, Ended, Fail
 from gateway.registry import LINE_LAYERS
@@ -298,9 +298,18 @@ class LineSession:
     def alive(self) -> None:
         self.tester.alive()
         if self._rk512 and self.pics.get("passive"):
-            found = ask(self.tester, fetch(self.setup.db, 0, 1))
+            found = self._asked()
             if found.number:
                 raise Fail(f"FETCH is refused: {found.words()}", "00h", found.words())
+
+    def _asked(self) -> Reaction:
+        """The form of its block is judged by cases, not after each of them."""
+        tester = self.tester
+        judges, tester.judges_form = tester.judges_form, False
+        try:
+            return ask(tester, fetch(self.setup.db, 0, 1))
+        finally:
+            tester.judges_form = judges
 
     def now(self) -> Ns:
         return self.wire.now()

@@ -2,10 +2,10 @@
 
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (117, 117),
-    "rk512": (77, 77),
+    "rk512": (79, 79),
     "modbus-tcp": (98, 98),
     "modbus-rtu": (91, 91),
-    "cia402": (110, 110),
+    "cia402": (112, 112),
     "canopen-301": (154, 154),
     "servodyn": (82, 82),
     "interop": (51, 51),

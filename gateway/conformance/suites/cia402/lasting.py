@@ -45,7 +45,7 @@ from gateway.conformance.suites.cia402.drive import (
     until,
 )
 from gateway.conformance.suites.cia402.faults import FAULTS, LOST, POWER, cyclic, faulty, reset_by
-from gateway.conformance.suites.cia402.modes import METHOD, OFFSET, homing, runs, shown_mode, turning
+from gateway.conformance.suites.cia402.modes import OFFSET, homing, runs, shown_mode, turning
 from gateway.conformance.suites.cia402.positioning import MOVES, order, positioning
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn

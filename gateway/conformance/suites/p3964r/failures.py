@@ -90,7 +90,7 @@ def nak_inside(t: LineTester) -> None:
     with t.given():
         t.answer(t.profile.char_delay)
     t.say(NAK)
-    last = _last(t, ms(30))
+    last = _last(t, max(ms(30), min(t.slowest * 3 // 2, t.profile.ack_delay // 2)))  # as slow as its DLE
     if last != Char.STX:
         t.fail("NAK inside the block", last, "STX (02h) at last")
     t.take()

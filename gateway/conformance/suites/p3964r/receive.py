@@ -9,7 +9,7 @@ from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
 from protocols.base.machine import ms
 from protocols.p3964r.characters import Char, check_of, wire_block
 
-CONNECT, BLOCK = "3964R_RCV_BV_01", "3964R_RCV_BV_02"
+CONNECT, BLOCK, DOUBLED = "3964R_RCV_BV_01", "3964R_RCV_BV_02", "3964R_RCV_BV_03"
 RCV = Purposes[LineTester]("3964R_RCV", "receiver", "serial-protocols 1.4", preamble=(CONNECT, BLOCK))
 CHECK = ("block_check",)
 REFUSES, GAP = "3964R_RCV_BI_01", "3964R_RCV_TI_01"
@@ -129,7 +129,7 @@ def all_dle(t: LineTester) -> None:
     t.good(DLE * 64, "a block of 64 times 10h")
 
 
-@RCV.case("BV_19", "every value of a character passes", "jeder Wert eines Zeichens kommt durch")
+@RCV.case("BV_19", "every value of a character passes", "jeder Wert eines Zeichens kommt durch", preamble=(CONNECT, BLOCK, DOUBLED))
 def every_value(t: LineTester) -> None:
     for start in range(0, 256, 64):
         t.good_once(b"U" + bytes(range(start, start + 64)), f"a block with {start:02X}h to {start + 63:02X}h")

@@ -3,7 +3,7 @@
 import random
 
 from gateway.conformance.suites.line import LineTester
-from gateway.conformance.suites.p3964r.receive import BAD, BLOCK, CHECK, CONNECT, GAP, PAYLOAD, RCV
+from gateway.conformance.suites.p3964r.receive import BAD, BLOCK, CHECK, CONNECT, DOUBLED, GAP, PAYLOAD, RCV
 from gateway.conformance.suites.p3964r.refusals import with_wrong_check
 from gateway.pure.conformance.purpose import Particulars
 from protocols.base.machine import ms
@@ -80,7 +80,7 @@ def gap_in_pair(t: LineTester) -> None:
 )
 def short_gap(t: LineTester) -> None:
     t.connect()
-    wire = wire_block(b"UV\x10W", t.profile.block_check)  # UV 10 10 W: a pause before a pair, inside it and behind it
+    wire = wire_block(b"UV\x10\x10W", t.profile.block_check)  # a pause before a pair of DLE, inside it and behind it
     for part in (wire[:2], wire[2:3], wire[3:4]):
         t.say(part)
         got = t.answer(t.profile.char_delay * 8 // 10 - ms(10))
@@ -153,7 +153,12 @@ def garbage(t: LineTester) -> None:
     t.good(PAYLOAD, "a good block after 64 characters of garbage")
 
 
-@RCV.case("ST_01", f"{LONG_RUN} blocks without a pause are all acknowledged", f"{LONG_RUN} Blöcke ohne Pause werden alle quittiert")
+@RCV.case(
+    "ST_01",
+    f"{LONG_RUN} blocks without a pause are all acknowledged",
+    f"{LONG_RUN} Blöcke ohne Pause werden alle quittiert",
+    preamble=(CONNECT, BLOCK, DOUBLED),
+)
 def long_run(t: LineTester) -> None:
     chosen = random.Random(t.setup.seed)
     for count in range(LONG_RUN):

@@ -2,19 +2,17 @@
 
 from collections.abc import Callable
 
-from gateway.conformance.suites.line import BETWEEN, DLE, Block, LineTester, named
+from gateway.conformance.suites.line import DLE, Block, LineTester, named
 from gateway.conformance.suites.p3964r.receive import BLOCK, CONNECT
-from gateway.conformance.suites.rk512.telegrams import fetch
+from gateway.conformance.suites.rk512.forms import judge_forms
 from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char
 
 FIRST, SILENCE, REPEATS = "3964R_SND_BV_01", "3964R_SND_BI_01", "3964R_SND_BI_06"
-FOLLOW_ON = b"\xff\0AD"  # without a first telegram: its reaction FF 00 00 36 has a block check above 7Fh
 SND = Purposes[LineTester]("3964R_SND", "sender", "serial-protocols 1.3", condition=("sends",), preamble=(FIRST,))
 REACTS = Purposes[LineTester]("3964R_SND", "sender", "serial-protocols 1.2", condition=("passive",), preamble=(CONNECT, BLOCK))
-READS = 12  # words at different addresses, until doubled DLE and all bits of a check have been there
 JUST = ms(40)
 BY_ITSELF = ms(10_000)  # one that sends the same block cyclically does so again within this
 MOST = 300
@@ -91,16 +89,7 @@ def well_formed(t: LineTester) -> None:
 )
 def reactions(t: LineTester) -> None:
     """Of other data than its own blocks, and of the number 10h, which is doubled."""
-    telegrams = [fetch(t.setup.db, word, 1) for word in range(min(READS, t.setup.words))]
-    for telegram in (*telegrams, fetch(t.setup.db, 0, min(t.setup.words, t.setup.job)), b"U\0ED", FOLLOW_ON):
-        with t.given():
-            t.good(telegram, "a command telegram")
-        if t.answer(t.setup.reaction_wait) != Char.STX:
-            continue  # the suite rk512 judges that
-        block = t.take()
-        if block.fault:
-            raise Fail(f"the block of its reaction: {block.fault}", "a block by the rule", block.raw.hex(" ").upper())
-        t.settle(BETWEEN)
+    judge_forms(t, "3964R_SND_BV_06")
 
 
 @SND.case(

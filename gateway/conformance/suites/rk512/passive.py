@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from gateway.conformance.suites.line import LineTester
+from gateway.conformance.suites.rk512.forms import PLANTED, judge_forms
 from gateway.conformance.suites.rk512.telegrams import (
     DB,
     FETCH,
@@ -21,7 +22,6 @@ from gateway.conformance.suites.rk512.telegrams import (
 )
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable, Warn
-from protocols.base.machine import ms
 from protocols.p3964r.characters import Char
 
 BASIC = "RK512_PAS_BV_01"
@@ -61,6 +61,19 @@ def one_word(t: LineTester) -> None:
     found = ask(t, fetch(t.setup.db, 0, 1), judge_link=True)
     if found.number or len(found.data) != 2 or found.raw[0]:  # FF: of a follow-on telegram
         raise Fail(f"FETCH DB{t.setup.db}.DW0, 1 word: {found.words()}", "00 00 00 00 and two bytes", found.words())
+
+
+FORM = "RK512_PAS_BV_21"
+
+
+@PAS.case(
+    "BV_21",
+    "the blocks of its reactions follow the rule: DLE doubled, block check right",
+    "die Blöcke seiner Reaktionen folgen der Regel: DLE verdoppelt, Blockprüfung richtig",
+    clause="serial-protocols 1.2",
+)
+def reaction_forms(t: LineTester) -> None:
+    judge_forms(t, FORM)
 
 
 @PAS.case(
@@ -151,7 +164,9 @@ def read_back(t: LineTester) -> None:
 def read_back_long(t: LineTester) -> None:
     words = room(t, 64)
     with borrowed(t, words) as db:
-        write(t, db, 0, pattern(words))
+        found = ask(t, header(SEND, DB, db, 0, words) + pattern(words), judge_link=True)
+        if found.number or found.data:
+            raise Fail(f"SEND of {words} words: {found.words()}", "00h, 0 data bytes", found.words())
         compared(read(t, db, 0, words), pattern(words), f"DB{db}.DW0, {words} words")
 
 
@@ -219,15 +234,12 @@ def aliased_blocks(t: LineTester) -> None:
             compared(read(t, number, 0, 1), before, f"DB{number}.DW0 after a SEND to DB{db}")
 
 
-PLANTED = bytes.fromhex("5510 4110 1003 1010 1055 0210 0010 10ff")
-
-
 @PAS.case(
     "BV_10",
     "10h in the data comes back whole, alone and in pairs",
     "10h in den Daten kommt unverändert zurück, einzeln und in Paaren",
     condition=WRITE,
-    preamble=(BASIC, WRITES, READ_BACK),
+    preamble=(BASIC, FORM, WRITES, READ_BACK),
     clause="serial-protocols 1.2",
 )
 def planted(t: LineTester) -> None:
@@ -242,7 +254,7 @@ def planted(t: LineTester) -> None:
     "reactions whose block check is 10h, 03h, 15h and 02h are whole",
     "Reaktionen mit der Blockprüfung 10h, 03h, 15h und 02h sind vollständig",
     condition=WRITE,
-    preamble=(BASIC, WRITES, READ_BACK),
+    preamble=(BASIC, FORM, WRITES, READ_BACK),
     clause="serial-protocols 1.2",
 )
 def check_of_reaction(t: LineTester) -> None:
@@ -254,30 +266,6 @@ def check_of_reaction(t: LineTester) -> None:
             got = t.answer(t.tolerance)
             if got not in (None, Char.STX):
                 t.fail(f"a reaction whose block check is {value:02X}h", got, "nothing")
-
-
-@PAS.case("BV_12", "a header that holds 10h three times", "ein Kopf, der dreimal 10h enthält", clause="serial-protocols 1.2, vector 9")
-def header_with_dle(t: LineTester) -> None:
-    found = ask(t, fetch(16, 16, 16))
-    if found.number == 0 and len(found.data) != 32:
-        raise Fail(f"{len(found.data)} data bytes, expected 32", "32 data bytes", found.words())
-    if found.number not in (0, 0x14, 0x0A):
-        raise Fail(
-            f"FETCH DB16.DW16, 16 words: {number_words(found.number)}: the header was not read as sent", "00h, 14h or 0Ah", found.words()
-        )
-
-
-@PAS.case("BV_13", "two reads bring the same, and one reaction each", "zwei Lesezugriffe bringen dasselbe, je eine Reaktion")
-def one_reaction(t: LineTester) -> None:
-    first = read(t, t.setup.db, 0, room(t, 4))
-    got = t.answer(t.tolerance + ms(150))
-    if got == Char.STX:
-        again = t.serve()
-        if again is not None and again == bytes(4) + first:
-            raise Fail("the reaction came twice", "one reaction", again.hex(" ").upper())
-    elif got is not None:
-        t.fail("an acknowledged reaction", got, "nothing")
-    read(t, t.setup.db, 0, room(t, 4))
 
 
 # ---- capabilities

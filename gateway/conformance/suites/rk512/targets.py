@@ -298,3 +298,27 @@ def locked_send(t: LineTester) -> None:
 def near_commands(t: LineTester) -> None:
     for command in (0x65, 0x46, 0x7F):
         refused(t, "wrong_command", header(command, DB, t.setup.db, 0, 1), 0x16, (0x10,))
+
+
+@PAS.case("BV_12", "a header that holds 10h three times", "ein Kopf, der dreimal 10h enthält", clause="serial-protocols 1.2, vector 9")
+def header_with_dle(t: LineTester) -> None:
+    found = ask(t, fetch(16, 16, 16))
+    if found.number == 0 and len(found.data) != 32:
+        raise Fail(f"{len(found.data)} data bytes, expected 32", "32 data bytes", found.words())
+    if found.number not in (0, 0x14, 0x0A) and found.number != ask(t, fetch(t.setup.missing, 0, 1)).number:
+        raise Fail(
+            f"FETCH DB16.DW16, 16 words: {number_words(found.number)}: the header was not read as sent", "00h, 14h or 0Ah", found.words()
+        )
+
+
+@PAS.case("BV_13", "two reads bring the same, and one reaction each", "zwei Lesezugriffe bringen dasselbe, je eine Reaktion")
+def one_reaction(t: LineTester) -> None:
+    first = read(t, t.setup.db, 0, room(t, 4))
+    got = t.answer(t.tolerance + ms(150))
+    if got == Char.STX:
+        again = t.serve()
+        if again is not None and again == bytes(4) + first:
+            raise Fail("the reaction came twice", "one reaction", again.hex(" ").upper())
+    elif got is not None:
+        t.fail("an acknowledged reaction", got, "nothing")
+    read(t, t.setup.db, 0, room(t, 4))

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from gateway.conformance.framework.base import hexed
 from gateway.conformance.serial.cases_rk512 import words_of
-from gateway.conformance.suites.line import LineTester
-from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
+from gateway.conformance.suites.line import DLE, Block, LineTester
+from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, NotApplicable, Warn
 from protocols.base.machine import ms
 from protocols.p3964r.characters import Char, wire_block
 
@@ -112,9 +112,7 @@ def reaction(t: LineTester, judge_link: bool = True) -> Reaction:
             with contextlib.nullcontext() if judge_link else t.given():
                 t.fail("an acknowledged command telegram", got, "STX (02h) of the reaction")
         t.timed("STX of the reaction", t.mark - start, None, None)
-        block = t.take()
-        if block.fault and t.judges_form:
-            raise Fail(f"the block of its reaction is not well formed: {block.fault}", WELL_FORMED, hexed(block.raw))
+        block = well_formed(t)
         if looks_like_reaction(block.data):
             return Reaction(block.data)
         if is_command(block.data):
@@ -126,6 +124,27 @@ def reaction(t: LineTester, judge_link: bool = True) -> Reaction:
         "a reaction: 00 or FF, 00 00, error number",
         said,
     )
+
+
+def well_formed(t: LineTester) -> Block:
+    """The block whose STX was heard.  A wrong form is one FAIL: what the case of the form has found is the cause of the others."""
+    if not t.judges_form:
+        return t.take()
+    t.say(DLE)
+    block = t.read()
+    if block is None:
+        raise malformed(t, "it breaks off", t.last(24))
+    t.say(DLE)
+    if block.fault:
+        raise malformed(t, block.fault, hexed(block.raw))
+    return block
+
+
+def malformed(t: LineTester, fault: str, got: str) -> Ended:
+    reason = f"the block of its reaction is not well formed: {fault}"
+    if t.setup.form_fault:
+        return Inconclusive(reason, WELL_FORMED, got, t.setup.form_fault)
+    return Fail(reason, WELL_FORMED, got)
 
 
 def looks_like_reaction(block: bytes) -> bool:
