@@ -63,3 +63,21 @@ def test_page_and_progress_are_german_and_json_is_english(tmp_path: pathlib.Path
     assert "nach Blockprüfzeichen mit falschem Bit 0: nichts, erwartet NAK (15h)" in said
     assert "Erwartet: NAK (15h)" in page and "Erhalten: nichts" in page
     assert '"got": "nothing"' in (tmp_path / "report.json").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("english", "german"),
+    [
+        ("Make the station send now", "Teilnehmer jetzt zum Senden veranlassen"),
+        (
+            "Switch the device: OFF, then press Enter (at most 60 s)",
+            "Switch the device: AUS, dann die Eingabetaste drücken (höchstens 60 s)",
+        ),
+        (
+            "not run: the device was lost (serial port COM9: cannot be opened (No such file or directory))",
+            "nicht ausgeführt: das Gerät ist ausgefallen (serial port COM9: lässt sich nicht öffnen (Datei oder Ordner fehlt))",
+        ),
+    ],
+)
+def test_prompts_for_an_operator_and_faults_of_ports_are_german(english: str, german: str) -> None:
+    assert verdict_text(english, "de") == german
