@@ -7,6 +7,7 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.near import nearest
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.plc.commands import Code, Command, Routine
+from gateway.pure.languages.plc.slips import meant, of_step5
 from gateway.pure.languages.plc.steps import Wrong, step_of
 
 OPENED = re.compile(r"(?:U|O|XO)N? ?\([^)]*$", re.IGNORECASE)
@@ -53,7 +54,7 @@ def body_of(lines: list[Line], name: str, faults: Faults) -> tuple[list[Line], L
             return lines[:at], line
     last = lines[-1].line if lines else 1
     faults.error("no-end", Position(name, last), "END is missing", "END is the last step of a program")
-    misspelt = bool(lines) and bool(nearest(lines[-1].text, ("END", "ENDE")))
+    misspelt = bool(lines) and bool(nearest(lines[-1].text, ("END", "ENDE")) or of_step5(lines[-1].text) == "END")
     return lines[:-1] if misspelt else lines, None
 
 
@@ -73,12 +74,19 @@ def read_routine(name: str, text: str, faults: Faults) -> tuple[Routine, dict[in
         found = step_of(line.text, line.step)
         if isinstance(found, Wrong):
             kind = "no-plc-command" if found.text == "No PLC-command" else "operand"
-            faults.error(kind, Position(name, line.line), found.text, found.hint)
+            faults.error(kind, Position(name, line.line), found.text, _hint(line.text) or found.hint)
             commands += _intended(line)
         elif found is not None:
             commands.append(found)
     last = end.step if end else len(lines) + 1
     return Routine(name, tuple(commands), last), {line.step: line.line for line in lines}
+
+
+def _hint(text: str) -> str:
+    """What a faulty step was meant to be; "" where nothing fits."""
+    if step := of_step5(text):
+        return f"a statement of STEP 5; here it is {step}"
+    return f"did you mean {step}?" if (step := meant(text)) else ""
 
 
 def _intended(line: Line) -> list[Command]:

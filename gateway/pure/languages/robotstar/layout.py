@@ -8,7 +8,7 @@ Tell = Callable[[int, str], None]
 _TWO = re.compile(r"^(\s*S?\d+[.:)]?\s+\S.*?)(?:\s+[|¦]\s*|\s{3,})(S?\d+[.:)]?\s+\\?[^\W\d].*)$")
 _LEFT = re.compile(r"^(\s*S?\d+[.:)]?\s+.*?|\s+\S.*?)\s+[|¦]\s*$")
 _NUMBERED = re.compile(r"^\s*\W{0,2}\s*S?\d+\s*[.:)]?(\s|$)", re.IGNORECASE)
-_MISREAD = re.compile(r"^(\s*)(?=[\dOolI]*\d)([\dOolI]{1,4})(\s+[^\W\d])")
+_MISREAD = re.compile(r"^(\s*S?)(?=[\dOolI]*\d)([\dOolI]{1,4})(\s+[^\W\d])")
 _COMMENT = re.compile(r"^\s*S?\d+\s*[.:)]?\s+C\s", re.IGNORECASE)
 _DESCRIPTOR = re.compile(r"^\s*([A-Za-z]\w*(?:[- ]\w+)?)\s*:\s*\S")
 

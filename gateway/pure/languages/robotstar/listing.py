@@ -10,6 +10,8 @@ import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from gateway.pure.languages.plc.slips import DIGITS, meant
+from gateway.pure.languages.plc.steps import Wrong, step_of
 from gateway.pure.languages.robotstar.layout import is_numbered, steps_of, with_lost_numbers
 from gateway.pure.languages.robotstar.path import CARTESIAN
 from gateway.pure.languages.robotstar.program import HEADS
@@ -22,7 +24,7 @@ _WORD = re.compile(r"(\\?\s*)([^\W\d][\w-]*)(.*)", re.DOTALL)
 _MARKED = re.compile(r"(?:->|=>|>|-)\s*(?=S?\s*\d)")  # the cursor, or the step completed last (L1484)
 _SECOND = re.compile(r"\s+([^\W\d]\w*)")
 _POSITION = re.compile(r"\b[XYZABC]\s*:|\bA\d+\s*:", re.IGNORECASE)
-_PLC_NUMBER = re.compile(r"S?\s*(\d+)\s*[.:)]?\s+(?=\S)", re.IGNORECASE)  # `8 )` is step 8
+_PLC_NUMBER = re.compile(r"S?\s*(\d[\dOIl]*)\s*[.:)]?\s+(?=\S)", re.IGNORECASE)  # `8 )` is step 8
 _PLC_HEAD = re.compile(r"(?:MPR|SPR|MAC|PAL|PLC|DIR)\b", re.IGNORECASE)  # SP is a jump of the PLC, M a label
 _KIND = re.compile(r"\s*(#[NP])\b\s*,?\s*", re.IGNORECASE)
 ALIKE = 0.84  # likeness of a misread word to a command
@@ -152,20 +154,29 @@ def _plc_step(line: str) -> tuple[int, str] | None:
     text = _MARKED.sub("", line.translate(QUOTES).replace("|", " ").strip(), count=1)
     found = _PLC_NUMBER.match(text)
     text = text[found.end() :].strip() if found else text
-    return None if _PLC_HEAD.match(text) else (int(found[1]) if found else 0, text)
+    return None if _PLC_HEAD.match(text) else (int(found[1].translate(DIGITS)) if found else 0, text)
 
 
 def _take_plc_step(program: _Open, result: Imported, line: int, printed: int, step: str, numbered: bool) -> None:
-    """A step of a PLC program stays as it is printed."""
+    """A step of a PLC program, put right where it is none as it is printed."""
     if not step or step.startswith("```"):
         return
     if numbered and not printed:
         result.notes.append(Note(line, f"{step[:40]!r} is no step and left out"))
         return
     _count(program, printed, line, result)
+    if not _ends(step) and isinstance(step_of(step, 1), Wrong) and (better := meant(step)):
+        comment = step.partition(";")[2]
+        better = f"{better} ;{comment}" if comment else better
+        result.notes.append(Note(line, f"{step} is read as {better}"))
+        step = better
     program.steps.append(step)
-    if step.split(";", maxsplit=1)[0].strip().upper() in ("END", "ENDE"):
+    if _ends(step):
         _close(program, result, line)
+
+
+def _ends(step: str) -> bool:
+    return step.split(";", maxsplit=1)[0].strip().upper() in ("END", "ENDE")
 
 
 def _head(step: str, word: str, words: Words) -> _Open:
