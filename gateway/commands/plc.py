@@ -13,9 +13,11 @@ from gateway.files.plc_programs import ProgramFileFault, read_listing, read_prog
 from gateway.pure.cell.cell import Cell
 from gateway.pure.languages.plc.awl.report import Imported, imported
 from gateway.pure.languages.plc.check import check_programs
+from gateway.pure.languages.plc.commands import Code, Command
 from gateway.pure.languages.plc.orders import OrderFault, orders_of
 from gateway.pure.languages.plc.plc import Settings
-from gateway.pure.languages.plc.reader import lines_of
+from gateway.pure.languages.plc.reader import Line, lines_of
+from gateway.pure.languages.plc.steps import step_of
 from gateway.pure.languages.plc.translation import start_in_folder
 from gateway.pure.languages.plc.virtual import Event, VirtualRun
 from gateway.runtime.exit_codes import Exit
@@ -118,7 +120,12 @@ def in_cell(options: argparse.Namespace) -> int:
         complain("plc", report_text(str(error)))
         return ENVIRONMENT
     print(json.dumps(answer, indent=1) if options.json else sentence(answer))
-    return Exit.OK
+    return Exit.FINDING if options.action == "start" and _refused(answer["message"]) else Exit.OK
+
+
+def _refused(message: object) -> bool:
+    """Whether the message that is shown is that of a refused start: red, without a number."""
+    return isinstance(message, dict) and not message["number"] and bool(message["reaction"])
 
 
 def sentence(answer: Row) -> str:
@@ -155,11 +162,17 @@ def show(cell: Cell, options: argparse.Namespace, client: ToolClient) -> int:
     print(f"{report_text('step'):>5} {'':{45 - max(width, 5)}} {report_text('state'):>5} VKE      ACCU1      ACCU2")
     for line in lines_of(text):
         row = rows.get(line.step) if same else None
-        shown = f"{row[1]:>5} {row[2]:>3} {row[3]:>10} {row[4]:>10}" if row else "  NOP" if same else ""
+        shown = f"{row[1]:>5} {row[2]:>3} {row[3]:>10} {row[4]:>10}" if row else "  NOP" if same and _acts(line) else ""
         print(f"{line.step:>5} {line.text[:40]:40} {shown}".rstrip())
     if why:
         print(report_text(f"the test display is off: {why}"))
     return Exit.OK if same else Exit.FINDING
+
+
+def _acts(line: Line) -> bool:
+    """Whether a step is a command: head, END, labels, comments and invalid steps do nothing in any scan."""
+    step = step_of(line.text, line.step) if line.valid else None
+    return isinstance(step, Command) and step.code is not Code.LABEL
 
 
 def _count(text: str) -> int:

@@ -6,6 +6,7 @@ import contextlib
 import inspect
 import pathlib
 import re
+import zlib
 from collections.abc import Iterator
 from typing import Any
 
@@ -229,3 +230,21 @@ def test_the_test_display_is_headed_in_german(
         "Schritt                                        Status VKE      ACCU1      ACCU2",
         "die Testanzeige ist aus: die SPS laeuft nicht",
     ]
+
+
+def test_the_test_display_has_nop_where_a_command_was_not_executed_alone(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Head, comment, label, invalid step and END are no commands."""
+    (tmp_path / "M.PLC").write_text(text := "PLC M\nSP L\nU E0.0\n; note\n\\U E0.1\nM L\n= A0.0\nEND\n")
+    monkeypatch.setattr(plc, "plc_folder", lambda cell: tmp_path)
+    on = {"on": True, "why": "", "text": zlib.crc32(text.encode()), "rows": [[2, 0, 1, 0, 0], [7, 0, 1, 0, 0]]}
+    stand_ins: tuple[Any, Any] = (None, Shown(on))
+    assert plc.show(stand_ins[0], argparse.Namespace(program="M", json=False), stand_ins[1]) == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines() if line.endswith("NOP")] == ["3"]
+
+
+@pytest.mark.parametrize(("message", "code"), [({"text": "Start program doesn't exist", "number": 0, "reaction": 3}, 1), (None, 0)])
+def test_a_refused_start_in_a_cell_is_a_finding(message: object, code: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(plc, "running", lambda name: contextlib.nullcontext(Shown({"state": "RUN", "scans": 7, "message": message})))
+    assert main("plc start reis-plc NONE".split()) == code
