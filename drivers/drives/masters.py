@@ -33,7 +33,7 @@ def device_identifiers(node: int) -> frozenset[int]:
     return frozenset(pdos | {cobid.emcy(node), cobid.sdo_answer(node), cobid.heartbeat(node)})
 
 
-def told(heard: Mapping[int, int], names: Mapping[int, str]) -> str:
+def heard_text(heard: Mapping[int, int], names: Mapping[int, str]) -> str:
     """ "SYNC (080h, 40 times), SDO request (602h, once)"; empty: nothing of a master was received."""
     times = {number: "once" if count == 1 else f"{count} times" for number, count in heard.items()}
     return ", ".join(f"{names[number]} ({number:03X}h, {times[number]})" for number in sorted(heard) if number in names)
@@ -42,7 +42,7 @@ def told(heard: Mapping[int, int], names: Mapping[int, str]) -> str:
 def masters_in(frames: Iterable[Frame], protocol: str) -> str:
     """The sentence of what was listened to; empty: no master spoke."""
     names = master_identifiers(protocol)
-    return told(Counter(frame.identifier for frame in frames if frame.identifier in names), names)
+    return heard_text(Counter(frame.identifier for frame in frames if frame.identifier in names), names)
 
 
 class OtherMaster:
@@ -65,6 +65,6 @@ class OtherMaster:
         """The sentence that it is over, mostly empty."""
         if not self._heard or now - self._last < SILENT_NS:
             return ""
-        words = f"the other master is silent; it was heard with {told(self._heard, self.names)}"
+        words = f"the other master is silent; it was heard with {heard_text(self._heard, self.names)}"
         self._heard.clear()
         return words

@@ -19,15 +19,15 @@ WORDS: Mapping[int, tuple[str, str]] = {  # English, German
 class Tracking:
     """One axis; any unit, all the same one.  A finding stays until clear()."""
 
-    __slots__ = ("_last", "_settle", "_standing", "_still", "lag", "number")
+    __slots__ = ("_last", "_settle", "_standstill", "_still", "lag", "number")
 
-    def __init__(self, standing: float = math.inf, warn: float = math.inf, trip: float = math.inf, settle_cycles: int = 0) -> None:
-        """`standing`: how far a standing axis may be off; `warn`, `trip`: lag of a moving one; all also catch what is no number.
+    def __init__(self, standstill: float = math.inf, warn: float = math.inf, trip: float = math.inf, settle_cycles: int = 0) -> None:
+        """`standstill`: how far a standing axis may be off; `warn`, `trip`: lag of a moving one; all also catch what is no number.
 
         `settle_cycles`: so long after its set value came to rest an axis is still given the wider limit.
         """
         self.lag = LagMonitor(warn, trip)
-        self._standing, self._settle = standing, settle_cycles
+        self._standstill, self._settle = standstill, settle_cycles
         self._still = 0  # cycles since the set value changed last
         self._last: float | None = None
         self.number = 0  # 647, 648, or 0
@@ -41,7 +41,7 @@ class Tracking:
         if not self.number:
             if self.lag.check(behind) is LagState.TRIPPED:
                 self.number = TRACKING if self._still < self._settle else STANDSTILL
-            elif self._still >= self._settle and not abs(behind) <= self._standing:
+            elif self._still >= self._settle and not abs(behind) <= self._standstill:
                 self.number = STANDSTILL
         return self.number
 

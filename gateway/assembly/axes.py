@@ -75,10 +75,10 @@ def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *
         drive = drive_of(axis, max(1024, round(step)), p5_ms)
         lag = axis.following_error
         warn, trip = (to_si(lag.warn, axis.unit), to_si(lag.trip, axis.unit)) if lag else (float("inf"), float("inf"))
-        standing = to_si(lag.standstill, axis.unit) if lag and lag.standstill is not None else float("inf")
+        standstill = to_si(lag.standstill, axis.unit) if lag and lag.standstill is not None else float("inf")
         modulo = to_si(axis.modulo, axis.unit)
         travel = (-inf, inf) if modulo else (to_si(axis.limits.min, axis.unit), to_si(axis.limits.max, axis.unit))
-        lags, reference = (warn, trip, standing), reference_of(axis, scaling)
+        lags, reference = (warn, trip, standstill), reference_of(axis, scaling)
         found.append(CoreAxis(axis.name, scaling, reference, window_of(axis), drive, *lags, zeroed, modulo, kinematic, travel))
     return found
 

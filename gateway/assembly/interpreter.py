@@ -294,7 +294,7 @@ class Baps2Programs:
                     BACKUP: (self._card, DEFECTIVE, "the user memory is as it was"),
                 }.get(wanted.what, (self._eeprom, PROTECTED, "the user memory is not saved"))
                 faults.append(f"{path}: {error.strerror}; {lost}")
-            self._port.tell("answered", ticket=wanted.ticket, error=answer)
+            self._port.send("answered", ticket=wanted.ticket, error=answer)
         return [*faults, *self._written()]
 
     def _written(self) -> list[str]:

@@ -57,7 +57,7 @@ class RobotstarPrograms:
         self._made: dict[str, str | None] = {}  # programs that programs have made, as they are on the disk
         self._listed = -1, [dict[str, object]()]  # version of the memory, its programs
         self._due = self._effects = 0.0
-        self._told = [*self._restored(), *self._initialised()]
+        self._notes = [*self._restored(), *self._initialised()]
 
     def _initialised(self) -> list[str]:
         """SYVARINI of the memory is run at the start, over values that were kept; the one shipped would change nothing that is wanted."""
@@ -100,8 +100,8 @@ class RobotstarPrograms:
     def read(self, alive: Callable[[], None]) -> list[str]:
         """What is wrong with the programs, and with the values that were kept."""
         alive()
-        told, self._told = self._told, []
-        return [f"{fault}" for fault in (*self._faults, *self.language.faults) if fault.severity.value == "error"] + told
+        notes, self._notes = self._notes, []
+        return [f"{fault}" for fault in (*self._faults, *self.language.faults) if fault.severity.value == "error"] + notes
 
     def refresh(self, alive: Callable[[], None]) -> list[str] | None:
         """Programs that were put into the memory since the last start; a program that was stopped begins anew then."""

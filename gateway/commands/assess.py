@@ -82,21 +82,21 @@ def _in(key: str, language: str) -> str:
     return in_language(TEXTS.said(key), language)
 
 
-def _told(reasons: list[Reason], language: str) -> list[tuple[str, str, str, str]]:
+def _answers(reasons: list[Reason], language: str) -> list[tuple[str, str, str, str]]:
     """Key, answer, verdict and reason of each question."""
     return [(each.key, each.answer, _in(WORDS[each.verdict], language), in_language(each.text, language)) for each in reasons]
 
 
 def table(reasons: list[Reason], language: str = "en") -> list[str]:
     """As printed on a terminal."""
-    rows = [f"{judged:5} {key:8} {answer:10} {text}" for key, answer, judged, text in _told(reasons, language)]
+    rows = [f"{judged:5} {key:8} {answer:10} {text}" for key, answer, judged, text in _answers(reasons, language)]
     return [*rows, "", _in(f"whole.{WORDS[verdict(reasons)]}", language), _in("limits", language)]
 
 
 def page(reasons: list[Reason], language: str = "en") -> str:
     """One A4 page with room for name and date."""
     questions = {asked.key: in_language(asked.text, language) for asked in ASKED}
-    cells = [(questions[key], *others) for key, *others in _told(reasons, language)]
+    cells = [(questions[key], *others) for key, *others in _answers(reasons, language)]
     rows = "\n".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in cells)
     heads = "".join(f"<th>{_in(f'page.{head}', language)}</th>" for head in ("question", "answer", "verdict", "reason"))
     return f"""<!doctype html>

@@ -39,7 +39,7 @@ def main(argv: list[str]) -> int:
     try:
         cell = load_cell(options.cell)
     except CellFaults as found:
-        rows = told(options.cell, found.faults, language)
+        rows = fault_lines(options.cell, found.faults, language)
         print(json.dumps(as_json(options.cell, found.faults), indent=1) if options.json else "\n".join(rows))
         return Exit.INVALID
     except (ConfigNotFound, OSError) as error:
@@ -59,11 +59,11 @@ def valid(name: str, cell: Cell, language: str = "en") -> list[str]:
         last = TEXTS.said("explain", name, f"axis.{cell.axis[0].name}" if cell.axis else "cell")
     else:
         last = TEXTS.said("next", name, cell.axis[0].name)
-    told_rows = [f"{_level(level, language)}{where}: {text}" for level, where, text in rows]
-    return [*(in_language(line, language) for line in lines), *told_rows, in_language(last, language)]
+    notice_lines = [f"{_level(level, language)}{where}: {text}" for level, where, text in rows]
+    return [*(in_language(line, language) for line in lines), *notice_lines, in_language(last, language)]
 
 
-def told(name: str, faults: tuple[Fault, ...], language: str = "en") -> list[str]:
+def fault_lines(name: str, faults: tuple[Fault, ...], language: str = "en") -> list[str]:
     """The lines for a file with faults."""
     crossed = sum(fault.kind == "cross" for fault in faults)
     count = _counted(len(faults), "error", "errors")

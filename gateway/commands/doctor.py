@@ -50,7 +50,7 @@ def main(argv: list[str]) -> int:
     if options.json:
         print(json.dumps([dataclasses.asdict(finding) for finding in findings], indent=1))
     else:
-        print("\n".join(line for finding in findings for line in told(finding)))
+        print("\n".join(line for finding in findings for line in finding_lines(finding)))
     return verdict(findings)
 
 
@@ -67,7 +67,7 @@ def _hour(options: argparse.Namespace) -> int:
     return hour(cell, options.seconds, as_json=options.json)
 
 
-def told(finding: Finding) -> list[str]:
+def finding_lines(finding: Finding) -> list[str]:
     """One finding as lines."""
     lines = [f"{finding.level:<8} {finding.what}: {finding.text}"]
     return lines + ([f"{'':<8} do: {finding.todo}"] if finding.todo else [])

@@ -152,8 +152,14 @@ def _commission_on(cell: Cell, bus: Bus, axis: Axis, url: str, arguments: argpar
             outcome = f"found its home; it reads {after:.3f} {axis.unit}, before it read {before:.3f}"
         print(f"axis {axis.name}: {arguments.mode.upper()} {outcome}; switched off again", file=sys.stderr)
     if arguments.json:
-        told = {"axis": axis.name, "node": plan.node, "serial": identity.serial, "vendor": identity.vendor, "product": identity.product}
-        print(json.dumps({**told, "options": booted.options, "notes": booted.notes}))
+        identified = {
+            "axis": axis.name,
+            "node": plan.node,
+            "serial": identity.serial,
+            "vendor": identity.vendor,
+            "product": identity.product,
+        }
+        print(json.dumps({**identified, "options": booted.options, "notes": booted.notes}))
         return DONE
     options = ", ".join(f"{name} {value}" for name, value in booted.options.items())
     print(f"axis {axis.name}, node {plan.node}: starts up; mode {booted.mode} (CSP); its stops (option codes): {options}")
@@ -193,13 +199,13 @@ def _loss_test(cell: Cell, arguments: argparse.Namespace) -> int:
     for loss in wanted:
         with simulated(arguments.place, arguments.p5 or UNHURRIED_MS) as (client, folder):
             stops += losstest.measure(client, cell, folder, loss, arguments.speed / 100.0)
-    _tell_stops(cell, stops, arguments, "emulator")
+    _report_stops(cell, stops, arguments, "emulator")
     if not arguments.json:
         print("last_stop_test is not written: these were emulated drives; on the machine: axisgate drive loss-test CELL --running")
     return DONE if all(stop.good for stop in stops) else FINDING
 
 
-def _tell_stops(cell: Cell, stops: "list[Stop]", arguments: argparse.Namespace, evidence: str) -> None:
+def _report_stops(cell: Cell, stops: "list[Stop]", arguments: argparse.Namespace, evidence: str) -> None:
     from gateway.tools.drives import loss_test as losstest
 
     written = losstest.write(cell, stops, arguments.out, evidence)
@@ -231,7 +237,7 @@ def _loss_test_running(cell: Cell, arguments: argparse.Namespace) -> int:
             return ENVIRONMENT
         urls = {bus.name: f"broker:{run}-{bus.name}" if simulated_run else bus.port for bus in cell.bus}
         stops = losstest_bus.measure(client, cell, urls, arguments.speed / 100.0)
-    _tell_stops(cell, stops, arguments, "emulator" if simulated_run else "bus")
+    _report_stops(cell, stops, arguments, "emulator" if simulated_run else "bus")
     good = all(stop.good for stop in stops)
     if good and not simulated_run:
         try:

@@ -45,7 +45,7 @@ def main(argv: list[str]) -> int:
     else:
         if not options.output:
             print(cell)
-        print("\n".join(told(report, faults, options.output)), file=sys.stdout if options.output else sys.stderr)
+        print("\n".join(report_lines(report, faults, options.output)), file=sys.stdout if options.output else sys.stderr)
     return Exit.FINDING if faults or report.missing else Exit.OK
 
 
@@ -66,7 +66,7 @@ def check(cell: str) -> list[str]:
     return []
 
 
-def told(report: Report, faults: list[str], output: pathlib.Path | None) -> list[str]:
+def report_lines(report: Report, faults: list[str], output: pathlib.Path | None) -> list[str]:
     """The report for a person."""
     lines = [f"{len(report.taken)} values taken, {len(report.assumed)} assumptions, {len(report.ignored)} lines left aside"]
     for word, entries in (("assumed", report.assumed), ("missing", report.missing), ("ignored", report.ignored), ("check", faults)):

@@ -113,12 +113,12 @@ def _test(console: IoConsole, rows: list[Row], ask: Ask, *, as_json: bool) -> in
     if as_json:
         print(json.dumps({"results": results}))
     for result in () if as_json else results:
-        print(f"{'ok  ' if result['ok'] else 'FAIL'}  {result['name']}: {result['told']}")
+        print(f"{'ok  ' if result['ok'] else 'FAIL'}  {result['name']}: {result['result']}")
     return DONE if all(result["ok"] for result in results) else FINDING
 
 
-def _result(row: Row, told: str, *, ok: bool) -> dict[str, object]:
-    return {"name": row["name"], "way": row["way"], "signal": row["signal"], "ok": ok, "told": told}
+def _result(row: Row, found: str, *, ok: bool) -> dict[str, object]:
+    return {"name": row["name"], "way": row["way"], "signal": row["signal"], "ok": ok, "result": found}
 
 
 def _output(console: IoConsole, row: Row, ask: Ask) -> dict[str, object]:

@@ -94,16 +94,16 @@ def run_probe(arguments: argparse.Namespace) -> int:
     results: list[Result] = []
     gone: PortError | KeyboardInterrupt | None = None
 
-    def told(result: Result) -> None:
+    def take(result: Result) -> None:
         results.append(result)
         if not arguments.json:
-            _tell(result, _language(arguments))
+            _print_result(result, _language(arguments))
 
     try:
         settings = _settings(arguments, wire)
         if strange := unknown(settings):
             raise BadInput(f"--only {' '.join(strange)}: no such test; --list shows them")
-        probe(wire, settings, lambda: _operator(device, _language(arguments)), told)
+        probe(wire, settings, lambda: _operator(device, _language(arguments)), take)
     except (PortError, KeyboardInterrupt) as error:
         gone = error  # what was seen so far is reported all the same
     finally:
@@ -147,7 +147,7 @@ def _kept(path: str, text: str) -> bool:
     return True
 
 
-def _tell(result: Result, language: str) -> None:
+def _print_result(result: Result, language: str) -> None:
     verdict, text = in_language(result.verdict, language), in_language(result.reason or result.case.title, language)
     print(f"{verdict:12} {result.case.name:26} {text}", flush=True)
 
@@ -212,8 +212,8 @@ def run_diagnose(arguments: argparse.Namespace) -> int:
         raise BadInput(f"PORT, --anzw, --pafe or --cp341 expected; ports: {PORTS}")
     language = _language(arguments)
     if arguments.json:
-        told = [(one.name, one.level, in_language(one.text, language), in_language(one.todo, language)) for one in found]
-        print(json.dumps([dict(zip(("name", "level", "text", "todo"), one, strict=True)) for one in told], indent=1))
+        rows = [(one.name, one.level, in_language(one.text, language), in_language(one.todo, language)) for one in found]
+        print(json.dumps([dict(zip(("name", "level", "text", "todo"), one, strict=True)) for one in rows], indent=1))
     else:
         width = max(6, *(len(in_language(level, language)) for level in LEVELS))
         for one in found:
@@ -321,7 +321,7 @@ def _two_ports(names: list[str]) -> None:
         raise BadInput(f"--tap {','.join(names)}: two different ports expected, one in each wire")
 
 
-def _listen(arguments: argparse.Namespace, names: list[str], tell: Callable[[LineReport], None]) -> None:
+def _listen(arguments: argparse.Namespace, names: list[str], report: Callable[[LineReport], None]) -> None:
     """One port or two, read only, for --seconds or until Ctrl-C; kept in --save."""
     with contextlib.ExitStack() as stack:
         ports: list[tuple[str, ToolPort]] = []
@@ -333,7 +333,7 @@ def _listen(arguments: argparse.Namespace, names: list[str], tell: Callable[[Lin
         if arguments.save is not None:
             out = stack.enter_context(_record(arguments.save))
             keep = Recorder(out, "tap", parse_format(arguments.format), time.monotonic_ns())
-        monitor = Monitor(ports, time.monotonic_ns, tell, not arguments.plain, keep)
+        monitor = Monitor(ports, time.monotonic_ns, report, not arguments.plain, keep)
         complain(f"line {arguments.tool}", f"listening at {' and '.join(names)}, Ctrl-C ends it")
         monitor.run(None if arguments.seconds is None else ms(1000 * arguments.seconds), lambda silence: _quiet(arguments.tool, silence))
 

@@ -77,8 +77,8 @@ def main(argv: list[str]) -> int:
         program, machine, belts = load(text, options.robot, cell)
     except (ConfigNotFound, OSError, UnicodeDecodeError, RobotFaults) as error:
         return refuse(error)
-    except TextFaults as told:
-        for fault in told.faults:
+    except TextFaults as error:
+        for fault in error.faults:
             print(f"{options.program}: {fault}", file=sys.stderr)
         return Exit.INVALID
     except MotionError as error:
@@ -159,8 +159,8 @@ def team(text: str, options: argparse.Namespace, cell: Cell | None) -> int:
     ]
     seconds = float(traces[0].t[-1])
     if options.json:
-        told = {name: {"loads": tops, "corners": _corners(made)} for name, tops, made in rows}
-        print(json.dumps({"page": str(target), "seconds": round(seconds, 4), "kinematics": told}, indent=1))
+        kinematics = {name: {"loads": tops, "corners": _corners(made)} for name, tops, made in rows}
+        print(json.dumps({"page": str(target), "seconds": round(seconds, 4), "kinematics": kinematics}, indent=1))
     else:
         print(f"{target}: {seconds:.3f} s")
         for name, tops, _ in rows:
@@ -260,8 +260,8 @@ def plot(program: Program, machine: Machine, made: Trace, options: argparse.Name
     target.write_text(page(program, machine, made))
     tops = _tops(machine, made)
     if options.json:
-        told = {"page": str(target), "seconds": round(float(made.t[-1]), 4), "loads": tops, "corners": _corners(made)}
-        print(json.dumps(told, indent=1))
+        result = {"page": str(target), "seconds": round(float(made.t[-1]), 4), "loads": tops, "corners": _corners(made)}
+        print(json.dumps(result, indent=1))
     else:
         print(f"{target}: {made.t[-1]:.3f} s; largest loads of the axes: {_loads(tops)}")
     return Exit.OK

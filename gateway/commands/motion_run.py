@@ -89,7 +89,7 @@ def play(client: ToolClient, cell: Cell, number: int, options: argparse.Namespac
             if options.sim:
                 client.command("disable", every)
             client.command("release_control")
-    return _told(client, number, name, answer, seconds)
+    return _result(client, number, name, answer, seconds)
 
 
 def stopped(client: ToolClient, answer: Row) -> Row:
@@ -100,7 +100,7 @@ def stopped(client: ToolClient, answer: Row) -> Row:
     return client.ask("job", job=answer["job"])
 
 
-def _told(client: ToolClient, number: int, name: str, answer: Row, seconds: float) -> Row:
+def _result(client: ToolClient, number: int, name: str, answer: Row, seconds: float) -> Row:
     axes = client.axes()
     rows = {str(row["name"]): float(str(row["actual"])) for row in axes}
     measured = {str(row["name"]): float(str(row["measured"])) for row in axes if "measured" in row}

@@ -92,7 +92,7 @@ def _play(client: ToolClient, cell: Cell, mask: int, source: TextIO, options: ar
             reference(client, cell)
         answer = client.ask("stream", do="begin", robot=options.robot, mask=mask)
         try:
-            answer = _told(client, answer, source, options)
+            answer = _result(client, answer, source, options)
         except KeyboardInterrupt:
             answer = stopped(client, answer)
         except ToolError:
@@ -109,7 +109,7 @@ def _play(client: ToolClient, cell: Cell, mask: int, source: TextIO, options: ar
     return DONE if answer["state"] == "DONE" else FINDING
 
 
-def _told(client: ToolClient, answer: Row, source: TextIO, options: argparse.Namespace) -> Row:
+def _result(client: ToolClient, answer: Row, source: TextIO, options: argparse.Namespace) -> Row:
     """Until the stream has an outcome; what happens to its blocks is printed."""
     job, shown, over, words = answer.get("job"), (0, 0), False, answer.get("order_fault")
     typed = source is sys.stdin

@@ -84,9 +84,9 @@ def _visit(client: ToolClient, cell: Cell, position: CheckPosition, *, go: bool)
     rows: list[Row] = []
     for name, old in places.items():
         new = float(str(found[name]["actual"]))
-        told = {"position": position.name, "axis": name, "unit": found[name]["unit"], "old": old, "new": round(new, 4)}
+        row = {"position": position.name, "axis": name, "unit": found[name]["unit"], "old": old, "new": round(new, 4)}
         rows.append(
-            {**told, "difference": round(new - old, 4), "tolerance": position.tolerance, "good": abs(new - old) <= position.tolerance}
+            {**row, "difference": round(new - old, 4), "tolerance": position.tolerance, "good": abs(new - old) <= position.tolerance}
         )
     return rows
 

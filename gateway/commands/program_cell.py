@@ -151,7 +151,7 @@ def play(client: ToolClient, cell: Cell, options: argparse.Namespace) -> Row:
             if options.sim:
                 client.command("disable", every)
             client.command("release_control")
-    return _told(client, options.program.upper(), answer, seconds)
+    return _result(client, options.program.upper(), answer, seconds)
 
 
 def _over(client: ToolClient, run: object, name: str) -> Row:
@@ -176,7 +176,7 @@ def _rest(client: ToolClient, cell: Cell) -> None:
         time.sleep(POLL_S)
 
 
-def _told(client: ToolClient, name: str, answer: Row, seconds: float) -> Row:
+def _result(client: ToolClient, name: str, answer: Row, seconds: float) -> Row:
     rows = {str(row["name"]): float(str(row["actual"])) for row in client.axes()}
     places = ", ".join(f"{axis} {place:.3f}" for axis, place in rows.items())
     words = WAYS.get(str(answer["how"]), str(answer["how"])).format(seconds=seconds, **answer)

@@ -75,7 +75,7 @@ def _record(options: argparse.Namespace) -> int:
         until = time.monotonic() + options.seconds if options.seconds else None
         recorder.run(lambda: pressed() or (until is not None and time.monotonic() >= until), Progress(options.output, writer))
         writer.end({"cycles": recorder.counts.cycles, "outputs_lost": recorder.counts.outputs_lost})
-    return _told(options, recorder, writer)
+    return _report(options, recorder, writer)
 
 
 def _writer(path: pathlib.Path, status: dict[str, Any], cell: Cell, rings: Rings) -> Writer:
@@ -94,7 +94,7 @@ def _writer(path: pathlib.Path, status: dict[str, Any], cell: Cell, rings: Rings
         return Writer(path, head, zipped.read_bytes())
 
 
-def _told(options: argparse.Namespace, recorder: Recorder, writer: Writer) -> int:
+def _report(options: argparse.Namespace, recorder: Recorder, writer: Writer) -> int:
     counts = recorder.counts
     found = {
         "file": str(options.output),

@@ -108,7 +108,7 @@ def _judged(options: argparse.Namespace, found: Found, verdict: Verdict) -> None
         if first is not None:
             difference = {"cycle": first.cycle, "at_s": round(verdict.at_s, 6), "name": first.name}
             difference |= {"expected": _plain(first.expected), "got": _plain(first.got), "more_in_this_cycle": verdict.also}
-            difference["told"] = [_told(each, first.stamp_ns) for each in verdict.told]
+            difference["events"] = [_event_text(each, first.stamp_ns) for each in verdict.events_before]
         played = {"played": verdict.cycles, "played_s": round(verdict.seconds, 3), "without_outputs": verdict.without_outputs}
         print(json.dumps({**holds, **played, "equal": first is None, "first": difference}))
         return
@@ -121,8 +121,8 @@ def _judged(options: argparse.Namespace, found: Found, verdict: Verdict) -> None
     print(f"  got      {_plain(first.got)}")
     if verdict.also:
         print(f"  and {verdict.also} more in the same cycle")
-    for each in verdict.told:
-        print(f"  {_told(each, first.stamp_ns)}")
+    for each in verdict.events_before:
+        print(f"  {_event_text(each, first.stamp_ns)}")
 
 
 def _plain(value: object) -> object:
@@ -132,6 +132,6 @@ def _plain(value: object) -> object:
     return int(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
-def _told(each: ServiceEvent, stamp_ns: int) -> str:
+def _event_text(each: ServiceEvent, stamp_ns: int) -> str:
     words = each.data.decode(errors="replace") if each.source is Source.TOOL else each.data.hex(" ")
     return f"{(each.stamp - stamp_ns) / 1e6:+.1f} ms command source {each.number} {SOURCES[each.source]}: {words}"

@@ -30,7 +30,7 @@ def main(argv: list[str]) -> int:
     try:
         manifest = backup.read(options.file)
         steps = backup.steps(manifest, options.to)
-        _tell(manifest, steps, as_json=options.json)
+        _print_steps(manifest, steps, as_json=options.json)
         running = runs_of(options.to / manifest.cell)
         if running:
             complain("restore", f"{running} is running this cell; stop it first")
@@ -73,7 +73,7 @@ def runs_of(cell: pathlib.Path) -> str:
     return ""
 
 
-def _tell(manifest: backup.Manifest, steps: list[backup.Step], *, as_json: bool) -> None:
+def _print_steps(manifest: backup.Manifest, steps: list[backup.Step], *, as_json: bool) -> None:
     if as_json:
         rows = [{"name": step.part.name, "role": step.part.role, "what": step.what} for step in steps]
         print(json.dumps({"cell": manifest.cell, "version": manifest.version, "wall": manifest.wall, "files": rows}, indent=1))

@@ -185,11 +185,11 @@ def _plot(options: argparse.Namespace) -> int:
         options.output.write_text(page(recording, options.cursor, xy), encoding="utf-8")
     else:
         raise RecordingError(f"{options.output}: .html or .png is drawn")
-    _told(recording, options, rows)
+    _report(recording, options, rows)
     return DONE
 
 
-def _told(recording: Recording, options: argparse.Namespace, rows: list[list[float]]) -> None:
+def _report(recording: Recording, options: argparse.Namespace, rows: list[list[float]]) -> None:
     if options.json:
         cursors = [dict(zip(["t", *recording.names], row, strict=True)) for row in rows]
         print(json.dumps({"file": str(options.output), "cursors": cursors}))

@@ -94,11 +94,11 @@ def _done(store: Store, arguments: argparse.Namespace, password: str) -> int:
             store.drop_user(name)
     if arguments.do != "list":
         store.note(f"command line ({getpass.getuser()})", "local", f"web user {arguments.do}", {"name": name})
-    _tell(store, arguments)
+    _print_users(store, arguments)
     return DONE
 
 
-def _tell(store: Store, arguments: argparse.Namespace) -> None:
+def _print_users(store: Store, arguments: argparse.Namespace) -> None:
     rows = [{"name": name, "role": role.name.lower()} for name, role in store.users()]
     if arguments.json:
         print(json.dumps({"file": str(store.path), "users": rows}))

@@ -28,14 +28,14 @@ class CycleContacts:
         self._written = b""
         self._count = len(cell.io)
         self._payload: bytes | None = None
-        self._told: list[Said] = []
+        self._of_services: list[Said] = []
 
     def turn(self, state: CellState, rc_outputs: bytes | bytearray, services_ns: Ns, now: Ns) -> None:
         """`services_ns`: stamp of the services' last beat."""
         payload = self._said.read()
         if payload is not None and payload is not self._payload:
-            self._payload, self._told = payload, unpack_said(payload)
-        shown = self._outputs.show(state, rc_outputs, self._told if now - services_ns < SERVICES_GONE else [])
+            self._payload, self._of_services = payload, unpack_said(payload)
+        shown = self._outputs.show(state, rc_outputs, self._of_services if now - services_ns < SERVICES_GONE else [])
         heard = [Said()] * self._count
         for family in self._families:
             family.show(shown)

@@ -43,10 +43,10 @@ class Metrics:
 
     def ready(self) -> tuple[bool, dict[str, Any]]:
         """Ready: healthy, and the cell is ready."""
-        healthy, told = self.health()
+        healthy, facts = self.health()
         head = self._regions.head()
         good = healthy and bool(head["ready"])
-        return good, {**told, "ready": good, "emergency": head["emergency"], "errors": head["errors"]}
+        return good, {**facts, "ready": good, "emergency": head["emergency"], "errors": head["errors"]}
 
     def page(self) -> str:
         """The answer to /metrics."""
@@ -123,12 +123,12 @@ class Metrics:
             case b"/metrics":
                 return 200, CONTENT_TYPE, self.page()
             case b"/health":
-                good, told = self.health()
+                good, facts = self.health()
             case b"/ready":
-                good, told = self.ready()
+                good, facts = self.ready()
             case _:
                 return 404, "text/plain", "/metrics, /health and /ready are here\n"
-        return 200 if good else 503, "application/json", json.dumps(told, ensure_ascii=False) + "\n"
+        return 200 if good else 503, "application/json", json.dumps(facts, ensure_ascii=False) + "\n"
 
     async def serve(self, host: str, port: int) -> asyncio.Server:
         """OSError: the port is taken."""

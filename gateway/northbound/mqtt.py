@@ -48,7 +48,7 @@ class MqttOut:
         self._client.connect_async(*self._place, keepalive=10)
         self._client.loop_start()
 
-    def tell(self, values: dict[str, Value]) -> None:
+    def publish(self, values: dict[str, Value]) -> None:
         """A look at all values: what changed becomes one message."""
         now = time.monotonic()
         behind = self._since_whole > 0 and now - self._whole_at >= RETAINED_S  # what the broker keeps is old

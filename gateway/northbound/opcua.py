@@ -50,7 +50,7 @@ class OpcuaOut:
         self._last = dict(values)
         await server.start()
 
-    async def tell(self, values: dict[str, Value], stale: bool) -> None:
+    async def publish(self, values: dict[str, Value], stale: bool) -> None:
         """Changed values; `stale`: they are no longer updated, and their status shows it."""
         moment = datetime.datetime.now(datetime.UTC)
         status = ua.StatusCode(ua.StatusCodes.UncertainLastUsableValue if stale else ua.StatusCodes.Good)

@@ -17,7 +17,7 @@ from gateway.pure.image.signals import SignalList
 AXIS_FIELDS = ("actual", "set", "lag", "speed", "torque", "enabled", "referenced", "in_position", "fault")
 CELL_FIELDS = ("ready", "drives_on", "emergency_stop", "error", "life", "override", "motion")
 MOST = 200  # rows of one answer
-TOLD = 16  # places of use told in a row, and searched by
+MOST_USED = 16  # places of use told in a row, and searched by
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,11 @@ class Entry:
     def row(self) -> dict[str, object]:
         """For the page."""
         names = ("id", "group", "name", "addresses", "kind", "type", "unit", "en", "de", "source", "writer", "forcible")
-        return {**{name: getattr(self, name) for name in names}, "used": self.used[:TOLD], "used_more": max(0, len(self.used) - TOLD)}
+        return {
+            **{name: getattr(self, name) for name in names},
+            "used": self.used[:MOST_USED],
+            "used_more": max(0, len(self.used) - MOST_USED),
+        }
 
 
 class Names:
@@ -242,7 +246,7 @@ def _telegrams(cell: Cell, used: dict[str, list[str]]) -> None:
 def _searchable(entry: Entry) -> str:
     """Everything an entry can be found by; addresses also without their spaces."""
     tight = [each.replace(" ", "") for each in entry.addresses]
-    return "\n".join((entry.name, entry.id, *entry.addresses, *tight, entry.en, entry.de, entry.group, *entry.used[:TOLD])).casefold()
+    return "\n".join((entry.name, entry.id, *entry.addresses, *tight, entry.en, entry.de, entry.group, *entry.used[:MOST_USED])).casefold()
 
 
 def _is(entry: Entry, wanted: str) -> bool:

@@ -63,12 +63,12 @@ class Watched:
         image, look = (
             (self.regions.inputs.values, self.regions.input_bit) if kind == "inw" else (self.regions.outputs, self.regions.output_bit)
         )
-        told = [look(8 * octet) for octet in octets]
-        ages = [age for _, _, age in told]
+        samples = [look(8 * octet) for octet in octets]
+        ages = [age for _, _, age in samples]
         bits = {str(bit) for octet in octets for bit in range(8 * octet, 8 * octet + 8)}
         forced = kind == "inw" and not bits.isdisjoint(self.looked["forced"])
         oldest = None if None in ages else max(age for age in ages if age is not None)
-        return [bytes(image[octet] for octet in octets).hex(), min(quality for _, quality, _ in told), oldest, forced]
+        return [bytes(image[octet] for octet in octets).hex(), min(quality for _, quality, _ in samples), oldest, forced]
 
     def _word(self, rest: str) -> list[object] | None:
         """Data blocks: four bytes from the word on, or a bit."""

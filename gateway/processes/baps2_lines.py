@@ -18,13 +18,13 @@ class LinePrograms(Baps2Programs):
         assert setup is not None  # a cell without units has the programs alone
         self._port = port
         self._lines = ProgramLines(setup, {name: plan.lines[name] for name in setup.lines})
-        self._told: dict[str, str] = {}
+        self._reported: dict[str, str] = {}
         self.language.connect(self._lines.units)
 
     def seen(self, now: int) -> dict[str, object]:
         """Nothing of its own; lines that come and go are reported meanwhile."""
         for name, why in self._lines.reasons().items():
-            if why != self._told.get(name, NOT_YET):
-                self._told[name] = why
-                self._port.told(f"line {name}", 0, why or "is open")
+            if why != self._reported.get(name, NOT_YET):
+                self._reported[name] = why
+                self._port.report(f"line {name}", 0, why or "is open")
         return super().seen(now)

@@ -36,9 +36,9 @@ class Relay:
         self._near: BrokerPort | None = None
         self._far: AdapterPort | None = None
         self._said = ""
-        self._told = self._faults_told = self._fd_told = False
+        self._reported = self._faults_reported = self._fd_reported = False
         self._again = 0.0
-        self.stale = self._stale_told = 0
+        self.stale = self._stale_reported = 0
 
     def turn(self) -> None:
         """Wait for something and hand it on; a side that is away is opened again."""
@@ -55,7 +55,7 @@ class Relay:
         except PortError as error:
             self._say(str(error))
             self._close_far()
-        self._tell()
+        self._report()
 
     def _out(self) -> None:
         if self._near is None:
@@ -92,29 +92,29 @@ class Relay:
                 self._near = BrokerPort(self._bus)
             if self._far is None:
                 self._far = AdapterPort(self._url, self._bitrate, listen_only=self._listen_only)
-                self._told = self._faults_told = self._fd_told = False
+                self._reported = self._faults_reported = self._fd_reported = False
                 self._said = ""
                 print(f"{self._url}: open" + (", listening only" if self._listen_only else ""), flush=True)
         except PortError as error:
             self._say(str(error))
 
-    def _tell(self) -> None:
+    def _report(self) -> None:
         """The latency once for each opening; error frames and frames that were too old when they first come."""
         far = self._far
-        if self.stale > self._stale_told:
-            if not self._stale_told:
+        if self.stale > self._stale_reported:
+            if not self._stale_reported:
                 print(f"{self._url}: frames of the cycle were older than {self._fresh_ns / 1e6:g} ms and not forwarded", flush=True)
-            self._stale_told = self.stale
+            self._stale_reported = self.stale
         if far is None:
             return
-        if far.take_faults() and not self._faults_told:
-            self._faults_told = True
+        if far.take_faults() and not self._faults_reported:
+            self._faults_reported = True
             print(f"{self._url}: error frames on the bus: check cable, termination, bit rate", flush=True)
-        if far.fd and not self._fd_told:
-            self._fd_told = True
+        if far.fd and not self._fd_reported:
+            self._fd_reported = True
             print(f"{self._url}: frames of CAN FD on the bus: they are ignored, drives and couplers use classic CAN", flush=True)
-        if not self._told and (len(far.own_ns) >= SAMPLES or len(far.answer_ns) >= SAMPLES):
-            self._told = True
+        if not self._reported and (len(far.own_ns) >= SAMPLES or len(far.answer_ns) >= SAMPLES):
+            self._reported = True
             print(f"{self._url}: {latency_words(far.own_ns, far.answer_ns)}", flush=True)
 
     def _say(self, words: str) -> None:

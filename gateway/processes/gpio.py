@@ -36,7 +36,7 @@ class Chip:
         self.path, self.contacts = path, contacts
         self._request: gpiod.LineRequest | None = None
         self._due: Ns = 0
-        self._told = ""
+        self._printed = ""
 
     def turn(self, shown: Mapping[int, bool], now: Ns) -> dict[int, Said]:
         """Writes outputs, reads inputs; state of each contact."""
@@ -86,8 +86,8 @@ class Chip:
         self._say(f"{self.path}: {words_of(error)}")
 
     def _say(self, words: str) -> None:
-        if words != self._told:
-            self._told = words
+        if words != self._printed:
+            self._printed = words
             print(words, flush=True)
 
 
@@ -125,8 +125,8 @@ class Chips:
         alive = payload is not None and now - self._axes.life[1] < self._patience
         heard: list[Said] = [Said()] * len(self._cell_io)
         if alive and payload is not None:
-            told = self._said.read()
-            said = unpack_said(told) if told is not None and now - self._links.life[1] < SERVICES_GONE else []
+            octets = self._said.read()
+            said = unpack_said(octets) if octets is not None and now - self._links.life[1] < SERVICES_GONE else []
             shown = self._outputs.show(unpack_cell_state(payload), self._rc_out.read() or bytes(RC_BYTES), said)
             self._watchdogs = {n: shown[n] for n in self._watchdogs}
         else:

@@ -129,7 +129,7 @@ class CellPort:
         code, text = (fault.code, fault.text) if fault is not None else (0, "")
         self.say("over", run=run, how=how, code=code, text=text, place=place)
 
-    def told(self, program: str, line: int, text: str) -> None:
+    def report(self, program: str, line: int, text: str) -> None:
         """What a person should read."""
         self._journal.write("program", f"{program} line {line}: {text}" if line else f"{program}: {text}")
 
@@ -142,7 +142,7 @@ class CellPort:
         """Characters for the hand-held panel."""
         self.say("panel", text=text)
 
-    def tell(self, what: str, **facts: Fact) -> None:
+    def send(self, what: str, **facts: Fact) -> None:
         """A message of the language's own."""
         self.say(what, **facts)
 

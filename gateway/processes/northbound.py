@@ -106,7 +106,7 @@ class Northside:
         out.start()
         try:
             while True:
-                out.tell(values(self.regions))
+                out.publish(values(self.regions))
                 await asyncio.sleep(self.settings.period_ms / 1e3)
         finally:
             out.close()
@@ -119,7 +119,7 @@ class Northside:
         assert out is not None
         try:
             while True:
-                await out.tell(values(self.regions), stale=not self.regions.head()["cycle_alive"])
+                await out.publish(values(self.regions), stale=not self.regions.head()["cycle_alive"])
                 await asyncio.sleep(self.settings.period_ms / 1e3)
         finally:
             await out.stop()
@@ -156,8 +156,8 @@ class Northside:
 
     def _processes(self) -> list[dict[str, object]]:
         with ask(self.plan.slug, "status", 1.0) as connection:
-            told = json.loads(connection.makefile().readline())
-        return [each for each in told["processes"] if isinstance(each, dict)]
+            status = json.loads(connection.makefile().readline())
+        return [each for each in status["processes"] if isinstance(each, dict)]
 
     async def _journald(self) -> None:
         out = Journald(self.plan.journal, self.plan.slug)

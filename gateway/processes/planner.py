@@ -63,7 +63,7 @@ class PlannerProcess:
         said = self.region.latest()
         if said is not None:
             self.programs.follows(unpack_planner(said))
-        self._told: dict[int, tuple[int, str]] = {}  # lane -> fault in the journal
+        self._reported: dict[int, tuple[int, str]] = {}  # lane -> fault in the journal
         self._stop = False
         self._gaps = 0  # statements lost so far
 
@@ -140,7 +140,7 @@ class PlannerProcess:
         waiting = 0 if taken is None else max(self.pieces.published - unpack_taken(taken), 0)
         pieces = self.programs.turn(records, state, self.count, waiting, spare)
         said = self.programs.state
-        self._tell(said)
+        self._report(said)
         if said != self._said:
             self._said, self._packed = said, pack_planner(said)
         self.region.write(self._packed, now)  # a fault's words are there before the cycle hears of it
@@ -155,12 +155,12 @@ class PlannerProcess:
             self.programs.lost(gaps - self._gaps)
         self._gaps = gaps
 
-    def _tell(self, state: PlannerState) -> None:
+    def _report(self, state: PlannerState) -> None:
         for lane, own in enumerate((state, *state.others)):
             fault = (own.failed_job, own.fault)
-            if fault != self._told.get(lane, (0, "")) and own.fault:
+            if fault != self._reported.get(lane, (0, "")) and own.fault:
                 self.journal.write("program", own.fault, job=own.failed_job, block=own.fault_block, code=own.fault_code)
-            self._told[lane] = fault
+            self._reported[lane] = fault
         for job, words in self.programs.warnings():
             self.journal.write("program", words, job=job, warning=True)
 

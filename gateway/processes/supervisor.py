@@ -33,7 +33,7 @@ TOO_MANY = 6
 SLOW_NS = 10_000_000_000  # between two starts of a process that died so often
 STAYS_DOWN = "cycle"  # moves axes: after so many deaths a person looks first
 END_S = 0.1  # patience with the death of a process that was ended; one that hangs in the kernel is buried later
-BUSY_TOLD_NS = 10_000_000_000  # a process the machine gives no processor to is reported at most so often
+BUSY_REPORT_NS = 10_000_000_000  # a process the machine gives no processor to is reported at most so often
 POLL_S = 0.01
 SPARE_NS = 200_000_000  # after a start: a copy with everything loaded takes nothing from it (AX-1740)
 SPARE_AGAIN_NS = 1_500_000_000  # between two spares: one that died is not replaced at once
@@ -64,7 +64,7 @@ class Running:
     watch: LifeWatch | None = None
     ending: str = ""  # it was ended for this reason and is not yet dead
     busy: int = 0  # how often the machine kept it from showing life
-    busy_told: int = 0
+    busy_reported: int = 0
     output: bytes = b""
     spare_at: int = 0  # not before: a spare that died is not replaced at once
 
@@ -193,7 +193,7 @@ class Supervisor:
             running.alarm = ""
 
     def _keep_spare(self, running: Running) -> None:
-        if running.spare is not None and not running.spare.stands_by:
+        if running.spare is not None and not running.spare.is_standby:
             running.spare.end()
             running.spare, running.spare_at = None, now_ns() + SPARE_AGAIN_NS
         if running.spare is None and now_ns() > max(running.start.started_ns + SPARE_NS, running.spare_at):
@@ -218,8 +218,8 @@ class Supervisor:
             with contextlib.suppress(subprocess.TimeoutExpired):  # a process inside the kernel must not hold up the watch on the others
                 running.process.wait(END_S)
                 self._buried(running, running.ending)
-        elif alive and now - stamp > running.child.life_limit_ns and now - running.busy_told > BUSY_TOLD_NS:
-            running.busy, running.busy_told = running.busy + 1, now
+        elif alive and now - stamp > running.child.life_limit_ns and now - running.busy_reported > BUSY_REPORT_NS:
+            running.busy, running.busy_reported = running.busy + 1, now
             words = f"{running.child.name} gets no processor time: the machine is busy, no sign of life for {(now - stamp) / 1e6:.0f} ms"
             self.journal.write("process", f"{words}; it is not ended", child=running.child.name)
 

@@ -48,7 +48,7 @@ class Rings:
     """What a run passes to a recorder."""
 
     record: RingReader
-    told: RingReader
+    events: RingReader
     scope: RingReader
     asked: RegionWriter
     run: str  # tells this run from any other
@@ -190,7 +190,7 @@ class Recorder:
         return pack(What.OUTPUTS, self._outputs.popleft()[1])
 
     def _take_service_events(self) -> None:
-        for _, record in self._rings.told.take(AT_ONCE):
+        for _, record in self._rings.events.take(AT_ONCE):
             size = SERVICE_EVENT.unpack_from(record)[3]
             if self._next is not None:
                 self._writer.aside(pack(What.SERVICE_EVENT, record[: SERVICE_EVENT.size + size]))

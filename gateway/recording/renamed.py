@@ -1,6 +1,6 @@
-"""Attributes that a recorded class no longer has by itself: where they are today, so that old recordings still replay.
+"""Attributes of recorded classes that have another name or place today, so that old recordings still replay.
 
-A row names attributes of a class that belong to a part of it today: the class has it in a list of one.
+`Moved`: attributes that belong to a part of the class today, which the class has in a list of one.  `Renamed`: another name in the class.
 """
 
 from dataclasses import dataclass
@@ -19,8 +19,16 @@ class Moved:
     attributes: dict[str, str]
 
 
+@dataclass(frozen=True, slots=True)
+class Renamed:
+    """`attributes`: name when it was recorded -> name today."""
+
+    of: str
+    attributes: dict[str, str]
+
+
 def moved() -> tuple[Moved, ...]:
-    """All rows."""
+    """All rows of parts."""
     from gateway.pure.cycle.core import CycleLogic
     from gateway.pure.cycle.lane import Lane
 
@@ -28,11 +36,39 @@ def moved() -> tuple[Moved, ...]:
     return (Moved(id_of(CycleLogic), id_of(Lane), "lanes", own),)
 
 
+def renamings() -> tuple[Renamed, ...]:
+    """All rows of names."""
+    from drivers.drives.tracking import Tracking
+    from gateway.pure.controllers.rho3.can.family import RhoFamily
+    from gateway.pure.cycle.belts import CoreBelts
+    from gateway.pure.cycle.inputs import Armed
+
+    return (
+        Renamed(id_of(Tracking), {"_standing": "_standstill"}),
+        Renamed(id_of(RhoFamily), {"_told": "_reported"}),
+        Renamed(id_of(CoreBelts), {"_stood": "_kept", "_told": "_restored"}),
+        Renamed(id_of(Armed), {"told": "reported"}),
+    )
+
+
 def renamed(tree: Any) -> Any:
     """The tree of a recorded state with its attributes where they are today.  Changed in place."""
     for row in moved():
         _apply(row, tree)
+    _rename({row.of: row.attributes for row in renamings()}, tree)
     return tree
+
+
+def _rename(names: dict[str, dict[str, str]], tree: Any) -> None:
+    if isinstance(tree, list):
+        for each in tree:
+            _rename(names, each)
+    elif isinstance(tree, dict):
+        kind = tree.get("object")
+        if kind in names:
+            tree["has"] = {names[kind].get(name, name): value for name, value in tree["has"].items()}
+        for each in tree.values():
+            _rename(names, each)
 
 
 def _apply(row: Moved, tree: Any) -> None:

@@ -30,8 +30,8 @@ from gateway.recording.renamed import renamed
 from gateway.recording.states import Snapshots, Start, StateError, carry_over, frozen, places_of
 from protocols.base.errors import DecodeError
 
-TOLD_KEPT = 8  # words of command sources and tools shown before a difference
-TOLD_NS = 1_000_000_000
+EVENTS_KEPT = 8  # words of command sources and tools shown before a difference
+EVENTS_NS = 1_000_000_000
 
 
 @dataclass(slots=True)
@@ -43,7 +43,7 @@ class Verdict:
     first: Difference | None = None
     also: int = 0  # more differences in the same cycle
     at_s: float = 0.0  # of the first difference, since the beginning of the recording
-    told: list[ServiceEvent] = field(default_factory=list)  # what command sources and tools said in the second before it
+    events_before: list[ServiceEvent] = field(default_factory=list)  # what command sources and tools said in the second before it
     without_outputs: int = 0  # cycles that had nothing to be compared with
 
 
@@ -129,7 +129,7 @@ def started(segment: Segment, before: Bench, then: Bench, names: Callable[[int],
     settings = places_of(kept.settings, Snapshots(core, families).settings)
     try:
         core = carry_over(renamed(start["core"]), frozen(was.core), core, settings)
-        families = carry_over(start["families"], frozen(was.families), families, settings)
+        families = carry_over(renamed(start["families"]), frozen(was.families), families, settings)
     except (StateError, KeyError, ValueError, TypeError, AttributeError) as error:
         raise RecordError(f"the state after cycle {start['cycle']} does not fit this cell or version: {error}") from error
     if core.belts is not None:
@@ -150,13 +150,13 @@ def _set_encoders(kept: Sequence[Sequence[Any]], encoders: Sequence[Mapping[int,
 
 def _play(segment: Segment, player: Player, verdict: Verdict, zero: int, said: Callable[[int], None], *, stop: bool) -> bool:
     """True: the first difference was found."""
-    told: deque[ServiceEvent] = deque(maxlen=TOLD_KEPT)
+    events_before: deque[ServiceEvent] = deque(maxlen=EVENTS_KEPT)
     first_ns = 0
     for _, script in segment.played():
         if script[0].what is not What.BEGIN:  # what the start brought along
             _prepare(player, script)
             continue
-        told.extend(unpack_service_event(payload) for what, payload in script if what is What.SERVICE_EVENT)
+        events_before.extend(unpack_service_event(payload) for what, payload in script if what is What.SERVICE_EVENT)
         differences = list(player.play(message for message in script if message.what is not What.SERVICE_EVENT))
         first_ns = first_ns or player.stamp_ns
         verdict.cycles += 1
@@ -166,7 +166,7 @@ def _play(segment: Segment, player: Player, verdict: Verdict, zero: int, said: C
         if differences and verdict.first is None:
             verdict.first, verdict.also = differences[0], len(differences) - 1
             verdict.at_s = (player.stamp_ns - zero) / 1e9
-            verdict.told = [each for each in told if player.stamp_ns - each.stamp < TOLD_NS]
+            verdict.events_before = [each for each in events_before if player.stamp_ns - each.stamp < EVENTS_NS]
             if stop:
                 break
     verdict.seconds += (player.stamp_ns - first_ns) / 1e9

@@ -21,7 +21,7 @@ class Spare:
         self.process = process
 
     @property
-    def stands_by(self) -> bool:
+    def is_standby(self) -> bool:
         return self.process.poll() is None
 
     def call(self) -> bool:
@@ -32,7 +32,7 @@ class Spare:
             self.process.stdin.close()
         except OSError:
             return False
-        return self.stands_by
+        return self.is_standby
 
     def end(self) -> None:
         """Also a dead or a stopped one."""

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from gateway.assembly.run import RunPlan
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.arbitration.jobs import DispatcherEvent
-from gateway.pure.image.alarms import Alarms, Record, told
+from gateway.pure.image.alarms import Alarms, Record, alarm_rows
 from gateway.runtime.journal import Journal
 
 LIMIT = 4 << 20  # bytes of one file; the one before is kept beside it: some 40,000 records
@@ -93,4 +93,4 @@ class AlarmFile:
         self._journal.write("alarm", text, **record)
 
 
-__all__ = ["AlarmFile", "as_csv", "path_of", "read", "told"]
+__all__ = ["AlarmFile", "alarm_rows", "as_csv", "path_of", "read"]

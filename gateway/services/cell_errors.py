@@ -81,7 +81,7 @@ class CellErrors(Part):
         return False
 
     def _collect(self, state: CellState, now: Ns) -> None:
-        errors = self._standing(state)
+        errors = self._active(state)
         io = self._complaints.look(self._host, now)
         refusals = self._cell_values.refusals
         for source, refusal in list(refusals.items()):
@@ -92,7 +92,7 @@ class CellErrors(Part):
         self.alarms.inputs({number: self._image.input_bit(number) for number in (self._reset, ACKNOWLEDGE)})
         self._host.note([*errors, *((code, words) for code, words in io if code == Reason.DRIVE_NOT_STARTED)], now)
 
-    def _standing(self, state: CellState) -> list[Error]:
+    def _active(self, state: CellState) -> list[Error]:
         """Of the cell, the first one first."""
         late, language = self._cycle.late_machine, self._run.cell.cell.language
         errors: list[Error] = [(Reason.NOT_READY, text(Reason.NOT_READY, detail=words)) for words in self._blind.values()]

@@ -20,7 +20,7 @@ from protocols.base.machine import Ns, ms
 from protocols.telegrams.fields import Value
 
 LONGEST_FORCE: Ns = ms(60_000)
-TELL_EVERY: Ns = ms(1000)
+REPORT_EVERY: Ns = ms(1000)
 
 
 class DigitalContacts(Part):
@@ -38,7 +38,7 @@ class DigitalContacts(Part):
         self._routed: dict[int, bool] = {}
         self._forced: dict[int, tuple[bool, Ns]] = {}
         self._ours = {o.number for kind in (COUPLER, MODBUS, CHIP) for o in outputs_of(cell, kind, 1) if o.source is Known.SERVICES}
-        self._told: dict[int, Ns] = {}
+        self._reported: dict[int, Ns] = {}
         self._before: dict[int, bool] = {}
         symbols = symbols_of(cell) if cell.io else {}
         self._bits = {n: bit for n, io in enumerate(cell.io) if (bit := signal_bit(cell, io, symbols)) is not None}  # RC inputs they drive
@@ -122,8 +122,8 @@ class DigitalContacts(Part):
         """First-out: the input that reports first is first in the journal; a chattering one is reported once a second."""
         before = self._before.get(n)
         self._before[n] = value
-        if before not in (None, value) and now - self._told.get(n, -TELL_EVERY) >= TELL_EVERY:
-            self._told[n] = now
+        if before not in (None, value) and now - self._reported.get(n, -REPORT_EVERY) >= REPORT_EVERY:
+            self._reported[n] = now
             name = self.contacts[n].name
             self._run.journal.write("contact", f"contact {name}: {int(before or 0)} -> {int(value)}", contact=name, value=int(value))
 

@@ -10,7 +10,7 @@ from drivers.drives.canopen_steps import Refused
 
 LOOK_S = 0.05  # a drive that is not ready gets its parameters so long after it is
 Key = tuple[int, int]  # object, sub-index
-Tell = Callable[..., None]  # Journal.write
+WriteJournal = Callable[..., None]  # Journal.write
 
 
 class DriveNode(Protocol):
@@ -65,8 +65,8 @@ Place = Callable[[str], tuple[Master, int]]
 class Parameters:
     """Of all drives of a run.  A drive forgets what it was given when it is reset; a node that was started up anew is given it again."""
 
-    def __init__(self, place: Place, tell: Tell) -> None:
-        self._place, self._tell = place, tell
+    def __init__(self, place: Place, write: WriteJournal) -> None:
+        self._place, self._write = place, write
         self._wanted: dict[tuple[str, Key], bytes] = {}
         self._given: dict[tuple[str, Key], tuple[bytes, object]] = {}  # what, and after which start-up
         self._news, self._stop = threading.Event(), threading.Event()
@@ -113,4 +113,4 @@ class Parameters:
             self._given[axis, key] = data, booted
             name = f"{key[0]:04X}h:{key[1]:02X}"
             words = f"{axis} (node {number}): {name} = {int.from_bytes(data, 'little')} is refused: {answer}; the drive keeps its value"
-            self._tell("alarm", words, node=number, object=name)
+            self._write("alarm", words, node=number, object=name)

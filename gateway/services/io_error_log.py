@@ -31,23 +31,23 @@ class IoComplaints:
         if payload is not None and payload != self._payload:
             self._payload = payload
             self._learn({each.where: each for each in unpack_ledger(payload)}, host, now)
-        return [_error(each, self._language) for each in self._known.values() if each.standing]
+        return [_error(each, self._language) for each in self._known.values() if each.active]
 
-    def _learn(self, told: dict[str, Complaint], host: ControllerHost, now: Ns) -> None:
+    def _learn(self, complaints: dict[str, Complaint], host: ControllerHost, now: Ns) -> None:
         """An error may have come and gone between two looks: then its count is another one."""
-        for where, each in told.items():
+        for where, each in complaints.items():
             before = self._known.get(where)
             if before is None or before.count != each.count:
                 host.came(each.number, where, now)
-                self._tell(each, "")
-            if not each.standing and (before is None or before.standing or before.count != each.count):
+                self._report(each, "")
+            if not each.active and (before is None or before.active or before.count != each.count):
                 host.gone(each.number, where)
-                self._tell(each, ": recovered")
-        for where in self._known.keys() - told.keys():  # another cycle, which knows nothing of it
+                self._report(each, ": recovered")
+        for where in self._known.keys() - complaints.keys():  # another cycle, which knows nothing of it
             host.gone(self._known[where].number, where)
-        self._known = told
+        self._known = complaints
 
-    def _tell(self, each: Complaint, end: str) -> None:
+    def _report(self, each: Complaint, end: str) -> None:
         code, words = _error(each, self._language)
         self._journal.write("error", f"{code} {words}{end}", code=code, where=each.where)
 

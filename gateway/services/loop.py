@@ -102,7 +102,7 @@ class Services:
                 source.join(host.control)
         addresses = PlantAddresses(cell, image, values)
         values.register(addresses)
-        self.variables = Variables(context, self.tools, contacts, host, addresses, self.bridge.told, self.status)
+        self.variables = Variables(context, self.tools, contacts, host, addresses, self.bridge.facts_of, self.status)
         self.cell_errors = CellErrors(context, cell_values, self.sources, cycle, canopen, contacts, host, fds)
         self.publisher = Publisher(context, cell_values, self.bridge, host, self.cell_errors.alarms, planner, inputs, fds["orders"])
         image.goes_on = self.publisher.publish

@@ -174,7 +174,7 @@ class ClientLink:
         except EncodeError:
             return  # it does not fit: the device keeps what it has, the route or telegram behind it is told by its own limits
 
-        def told(result: Result) -> None:
+        def take_result(result: Result) -> None:
             written.waiting = False
             written.shown = value if isinstance(result, Done) else None
             if not isinstance(result, Failed):  # a device that is away is reported as such
@@ -182,7 +182,7 @@ class ClientLink:
                 self._reports.written(settings.device, f"{settings.from_} to {settings.table} {settings.at}", words)
 
         written.waiting = True
-        self.client.order(settings.device, pdu, told)
+        self.client.order(settings.device, pdu, take_result)
 
 
 def pdu_of(value: ModbusValue, number: float, order: str) -> bytes:

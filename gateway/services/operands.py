@@ -33,8 +33,8 @@ class Operands:
             return None if control is None else control.counter(place.number)
         area = self._area(place.kind)
         if place.bit is not None:
-            standing = place.kind is Kind.FLAG and self._coordination(place)
-            return None if place.number >= len(area) else int(area[place.number] >> place.bit & 1 or standing)
+            coordinated = place.kind is Kind.FLAG and self._coordination(place)
+            return None if place.number >= len(area) else int(area[place.number] >> place.bit & 1 or coordinated)
         part = area[place.number : place.number + place.bytes]
         return int.from_bytes(part, self._order()) if len(part) == place.bytes else None
 

@@ -167,8 +167,10 @@ class PageInterfaces(Part):
             else:
                 self.forces.drop_word((key, int(word)), int(mask))
         line.data.forces_changed(key, self._run.clock())
-        told = ", ".join(f"DW {word} to {value:04X}h" if lay else f"DW {word}" for word, _, value in rows)
-        self._run.journal.write("force", f"{block_name(key)} {told} {'forced' if lay else 'no longer forced'} by {who}", block=key, who=who)
+        entries = ", ".join(f"DW {word} to {value:04X}h" if lay else f"DW {word}" for word, _, value in rows)
+        self._run.journal.write(
+            "force", f"{block_name(key)} {entries} {'forced' if lay else 'no longer forced'} by {who}", block=key, who=who
+        )
         self._image.pass_on()
         return {"ok": True, **self._forced()}
 

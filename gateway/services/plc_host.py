@@ -75,8 +75,8 @@ class PlcHost:
         if self._seen.watched and time.monotonic_ns() - self._seen.looked_ns > LOOKS_NS:
             self._watch("")
         self.flush()
-        told, self.plc.told = self.plc.told, []
-        return told
+        sentences, self.plc.sentences = self.plc.sentences, []
+        return sentences
 
     def order(self, request: dict[str, object]) -> dict[str, object]:
         """`do`: status, show (`name`: a program, `first`: a step), start (`name`, empty: the start program of the cell), stop, ack, write
@@ -107,7 +107,7 @@ class PlcHost:
             self.plc.set_marker(marker, marker.number(value))
         except MarkerFault as fault:
             return {"error": str(fault)}
-        self.plc.told.append(f"{marker.name} = {marker.number(value)} by {request.get('who') or 'a tool'}")
+        self.plc.sentences.append(f"{marker.name} = {marker.number(value)} by {request.get('who') or 'a tool'}")
         self.flush()
         return {"ok": True, "operand": marker.name, "value": marker.number(value)}
 

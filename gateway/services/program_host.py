@@ -29,7 +29,7 @@ class Hosted(Protocol):
     """
 
     orders: list[dict[str, Fact]]
-    told: list[str]
+    sentences: list[str]
     ending: list[int]
 
     def report(self, report: Mapping[str, object], *, alive: bool) -> None:
@@ -93,8 +93,8 @@ class ProgramHost:
             self._seen = seen
             self._channels.write(seen, time.monotonic_ns())
         hosted.step(time.monotonic_ns())
-        told, hosted.told = hosted.told, []
-        return told
+        sentences, hosted.sentences = hosted.sentences, []
+        return sentences
 
     def pass_on(self) -> None:
         """Orders to the interpreter, when the planner has its own: a statement that comes before its stream would be lost (AX-1691)."""

@@ -122,7 +122,7 @@ class RetainedData(Part):
                 kept.keep(name, offset)
             elif belt.bus:
                 before = kept.value(name, math.nan)
-                dispatcher.belt_stood(place, before if isinstance(before, float) else math.nan)
+                dispatcher.restore_belt_offset(place, before if isinstance(before, float) else math.nan)
 
     def _keep_named(self, kept: Retained) -> None:
         named = self._values.named
@@ -134,11 +134,11 @@ class RetainedData(Part):
 
     def _log(self, kept: Retained) -> None:
         """Errors that came into the list since the last look."""
-        standing = {(record.code, record.source, record.where): record for record in self._list.records}
-        for key, record in standing.items():
+        listed = {(record.code, record.source, record.where): record for record in self._list.records}
+        for key, record in listed.items():
             if key not in self._errors:
                 kept.record(ERRORS, {"wall": wall(), "code": record.code, "source": record.source, "where": record.where})
-        self._errors = standing
+        self._errors = listed
 
     def _configured(self, kept: Retained) -> None:
         """The cell file and the version, once for each change."""

@@ -112,7 +112,7 @@ class Bridge(Part):
         lost = [route.settings.name for route in routes if not route.valid]
         return {"routes": {"count": len(routes), "lost": lost[:8], "misfits": sum(route.misfits for route in routes)}} if routes else {}
 
-    def told(self, name: str) -> dict[str, object] | None:
+    def facts_of(self, name: str) -> dict[str, object] | None:
         """`io.NAME` and `route.NAME` for tools; None: it is neither."""
         kind, _, rest = name.partition(".")
         contacts = self._contacts

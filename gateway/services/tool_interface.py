@@ -154,7 +154,7 @@ class ToolInterface:
         self._jobs = {key: old for key, old in self._jobs.items() if old.open}
         self._jobs[job.id] = job
         self._image.pass_on()
-        return {"job": job.id, **_told(job)}
+        return {"job": job.id, **_job_row(job)}
 
     def _pace(self, number: int, share: float, connection: object) -> dict[str, object]:
         """A move of this connection goes at another share, 0 .. 1, of the speed it was planned with; one that is over stays so."""
@@ -194,7 +194,7 @@ class ToolInterface:
 
     def _job(self, number: int) -> dict[str, object]:
         job = self._jobs.get(number) or next((job for job in self._jobs.values() if job.watch == number), None)
-        return {"error": f"no job {number}"} if job is None else {"job": job.id, **_told(job)}
+        return {"error": f"no job {number}"} if job is None else {"job": job.id, **_job_row(job)}
 
     def _axes(self) -> dict[str, object]:
         """What the cycle published last, in the axes' own units."""
@@ -207,14 +207,14 @@ class ToolInterface:
             words = self._canopen.fault(n, axis.fault_code) if axis.fault_code else ""
             planner = dispatcher.planner
             placed = planner is not None and bool(planner.placed >> n & 1)
-            told = {
+            state_row = {
                 "flags": int(axis.flags),
                 "fault": axis.fault_code,
                 "words": words,
                 "why": self._canopen.why_not(n),
                 "placed": placed,
             }
-            rows.append({"name": fact.name, "unit": fact.unit, **places, **told})
+            rows.append({"name": fact.name, "unit": fact.unit, **places, **state_row})
         return {"axes": rows, "cycle": state.cycle, "ready": state.ready, "motion": int(state.motion), "permits": state.permits,
                 "cause": state.stop_cause, "override": state.override, "simulated": self._run.plan.simulated,
                 "p5_ms": self._run.plan.p5_ms}  # fmt: skip
@@ -239,7 +239,7 @@ class ToolInterface:
             try:
                 self._demand(Code.PROGRAM, connection)
             except Refusal as refusal:
-                return _told(self._dispatcher.refuse(self._source, Code.PROGRAM, refusal.reason, refusal.detail))
+                return _job_row(self._dispatcher.refuse(self._source, Code.PROGRAM, refusal.reason, refusal.detail))
             job = self._dispatcher.order_stream(self._source, robot, mask)
             self._jobs[job.id] = job
             self._streams.begin(job)
@@ -253,16 +253,16 @@ class ToolInterface:
                     raise ValueError("not owner: the connection that began the stream sends its blocks and orders")
                 self._ordered(job, request)
         self._image.pass_on()
-        return {"job": job.id, **_told(job), **self._streams.answer(job)}
+        return {"job": job.id, **_job_row(job), **self._streams.answer(job)}
 
     def _ordered(self, job: Job, request: dict[str, object]) -> None:
         """Blocks of a stream, or an order to it."""
         what, lines, block = str(request.get("do", "")), request.get("lines"), request.get("block")
         if what == "say":
-            told = [] if lines is None else lines
-            if not isinstance(told, list):
+            texts = [] if lines is None else lines
+            if not isinstance(texts, list):
                 raise ValueError("say: lines is a list of statements")
-            self._streams.say(job, [str(line) for line in told], str(request.get("then", "")))
+            self._streams.say(job, [str(line) for line in texts], str(request.get("then", "")))
             return
         if block is not None and not isinstance(block, int):
             raise ValueError(f"{what}: block {block!r} is no number")
@@ -300,22 +300,24 @@ class ToolInterface:
             self._under_way += 1
             number, self._next_ticket = self._next_ticket, self._next_ticket + 1
             self._tickets[number] = {"pending": True}
-            for old in [each for each, told in self._tickets.items() if "pending" not in told][: max(len(self._tickets) - TICKETS_KEPT, 0)]:
+            for old in [each for each, outcome in self._tickets.items() if "pending" not in outcome][
+                : max(len(self._tickets) - TICKETS_KEPT, 0)
+            ]:
                 del self._tickets[old]
 
         def work() -> None:
-            told: dict[str, object] = {"error": "no answer"}
+            outcome: dict[str, object] = {"error": "no answer"}
             try:
                 with master.nodes[node].lock:
                     answer = master.upload(node, index, sub) if data is None else master.download(node, index, sub, data)
                 if isinstance(answer, bytes):
-                    told = {"data": answer.hex()}
+                    outcome = {"data": answer.hex()}
                 elif isinstance(answer, Refused):
-                    told = {"error": str(answer)}
+                    outcome = {"error": str(answer)}
             finally:
                 with self._sdo_lock:
                     self._under_way -= 1
-                    self._tickets[number] = told
+                    self._tickets[number] = outcome
 
         threading.Thread(target=work, name="sdo of a tool", daemon=True).start()
         return {"ticket": number}
@@ -327,5 +329,5 @@ def _share(value: float) -> float:
     return value
 
 
-def _told(job: Job) -> dict[str, object]:
+def _job_row(job: Job) -> dict[str, object]:
     return {"state": job.state.name, "reason": int(job.reason), "words": job.reason.name, "detail": job.detail, "open": job.open}

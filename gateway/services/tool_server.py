@@ -137,9 +137,9 @@ class Variables(Part):
                 self._run.recorder.put(self._run.clock(), Source.TOOL, TOOL_SOURCE, line.strip())
             if request.get("op") in ("contacts", "force"):
                 return self._contacts.answer(request)
-            told = self._tools.answer(request, connection)
-            if told is not None:
-                return told
+            found = self._tools.answer(request, connection)
+            if found is not None:
+                return found
             match request.get("op"):
                 case "get":
                     return self._get(str(request["address"]))

@@ -138,10 +138,10 @@ class ToolStreams:
             "fault_code": state.fault_code if state.failed_job == job.id else 0,
             "withheld": state.withheld,
             "order_fault": state.order_fault,
-            **self._standing(job, state, si),
+            **self._motion(job, state, si),
         }
 
-    def _standing(self, job: Job, state: PlannerState, si: list[float]) -> dict[str, object]:
+    def _motion(self, job: Job, state: PlannerState, si: list[float]) -> dict[str, object]:
         """Where the axes of the stream are, in their own units, and where they were measured last; whether they move, and which way."""
         cell = self._dispatcher.cell
         if cell is None:

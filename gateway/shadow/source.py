@@ -40,7 +40,7 @@ class ShadowSource(Rk512Source):
     async def start(self) -> None:
         """The taps instead of the line."""
         ports, check = self._run.plan.taps[self.name], self.line.protocol == "3964R"
-        self._taps = TapPair(ports, self.line.format, time.monotonic_ns, self._told, block_check=check)
+        self._taps = TapPair(ports, self.line.format, time.monotonic_ns, self._reported, block_check=check)
 
     async def close(self) -> None:
         if self._taps is not None:
@@ -72,8 +72,8 @@ class ShadowSource(Rk512Source):
         self.comparison.settle(now)
 
     # ---- what passes -------------------------------------------------------------------------------------------------
-    def _told(self, told: LineReport) -> None:
-        for exchange in self._conversation.told(told):
+    def _reported(self, report: LineReport) -> None:
+        for exchange in self._conversation.take(report):
             if isinstance(exchange, Asked):
                 self._asked(exchange)
             elif exchange.side == "B":

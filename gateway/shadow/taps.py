@@ -65,21 +65,21 @@ class _Listened:
 
 
 class TapPair:
-    """`tell` receives every sentence; call `turn` at every tick."""
+    """`on_report` receives every sentence; call `turn` at every tick."""
 
     def __init__(
         self,
         ports: tuple[str, str],
         line_format: str,
         clock: Callable[[], Ns],
-        tell: Callable[[LineReport], None],
+        on_report: Callable[[LineReport], None],
         *,
         block_check: bool = True,
     ) -> None:
         self._loop, self._clock = asyncio.get_running_loop(), clock
         self._sides = [_Listened(url, line_format) for url in ports]
         sides: list[tuple[str, ToolPort]] = [("A", self._sides[0]), ("B", self._sides[1])]
-        self._monitor = Monitor(sides, clock, tell, block_check)
+        self._monitor = Monitor(sides, clock, on_report, block_check)
         self.turn()
 
     @property

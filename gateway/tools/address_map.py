@@ -190,8 +190,8 @@ def wiring_sheets(cell: Cell) -> list[Sheet]:
         rows.append((f"contact {io.name}", f"{device.type} {place}", channel, io.signal))
     sheets = [Sheet("Connections", columns, tuple(rows))]
     if cell.safety is not None:
-        told = tuple((name, str(getattr(cell.safety, name) or "")) for name in type(cell.safety).__dataclass_fields__)
-        sheets.append(Sheet("Guaranteed by the plant, in hardware that works without axisgate", ("what", "how"), told))
+        guarantees = tuple((name, str(getattr(cell.safety, name) or "")) for name in type(cell.safety).__dataclass_fields__)
+        sheets.append(Sheet("Guaranteed by the plant, in hardware that works without axisgate", ("what", "how"), guarantees))
     return sheets
 
 

@@ -90,7 +90,7 @@ class Access:
             return Person(session.name, session.role, source, local, f"session:{session.id}", session.csrf)
         return Person("local" if local else "nobody", Role.VIEWER if local else Role.NOBODY, source, local, "")
 
-    def standing(self, key: str) -> Role:
+    def role_of(self, key: str) -> Role:
         """What the person behind this key may now: users and tokens may be changed at any time, also from the command line."""
         kind, _, name = key.partition(":")
         if kind == "session":

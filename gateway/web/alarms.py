@@ -8,11 +8,11 @@ from typing import Any
 
 from starlette.responses import Response
 
-from gateway.services.alarm_file import as_csv, read, told
+from gateway.services.alarm_file import alarm_rows, as_csv, read
 from gateway.web.german import both
 
 MOST = 1000
-STATES = ("standing", "open", "gone")  # stands now; not acknowledged yet; gone
+STATES = ("active", "open", "gone")  # not gone; not acknowledged yet; gone
 KINDS = {"csv": "text/csv; charset=utf-8", "json": "application/json"}
 Row = dict[str, Any]
 
@@ -58,7 +58,7 @@ class AlarmHistory:
             return []
         seen = (found.st_mtime_ns, found.st_size)
         if seen != self._seen:
-            self._rows, self._seen = await asyncio.to_thread(lambda: told(read(self._path))), seen
+            self._rows, self._seen = await asyncio.to_thread(lambda: alarm_rows(read(self._path))), seen
         return self._rows
 
 
@@ -67,7 +67,7 @@ def fits(row: Row, query: Mapping[str, str]) -> bool:
     state, source = query.get("state", ""), query.get("source", "")
     if state and state not in STATES:
         raise ValueError(f"state: {', '.join(STATES)}")
-    wanted = {"standing": not row["gone"], "open": not row["acknowledged"], "gone": bool(row["gone"]), "": True}[state]
+    wanted = {"active": not row["gone"], "open": not row["acknowledged"], "gone": bool(row["gone"]), "": True}[state]
     words = f"{row['code']} {row['source']} {row['text']} {row['by']}".lower()
     came = str(row["came"])
     begins, ends = query.get("from", ""), query.get("to", "")

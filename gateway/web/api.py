@@ -9,7 +9,7 @@ from starlette.responses import Response
 from gateway.observer.names import MOST, Entry, Names
 from gateway.web.access import Access
 from gateway.web.accounts import Accounts, account_endpoints
-from gateway.web.audit_words import told
+from gateway.web.audit_words import sentences_of
 from gateway.web.bodies import (
     Cable,
     Command,
@@ -97,8 +97,8 @@ class Api:
     async def trend(self, call: Call) -> Row:
         """The last seconds of one value; `wall_ms` is the moment its times count back from."""
         now = time.monotonic()
-        told = self.live.trends.told(call.query.get("id", "")[:100], seconds_of(call.query.get("seconds", "3600")), now)
-        return {**told, "wall_ms": round(time.time() * 1e3)}
+        points = self.live.trends.points(call.query.get("id", "")[:100], seconds_of(call.query.get("seconds", "3600")), now)
+        return {**points, "wall_ms": round(time.time() * 1e3)}
 
     # ---- watch lists and layouts of the scope -----------------------------------------------------------------------------
     async def kept(self, call: Call) -> Row:
@@ -262,8 +262,8 @@ class Api:
         body: Cable = call.body
         match body.do:
             case "damage":
-                told: Row = {"from": body.side, "kind": body.kind, "probability": body.probability}
-                return await self.live.plant.cable(body.line, "damage", **told)
+                damage: Row = {"from": body.side, "kind": body.kind, "probability": body.probability}
+                return await self.live.plant.cable(body.line, "damage", **damage)
             case "remove" | "insert":
                 return await self.live.plant.cable(body.line, body.do, side=body.side)
         return await self.live.plant.cable(body.line, body.do)
@@ -278,7 +278,7 @@ class Api:
     # ---- the audit log ----------------------------------------------------------------------------------------------------
     async def audit(self, call: Call) -> Row:
         axes = [axis["name"] for axis in self.cell["axes"]]
-        rows = [{**row, "say": told(str(row["what"]), str(row["detail"]), axes)} for row in self.store.audit()]
+        rows = [{**row, "say": sentences_of(str(row["what"]), str(row["detail"]), axes)} for row in self.store.audit()]
         return {"entries": rows, "broken_at": self.store.verify()}
 
 

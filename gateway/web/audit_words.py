@@ -84,7 +84,7 @@ ORDERED: Words = ("ordered the fault {do} at {emulator}", "Störung {do} an {emu
 ROLES = {"viewer": "Betrachter", "operator": "Bediener", "setter": "Einrichter", "admin": "Verwalter"}
 
 
-def told(what: str, detail: str, axes: Sequence[str]) -> Words:
+def sentences_of(what: str, detail: str, axes: Sequence[str]) -> Words:
     """Both languages; an order without a text is shown as stored."""
     try:
         given = json.loads(detail) if detail else {}

@@ -94,7 +94,7 @@ class BusView:
             self.seen.setdefault(frame.identifier, Identifier()).take(frame)
         self.recent.extend(frames)
 
-    def told(self) -> Row:
+    def row(self) -> Row:
         """Rows of the page."""
         from gateway.assembly.bus_frames import bitrate
         from gateway.files.frame_decoder import named  # the decoders' libraries take half a second to load: not before somebody looks

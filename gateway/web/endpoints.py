@@ -59,7 +59,7 @@ def _answerer(endpoint: Endpoint, access: Access) -> Callable[[Request], Awaitab
         try:
             person = _judge(endpoint, access, request)
             body = await _body(endpoint, request)
-            told = await endpoint.handler(Call(person, body, dict(request.query_params), request.path_params, request))
+            result = await endpoint.handler(Call(person, body, dict(request.query_params), request.path_params, request))
         except ClientDisconnect:
             return Response(status_code=400)  # nobody is there to read it
         except Denied as denied:
@@ -79,7 +79,7 @@ def _answerer(endpoint: Endpoint, access: Access) -> Callable[[Request], Awaitab
             return _no(404 if isinstance(error, KeyError) else 400, str(error.args[0]) if error.args else "not valid")
         if endpoint.changes:
             access.store.note(person.name, person.source, f"{endpoint.method} {endpoint.path}", _kept(body))
-        return told if isinstance(told, Response) else JSONResponse(told)
+        return result if isinstance(result, Response) else JSONResponse(result)
 
     return answer
 

@@ -56,7 +56,7 @@ class LineViews:
         self._lines = {line.name: line for line in cell.line}
         self._seen: dict[str, int] = {}
         self._decoders: dict[str, Decoder] = {}
-        self._told: dict[str, deque[Row]] = {}
+        self._kept: dict[str, deque[Row]] = {}
 
     async def look(self) -> dict[str, list[Row]]:
         """What was said since the last look is decoded; the newest sentences of each line, oldest first.  Gone, Refused."""
@@ -66,28 +66,28 @@ class LineViews:
                 if pieces and pieces[-1][0] < self._seen.get(line, 0):  # the services were restarted and count anew
                     self._seen.pop(line)
                 take(line, pieces)
-        return {line: list(told)[-SHOWN:] for line, told in self._told.items()}
+        return {line: list(rows)[-SHOWN:] for line, rows in self._kept.items()}
 
     def _take(self, line: str, pieces: list[list[Any]]) -> None:
         if line not in self._decoders:
             table = self._lines[line]
             self._decoders[line] = LINE_LAYERS[table.layer].decoder(table)
         decoder = self._decoders[line]
-        told = self._told.setdefault(line, deque(maxlen=KEPT))
+        kept = self._kept.setdefault(line, deque(maxlen=KEPT))
         for number, stamp, side, what in pieces:
             self._seen[line] = number
             heard = [Damage[what[1:]]] if what.startswith("!") else list(bytes.fromhex(what))
             for each in heard:
                 for one in decoder.take(stamp, side, each):
                     row = {"ms": round(one.stamp / 1e6, 1), "side": one.side, "kind": one.kind, "say": says(one.text)}
-                    told.append({**row, "hex": one.data[:64].hex(" "), "ok": one.check_ok})
+                    kept.append({**row, "hex": one.data[:64].hex(" "), "ok": one.check_ok})
 
     def _take_modbus(self, server: str, exchanges: list[list[Any]]) -> None:
         """One row an exchange."""
-        kept = self._told.setdefault(server, deque(maxlen=KEPT))
+        kept = self._kept.setdefault(server, deque(maxlen=KEPT))
         for number, stamp, address, unit, asked, long, answer, _ in exchanges:
             self._seen[server] = number
             pdu = bytes.fromhex(asked)
-            words = modbus_words.told(pdu, bytes.fromhex(answer))
+            words = modbus_words.exchange_text(pdu, bytes.fromhex(answer))
             row = {"n": number, "ms": round(stamp / 1e6, 1), "client": address, "unit": unit, "function": pdu[0] if pdu else 0}
             kept.append({**row, "asked": says(words.asked), "answered": says(words.answered), "ok": words.ok, "hex": asked, "bytes": long})

@@ -154,10 +154,10 @@ class Live:
     @staticmethod
     async def _renew(topic: Topic) -> None:
         try:
-            told = await topic.look()
+            found = await topic.look()
         except (Gone, Refused) as why:
-            told = {"gone": str(why)}
-        text = json.dumps(told, separators=(",", ":"))
+            found = {"gone": str(why)}
+        text = json.dumps(found, separators=(",", ":"))
         if text != topic.text:
             topic.text, topic.version = text, topic.version + 1
 
@@ -183,7 +183,7 @@ class Live:
     # ---- pages -----------------------------------------------------------------------------------------------------------
     def _head(self) -> Row:
         head = self.regions.head()
-        head["errors"] = [self._told(error) for error in head["errors"]]
+        head["errors"] = [self._with_texts(error) for error in head["errors"]]
         head["stop_text"] = [head["stop_text"][0], umlauts(head["stop_text"][1])]
         head["holder"] = self.operator_control.name
         known = head["services_alive"]  # of services that are away nobody knows what their links do
@@ -192,7 +192,7 @@ class Live:
         return head
 
     @staticmethod
-    def _told(error: Row) -> Row:
+    def _with_texts(error: Row) -> Row:
         code = int(error.get("code", 0))
         return {**error, "say": both(code, str(error.get("text", ""))), **advice(code)}
 
@@ -212,18 +212,18 @@ class Live:
         return {"forced": self.watched.looked["forced"]}
 
     async def _scope(self) -> Row:
-        return self.scope.told()
+        return self.scope.row()
 
     async def _lines(self) -> Row:
         status = self.regions.status
         clock_ms = round((time.time() - time.monotonic()) * 1e3, -1)  # stamps of lines are of the monotonic clock
-        told = {"lines": await self.lines.look(), "command_sources": shown_sources(status), "asked": asked_links(status)}
-        return {**told, "clock_ms": clock_ms}
+        found = {"lines": await self.lines.look(), "command_sources": shown_sources(status), "asked": asked_links(status)}
+        return {**found, "clock_ms": clock_ms}
 
     async def _bus(self) -> Row:
         for view in self.buses:
             view.open()
-        return {"buses": [view.told() for view in self.buses], "cycle": self.regions.counters()}
+        return {"buses": [view.row() for view in self.buses], "cycle": self.regions.counters()}
 
     async def _motion(self) -> Row:
         joints = [axis.set for axis in self.regions.state.axes[: len(self.regions.facts)]]

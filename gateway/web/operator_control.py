@@ -47,7 +47,7 @@ class OperatorControl:
         self._held: Held | None = None
         self._held_heard = 0.0
         self._held_lock = asyncio.Lock()
-        self.standing: Callable[[str], Role] = lambda key: Role.ADMIN  # what a key may now; Access knows
+        self.role_of: Callable[[str], Role] = lambda key: Role.ADMIN  # what a key may now; Access knows
 
     # ---- life -----------------------------------------------------------------------------------------------------------
     async def run(self) -> None:
@@ -56,7 +56,7 @@ class OperatorControl:
             await asyncio.sleep(ALIVE_S / 2)
             if self._held is not None and time.monotonic() - self._held_heard > KEY_S:
                 await self.let_go()
-            if self.holder and (time.monotonic() - self._heard > HOLDER_S or self.standing(self.holder) < Role.OPERATOR):
+            if self.holder and (time.monotonic() - self._heard > HOLDER_S or self.role_of(self.holder) < Role.OPERATOR):
                 await self.lose()
             if self.holder:
                 with contextlib.suppress(Gone, Refused):

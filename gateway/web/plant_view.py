@@ -50,10 +50,10 @@ class Plant:
         """State of every cable and emulator; one that does not answer is marked."""
         cables: dict[str, Row] = {}
         for line, hand in self.cables.items():
-            cables[line] = await _told(hand, "status")
+            cables[line] = await _status(hand, "status")
         emulators: dict[str, Row] = {}
         for bus, hand in self.emulators.items():
-            emulators[bus] = await _told(hand, "state")
+            emulators[bus] = await _status(hand, "state")
         return {"cables": cables, "emulators": emulators}
 
     async def cable(self, line: str, do: str, **arguments: object) -> Row:
@@ -69,7 +69,7 @@ class Plant:
             hand.close()
 
 
-async def _told(hand: Hand, do: str) -> Row:
+async def _status(hand: Hand, do: str) -> Row:
     with contextlib.suppress(Gone):
         try:
             return await hand.ask(do)

@@ -134,7 +134,7 @@ class Scope:
         self.number += 1
 
     # ---- looking ----------------------------------------------------------------------------------------------------------
-    def told(self) -> Row:
+    def row(self) -> Row:
         """For every page that shows the scope, a few times a second."""
         kept, wanted = self._kept, self._wanted
         row: Row = {"state": "none", "number": self.number, "name": self.name, "why": self.why, "records": 0, "lost": 0}

@@ -31,7 +31,7 @@ class Sockets:
     def __init__(self, live: Live, operator_control: OperatorControl, access: Access) -> None:
         self.live, self.operator_control, self.access = live, operator_control, access
         self._open: dict[Viewer, tuple[WebSocket, Person]] = {}
-        operator_control.standing = access.standing
+        operator_control.role_of = access.role_of
 
     async def serve(self, socket: WebSocket) -> None:
         """From its opening to its end; nothing a browser sends ends anything but its own connection."""
@@ -79,7 +79,7 @@ class Sockets:
         for viewer, (socket, person) in list(self._open.items()):
             if not person.key:
                 continue
-            role = self.access.standing(person.key)
+            role = self.access.role_of(person.key)
             if role is person.role:
                 continue
             if person.key == self.operator_control.holder and role < Role.OPERATOR:
@@ -110,7 +110,7 @@ class Sockets:
                 answer = await self._take(message, viewer, person)
                 if answer is not None:
                     say = {"say": says(answer["error"])} if "error" in answer else {}
-                    await socket.send_text(json.dumps({"t": "told", **answer, **say}))
+                    await socket.send_text(json.dumps({"t": "answer", **answer, **say}))
 
     async def _take(self, message: dict[str, Any], viewer: Viewer, person: Person) -> dict[str, Any] | None:
         match message.get("t"):

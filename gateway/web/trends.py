@@ -69,7 +69,7 @@ class Trends:
         self._before[part] = state
         return True
 
-    def told(self, id_: str, seconds: float, now: float) -> Row:
+    def points(self, id_: str, seconds: float, now: float) -> Row:
         """Points of one value up to `now` (s, monotonic), their times as ms before it; null where it was not known.  KeyError."""
         entry = self._names.entry(id_)
         begin = now - min(max(seconds, LEAST_S), MOST_S)
@@ -114,18 +114,18 @@ def number_of(entry: Entry, value: list[object] | None) -> float:
     """As the page shows it, in the entry's unit; NaN: not known, or no number."""
     if value is None or value[1] == Quality.BAD:
         return UNKNOWN
-    told = value[0]
-    if entry.kind == "word" and isinstance(told, str):
-        return _word(entry, told)
+    shown = value[0]
+    if entry.kind == "word" and isinstance(shown, str):
+        return _word(entry, shown)
     try:
-        return float(str(int(told) if isinstance(told, bool) else told))
+        return float(str(int(shown) if isinstance(shown, bool) else shown))
     except ValueError:
         return UNKNOWN
 
 
-def _word(entry: Entry, told: str) -> float:
+def _word(entry: Entry, shown: str) -> float:
     try:
-        data = bytes.fromhex(told)
+        data = bytes.fromhex(shown)
         if entry.id.endswith(("DL", "DR")):
             return float(data[entry.id.endswith("DR")])
         kind = Step5Type(entry.type)

@@ -58,7 +58,7 @@ def twin_of(axis: HeldAxis) -> HeldAxis:
     return other
 
 
-FIXED = ("plan", "drive", "tracking", "scaling", "lag", "_settings", "_row", "_warn", "_trip", "_standing", "_settle")
+FIXED = ("plan", "drive", "tracking", "scaling", "lag", "_settings", "_row", "_warn", "_trip", "_standstill", "_settle")
 
 
 def told(thing: object) -> list[str]:

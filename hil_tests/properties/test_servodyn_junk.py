@@ -31,7 +31,7 @@ def test_io_blocks_take_whatever_comes_and_every_error_that_came_goes(frames: li
     for frame in frames:
         now += ms(4) if frame is None else 0
         for error in bus.cycle(now) if frame is None else bus.receive(frame, now):
-            told[error.block, error.trouble is Trouble.SAME_IDENTIFIER] = error if error.standing else None
+            told[error.block, error.trouble is Trouble.SAME_IDENTIFIER] = error if error.active else None
     standing = {(error.block, error.trouble is Trouble.SAME_IDENTIFIER): error for error in bus.errors}
     assert standing == {key: error for key, error in told.items() if error is not None}
     assert len(bus.frames(bytes(128))) == 1

@@ -239,8 +239,8 @@ class Follower:
         """One period of a change of speed, towards the wanted omega."""
         h, w, u = self._h, self._omega, self._u
         forward = self._track.step if wanted >= 0 else -self._track.step
-        stands = self._track.stands(self._tau) and self._track.stands(self._tau + forward)
-        if stands or (w == 0.0 and self._begins_here):
+        at_rest = self._track.at_rest(self._tau) and self._track.at_rest(self._tau + forward)
+        if at_rest or (w == 0.0 and self._begins_here):
             self._omega, self._u = wanted, 0.0
             self._tau += wanted * h
             self._law.forget()

@@ -301,12 +301,12 @@ class Stepper:
 
     def _check_fit(self, piece: Piece | TimedPiece) -> None:
         """Each axis of the piece must start where it will be by then."""
-        standing = dict(enumerate(self._q))
+        positions = dict(enumerate(self._q))
         for earlier in (*([self._piece] if self._piece else []), *self._queue):
-            standing.update(zip(earlier.axes, earlier.end(), strict=True))
+            positions.update(zip(earlier.axes, earlier.end(), strict=True))
         for axis, value in zip(piece.axes, piece.start(), strict=True):
-            if not abs(value - standing[axis]) <= FIT:
-                raise PieceError(f"piece {piece.id}: starts at {value} on axis {axis}, which will stand at {standing[axis]}")
+            if not abs(value - positions[axis]) <= FIT:
+                raise PieceError(f"piece {piece.id}: starts at {value} on axis {axis}, which will stand at {positions[axis]}")
 
     def _next_piece(self) -> None:
         if self._state is State.STOPPING:  # the piece ended before the stop could

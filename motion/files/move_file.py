@@ -78,7 +78,7 @@ class MoveFiles:
         """CLOSE name; without effect on a file that is not open here."""
         self._open.pop(name, None)
 
-    def move_file(self, name: str, base: int, modulo_flag: Sequence[float | None], standing: Sequence[float]) -> "Playback":
+    def move_file(self, name: str, base: int, modulo_flag: Sequence[float | None], position: Sequence[float]) -> "Playback":
         """SF 45: all checks, then the set points.  modulo_flag: None for components never set; standing: m or rad.
 
         Raises MoveFileError by the manual's number, LimitError naming the axis for positions outside its travel.
@@ -89,7 +89,7 @@ class MoveFiles:
         header = self._header(name, file, base)
         rows = self._rows(name, file, header)
         flags = self._flags(modulo_flag)
-        self._inside(rows, standing, base)
+        self._inside(rows, position, base)
         return Playback(self.control, rows, flags)
 
     def _header(self, name: str, file: OpenFile, base: int) -> bnr.Header:
@@ -138,11 +138,11 @@ class MoveFiles:
                 raise MoveFileError(NO_ENDLESS_AXIS, "modulo flag 1 is for axes that go round", self.control.limits[axis].name)
         return flags
 
-    def _inside(self, rows: Sequence[Sequence[float]], standing: Sequence[float], base: int) -> None:
+    def _inside(self, rows: Sequence[Sequence[float]], position: Sequence[float], base: int) -> None:
         """Travel of all points, speed from where the axes are and from point to point: nothing that must fail is begun (AX-468)."""
         period_s = self.control.cycle_us(base) * 1e-6
         for axis, limits in enumerate(self.control.limits):
-            column = [standing[axis], *(to_si(row[axis], limits.unit) for row in rows)]
+            column = [position[axis], *(to_si(row[axis], limits.unit) for row in rows)]
             for number, (before, after) in enumerate(pairwise(column), 1):
                 if not (self.control.endless(axis) or limits.lower - TOUCH <= after <= limits.upper + TOUCH):
                     raise LimitError(limits.name, f"point {number}", *_shown(limits, after, limits.lower, limits.upper), limits.unit)
@@ -166,7 +166,7 @@ class Playback:
 
     @property
     def ended(self) -> bool:
-        """All points were given out; the axes are at `standing`."""
+        """All points were given out; the axes are at `end_position`."""
         return self.at >= len(self.rows)
 
     def step(self) -> tuple[float, ...]:
@@ -175,7 +175,7 @@ class Playback:
         self.at = min(self.at + 1, len(self.rows))
         return tuple(to_si(value, axis.unit) for value, axis in zip(row, self.control.limits, strict=True))
 
-    def standing(self) -> tuple[float, ...]:
+    def end_position(self) -> tuple[float, ...]:
         """Position the control goes on with after the block, mm or deg: endless axes reduced as their flags say."""
         found = []
         for axis, (value, flag) in enumerate(zip(self.rows[-1], self.flags, strict=True)):

@@ -39,9 +39,9 @@ class FilePath:
         """Where the axes will be."""
         return tuple(float(place) for place in self.rows[-1])
 
-    def begun_at(self, standing: Sequence[float]) -> "FilePath":
+    def begun_at(self, position: Sequence[float]) -> "FilePath":
         """The same points from where the axes really are."""
-        return FilePath(np.concatenate([np.array([standing]), self.rows[1:]]), self.period)
+        return FilePath(np.concatenate([np.array([position]), self.rows[1:]]), self.period)
 
     @cached_property
     def states(self) -> Array:
@@ -93,10 +93,10 @@ class FilePath:
         return FilePath(steps[:, None], self.period).states
 
 
-def path_of(run: Playback, standing: Sequence[float], rounds: Sequence[float], period_s: float) -> FilePath:
+def path_of(run: Playback, position: Sequence[float], rounds: Sequence[float], period_s: float) -> FilePath:
     """From where the axes are; they take their first point one period later.  rounds: added to the points of endless axes, which count
     on inside a program."""
-    rows = [tuple(standing)]
+    rows = [tuple(position)]
     while not run.ended:
         rows.append(tuple(place + way for place, way in zip(run.step(), rounds, strict=True)))
     return FilePath(np.array(rows), period_s)

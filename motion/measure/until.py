@@ -19,7 +19,7 @@ from motion.measure.history import History
 from motion.measure.inputs import Board, Edge, InputKind, MeasuringInput
 from motion.measure.mpos import MeasuredPosition, measured
 
-STANDS = 1e-9  # m/s or rad/s
+STILL = 1e-9  # m/s or rad/s
 
 
 class Outcome(Enum):
@@ -151,7 +151,7 @@ class MoveUntil:
         now = self._now() if last is None else [last.q[axis] for axis in axes]
         speeds = [0.0] * len(axes) if last is None else [last.qd[axis] for axis in axes]
         speed = hypot(*speeds)
-        if speed < STANDS:
+        if speed < STILL:
             return RunOn(list(now), list(now), 0.0)
         way = to_si(self.distance(), self.bench.limits[0].unit)
         edge = self.bench.history.at(hit_ns)
@@ -165,8 +165,8 @@ class MoveUntil:
 
     def _now(self) -> tuple[float, ...]:
         newest = self.bench.history.newest_ns
-        standing = self.bench.history.at(newest) if newest is not None else ()
-        return tuple(standing[axis] for axis in self.bench.axes)
+        position = self.bench.history.at(newest) if newest is not None else ()
+        return tuple(position[axis] for axis in self.bench.axes)
 
     def _shown(self, sample: Sample, own: Sequence[float]) -> Sample:
         q, qd = list(sample.q), list(sample.qd)

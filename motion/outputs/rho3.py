@@ -18,7 +18,7 @@ from motion.measure.errors import ProgramFault
 IOL_IN_USE, PPO_IN_USE = "IOL:Fkt. still in use", "PPO:Fkt. still in use"
 STOPPED = "PPO/IOL : IPO - STOP"
 FIRST_ANALOG = 201  # function numbers from here are analog outputs (example L4243)
-STANDS = 1e-9  # mm or deg in a cycle: the coordinate does not move
+STILL = 1e-9  # mm or deg in a cycle: the coordinate does not move
 
 
 class Stop(Enum):
@@ -98,7 +98,7 @@ class PathOutputs:
             return
         if key in self._running:
             raise ProgramFault(IOL_IN_USE if kind is Kind.IOL else PPO_IN_USE, f"function {asked.number}, kinematic {asked.kinematic}")
-        self._running[key] = _Running(asked, self._standing(key))
+        self._running[key] = _Running(asked, self._coordinate(key))
 
     def in_use(self, kind: Kind, kinematic: int, number: int) -> bool:
         """Whether the function may not be called anew."""
@@ -130,7 +130,7 @@ class PathOutputs:
         if stops:
             return stops[0]
         here = point[running.call.coordinate - 1]
-        return Stop.COORDINATE if abs(here - running.before) <= STANDS and not _reached(running, here) else None
+        return Stop.COORDINATE if abs(here - running.before) <= STILL and not _reached(running, here) else None
 
     def _stop(self, key: Key, running: _Running) -> None:
         if key[0] is Kind.IOL:
@@ -145,7 +145,7 @@ class PathOutputs:
         if running.begin is None:
             running.begin = running.before = here
         change = here - running.before
-        running.moved = running.moved or abs(change) > STANDS
+        running.moved = running.moved or abs(change) > STILL
         running.before = here
         shifted = here - change / period_s * call.time_ms * 1e-3
         ended = _reached(running, shifted)
@@ -157,7 +157,7 @@ class PathOutputs:
             self._put(key, call.value)
         return ended
 
-    def _standing(self, key: Key) -> float:
+    def _coordinate(self, key: Key) -> float:
         return self.outputs.get(key, 0.0)
 
     def _put(self, key: Key, value: float) -> None:
@@ -191,4 +191,4 @@ def _reached(running: _Running, here: float) -> bool:
     """Whether the coordinate has come to the position, from the side it began on."""
     begin = running.begin if running.begin is not None else here
     way = running.call.position - begin
-    return (here - running.call.position) * (1.0 if way >= 0.0 else -1.0) >= -STANDS
+    return (here - running.call.position) * (1.0 if way >= 0.0 else -1.0) >= -STILL

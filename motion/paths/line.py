@@ -31,6 +31,6 @@ def line(start: Pose, end: Pose) -> Polynomial:
     return Polynomial(start, rows, length)
 
 
-def standing_still(place: Pose, length: float) -> Polynomial:
+def fixed_tool(place: Pose, length: float) -> Polynomial:
     """The tool stays at a place while something else goes its way, `length` in the units of that."""
     return Polynomial(place, ((0.0,), (0.0,), (0.0,), (0.0,), (0.0,), (0.0,)), length)

@@ -15,7 +15,7 @@ from motion.kinematics.base import FREE, Joints, KinematicsError, OutOfLimits, S
 from motion.paths.arc import arc, around
 from motion.paths.base import Curve, PathError
 from motion.paths.joints import JointPath, joint_line
-from motion.paths.line import line, standing_still
+from motion.paths.line import fixed_tool, line
 from motion.planner.adaptive_path import followed
 from motion.planner.additional_axes import Course, straight
 from motion.planner.relative import check_absolute, resolved, unwound
@@ -36,7 +36,7 @@ NEXT = 1.0  # rad or m: of all ways to stand at the next place the one that goes
 @dataclass(frozen=True)
 class Leg:
     """start, end: (axes,) positions; length: of curve or path, the same parameter s; course: of the additional axes along a
-    curve; `stands`: only additional axes move, and the arm keeps the tool in place; axes: their motion along the curve."""
+    curve; `resting`: only additional axes move, and the arm keeps the tool in place; axes: their motion along the curve."""
 
     number: int
     block: Block
@@ -46,11 +46,11 @@ class Leg:
     start: Joints
     end: Joints
     course: Course = ()
-    stands: bool = False
+    resting: bool = False
     axes: JointPath | None = None
 
 
-def told(error: MotionError, number: int, machine: Machine) -> BlockError:
+def block_fault(error: MotionError, number: int, machine: Machine) -> BlockError:
     """Any error of the motion core as BlockError: number of the manual, block, axis."""
     if isinstance(error, BlockError):
         return error if error.block else BlockError(error.what, code=error.code, block=number, axis=error.axis, source=error.source)
@@ -65,65 +65,65 @@ def told(error: MotionError, number: int, machine: Machine) -> BlockError:
     return BlockError(str(error), block=number)
 
 
-def make_leg(number: int, block: Block, standing: Joints, machine: Machine) -> Leg | None:
+def make_leg(number: int, block: Block, position: Joints, machine: Machine) -> Leg | None:
     """The block's way from where the axes are; None: a block without way (the same point again), which is skipped as both VAL 3
-    and the rho 3 do.  Raises what `told` turns into a BlockError."""
-    block = resolved(block, standing, machine)
+    and the rho 3 do.  Raises what `block_fault` turns into a BlockError."""
+    block = resolved(block, position, machine)
     check_numbers(block)
-    block = unwound(block, standing, machine)
+    block = unwound(block, position, machine)
     if block.kind is Interpolation.PTP:
-        return _ptp(number, block, standing, machine)
+        return _ptp(number, block, position, machine)
     check_joints(block, machine)
-    if along_axes(block, standing, machine):
-        return _untransformed(number, block, standing, machine)
-    target = base_pose(block, standing, machine)
-    start = tcp(standing, block, machine)
+    if along_axes(block, position, machine):
+        return _untransformed(number, block, position, machine)
+    target = base_pose(block, position, machine)
+    start = tcp(position, block, machine)
     if block.kind is Interpolation.CIRCULAR:
         curve: Curve | None = _arc(block, start, target)
     else:
         curve = _line(start, target)
-    extra = extra_of(block, standing, machine)
-    stands = curve is None
+    extra = extra_of(block, position, machine)
+    resting = curve is None
     if curve is None:
-        if extra == tuple(standing[machine.arm :]) or not machine.carried:
-            check_end(block, standing, standing, machine)
-            return None if extra == tuple(standing[machine.arm :]) else _only_extra(number, block, standing, extra)
-        curve = standing_still(start, max(abs(b - a) for a, b in zip(standing[machine.arm :], extra, strict=True)))
-    course = straight(standing[machine.arm :], extra, curve.length)
-    axes = _along(curve, course, block, standing, machine)
+        if extra == tuple(position[machine.arm :]) or not machine.carried:
+            check_end(block, position, position, machine)
+            return None if extra == tuple(position[machine.arm :]) else _only_extra(number, block, position, extra)
+        curve = fixed_tool(start, max(abs(b - a) for a, b in zip(position[machine.arm :], extra, strict=True)))
+    course = straight(position[machine.arm :], extra, curve.length)
+    axes = _along(curve, course, block, position, machine)
     end = (*axes.q(axes.length)[: machine.arm], *extra)
-    check_end(block, standing, end, machine)
-    return Leg(number, block, curve, None, curve.length, standing, end, course, stands, axes)
+    check_end(block, position, end, machine)
+    return Leg(number, block, curve, None, curve.length, position, end, course, resting, axes)
 
 
-def _ptp(number: int, block: Block, standing: Joints, machine: Machine) -> Leg | None:
+def _ptp(number: int, block: Block, position: Joints, machine: Machine) -> Leg | None:
     if isinstance(block.target, JointTarget):
         check_values(block.target, machine)
         end = block.target.q
     else:
-        flange = base_pose(block, standing, machine) @ block.tool.pose.inverse()
+        flange = base_pose(block, position, machine) @ block.tool.pose.inverse()
         configuration = block.target.configuration
-        near = (*standing[: machine.arm], *extra_of(block, standing, machine))
+        near = (*position[: machine.arm], *extra_of(block, position, machine))
         end = machine.inverse(flange, near, None if configuration == FREE else configuration)
     check_targets(machine.limits, end)
-    if max(abs(b - a) for a, b in zip(standing, end, strict=True)) < 1e-12:
+    if max(abs(b - a) for a, b in zip(position, end, strict=True)) < 1e-12:
         return None
-    path = limited(joint_line(standing, end), machine, block)
-    return Leg(number, block, None, path, path.length, standing, end)
+    path = limited(joint_line(position, end), machine, block)
+    return Leg(number, block, None, path, path.length, position, end)
 
 
-def _untransformed(number: int, block: Block, standing: Joints, machine: Machine) -> Leg:
+def _untransformed(number: int, block: Block, position: Joints, machine: Machine) -> Leg:
     assert isinstance(block.target, JointTarget)
     check_values(block.target, machine)
-    path = axes_line(standing, block.target.q, machine)
-    return Leg(number, block, None, path, path.length, standing, block.target.q)
+    path = axes_line(position, block.target.q, machine)
+    return Leg(number, block, None, path, path.length, position, block.target.q)
 
 
-def _only_extra(number: int, block: Block, standing: Joints, extra: Joints) -> Leg:
+def _only_extra(number: int, block: Block, position: Joints, extra: Joints) -> Leg:
     """The tool stands still and only additional axes move."""
-    end = (*standing[: len(standing) - len(extra)], *extra)
-    path = joint_line(standing, end)
-    return Leg(number, block, None, path, path.length, standing, end)
+    end = (*position[: len(position) - len(extra)], *extra)
+    path = joint_line(position, end)
+    return Leg(number, block, None, path, path.length, position, end)
 
 
 def _line(start: Pose, target: Pose) -> Curve | None:
@@ -150,12 +150,12 @@ def _arc(block: Block, start: Pose, target: Pose) -> Curve:
     )
 
 
-def tcp(standing: Joints, block: Block, machine: Machine) -> Pose:
+def tcp(position: Joints, block: Block, machine: Machine) -> Pose:
     """Where the block's tool is in the frame that counts."""
-    return machine.forward(standing) @ block.tool.pose
+    return machine.forward(position) @ block.tool.pose
 
 
-def base_pose(block: Block, standing: Joints, machine: Machine) -> Pose:
+def base_pose(block: Block, position: Joints, machine: Machine) -> Pose:
     """The target as a pose of the tool in the frame that counts; joints of a straight block are turned into one."""
     if isinstance(block.target, PoseTarget):
         return block.frame.pose @ block.target.pose
@@ -163,23 +163,23 @@ def base_pose(block: Block, standing: Joints, machine: Machine) -> Pose:
     return tcp(block.target.q, block, machine)
 
 
-def extra_of(block: Block, standing: Joints, machine: Machine) -> Joints:
+def extra_of(block: Block, position: Joints, machine: Machine) -> Joints:
     """Additional axes at the end of the block; checked against their limits."""
     count = machine.axes - machine.arm
     if isinstance(block.target, JointTarget):
         wanted = block.target.q[machine.arm :]
     else:
-        wanted = block.target.extra or tuple(standing[machine.arm :])
+        wanted = block.target.extra or tuple(position[machine.arm :])
     if len(wanted) != count:
         raise BlockError(f"{len(wanted)} values of additional axes, the robot has {count}", code=154, source="VAL 3")
     check_targets(machine.limits[machine.arm :], wanted)
     return tuple(wanted)
 
 
-def _along(curve: Curve, course: Course, block: Block, standing: Joints, machine: Machine) -> JointPath:
+def _along(curve: Curve, course: Course, block: Block, position: Joints, machine: Machine) -> JointPath:
     """What the axes do along the curve, on the branch they are in; what is in their way, with its place."""
     try:
-        return followed(curve, standing, block.tool.pose, course, machine)
+        return followed(curve, position, block.tool.pose, course, machine)
     except KinematicsError as error:
         if error.at is None:
             raise
@@ -254,7 +254,7 @@ def check_joints(block: Block, machine: Machine) -> None:
         check_targets(machine.limits, block.target.q)
 
 
-def check_end(block: Block, standing: Joints, end: Joints, machine: Machine) -> None:
+def check_end(block: Block, position: Joints, end: Joints, machine: Machine) -> None:
     """A path keeps the configuration and the turn of its axes: what the target demands beyond that cannot be forced (VAL 3 L5547-5554;
     rho 3: "not reachable with actual interpolation type")."""
     arm = machine.arm
@@ -268,7 +268,7 @@ def check_end(block: Block, standing: Joints, end: Joints, machine: Machine) -> 
                 raise BlockError(what, code=CONFIGURATION, axis=machine.name(n), source="VAL 3")
     elif block.target.configuration != FREE:
         count, configuration = machine.kinematics.axes, machine.kinematics.configuration
-        found, before = configuration(end[:count]), configuration(standing[:count])
+        found, before = configuration(end[:count]), configuration(position[:count])
         if not block.target.configuration.admits(found, before):
             raise BlockError(
                 "a straight or circular path cannot change the configuration to the one demanded", code=CONFIGURATION, source="VAL 3"

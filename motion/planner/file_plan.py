@@ -28,10 +28,10 @@ def control_of(machine: Machine, period_us: int) -> Control:
     return Control(machine.limits, period_us, types=types, modulo=tuple(from_si(axis.modulo, axis.unit) for axis in machine.limits))
 
 
-def file_path(block: Block, data: bytes, standing: Joints, machine: Machine, period_us: int, number: int) -> FilePath:
+def file_path(block: Block, data: bytes, position: Joints, machine: Machine, period_us: int, number: int) -> FilePath:
     """Every check of a MOVE_FILE block that begins where the axes stand: BlockError with the manual's number, block and axis.  period_us:
     P5 of the cell; 0: there is none, and the file's own time is as good."""
-    call, rows = block.file, zip(standing, machine.limits, strict=True)
+    call, rows = block.file, zip(position, machine.limits, strict=True)
     assert call is not None
     shown = tuple(within(place, axis.modulo) if axis.modulo else place for place, axis in rows)
     try:
@@ -40,7 +40,7 @@ def file_path(block: Block, data: bytes, standing: Joints, machine: Machine, per
         if call.offset is not None:
             files.read_begin(call.name, data, call.offset)
         run = files.move_file(call.name, call.base, call.modulo, shown)
-        path = path_of(run, standing, [there - here for there, here in zip(standing, shown, strict=True)], period_us * 1e-6)
+        path = path_of(run, position, [there - here for there, here in zip(position, shown, strict=True)], period_us * 1e-6)
         path.check_size()
     except MoveFileError as error:
         raise BlockError(f"{error.text}: {error.detail}", code=error.code, block=number, axis=error.axis, source="rho 3") from error
@@ -54,7 +54,7 @@ def file_path(block: Block, data: bytes, standing: Joints, machine: Machine, per
 
 def _check_rounds(run: Playback, machine: Machine, name: str, number: int) -> None:
     """An axis of a cell is within its own modulo behind the block: a file that ends it with another one has no place in it."""
-    for axis, flag, last, there in zip(machine.limits, run.flags, run.rows[-1], run.standing(), strict=True):
+    for axis, flag, last, there in zip(machine.limits, run.flags, run.rows[-1], run.end_position(), strict=True):
         modulo = from_si(axis.modulo, axis.unit)
         if flag == BY_FILE and abs(within(last, modulo) - there) > ROUNDING * modulo:
             what = f"{name}: modulo flag 1, and {last:g} {axis.unit} at its end are no whole number of rounds of {modulo:g} {axis.unit}"
@@ -87,7 +87,7 @@ class FilePlan:
         return self.machine
 
     @property
-    def standing(self) -> Joints:
+    def position(self) -> Joints:
         """Where the axes will be."""
         return self.path.end
 

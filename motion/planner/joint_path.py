@@ -40,7 +40,7 @@ RANK = 1e-9  # of the largest: a singular value that is smaller counts as none
 POLE = 1e-9  # and less than this: the Jacobian says nothing of how the axes go on
 STENCIL, STENCIL_STEP = (-8, -7, -6, -5, -4, -3, -2, -1, 1, 2, 3, 4, 5, 6, 7, 8), 5e-3  # places around a pole that say how; of the curve
 ENOUGH = 8  # of them
-STANDS = 1e-5  # m or rad: so far beside their place on a pole the axes may begin
+BESIDE = 1e-5  # m or rad: so far beside their place on a pole the axes may begin
 EPSILON = 1e-5  # rad or m, step for the change of the Jacobian
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ def joint_path_of(
     jump.
     """
     flange = Mounted(curve, frame, tool)
-    knots = [_knot(curve, flange, kinematics, course, 0.0, near, stands=True)]
+    knots = [_knot(curve, flange, kinematics, course, 0.0, near, at_start=True)]
     edges = _edges(curve)
     rows: list[list[tuple[float, ...]]] = []
     for edge in edges[1:]:
@@ -175,15 +175,15 @@ def _value(row: tuple[float, ...], u: float) -> float:
 
 
 def _knot(
-    curve: Curve, flange: Mounted, kinematics: Kinematics, course: Sequence[Row], s: float, near: Joints, *, stands: bool = False
+    curve: Curve, flange: Mounted, kinematics: Kinematics, course: Sequence[Row], s: float, near: Joints, *, at_start: bool = False
 ) -> _Knot:
     """stands: the axes are at `near` already, where that leads the tool there."""
     arm, extra = kinematics.axes - len(course), states(tuple(course), s)
     near, pose = (*near[:arm], *(value for value, _, _ in extra)), flange.at(s)
     q = (
         near
-        if stands and _apart(kinematics.forward(near), pose) <= HERE
-        else (kinematics.inverse if stands else along_path(kinematics))(pose, near)
+        if at_start and _apart(kinematics.forward(near), pose) <= HERE
+        else (kinematics.inverse if at_start else along_path(kinematics))(pose, near)
     )
     by_s = flange.derivatives(s)
     first: Array = np.array([*by_s.p1, *by_s.w])
@@ -201,10 +201,10 @@ def _knot(
     q2 = np.concatenate([solved(second - jacobian[:, arm:] @ e2), e2])
     state = tuple((a, float(b), float(c)) for a, b, c in zip(q, q1, q2, strict=True))
     tool = rate_of(curve.derivatives(s))
-    if least < POLE and (found := _at_pole(curve.length, flange, kinematics, course, s, q if stands else near)) is not None:
-        if not stands:
+    if least < POLE and (found := _at_pole(curve.length, flange, kinematics, course, s, q if at_start else near)) is not None:
+        if not at_start:
             q, state = tuple(value for value, _, _ in found), found
-        elif max(abs(a - b) for a, (b, _, _) in zip(q, found, strict=True)) < STANDS:
+        elif max(abs(a - b) for a, (b, _, _) in zip(q, found, strict=True)) < BESIDE:
             state = tuple((a, slope, bend) for a, (_, slope, bend) in zip(q, found, strict=True))
     return _Knot(s, tuple(q), state, tool, least)
 

@@ -109,9 +109,9 @@ class Planner:
         return max(self._route.added, self._given)
 
     @property
-    def standing(self) -> Joints:
+    def position(self) -> Joints:
         """Where the axes will be after everything that was added."""
-        return self._route.standing
+        return self._route.position
 
     @property
     def end(self) -> float:
@@ -200,9 +200,9 @@ class Planner:
             self.searched = self.searched or stretch.source.ahead > 0
             self.slowed |= worst([(stretch.block, stretch)])
 
-    def reset(self, standing: Sequence[float]) -> None:
+    def reset(self, position: Sequence[float]) -> None:
         """Everything is dropped, a new chain begins (tau 0); the axes are here."""
-        self._route.reset(standing)
+        self._route.reset(position)
         self._fresh.clear()
         self._marks.clear()
         self.slowed.clear()

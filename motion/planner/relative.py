@@ -20,7 +20,7 @@ KINDS = (Interpolation.PTP, Interpolation.LINEAR)
 NOT_HERE = "a relative target is one of ptp and linear blocks"
 
 
-def resolved(block: Block, standing: Joints, machine: Machine) -> Block:
+def resolved(block: Block, position: Joints, machine: Machine) -> Block:
     """The block with the target its shift leads to from where the axes are.  BlockError: numbers that are none, or too many."""
     shift = block.shift
     if shift is None or block.kind not in KINDS:
@@ -29,34 +29,34 @@ def resolved(block: Block, standing: Joints, machine: Machine) -> Block:
     if shift.angles is None:
         if len(shift.values) != machine.axes:
             raise BlockError(f"{len(shift.values)} joint values, the robot has {machine.axes} axes", code=154, source="VAL 3")
-        return replace(block, target=JointTarget(_added(shown(standing, machine.limits), shift.values)), shift=None)
-    extra = moved_extra(shift, shown(standing[machine.arm :], machine.limits[machine.arm :]))
+        return replace(block, target=JointTarget(_added(shown(position, machine.limits), shift.values)), shift=None)
+    extra = moved_extra(shift, shown(position[machine.arm :], machine.limits[machine.arm :]))
     target: Target = JointTarget(
-        (*shown(standing[: machine.arm], machine.limits), *extra)
+        (*shown(position[: machine.arm], machine.limits), *extra)
     )  # the dummy block: nothing turned about and back
     if any(shift.values):
-        here = block.frame.pose.inverse() @ machine.forward(standing) @ block.tool.pose
+        here = block.frame.pose.inverse() @ machine.forward(position) @ block.tool.pose
         target = PoseTarget(moved(shift, here), FREE, extra)
     return replace(block, target=target, shift=None)
 
 
-def unwound(block: Block, standing: Joints, machine: Machine) -> Block:
+def unwound(block: Block, position: Joints, machine: Machine) -> Block:
     """Endless axes, which count on from round to round inside the planner: each travels from its position within the modulo to the
     programmed number, a whole turn or more where the numbers say so."""
     target, limits = block.target, machine.limits
     if not any(axis.modulo for axis in limits):
         return block
     if isinstance(target, JointTarget):
-        return replace(block, target=JointTarget(_unwound(target.q, standing, limits)))
+        return replace(block, target=JointTarget(_unwound(target.q, position, limits)))
     if not target.extra:
         return block
-    return replace(block, target=replace(target, extra=_unwound(target.extra, standing[machine.arm :], limits[machine.arm :])))
+    return replace(block, target=replace(target, extra=_unwound(target.extra, position[machine.arm :], limits[machine.arm :])))
 
 
-def _unwound(wanted: Sequence[float], standing: Sequence[float], limits: Sequence[AxisLimits]) -> tuple[float, ...]:
+def _unwound(wanted: Sequence[float], position: Sequence[float], limits: Sequence[AxisLimits]) -> tuple[float, ...]:
     if len(wanted) != len(limits):
         return tuple(wanted)  # whoever reads it tells so
-    rows = zip(wanted, standing, limits, strict=True)
+    rows = zip(wanted, position, limits, strict=True)
     return tuple(here + value - within(here, axis.modulo) if axis.modulo else value for value, here, axis in rows)
 
 
@@ -76,11 +76,11 @@ def moved(shift: Shift, here: Pose) -> Pose:
     return Pose((x, y, z), shift.angles.to_rotation(first, second, third))
 
 
-def moved_extra(shift: Shift, standing: Sequence[float]) -> tuple[float, ...]:
+def moved_extra(shift: Shift, position: Sequence[float]) -> tuple[float, ...]:
     """Additional axes behind the block, from where they are shown; BlockError where the numbers are not one for each."""
-    if len(shift.extra) not in (0, len(standing)):
-        raise BlockError(f"{len(shift.extra)} values of additional axes, the robot has {len(standing)}", code=154, source="VAL 3")
-    return _added(standing, shift.extra or (0.0,) * len(standing))
+    if len(shift.extra) not in (0, len(position)):
+        raise BlockError(f"{len(shift.extra)} values of additional axes, the robot has {len(position)}", code=154, source="VAL 3")
+    return _added(position, shift.extra or (0.0,) * len(position))
 
 
 def check_shift(shift: Shift) -> None:

@@ -25,7 +25,7 @@ from motion.paths.joints import JointPath, joint_blend, joint_part
 from motion.paths.polynomial import part
 from motion.planner.adaptive_path import followed
 from motion.planner.additional_axes import joining, shifted, states
-from motion.planner.block_paths import JOINT_LIMIT, Leg, check_end, check_numbers, make_leg, run_out, told, turns_more
+from motion.planner.block_paths import JOINT_LIMIT, Leg, block_fault, check_end, check_numbers, make_leg, run_out, turns_more
 from motion.planner.block_slope_sum import own_ramp, sum_keeps
 from motion.planner.given_times import check_time
 from motion.planner.path_checks import check_range, check_speed
@@ -47,7 +47,7 @@ LOOKS = 8  # at a stretch against the travel limits
 
 @dataclass
 class _State:
-    standing: Joints  # end of everything added
+    position: Joints  # end of everything added
     number: int = 0
     last: Leg | None = None  # not yet run out to its end
     known: float = 0.0  # s on the last leg that is out
@@ -77,9 +77,9 @@ class Route:
         self._now = _State(tuple(start))
 
     @property
-    def standing(self) -> Joints:
+    def position(self) -> Joints:
         """Where the axes will be after everything that was added."""
-        return self._now.standing
+        return self._now.position
 
     @property
     def added(self) -> int:
@@ -103,12 +103,12 @@ class Route:
 
     def assume_measured(self) -> None:
         """@MPOS, until it is measured: where the axes will be after everything that was added."""
-        self._now.measured = self._now.standing
+        self._now.measured = self._now.position
 
     def _resolved(self, block: Block) -> Block:
         block = shaped(block, self._machine)
         if block.recorded:  # nobody knows before: as if it were here
-            return replace(block, target=JointTarget(shown(self._now.standing, self._machine.limits)))
+            return replace(block, target=JointTarget(shown(self._now.position, self._machine.limits)))
         if block.target != MEASURED:
             return block
         if self._now.measured is None:
@@ -137,10 +137,10 @@ class Route:
         carried, self._now.carried = self._now.carried, ()
         return carried
 
-    def reset(self, standing: Sequence[float]) -> None:
+    def reset(self, position: Sequence[float]) -> None:
         """Forget everything but that @MPOS was measured; the axes are here."""
         measured = self._now.measured is not None
-        self._now = _State(tuple(standing), self._now.number, measured=tuple(standing) if measured else None)
+        self._now = _State(tuple(position), self._now.number, measured=tuple(position) if measured else None)
 
     def ending(self, block: Block | None = None) -> Work[None]:
         """The row of splines that `block` does not go on with (None: the last one) is ended in slices: a long one takes seconds.  add() and
@@ -162,9 +162,9 @@ class Route:
 
     def _undone(self, kept: _State, number: int, error: MotionError) -> BlockError:
         """As before the block; without its row of splines, where one of them is the fault."""
-        fault = told(error, number, self._machine)
+        fault = block_fault(error, number, self._machine)
         row = kept.splines if any(fault.block == each for each, _ in kept.splines) else ()
-        self._now = replace(kept, splines=(), standing=kept.spline_start) if row else kept
+        self._now = replace(kept, splines=(), position=kept.spline_start) if row else kept
         return fault
 
     def _finish(self) -> None:
@@ -182,7 +182,7 @@ class Route:
             self._add_spline(number, block)
             return
         whole(self._end_splines())
-        leg = make_leg(number, self._carrying(block), now.standing, self._machine)
+        leg = make_leg(number, self._carrying(block), now.position, self._machine)
         if leg is None:
             now.carried = (*now.carried, *block.carried, *block.functions, *block.outputs)
             if block.blend.rounding is Rounding.OFF and now.last is not None:
@@ -191,7 +191,7 @@ class Route:
         now.carried = ()
         check_range(leg, self._machine)
         reach = self._join(now.last, leg) if now.last is not None else 0.0
-        now.standing, now.last, now.known, now.begun = leg.end, leg, reach, reach
+        now.position, now.last, now.known, now.begun = leg.end, leg, reach, reach
         leave = self._leave(leg)
         self._main(leg, leg.length - leave, stop=leave == 0.0)
         if leave == 0.0:
@@ -204,10 +204,10 @@ class Route:
         if now.last is not None:
             self._run_out(now.last)
         check_numbers(block)
-        block, now.carried = self._carrying(unwound(block, now.standing, self._machine)), ()
+        block, now.carried = self._carrying(unwound(block, now.position, self._machine)), ()
         if not now.splines:
-            now.spline_start = now.standing
-        now.standing = place_of(block, now.standing, self._machine)
+            now.spline_start = now.position
+        now.position = place_of(block, now.position, self._machine)
         now.splines = (*now.splines, (number, block))
 
     def _carrying(self, block: Block) -> Block:
@@ -228,9 +228,9 @@ class Route:
                 before, q = q, now.out[-1].path.q(leg.length)
                 check_end(leg.block, before, q, machine)
             except MotionError as error:
-                raise told(error, leg.number, machine) from error
+                raise block_fault(error, leg.number, machine) from error
             yield
-        now.standing = q
+        now.position = q
 
     # ---- stretches ---------------------------------------------------------------------------------------------------
     def _main(self, leg: Leg, end: float, *, stop: bool = False) -> None:
@@ -304,8 +304,8 @@ class Route:
         """The corner between the last leg and this one; how much of this one it takes."""
         block_slope = last.block.slope is Slope.BLOCK
         if (
-            last.stands
-            or leg.stands
+            last.resting
+            or leg.resting
             or not (last.block.blend.past_circles or passed(last.block.kind, leg.block.kind, block_slope=block_slope))
         ):
             self._run_out(last)
@@ -365,7 +365,7 @@ class Route:
     def _leave(self, leg: Leg) -> float:
         """The most its corner can take of a leg, known without the next block; 0: it runs to its end and stops."""
         blend = leg.block.blend
-        if leg.stands or blend.rounding is Rounding.OFF or (leg.block.kind is Interpolation.CIRCULAR and not blend.past_circles):
+        if leg.resting or blend.rounding is Rounding.OFF or (leg.block.kind is Interpolation.CIRCULAR and not blend.past_circles):
             return 0.0
         if blend.axes and leg.path is not None:
             wanted = axis_range(leg, blend.axes)

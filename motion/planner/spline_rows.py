@@ -10,7 +10,7 @@ from motion.paths.base import PathError
 from motion.paths.polynomial import part
 from motion.paths.tube import Fitted, fitted
 from motion.planner.additional_axes import joining
-from motion.planner.block_paths import Leg, base_pose, check_joints, extra_of, tcp, told
+from motion.planner.block_paths import Leg, base_pose, block_fault, check_joints, extra_of, tcp
 from motion.planner.robot import Machine
 from motion.program.blocks import Block
 
@@ -22,11 +22,11 @@ def goes_on(row: Row, block: Block) -> bool:
     return not row or row[0][1].tool == block.tool
 
 
-def place_of(block: Block, standing: Joints, machine: Machine) -> Joints:
+def place_of(block: Block, position: Joints, machine: Machine) -> Joints:
     """(axes,) where the block will end, as far as one point determines it; raises its fault."""
     check_joints(block, machine)
-    flange = base_pose(block, standing, machine) @ block.tool.pose.inverse()
-    return machine.inverse(flange, (*standing[: machine.arm], *extra_of(block, standing, machine)))
+    flange = base_pose(block, position, machine) @ block.tool.pose.inverse()
+    return machine.inverse(flange, (*position[: machine.arm], *extra_of(block, position, machine)))
 
 
 def curve_of(row: Row, start: Joints, machine: Machine) -> Fitted:
@@ -43,7 +43,7 @@ def curve_of(row: Row, start: Joints, machine: Machine) -> Fitted:
             [1.0, *(block.curving.weight for _, block in row)],
         )
     except PathError as error:
-        raise told(error, row[error.interval][0], machine) from error
+        raise block_fault(error, row[error.interval][0], machine) from error
 
 
 def legs_of(row: Row, whole: Fitted, start: Joints, machine: Machine) -> Iterator[Leg]:
@@ -54,14 +54,14 @@ def legs_of(row: Row, whole: Fitted, start: Joints, machine: Machine) -> Iterato
         try:
             values.append(extra_of(block, (*start[:arm], *values[-1]), machine))
         except MotionError as error:
-            raise told(error, number, machine) from error
+            raise block_fault(error, number, machine) from error
     lengths = [b - a for a, b in pairwise(ends)]
     slopes = _slopes(values, lengths)
     for n, (number, block) in enumerate(row):
-        stands = (*start[:arm], *values[n]), (*start[:arm], *values[n + 1])
+        between = (*start[:arm], *values[n]), (*start[:arm], *values[n + 1])
         piece = part(whole.curve, ends[n], ends[n + 1])
         ends_at = [[(value, slope, 0.0) for value, slope in zip(values[k], slopes[k], strict=True)] for k in (n, n + 1)]
-        yield Leg(number, block, piece, None, lengths[n], *stands, joining(lengths[n], *ends_at))
+        yield Leg(number, block, piece, None, lengths[n], *between, joining(lengths[n], *ends_at))
 
 
 def _slopes(values: Sequence[Joints], lengths: Sequence[float]) -> list[Joints]:

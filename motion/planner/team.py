@@ -59,13 +59,13 @@ class Team:
         """Of a team's path (motion.paths.together) for one of a kinematic's own path."""
         return self.axes + 2 * kinematic + column - WAY if column < 0 else self.firsts[kinematic] + column
 
-    def placed(self, standing: Sequence[float], kinematic: int, places: Sequence[float]) -> tuple[float, ...]:
+    def placed(self, position: Sequence[float], kinematic: int, places: Sequence[float]) -> tuple[float, ...]:
         """(all axes,) where they are, those of one kinematic at other places."""
-        rows = self.split(standing)
+        rows = self.split(position)
         rows[kinematic] = tuple(places)
         return tuple(value for row in rows for value in row)
 
-    def told(self, error: BlockError, kinematic: int) -> BlockError:
+    def with_kinematic(self, error: BlockError, kinematic: int) -> BlockError:
         """A fault of one kinematic, with its name."""
         what = f"kinematic {self.names[kinematic]}: {error.what}"
         return BlockError(what, code=error.code, block=error.block, axis=error.axis, source=error.source)

@@ -42,7 +42,7 @@ class Member(Route):
             return None
         if not (last.block.blend.past_circles or passed(last.block.kind, block.kind, block_slope=False)):
             return None
-        leg = make_leg(0, block, self._now.standing, self._machine)
+        leg = make_leg(0, block, self._now.position, self._machine)
         if leg is None:
             return None
         leave, reach = super()._ranges(last, leg)
@@ -50,7 +50,7 @@ class Member(Route):
 
     def way(self, block: Block) -> float:
         """Length of its way from where the axes are; 0.0: none."""
-        leg = make_leg(0, block, self._now.standing, self._machine)
+        leg = make_leg(0, block, self._now.position, self._machine)
         return 0.0 if leg is None else leg.length
 
     def _ranges(self, last: Leg, leg: Leg) -> tuple[float, float]:

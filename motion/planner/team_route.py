@@ -76,9 +76,9 @@ class TeamRoute:
         self._now = _State([Member(machine, own) for machine, own in zip(team.machines, team.split(start), strict=True)])
 
     @property
-    def standing(self) -> Joints:
+    def position(self) -> Joints:
         """Where all axes will be after everything that was added."""
-        return tuple(value for route in self._now.routes for value in route.standing)
+        return tuple(value for route in self._now.routes for value in route.position)
 
     @property
     def added(self) -> int:
@@ -115,9 +115,9 @@ class TeamRoute:
         carried, self._now.carried = self._now.carried, ()
         return carried
 
-    def reset(self, standing: Sequence[float]) -> None:
+    def reset(self, position: Sequence[float]) -> None:
         """Forget everything; the axes are here."""
-        for route, own in zip(self._now.routes, self._team.split(standing), strict=True):
+        for route, own in zip(self._now.routes, self._team.split(position), strict=True):
             route.reset(own)
         self._now = _State(self._now.routes, self._now.number)
 
@@ -168,7 +168,7 @@ class TeamRoute:
         if now.alone != n or now.held is not None:
             self._finish()
         now.alone = n
-        known = self._told(n, number, _adding(shared, n))
+        known = self._known_of(n, number, _adding(shared, n))
         self._lift(n, known)
         spline = shared.own[0].kind is Interpolation.SPLINE  # its curve is known when the row is over
         return spline or any(each.block == number or each.following is not None for each in known)
@@ -183,10 +183,10 @@ class TeamRoute:
         shared = _timed(shared, number)
         if not (now.held is not None and self._rounded(now.held, number, shared)):
             self._finish()
-            rests = tuple(route.standing for route in now.routes)
+            rests = tuple(route.position for route in now.routes)
             ways = {}
             for n in shared.moving:
-                got = self._told(n, number, _adding(shared, n))
+                got = self._known_of(n, number, _adding(shared, n))
                 if got:
                     ways[n] = (tuple(each.path for each in got), got[0].way)
             now.held = _Held(number, shared, 0.0, ways, rests) if ways else None
@@ -195,14 +195,14 @@ class TeamRoute:
             self._finish()
         return way
 
-    def _told(self, n: int, number: int, action: Callable[[Member], object]) -> list[Stretch]:
+    def _known_of(self, n: int, number: int, action: Callable[[Member], object]) -> list[Stretch]:
         """Something done by one kinematic's route: what became known; errors name the kinematic."""
         route = self._now.routes[n]
         route.number(number)
         try:
             action(route)
         except BlockError as error:
-            raise self._team.told(error, n) from error
+            raise self._team.with_kinematic(error, n) from error
         return route.take()
 
     def _finish(self) -> None:
@@ -223,7 +223,7 @@ class TeamRoute:
     # ---- stretches -----------------------------------------------------------------------------------------------------
     def _lift(self, n: int, known: Sequence[Stretch]) -> None:
         """What one kinematic's route made known, with all others at rest."""
-        rests = [route.standing for route in self._now.routes]
+        rests = [route.position for route in self._now.routes]
         for own in known:
             path = side_by_side([*rests[:n], own.path, *rests[n + 1 :]], n)
             square = _lifted(own.square, rests, n) if own.square is not None else None
@@ -297,7 +297,7 @@ class TeamRoute:
         now = self._now
         mains: dict[int, JointPath] = {}
         rounded: list[tuple[int, Stretch]] = []
-        rests: list[Joints] = [route.standing for route in now.routes]
+        rests: list[Joints] = [route.position for route in now.routes]
         ways: dict[int, tuple[tuple[JointPath, ...], float]] = {}
         for n in sorted({*held.ways, *corner.lengths}):
             known, length = held.ways.get(n, ((), 0.0))
@@ -305,12 +305,12 @@ class TeamRoute:
                 now.routes[n].finish()
                 path = joined([*known, *(each.path for each in now.routes[n].take())])
                 mains[n], last = cut(path, path.length - corner.leave * length)
-                rests[n] = now.routes[n].standing
+                rests[n] = now.routes[n].position
                 piece = Stretch(last, held.number, Kind.MAIN, held.block(n), (1.0 - corner.leave, 1.0), way=length)
             else:
                 route = now.routes[n]
                 route.forced = (corner.leave, corner.reach) if n in held.ways else None
-                got = self._told(n, number, _adding(shared, n))
+                got = self._known_of(n, number, _adding(shared, n))
                 route.forced = None
                 on, whole = [each.path for each in got if each.block == number and each.kind is Kind.MAIN], corner.lengths[n]
                 if n not in held.ways:  # begins in the corner

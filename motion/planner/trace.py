@@ -148,15 +148,15 @@ def numbered(error: BlockError, number: int) -> BlockError:
 
 
 def trace(
-    stretches: Sequence[Stretch], machine: Machine, factors: Factors = FULL, period: float = PERIOD_S, stands: Sequence[float] = ()
+    stretches: Sequence[Stretch], machine: Machine, factors: Factors = FULL, period: float = PERIOD_S, start: Sequence[float] = ()
 ) -> Trace:
-    """Runs all whole runs; `stands`: position of the axes when there is none.  Raises MotionError where a path cannot be run at all."""
-    rows, q, blocks, ends = sampled(stretches, machine, factors, period, stands)
+    """Runs all whole runs; `start`: position of the axes when there is none.  Raises MotionError where a path cannot be run at all."""
+    rows, q, blocks, ends = sampled(stretches, machine, factors, period, start)
     return seen(rows, stretches, machine, q, blocks, ends, period)
 
 
 def sampled(
-    stretches: Sequence[Stretch], machine: Machine | Team, factors: Factors = FULL, period: float = PERIOD_S, stands: Sequence[float] = ()
+    stretches: Sequence[Stretch], machine: Machine | Team, factors: Factors = FULL, period: float = PERIOD_S, start: Sequence[float] = ()
 ) -> tuple[list[list[Stretch]], Array, list[int], list[tuple[int, float]]]:
     """Stretches from rest to rest as they are run, set values (n, axes), block of each, (block, s at which it is left)."""
     parts, blocks, ends, clock = [], [], [], 0.0
@@ -171,8 +171,8 @@ def sampled(
         blocks += [run.place(float(x))[0] for x in s]
         clock += (count + 1) * period
         ends.append((run.stretches[-1].block, clock))
-    q = np.concatenate(parts) if parts else np.array([tuple(stands) or (0.0,) * machine.axes])
-    return rows, q, blocks or [1 if stands else 0], ends
+    q = np.concatenate(parts) if parts else np.array([tuple(start) or (0.0,) * machine.axes])
+    return rows, q, blocks or [1 if start else 0], ends
 
 
 def seen(

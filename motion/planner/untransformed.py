@@ -17,12 +17,12 @@ from motion.program.blocks import Block, Interpolation, JointTarget
 NO_WAY = 1e-12
 
 
-def along_axes(block: Block, standing: Joints, machine: Machine) -> bool:
+def along_axes(block: Block, position: Joints, machine: Machine) -> bool:
     """Whether a block is LINEAR to places of axes that have no transformation, and more of them move than the path of a tool shows."""
     if block.kind is not Interpolation.LINEAR or not isinstance(block.target, JointTarget) or not isinstance(machine.kinematics, Identity):
         return False
     shown = machine.kinematics.cartesian
-    return any(n not in shown or machine.limits[n].manual for n in _moving(standing, block.target.q))
+    return any(n not in shown or machine.limits[n].manual for n in _moving(position, block.target.q))
 
 
 def _moving(start: Joints, end: Joints) -> list[int]:

@@ -71,7 +71,7 @@ class Carried:
         """One period further."""
         belt = self.part.belt
         middle = 0.5 * abs(belt.data.increment)  # an increment counts when it is whole: the belt is half of one further on average
-        self.tracker.update(belt.way + middle, standing=belt.watch.motion is STOPPED)
+        self.tracker.update(belt.way + middle, at_rest=belt.watch.motion is STOPPED)
         coupling = self.coupling
         if coupling.state is not OFF:
             self.frame = self.part.carrier.frame(coupling.step(self.part.value(self.tracker.ahead()), period))

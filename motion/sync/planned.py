@@ -10,7 +10,7 @@ from math import inf, isfinite, isnan, nan
 
 from motion.errors import MotionError
 from motion.geometry.frames import IDENTITY, Pose, Rotation, compose
-from motion.planner.block_paths import base_pose, check_numbers, extra_of, told
+from motion.planner.block_paths import base_pose, block_fault, check_numbers, extra_of
 from motion.planner.relative import check_shift, moved, moved_extra, shown, unwound
 from motion.planner.robot import Machine
 from motion.program.blocks import Blend, Block, Frame, Interpolation, JointTarget, OnBelt, PoseTarget, Shift, Synchron
@@ -78,7 +78,7 @@ class BeltPlan:
             words = str(error).partition(f" ({error.code}")[0]
             raise BlockError(f"{words}, belt {self.facts.name}", code=error.code, block=number, source="rho 3") from error
         except MotionError as error:
-            raise told(error, number, self.machine) from error
+            raise block_fault(error, number, self.machine) from error
         self._count += 1
         return made
 

@@ -30,9 +30,9 @@ class Tracker:
         if not (0.0 < self.period_s < 1.0 and 0.0 <= self.delay_s < 1.0 and 0.0 < self.alpha < 1.0 and 0.0 < self.beta < 2.0):
             raise MotionError(f"belt filter: period {self.period_s:g} s, delay {self.delay_s:g} s, gains {self.alpha:g}, {self.beta:g}")
 
-    def update(self, measured: float, *, standing: bool = False) -> None:
+    def update(self, measured: float, *, at_rest: bool = False) -> None:
         """One sample; standing: the belt is below its threshold "stopped"."""
-        if not self._known or standing:
+        if not self._known or at_rest:
             self.place = measured if not self._known else self.place + self.alpha * (measured - self.place)
             self.speed = self.accel = 0.0
             self._known = True

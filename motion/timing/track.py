@@ -252,7 +252,7 @@ class Track:
         rows = self.span(tau, tau).rows
         return min(rows[Part.REACH, :, 0].tolist()), min(rows[Part.PULL, :, 0].tolist())
 
-    def stands(self, tau: float) -> bool:
+    def at_rest(self, tau: float) -> bool:
         """The path itself rests there."""
         row = int(tau * self.inverse)
         self.show(row, row)

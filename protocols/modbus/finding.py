@@ -47,7 +47,7 @@ def _whole(value: float, table: str, registers: Mapping[int, int]) -> Iterator[P
                     words = encode_number(round(scaled), type_, order)
                 except EncodeError:
                     break
-                yield from (Place(table, at, type_, order, factor, value) for at in registers if _stands(words, at, registers))
+                yield from (Place(table, at, type_, order, factor, value) for at in registers if _matches(words, at, registers))
 
 
 def _real(value: float, table: str, registers: Mapping[int, int]) -> Iterator[Place]:
@@ -77,5 +77,5 @@ def _orders(type_: str, value: int) -> tuple[str, ...]:
     return ORDERS if signed is (value < 0) else ()
 
 
-def _stands(words: tuple[int, ...], at: int, registers: Mapping[int, int]) -> bool:
+def _matches(words: tuple[int, ...], at: int, registers: Mapping[int, int]) -> bool:
     return all(registers.get(at + n) == word for n, word in enumerate(words))

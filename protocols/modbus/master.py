@@ -158,19 +158,19 @@ class Master:
         events = self.wake(now)
         self._quiet_until = now + self._wire.quiet
         self._heard(self._wire.receive(data, now), now)
-        return events + self._told(now)
+        return events + self._next_events(now)
 
     def damaged(self, kind: Damage, now: Ns) -> list[Event]:
         self._quiet_until = now + self._wire.quiet
         self._heard(self._wire.damaged(kind, now), now)
-        return self._told(now)
+        return self._next_events(now)
 
     def sent(self, now: Ns) -> list[Event]:
         running = self._running
         if running is not None and not running.left and running.again is None:
             running.left = True
             running.due = now + (self._turnaround if running.broadcast else running.seen.device.timeout)
-        return self._told(now)
+        return self._next_events(now)
 
     def wake(self, now: Ns) -> list[Event]:
         self._heard(self._wire.wake(now), now)
@@ -180,7 +180,7 @@ class Master:
         elif running is not None and running.due is not None and now >= running.due:
             self._overdue(running, now)
         self._next(now)
-        return self._told(now)
+        return self._next_events(now)
 
     def deadline(self) -> Ns | None:
         if self._events:
@@ -215,7 +215,7 @@ class Master:
                 seen.alive = False
                 seen.losses += 1
                 self._events.append(DeviceLost(seen.device.name))
-        return self._told(now)
+        return self._next_events(now)
 
     # ---- one request
     def _next(self, now: Ns) -> None:
@@ -374,7 +374,7 @@ class Master:
             return seen.ready
         return max(seen.ready, min(poll.due for poll in seen.polls))
 
-    def _told(self, now: Ns) -> list[Event]:
+    def _next_events(self, now: Ns) -> list[Event]:
         self._next(now)
         events, self._events = self._events, []
         return events

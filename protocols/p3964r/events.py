@@ -122,7 +122,7 @@ class Outbox:
     def say(self, char: int) -> None:
         self.output.append(char)
 
-    def tell(self, event: Event) -> None:
+    def report(self, event: Event) -> None:
         self.events.append(event)
 
     def take_output(self) -> bytes:

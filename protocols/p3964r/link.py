@@ -30,7 +30,7 @@ class Link:
         self._sender = Sender(profile, priority, self._box)
         self._gave_way = False
         self.overtaken_by = 0  # the block received last is older than this job of ours and those after it, though it came later (AX-242)
-        self._told_at: Ns = 0
+        self._given_at: Ns = 0
         self._greet()
 
     # ---- for its owner
@@ -42,7 +42,7 @@ class Link:
         if not 1 <= len(block) <= self.profile.max_data:
             raise EncodeError(f"block of {len(block)} bytes, limit {self.profile.max_data} (least 1): {block[:16].hex(' ')}")
         job = self._sender.add(block, self.profile.follow_on_end if follow_on else self.profile.end)
-        self._told_at = now
+        self._given_at = now
         self._start(now)
         return job
 
@@ -123,7 +123,7 @@ class Link:
 
     def deadline(self) -> Ns | None:
         if self._box.events:  # left over from `send`
-            return self._told_at
+            return self._given_at
         return self._next_due()
 
     def take_output(self) -> bytes:
@@ -144,12 +144,12 @@ class Link:
             self._box.say(NAK)  # sends a partner that hangs inside a block to idle
 
     def _listen(self, data: bytes, at: int, now: Ns) -> int:
-        told = len(self._box.events)
+        known = len(self._box.events)
         receiver = self._receiver
         at = receiver.hear(data, at, now)
         if not receiver.busy:
             self._gave_way = False
-            for event in self._box.events[told:]:
+            for event in self._box.events[known:]:
                 if isinstance(event, BLOCK_ENDS):
                     self._sender.forget_attempts()
                 if isinstance(event, BlockReceived):
@@ -177,7 +177,7 @@ class Link:
                 self._sender.expire(now)
             else:
                 if self._gave_way and self.priority is Priority.LOW and self._receiver.heard_only_dle:
-                    self._box.tell(SamePriority(Priority.LOW))
+                    self._box.report(SamePriority(Priority.LOW))
                 self._receiver.expire(now)
                 self._gave_way = self._gave_way and self._receiver.busy
             self._start(now)

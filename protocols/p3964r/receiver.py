@@ -207,7 +207,7 @@ class Receiver:
     def _deliver(self) -> None:
         data = bytes(self._data)
         self._box.say(DLE)
-        self._box.tell(BlockReceived(data))
+        self._box.report(BlockReceived(data))
         self._buffer.store(data)
         self.repeats.delivered()
         self._rest()
@@ -217,7 +217,7 @@ class Receiver:
         if self._guard.unsaid:
             del self._box.output[-1:]  # our DLE was not given out: before a NAK it would read "block good"
         self._box.say(NAK)
-        self._box.tell(BlockRefused(why, self._count))
+        self._box.report(BlockRefused(why, self._count))
         self._guard.refused()
         self._rest()
         self.repeats.refused(why)
@@ -226,7 +226,7 @@ class Receiver:
         """BREAK: no answer, and back to idle; from inside a block once the line is quiet (AX-228)."""
         inside = self._state in INSIDE or self._state is DEAF
         if self._state is not DEAF:
-            self._box.tell(BlockRefused(Refusal.BREAK, self._count) if self.busy else LineBreak())
+            self._box.report(BlockRefused(Refusal.BREAK, self._count) if self.busy else LineBreak())
         self._rest()
         if inside:
             self._state, self.due, self._guard.untouched = DEAF, now + self._profile.char_delay, False
@@ -290,7 +290,7 @@ class Receiver:
 
     def _turn_away(self) -> None:
         self._box.say(NAK)
-        self._box.tell(BlockRefused(Refusal.NO_BUFFER, 0))
+        self._box.report(BlockRefused(Refusal.NO_BUFFER, 0))
         self._rest()
 
     def _stray(self, now: Ns) -> None:
@@ -307,7 +307,7 @@ class Receiver:
     def settle(self) -> None:
         """Something else begins: report the stray characters so far."""
         if self._strays:
-            self._box.tell(StrayCharacters(self._strays))
+            self._box.report(StrayCharacters(self._strays))
             self._strays, self.due = 0, None
 
     # ---- time
@@ -380,6 +380,6 @@ class Receiver:
         self.settle()
         self._guard.lost()
         if self.busy:
-            self._box.tell(BlockRefused(Refusal.LOST, self._count))
+            self._box.report(BlockRefused(Refusal.LOST, self._count))
         self._rest()
         self.repeats.forget()

@@ -37,7 +37,7 @@ class Repeats:
 
     def fail(self) -> None:
         """No repeat, or too many."""
-        self._box.tell(ReceptionFailed(self._first_why, self._refusals))
+        self._box.report(ReceptionFailed(self._first_why, self._refusals))
         self.forget()
 
     def forget(self) -> None:

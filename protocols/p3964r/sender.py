@@ -72,7 +72,7 @@ class Sender:
 
     def _drop_oldest_waiting(self) -> None:
         index = 1 if self.busy or self._connects or self._blocks else 0
-        self._box.tell(SendFailed(self.jobs[index].number, Failure.CROWDED, Stage.WAITING))
+        self._box.report(SendFailed(self.jobs[index].number, Failure.CROWDED, Stage.WAITING))
         del self.jobs[index]
 
     def start(self, now: Ns) -> None:
@@ -203,7 +203,7 @@ class Sender:
 
     def _connect_failed(self, why: Failure, now: Ns) -> None:
         if self._conflict and why is Failure.SILENT:
-            self._box.tell(SamePriority(Priority.HIGH))
+            self._box.report(SamePriority(Priority.HIGH))
         self._connects += 1
         if self._profile.silence_ends and why is Failure.SILENT:
             self._give_up(why, Stage.CONNECT)
@@ -226,7 +226,7 @@ class Sender:
         if self._exhausted():
             self._give_up(why, stage)
             return
-        self._box.tell(SendRepeated(self.jobs[0].number, why, stage))
+        self._box.report(SendRepeated(self.jobs[0].number, why, stage))
         pause = self._profile.retry_pause
         if self._conflict and why is Failure.NAK and stage is Stage.CONNECT:
             pause = max(
@@ -247,7 +247,7 @@ class Sender:
         self._finish(BlockSent(self.jobs[0].number))
 
     def _finish(self, event: BlockSent | SendFailed) -> None:
-        self._box.tell(event)
+        self._box.report(event)
         self.jobs.popleft()
         self._connects, self._blocks = 0, 0
         self.state, self.due, self._revoked, self._yielded = IDLE, None, False, False
@@ -283,7 +283,7 @@ class Sender:
         """The port is gone: every open job is reported."""
         stage = self._stage() if self.busy else Stage.WAITING
         for job in self.jobs:
-            self._box.tell(SendFailed(job.number, Failure.LOST, stage))
+            self._box.report(SendFailed(job.number, Failure.LOST, stage))
             stage = Stage.WAITING
         self.jobs.clear()
         self._revoked, self._yielded, self.overtook = False, False, 0

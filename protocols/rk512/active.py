@@ -184,7 +184,7 @@ class Active:
 
     def acknowledged(self, now: Ns) -> list[Event]:
         """The partner has the telegram: the reaction is due from now on."""
-        events = self._told()
+        events = self._take_events()
         if self._free_link():
             return events
         if self._dialect.reaction:
@@ -194,12 +194,12 @@ class Active:
 
     def unsent(self, now: Ns) -> list[Event]:
         """The link has given the telegram up."""
-        events = self._told()
+        events = self._take_events()
         return events if self._free_link() else [*events, self._fail(Trouble.LINK)]
 
     def reaction(self, data: bytes, now: Ns) -> list[Event]:
         """A reaction telegram, or what came instead of one."""
-        events = self._told()
+        events = self._take_events()
         if self._until is None:
             if self._on_its_way and not self._orphan and self._jobs[0].telegrams > 1:
                 return [*events, self._fail(Trouble.EARLY)]
@@ -215,10 +215,10 @@ class Active:
 
     def interrupted(self, now: Ns) -> list[Event]:
         """The partner sent a command while our reaction was due and this dialect has no nesting."""
-        return [*self._told(), *([self._fail(Trouble.COMMAND_INSTEAD)] if self.awaiting else [])]
+        return [*self._take_events(), *([self._fail(Trouble.COMMAND_INSTEAD)] if self.awaiting else [])]
 
     def wake(self, now: Ns) -> list[Event]:
-        events = self._told()
+        events = self._take_events()
         if self._until is not None and now >= self._until:
             events.append(self._fail(Trouble.NO_REACTION))
         return events
@@ -228,7 +228,7 @@ class Active:
 
     def lost(self) -> list[Event]:
         """The port is gone: every job is reported."""
-        events = [*self._told(), *(Failed(job.number, Trouble.LOST) for job in self._jobs)]
+        events = [*self._take_events(), *(Failed(job.number, Trouble.LOST) for job in self._jobs)]
         self._jobs.clear()
         self._on_its_way, self._orphan, self._until, self._output = False, False, None, None
         return events
@@ -262,7 +262,7 @@ class Active:
         self._next()
         return event
 
-    def _told(self) -> list[Event]:
+    def _take_events(self) -> list[Event]:
         events, self._events = self._events, []
         return events
 

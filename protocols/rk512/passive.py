@@ -235,7 +235,7 @@ class Passive:
             return self._write(header, data[HEADER_BYTES:], data)
         there = self._read(header)  # a block that is not there is told at once, not after the last telegram
         if isinstance(there, ErrorNumber):
-            return self._refuse((self._told(there), f"{self._place(header)}: not there"), data)
+            return self._refuse((self._reported(there), f"{self._place(header)}: not there"), data)
         self._open = _Open(header, total - MOST_BYTES, now, bytearray(data[HEADER_BYTES:]))
         self._answer(encode_reaction(ErrorNumber.NONE))
         return Continued(self._open.missing)
@@ -264,7 +264,7 @@ class Passive:
         in_block = kind is Kind.BLOCK
         number = self._blocks.write(block, address, content) if in_block else self._areas.write_area(kind, block, address, content)
         if number is not None:
-            return self._refuse((self._told(number), f"{self._place(header)}: not written"), data)
+            return self._refuse((self._reported(number), f"{self._place(header)}: not written"), data)
         self.flags.take(header.flag if self._dialect.coordination_flag == "serve" else None)
         self._answer(encode_reaction(ErrorNumber.NONE, follow_on=self._dialect.follow_on_reaction and data[0] == FOLLOW_ON))
         return Written(block, address, content, kind)
@@ -273,7 +273,7 @@ class Passive:
         kind, block, address = self._where(header)
         content = self._read(header)
         if isinstance(content, ErrorNumber):
-            return self._refuse((self._told(content), f"{self._place(header)}: not read"), data)
+            return self._refuse((self._reported(content), f"{self._place(header)}: not read"), data)
         self.flags.take(header.flag if self._dialect.coordination_flag == "serve" else None)
         self._answer(encode_reaction(ErrorNumber.NONE, content[:MOST_BYTES]))
         if len(content) > MOST_BYTES and self._dialect.reaction:
@@ -298,7 +298,7 @@ class Passive:
             f"{chr(kind)} {block} {address}, amount {header.amount}" if kind.in_blocks else f"{chr(kind)} {address}, amount {header.amount}"
         )
 
-    def _told(self, number: ErrorNumber) -> int:
+    def _reported(self, number: ErrorNumber) -> int:
         return self._dialect.unknown_block if number == ErrorNumber.BLOCK else number
 
     def _refuse(self, fault: Fault, data: bytes) -> Refused:

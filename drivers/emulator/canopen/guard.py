@@ -20,11 +20,11 @@ HISTORY_DEPTH = 8
 
 
 class Emergencies:
-    """1001h, 1003h and the messages; `told` are the errors that stand."""
+    """1001h, 1003h and the messages; `active`: errors whose cause is present."""
 
     def __init__(self, objects: Objects, send: Callable[[Frame], None]) -> None:
         self._objects, self.send = objects, send
-        self.standing: dict[int, Register] = {}
+        self.active: dict[int, Register] = {}
         self.history: list[int] = []  # newest first: code, detail in the high word
         self._waiting: list[Emergency] = []
         self._free_at: Ns = 0
@@ -51,26 +51,26 @@ class Emergencies:
     @property
     def register(self) -> Register:
         register = Register(0)
-        for bits in self.standing.values():
+        for bits in self.active.values():
             register |= bits | Register.GENERIC
         return register
 
     def raise_(self, code: int, register: Register, now: Ns, detail: bytes = b"") -> None:
         """A new error; one already present is not reported again."""
-        if code in self.standing:
+        if code in self.active:
             return
-        self.standing[code] = register
+        self.active[code] = register
         self.history.insert(0, code | int.from_bytes(detail[:2].ljust(2, b"\0"), "little") << 16)
         del self.history[HISTORY_DEPTH:]
-        self._tell(Emergency(code, int(self.register), detail[:5].ljust(5, b"\0")), now)
+        self._report(Emergency(code, int(self.register), detail[:5].ljust(5, b"\0")), now)
 
     def clear(self, codes: list[int], now: Ns) -> None:
         """These are gone: code 0 once, with what is left in the register (CiA 301, 7.2.7.1)."""
-        gone = [code for code in codes if self.standing.pop(code, None) is not None]
+        gone = [code for code in codes if self.active.pop(code, None) is not None]
         if gone:
-            self._tell(Emergency(0, int(self.register)), now)
+            self._report(Emergency(0, int(self.register)), now)
 
-    def _tell(self, emergency: Emergency, now: Ns) -> None:
+    def _report(self, emergency: Emergency, now: Ns) -> None:
         self._waiting.append(emergency)
         self.wake(now)
 
@@ -88,7 +88,7 @@ class Emergencies:
 
     def reset(self) -> None:
         """Power-up or reset of the application: the history stays until power goes (AX-284)."""
-        self.standing.clear()
+        self.active.clear()
         self._waiting.clear()
         self._free_at, self.due = 0, NEVER
 

@@ -237,10 +237,10 @@ class CanopenNode:
                 self.application.connection_lost(now)
 
     def _nmt(self, frame: Frame, now: Ns) -> None:
-        told = nmt.command_of(frame)
-        if told is None or told[1] not in (nmt.ALL_NODES, self.number) or self.state is State.INITIALISING:
+        command = nmt.command_of(frame)
+        if command is None or command[1] not in (nmt.ALL_NODES, self.number) or self.state is State.INITIALISING:
             return
-        match told[0]:
+        match command[0]:
             case Command.START:
                 self._enter(State.OPERATIONAL, now)
             case Command.STOP:
@@ -279,13 +279,13 @@ class CanopenNode:
         return handle
 
     def _rpdo(self, target: Rpdo, data: bytes, now: Ns) -> None:
-        size, standing = target.mapping.size, self.emergencies.standing
+        size, active = target.mapping.size, self.emergencies.active
         if len(data) != size:
             detail = bytes((target.number + 1, len(data), size))
             self.emergencies.raise_(PDO_SHORT if len(data) < size else PDO_LONG, Register.COMMUNICATION, now, detail)
             if len(data) < size:
                 return
-        elif standing:
+        elif active:
             self.emergencies.clear([PDO_SHORT, PDO_LONG, RPDO_LATE], now)
         if target.time_out_ns:
             target.due = now + target.time_out_ns
@@ -316,9 +316,9 @@ class CanopenNode:
         if operational:
             counter = frame.data[0] if expected else None
             for tpdo in self._sync_tpdos:
-                told = tpdo.on_sync(counter)
-                if told is not None:
-                    self.output.append(Frame(tpdo.identifier, told))
+                due = tpdo.on_sync(counter)
+                if due is not None:
+                    self.output.append(Frame(tpdo.identifier, due))
         self.events(now)
 
     def _asked(self, tpdo: Tpdo) -> Handler:

@@ -415,7 +415,7 @@ class Cia402Axis(DriveMotion):
         self.state = State.DISABLED
         self.objects.values[od.ERROR_CODE] = 0
         servo.arm(True)
-        self.node.emergencies.clear([code for code in self.node.emergencies.standing if code in KINDS], self.now)
+        self.node.emergencies.clear([code for code in self.node.emergencies.active if code in KINDS], self.now)
 
     # -- communication ----------------------------------------------------------------------------
 

@@ -40,7 +40,7 @@ class Drive(Protocol):
     @property
     def period_ns(self) -> int: ...  # of the set values in cyclic modes
     @property
-    def following_error_stands(self) -> bool: ...
+    def following_error_active(self) -> bool: ...
     @property
     def own_feed_forward(self) -> float: ...
     def follow(self, position: float, duration_ns: int, speed: float) -> None: ...
@@ -187,7 +187,7 @@ class ProfilePosition(Mode):
         self.busy = not self._profile.arrived or self._next is not None
 
     def bits(self) -> int:
-        return TARGET * self._reached | BIT12 * self._acknowledged | BIT13 * self.drive.following_error_stands
+        return TARGET * self._reached | BIT12 * self._acknowledged | BIT13 * self.drive.following_error_active
 
 
 class ProfileVelocity(Mode):
@@ -366,7 +366,7 @@ class CyclicPosition(Cyclic):
             self.drive.follow(goal, self.drive.period_ns, offset + own)
 
     def bits(self) -> int:
-        return BIT12 * (not self.halted) | BIT13 * self.drive.following_error_stands
+        return BIT12 * (not self.halted) | BIT13 * self.drive.following_error_active
 
 
 class CyclicVelocity(Cyclic):

@@ -50,7 +50,7 @@ class DriveView:
         self.limited = False  # internal limit active
         self._stopping = self._new = self._fresh = False
         self._follow_since: int | None = None
-        self._told: tuple[int, ...] = ()
+        self._reported: tuple[int, ...] = ()
         self._counter = 0
         self._readers()
         self._factory()
@@ -137,7 +137,7 @@ class DriveView:
         return self.settings.own_feed_forward
 
     @property
-    def following_error_stands(self) -> bool:
+    def following_error_active(self) -> bool:
         return self._follow_since is not None
 
     @property
@@ -165,15 +165,15 @@ class DriveView:
         return self.limited or bool(self.switches.inputs(self.servo.position_rad) & 3)
 
     def changed(self) -> bool:
-        told = (
+        values = (
             self.statusword,
             self.mode.code,
             self.switches.inputs(self.servo.position_rad),
             self.value(od.ERROR_CODE),
             self.probe.status,
         )
-        before, self._told = self._told, told
-        return told != before
+        before, self._reported = self._reported, values
+        return values != before
 
     def make_row(self, no_sync: bool = False) -> AxisRow:
         counter, servo = self.counter, self.servo

@@ -25,7 +25,7 @@ class Terminals:
     def __init__(self, objects: Objects, node: CanopenNode) -> None:
         self._objects, self._node = objects, node
         self._wired: dict[int, bool] = {}
-        self._told = bytes(OCTETS)
+        self._reported = bytes(OCTETS)
         self._state = State.INITIALISING
 
     @property
@@ -80,7 +80,7 @@ class Terminals:
     def changed(self) -> bool:
         self._read()
         now = bytes(self._objects.whole((INPUTS, sub)) for sub in range(1, OCTETS + 1))
-        before, self._told = self._told, now
+        before, self._reported = self._reported, now
         return now != before and bool(self._objects.whole((INTERRUPTS, 0)))
 
 

@@ -73,7 +73,7 @@ _SUPERVISED = _POWER | {State.CHARGING}
 _BLIND = frozenset(
     (Fault.FOLLOWING_ERROR, Fault.OVERSPEED, Fault.STOP_TIMEOUT, Fault.UNDERVOLTAGE, Fault.PHASE_LOSS, Fault.ENCODER, Fault.BRAKE)
 )
-_STANDING = SetValue(drive_on=True, limit_switch=True, fault_reset=True)  # what stands at power-up is no edge
+_AT_POWER_UP = SetValue(drive_on=True, limit_switch=True, fault_reset=True)  # what stands at power-up is no edge
 _TRIPS = {Trip.FOLLOWING: Fault.FOLLOWING_ERROR, Trip.OVERSPEED: Fault.OVERSPEED, Trip.I2T: Fault.I2T, Trip.WINDING: Fault.WINDING}
 
 
@@ -100,7 +100,7 @@ class ServodynAxis:
         self.faulted_at: list[tuple[int, ActualValue]] = []  # (step, what the axis says about it), to be taken by the bus
         self._due, self._brake_due, self._stop_by = steps(settings.boot_s), NEVER, NEVER
         self._latched, self._target, self._last_target = 0, 0, 0
-        self._set, self._may_switch_on = _STANDING, False
+        self._set, self._may_switch_on = _AT_POWER_UP, False
         self._brake_opens = self._brake_stuck = False
         self.causes: set[Fault] = set()  # faults that stand until their cause goes
         self._beyond, self._turn = 0, 0
@@ -327,8 +327,8 @@ class ServodynAxis:
             self._command_brake(False)
 
     def _follow(self, value: SetValue, rest_ns: int) -> None:
-        told = self._target // self._scale
-        target = (told + wrap(value.position_inc - told)) * self._scale
+        last = self._target // self._scale
+        target = (last + wrap(value.position_inc - last)) * self._scale
         predicted = 2 * self._target - self._last_target
         window = self.settings.following_error_rad * INC_PER_TURN / (2.0 * pi)
         if abs(target - self._target) > window and abs(target - predicted) > window:
@@ -434,7 +434,7 @@ class ServodynAxis:
     def power_on(self) -> None:
         if self.state is State.OFFLINE:
             self.servo.power_up()
-            self._set, self._may_switch_on = _STANDING, False
+            self._set, self._may_switch_on = _AT_POWER_UP, False
             self._zero_wanted, self._zero_inc = False, None
             self.parameters.restart()
             self._tune()

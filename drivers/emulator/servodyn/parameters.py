@@ -55,13 +55,13 @@ class ParameterStore:
     def take(self, request: Request, power_on: bool) -> Answer:
         """Judges one request; the answer carries the resulting value in the drive."""
         rule = RULES.get(request.number)
-        standing = self.ram.get(request.number, 0)
+        stored = self.ram.get(request.number, 0)
         if rule is None:
             return Answer(request.number, Status.UNKNOWN, 0, request.sequence)
         if power_on:
-            return Answer(request.number, Status.DRIVES_ON, standing, request.sequence)
+            return Answer(request.number, Status.DRIVES_ON, stored, request.sequence)
         if type(request.value) is not rule.kind or not rule.low <= request.value <= rule.high or not self._possible(request):
-            return Answer(request.number, Status.RANGE, standing, request.sequence)
+            return Answer(request.number, Status.RANGE, stored, request.sequence)
         self.ram[request.number] = request.value
         if self.ram.get(STORE):
             self.eeprom[request.number] = request.value

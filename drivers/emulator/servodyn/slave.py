@@ -243,7 +243,7 @@ class ServodynSlave:
         raise KeyError(f"module {number} is not on this bus; there are {[seat.number for seat in self._seats]}")
 
     def _injected(self) -> None:
-        self._tell(self._time)
+        self._report_faults(self._time)
         if self._sync_due == NEVER and self._start is not None and self._row_due == NEVER:
             self._row_due, self._idle_due = self._time + self.cycle_ns, NEVER
         self._soonest = self._next_due()
@@ -277,7 +277,7 @@ class ServodynSlave:
                 if seat.life_due <= due and seat.axis.supervised:
                     seat.life_due = NEVER
                     seat.axis.fail(Fault.LIFE_LOST)
-            self._tell(due)
+            self._report_faults(due)
             if due == self._row_due:
                 self._row(due, [seat.axis.sync(rest, None, no_sync=True) for seat in self._seats])
                 settled = all(seat.axis.settled for seat in self._seats)
@@ -305,10 +305,10 @@ class ServodynSlave:
             seat.axis.advance(step)
             news = news or bool(seat.axis.faulted_at)
         if news:
-            self._tell(None)
+            self._report_faults(None)
         return rest
 
-    def _tell(self, stamp: Ns | None) -> None:
+    def _report_faults(self, stamp: Ns | None) -> None:
         """Spontaneous actual values of axes that fell into fault, in order of time, then of axes; stamp None: that of the step."""
         found: list[tuple[int, int, ActualValue]] = []
         for seat in self._seats:

@@ -47,7 +47,7 @@ def frame_of(settings: Sequence[Any], asked_baud: int) -> str:
     return f"{baud} {SIZES[flags & termios.CSIZE]}{parity}{2 if flags & termios.CSTOPB else 1}"
 
 
-def told_apart(items: list[bytes | Damage], before: Mapping[Damage, int], now: Mapping[Damage, int]) -> list[bytes | Damage]:
+def named_damage(items: list[bytes | Damage], before: Mapping[Damage, int], now: Mapping[Damage, int]) -> list[bytes | Damage]:
     """Names the marked characters of one read by what the driver counted meanwhile; PARMRK itself gives PARITY for all, BREAK for a 00."""
     if now == before:
         return items
@@ -132,7 +132,7 @@ class SerialPort(DescriptorPort):
     def _named(self, items: list[bytes | Damage]) -> list[bytes | Damage]:
         if self._counts is not None:
             before, self._counts = self._counts, self._error_counts()
-            return told_apart(items, before, self._counts or before)
+            return named_damage(items, before, self._counts or before)
         return items
 
     def unsent(self) -> int:

@@ -115,12 +115,12 @@ def _exactly(connection: socket.socket, count: int) -> bytes:
     return data
 
 
-def probe(prober: Prober, cases: Sequence[Case], tell: Callable[[Result], None]) -> list[Result]:
+def probe(prober: Prober, cases: Sequence[Case], on_result: Callable[[Result], None]) -> list[Result]:
     """All cases, each reported as soon as it is judged."""
     results = []
     for case in cases:
         result = prober.play(case)
-        tell(result)
+        on_result(result)
         results.append(result)
     return results
 
@@ -164,12 +164,12 @@ def to_html(report: Report) -> str:
         + "</tr>\n"
         for case in cases
     )
-    told = summary(report)
+    result_text = summary(report)
     return (
         '<!DOCTYPE html><html lang="en"><meta charset="utf-8"><title>Modbus probe</title>'
         "<style>body{font:14px sans-serif}td,th{border:1px solid #999;padding:2px 6px;text-align:left;font-size:12px}"
         "table{border-collapse:collapse}</style>"
-        f"<h1>Modbus probe of {html.escape(str(report['server']))}, unit {report['unit']}</h1><p>{html.escape(told)}</p>"
+        f"<h1>Modbus probe of {html.escape(str(report['server']))}, unit {report['unit']}</h1><p>{html.escape(result_text)}</p>"
         "<p>This report states how the tested item behaved in the listed tests on the listed bench. It is not a certificate and not a "
         "conformity test of the Modbus Organization or any manufacturer. Results relate only to the item tested.</p>"
         "<table><tr><th>verdict<th>request<th>section<th>sent<th>heard<th>why</tr>\n"

@@ -16,7 +16,7 @@ from protocols.servodyn.parameters import Answer, answer_id, decode_answer, enco
 
 MODULE, CYCLE_MS = 1, 4.0
 QUICK = ServoSettings(boot_s=0.2, charge_s=0.2)
-Told = Callable[["Booster", ActualValue], ActualValue | None]
+ActualChange = Callable[["Booster", ActualValue], ActualValue | None]
 Heard = Callable[["Booster", SetValue], SetValue | None]
 Answered = Callable[["Booster", Answer], Answer | None]
 Raw = Callable[["Booster", Frame], Sequence[Frame]]
@@ -33,7 +33,7 @@ class Booster:
 
     def __init__(
         self,
-        actual: Told | None = None,
+        actual: ActualChange | None = None,
         sets: Heard | None = None,
         answered: Answered | None = None,
         out: Raw | None = None,

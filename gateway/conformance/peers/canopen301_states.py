@@ -151,7 +151,7 @@ def reports_again(drive: Drive) -> None:
         found = expired(now)
         for number in found:
             consumer.watched[number].due = now + consumer.watched[number].time_ns
-            emergencies.standing.pop(LOST, None)
+            emergencies.active.pop(LOST, None)
         return found
 
     put(consumer, expired=again)
@@ -178,9 +178,9 @@ def any_heartbeat(drive: Drive, frame: Frame) -> Sequence[Frame]:
 def register_sticks(drive: Drive) -> None:
     """Bits of 1001h are set, and never cleared but by a reset."""
     emergencies = drive.node.emergencies
-    report, reset = emergencies._tell, emergencies.reset
+    report, reset = emergencies._report, emergencies.reset
 
-    def told(message: Emergency, now: Ns) -> None:
+    def reported(message: Emergency, now: Ns) -> None:
         drive.tally |= int(emergencies.register)
         report(message, now)
 
@@ -188,7 +188,7 @@ def register_sticks(drive: Drive) -> None:
         drive.tally = 0
         reset()
 
-    put(emergencies, _tell=told, reset=forgotten)
+    put(emergencies, _report=reported, reset=forgotten)
     drive.node.objects.readers[0x1001, 0] = lambda: drive.tally
 
 

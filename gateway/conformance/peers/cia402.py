@@ -154,9 +154,9 @@ def _value(key: Key, change: Callable[[int], int]) -> Tune:
     return tune
 
 
-def _as(key: Key, told: int, acts: int) -> Tune:
+def _as(key: Key, reported: int, acts: int) -> Tune:
     """An option code acts like another one."""
-    return _value(key, lambda value: acts if value == told else value)
+    return _value(key, lambda value: acts if value == reported else value)
 
 
 def _level_reset(drive: Drive) -> None:

@@ -292,4 +292,4 @@ class TakesBrokenOff(Receiver):
         data = bytes(self._data) if self._state is Hearing.CHECK else b""
         super().expire(now)
         if data:
-            self._box.tell(BlockReceived(data))
+            self._box.report(BlockReceived(data))

@@ -44,6 +44,7 @@ from gateway.conformance.peers.rk512_memories import (
 from gateway.conformance.peers.rk512_passive import (
     Beside,
     Change,
+    ChangedReactions,
     DiesOfErrors,
     Ignores,
     KeepsPieces,
@@ -59,7 +60,6 @@ from gateway.conformance.peers.rk512_passive import (
     SilentToErrors,
     Slow,
     StickyNumber,
-    Told,
     Twice,
     WritesLocked,
     WritesThenRefuses,
@@ -77,7 +77,7 @@ P, A = "RK512_PAS_", "RK512_ACT_"
 
 
 def _passive(change: Change) -> Maker:
-    return lambda: Built(passive=lambda station: Told(station.blocks, change))
+    return lambda: Built(passive=lambda station: ChangedReactions(station.blocks, change))
 
 
 def _number(old: int, new: int) -> Maker:

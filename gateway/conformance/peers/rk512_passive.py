@@ -16,7 +16,7 @@ from protocols.rk512.passive import Passive, Refused
 Change = Callable[[bytes, bytes], bytes | None]  # command, reaction -> what is said instead
 
 
-class Told(Passive):
+class ChangedReactions(Passive):
     """Our passive station with one reaction changed: `change(command, reaction)`; None: nothing is said."""
 
     def __init__(self, blocks: Blocks, change: Change, dialect: Dialect | None = None) -> None:
@@ -32,7 +32,7 @@ class Told(Passive):
         return output if output is None else self._change(self._command, output)
 
 
-class StickyNumber(Told):
+class StickyNumber(ChangedReactions):
     """The number of a refusal is in the next reaction to SEND as well."""
 
     def __init__(self, blocks: Blocks) -> None:

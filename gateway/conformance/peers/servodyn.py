@@ -7,7 +7,7 @@ from typing import Any
 from drivers.emulator.servo.settings import ServoSettings
 from drivers.emulator.servodyn.axis import Fault, State
 from gateway.conformance.peers import servodyn_phase as phase
-from gateway.conformance.peers.boosters import CYCLE_MS, QUICK, Answered, Booster, Heard, Late, Raw, Told, Tune, codec
+from gateway.conformance.peers.boosters import CYCLE_MS, QUICK, ActualChange, Answered, Booster, Heard, Late, Raw, Tune, codec
 from gateway.conformance.peers.stations import Mutant, Variant
 from protocols.base.machine import Frame, Ns, ms
 from protocols.servodyn.codec import ActualValue, SetValue
@@ -25,8 +25,8 @@ def _row(name: str, what: str, expects: str, make: Callable[[], object]) -> Row:
     return name, what, tuple(f"SERVO_{one}" for one in expects.split()), make
 
 
-def _told(name: str, what: str, expects: str, told: Told) -> Row:
-    return _row(name, what, expects, lambda: Booster(told))
+def _reports(name: str, what: str, expects: str, change: ActualChange) -> Row:
+    return _row(name, what, expects, lambda: Booster(change))
 
 
 def _heard(name: str, what: str, expects: str, heard: Heard) -> Row:
@@ -54,7 +54,7 @@ def _servo(**changes: Any) -> Callable[[], object]:
     return lambda: Booster(settings=settings)
 
 
-def _always(**bits: Any) -> Told:
+def _always(**bits: Any) -> ActualChange:
     return lambda booster, value: value._replace(**bits)
 
 
@@ -63,14 +63,14 @@ def _only_actual(change: Callable[[Booster, Frame], Sequence[Frame]]) -> Raw:
 
 
 # ---- parts
-def _every(count: int) -> Told:
+def _every(count: int) -> ActualChange:
     """One of so many actual values is lost."""
 
-    def told(booster: Booster, value: ActualValue) -> ActualValue | None:
+    def each(booster: Booster, value: ActualValue) -> ActualValue | None:
         booster.tally += 1
         return None if booster.tally % count == 0 else value
 
-    return told
+    return each
 
 
 def _zero_at_control(booster: Booster, value: ActualValue) -> ActualValue:
@@ -266,7 +266,7 @@ class SelfStarting(Booster):
         self.axis._set = SetValue()
 
 
-class TellsLate(Booster):
+class ReportsLate(Booster):
     """A fault is reported with the next SYNC only."""
 
     def __init__(self) -> None:
@@ -289,29 +289,29 @@ ROWS: tuple[Row, ...] = (
     _says("seven-bytes", "actual values of seven bytes", "CYC_BV_01", _only_actual(lambda b, f: [f._replace(data=f.data[:7])])),
     _says("twice", "two actual values for a SYNC", "CYC_BV_01", _only_actual(lambda booster, frame: [frame, frame])),
     _says("other-module", "sends as module 2", "CYC_BV_01", _only_actual(lambda b, f: [f._replace(identifier=f.identifier + 10)])),
-    _told("every-50th", "each 50th actual value is lost", "CYC_TI_01", _every(50)),
+    _reports("every-50th", "each 50th actual value is lost", "CYC_TI_01", _every(50)),
     _row("late", "its actual value comes 3.5 ms after SYNC", "CYC_TI_01 CYC_BV_01", lambda: Late(ms(3.5))),
     _hears("answers-set", "answers a set value", "CYC_BO_02", _also_idle),
     _hears("tires", "silent after 1900 SYNCs without pause", "CYC_ST_01", _dead_after(1900)),
     _says("strange", "something on 105", "CYC_BV_06", _only_actual(lambda b, f: [f, Frame(105, b"\1")])),
-    _told("never-ready", "ready is never set", "CYC_BV_04", _always(ready=False)),
-    _told("always-power", "power on is always set", "CYC_BV_04", _always(power_on=True)),
-    _told("brake-open", "the brake is always shown open", "CYC_BV_04", _always(brake_open=True)),
-    _told("always-enabled", "enabled is always set", "CYC_BV_04", _always(enabled=True)),
-    _told("always-code", "a fault code without fault", "CYC_BV_04", lambda b, v: v._replace(fault_code=v.fault_code or 7)),
-    _told("drifts", "its position drifts", "CYC_BV_05", _drifts),
+    _reports("never-ready", "ready is never set", "CYC_BV_04", _always(ready=False)),
+    _reports("always-power", "power on is always set", "CYC_BV_04", _always(power_on=True)),
+    _reports("brake-open", "the brake is always shown open", "CYC_BV_04", _always(brake_open=True)),
+    _reports("always-enabled", "enabled is always set", "CYC_BV_04", _always(enabled=True)),
+    _reports("always-code", "a fault code without fault", "CYC_BV_04", lambda b, v: v._replace(fault_code=v.fault_code or 7)),
+    _reports("drifts", "its position drifts", "CYC_BV_05", _drifts),
     _hears("short-taken", "takes a set value of seven bytes", "CYC_BI_01", _fills_up),
     _hears("any-module", "takes the set values of all modules", "CYC_BI_02", _any_module),
     _heard("no-power", "drive on does nothing", "PWR_BV_01", lambda b, v: v._replace(drive_on=False)),
-    _told("power-hidden", "power on is never set", "PWR_BV_01", _always(power_on=False)),
+    _reports("power-hidden", "power on is never set", "PWR_BV_01", _always(power_on=False)),
     _heard("on-is-enable", "drive on is taken for enable as well", "PWR_BV_01", _on_is_enable),
     _heard("no-enable", "enable does nothing", "PWR_BV_02", lambda b, v: v._replace(enable=False)),
-    _told("brake-closed", "the brake is never shown open", "PWR_BV_02", _always(brake_open=False)),
+    _reports("brake-closed", "the brake is never shown open", "PWR_BV_02", _always(brake_open=False)),
     _heard("enable-stays", "enable cannot be taken back", "PWR_BV_03", _latches("enable")),
     _heard("on-stays", "drive on cannot be taken back", "PWR_BV_01", _latches("drive_on")),
-    _told("ready-goes", "ready goes with power on", "PWR_BV_01", lambda b, v: v._replace(ready=v.ready and not v.power_on)),
+    _reports("ready-goes", "ready goes with power on", "PWR_BV_01", lambda b, v: v._replace(ready=v.ready and not v.power_on)),
     _heard("enable-is-on", "enable is taken for drive on as well", "PWR_BI_01 PWR_BV_04", _enable_is_on),
-    _told(
+    _reports(
         "brake-by-request",
         "the request opens the brake",
         "PWR_BI_02",
@@ -324,11 +324,11 @@ ROWS: tuple[Row, ...] = (
         "tells-late",
         "a fault is reported with the next SYNC",
         "FLT_BV_01",
-        TellsLate,
+        ReportsLate,
     ),
     _heard("life-ignored", "the life counter does not count", "FLT_BV_02", _life_counts),
-    _told("no-fault-bit", "the fault bit is never set", "FLT_BV_01", _always(fault=False)),
-    _told("ready-in-fault", "ready in fault", "FLT_BV_01", lambda b, v: v._replace(ready=v.ready or v.fault)),
+    _reports("no-fault-bit", "the fault bit is never set", "FLT_BV_01", _always(fault=False)),
+    _reports("ready-in-fault", "ready in fault", "FLT_BV_01", lambda b, v: v._replace(ready=v.ready or v.fault)),
     _tuned("jumps", "follows a set position that jumps", "FLT_BV_03", _no_jump),
     _heard("never-resets", "a fault cannot be reset", "FLT_BV_01", _never_resets),
     _heard("reset-by-itself", "a fault ends by itself", "FLT_BI_01", _reset_by_itself),
@@ -336,19 +336,21 @@ ROWS: tuple[Row, ...] = (
     _heard("reset-by-level", "a held reset ends the fault", "FLT_BI_02", _reset_by_level),
     _heard("restarts", "after a reset drive on counts at once", "FLT_BI_03", _restarts),
     _hears("idle-fault", "a lost SYNC without power is a fault", "FLT_BO_03", _idle_is_fault),
-    _told("brake-forgotten", "the brake is shown open after a fault", "FLT_BV_05", _brake_in_fault),
+    _reports("brake-forgotten", "the brake is shown open after a fault", "FLT_BV_05", _brake_in_fault),
     _heard("half-way", "goes half the way", "MOV_BV_01", _half),
     _heard("forwards-only", "does not go backwards", "MOV_BV_02", _forwards_only),
     _heard("wrong-way", "goes the other way", "MOV_BV_01", _wrong_way),
-    _told("frozen", "its position never changes", "MOV_BV_01", _frozen),
+    _reports("frozen", "its position never changes", "MOV_BV_01", _frozen),
     _hears("lets-go", "control ends where one set value is missing", "MOV_BV_04", _no_set_value),
     _answers(
         "par-next", "answers with the next sequence number", "PAR_BV_01 PAR_BI_01", lambda b, a: a._replace(sequence=a.sequence + 1 & 0xFF)
     ),
-    _told("zero-at-control", "its position is 0 when control begins", "MOV_BV_06", _zero_at_control),
-    _told("ready-goes-at-control", "ready goes when control begins", "MOV_BV_06", lambda b, v: v._replace(ready=v.ready and not v.enabled)),
-    _told("sixteen-bits", "its position has 16 bits", "MOV_BV_07", lambda b, v: v._replace(position_inc=v.position_inc & 0xFFFF)),
-    _told("sixteen-bits-signed", "its position has a sign and 15 bits", "MOV_BV_07", _fifteen_bits),
+    _reports("zero-at-control", "its position is 0 when control begins", "MOV_BV_06", _zero_at_control),
+    _reports(
+        "ready-goes-at-control", "ready goes when control begins", "MOV_BV_06", lambda b, v: v._replace(ready=v.ready and not v.enabled)
+    ),
+    _reports("sixteen-bits", "its position has 16 bits", "MOV_BV_07", lambda b, v: v._replace(position_inc=v.position_inc & 0xFFFF)),
+    _reports("sixteen-bits-signed", "its position has a sign and 15 bits", "MOV_BV_07", _fifteen_bits),
     _answers("par-silent", "does not answer known parameters", "PAR_BV_01", lambda b, a: a if a.number == 56 else None),
     _answers("par-sequence", "the sequence is always 0", "PAR_BV_01", _no_sequence),
     _answers("par-value", "answers with 0", "PAR_BV_01", lambda b, a: a._replace(value=0.0)),
@@ -370,21 +372,23 @@ ROWS: tuple[Row, ...] = (
         "PAR_BO_01",
         _takes(Status.DRIVES_ON),
     ),
-    _told("latches-late", "its position is that of the SYNC before", "MOV_BV_08", phase.one_before),
-    _told("own-timer", "its position is that of a timer of its own", "MOV_BV_08", phase.own_timer),
-    _told("as-sent", "its position is that of the moment of sending", "FLT_BV_06", phase.as_sent),
+    _reports("latches-late", "its position is that of the SYNC before", "MOV_BV_08", phase.one_before),
+    _reports("own-timer", "its position is that of a timer of its own", "MOV_BV_08", phase.own_timer),
+    _reports("as-sent", "its position is that of the moment of sending", "FLT_BV_06", phase.as_sent),
     _hears("at-once", "a set value acts when it comes", "MOV_BO_01", phase.at_once),
     _hears("first-counts", "of two set values the first counts", "MOV_BV_09", phase.first_counts),
     _row("ff-reversed", "the feed-forward is reversed", "MOV_BV_10", lambda: Booster(sets=phase.feed_forward(-1), settings=phase.FED)),
     _row("ff-unit", "the feed-forward is ten times as much", "MOV_BV_10", lambda: Booster(sets=phase.feed_forward(10), settings=phase.FED)),
-    _told("torque-reversed", "the torque has the other sign", "MOV_BV_11", phase.torque(lambda value: -value)),
-    _told("torque-absent", "the torque is always 0", "MOV_BV_11", phase.torque(lambda value: 0)),
-    _told("torque-unsigned", "the torque has no sign", "MOV_BV_11", phase.torque(abs)),
-    _told("torque-bytes", "the torque has its high byte first", "MOV_BV_11", phase.torque(phase.swapped)),
+    _reports("torque-reversed", "the torque has the other sign", "MOV_BV_11", phase.torque(lambda value: -value)),
+    _reports("torque-absent", "the torque is always 0", "MOV_BV_11", phase.torque(lambda value: 0)),
+    _reports("torque-unsigned", "the torque has no sign", "MOV_BV_11", phase.torque(abs)),
+    _reports("torque-bytes", "the torque has its high byte first", "MOV_BV_11", phase.torque(phase.swapped)),
     _row("stops-slowly", "its ramps last seconds", "FLT_BV_06 PWR_BV_06 PWR_BV_07", _servo(quick_stop_rad_s2=1.0, stop_timeout_s=9.0)),
-    _told("brake-first", "the brake closes with the fault", "FLT_BV_06", lambda b, v: v._replace(brake_open=v.brake_open and not v.fault)),
-    _told("code-changes", "the fault code changes", "FLT_BV_06", phase.code_changes),
-    _told("code-once", "the fault code comes once", "FLT_BV_06", phase.code_once),
+    _reports(
+        "brake-first", "the brake closes with the fault", "FLT_BV_06", lambda b, v: v._replace(brake_open=v.brake_open and not v.fault)
+    ),
+    _reports("code-changes", "the fault code changes", "FLT_BV_06", phase.code_changes),
+    _reports("code-once", "the fault code comes once", "FLT_BV_06", phase.code_once),
     _heard("enable-edge", "enable is an edge", "PWR_BV_08", phase.enable_edge),
     _heard("one-life", "one unchanged life counter is a fault", "FLT_BO_04", phase.one_life),
     _row("late-life", "an unchanged life counter is noticed three cycles later", "FLT_BV_02", phase.LateLife),

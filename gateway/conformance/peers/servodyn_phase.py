@@ -6,7 +6,7 @@ from math import pi
 
 from drivers.emulator.servo.settings import INC_PER_TURN
 from drivers.emulator.servodyn.axis import Fault, State
-from gateway.conformance.peers.boosters import CYCLE_MS, QUICK, Booster, Heard, Told, codec
+from gateway.conformance.peers.boosters import CYCLE_MS, QUICK, ActualChange, Booster, Heard, codec
 from gateway.conformance.peers.can_devices import put
 from protocols.base.machine import Frame, ms
 from protocols.servodyn.codec import ActualValue, SetValue
@@ -15,7 +15,7 @@ from protocols.servodyn.plan import SYNC_ID
 SET = codec().set_id(1)
 CYCLE = ms(CYCLE_MS)
 FAR, CREEP = 5000, 1000  # increments, and increments a cycle
-STANDS = 3  # unchanged life counters that go unseen
+UNSEEN = 3  # unchanged life counters that go unseen
 FED = replace(QUICK, speed_feed_forward=1.0)
 
 
@@ -64,7 +64,7 @@ def code_once(booster: Booster, value: ActualValue) -> ActualValue:
     return value._replace(fault_code=0) if booster.tally > 1 else value
 
 
-def torque(change: Callable[[int], int]) -> Told:
+def torque(change: Callable[[int], int]) -> ActualChange:
     return lambda booster, value: value._replace(torque_permille=change(value.torque_permille))
 
 
@@ -99,12 +99,12 @@ class LateLife(Booster):
 
     def __init__(self) -> None:
         super().__init__(sets=lambda booster, value: self.heard(value))
-        self.before, self.fake, self.stood = -1, 0, 0
+        self.before, self.fake, self.unchanged = -1, 0, 0
 
     def heard(self, value: SetValue) -> SetValue:
-        self.stood = self.stood + 1 if value.life == self.before else 0
+        self.unchanged = self.unchanged + 1 if value.life == self.before else 0
         self.before = value.life
-        self.fake += self.stood <= STANDS
+        self.fake += self.unchanged <= UNSEEN
         return value._replace(life=self.fake & 0xFF)
 
 

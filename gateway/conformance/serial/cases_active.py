@@ -44,9 +44,9 @@ def _wrong_reaction(found: Cases, name: str, title: str, wrong: Wrong | None, re
     def run(bench: Bench) -> None:
         bench.make_it_send()
         reaction = right_reaction(bench.take())
-        told = reaction if wrong is None else wrong(reaction)
-        if told:
-            bench.give_good(told, "a reaction telegram")
+        sent = reaction if wrong is None else wrong(reaction)
+        if sent:
+            bench.give_good(sent, "a reaction telegram")
         else:
             bench.silence(reaction_time + bench.tolerance, "a command whose reaction never comes")
         bench.settle()

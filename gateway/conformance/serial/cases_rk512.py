@@ -55,14 +55,14 @@ def ask(bench: Bench, place: Place, telegram: bytes) -> bytes:
 def number_expected(bench: Bench, place: Place, telegram: bytes, number: int, others: tuple[int, ...] = ()) -> None:
     """The command is refused with this number."""
     reaction = ask(bench, place, telegram)
-    told = reaction[3]
-    if told == 0:
+    found = reaction[3]
+    if found == 0:
         raise Fail(said("executed (00h), expected refusal {:02X}h", number))
     if len(reaction) > 4:
-        raise Fail(said("error {:02X}h with {} data bytes behind it, none may follow", told, len(reaction) - 4))
-    if told != number:
-        text = said("refused with {:02X}h ({}), expected {:02X}h ({})", told, words_of(told), number, words_of(number))
-        raise Warn(text) if told in others or told in known_numbers() else Fail(said("{}; {:02X}h is in no table", text, told))
+        raise Fail(said("error {:02X}h with {} data bytes behind it, none may follow", found, len(reaction) - 4))
+    if found != number:
+        text = said("refused with {:02X}h ({}), expected {:02X}h ({})", found, words_of(found), number, words_of(number))
+        raise Warn(text) if found in others or found in known_numbers() else Fail(said("{}; {:02X}h is in no table", text, found))
 
 
 def known_numbers() -> tuple[int, ...]:

@@ -89,9 +89,12 @@ def hold_of(wire: Wire) -> Callable[[bool], None] | None:
 
 
 def probe(
-    wire: Wire, settings: Settings, ask_operator: Callable[[], None] = lambda: None, told: Callable[[Result], None] = lambda result: None
+    wire: Wire,
+    settings: Settings,
+    ask_operator: Callable[[], None] = lambda: None,
+    on_result: Callable[[Result], None] = lambda result: None,
 ) -> list[Result]:
-    """Every case once; `told` gets each result at once.  PortError when the port goes away."""
+    """Every case once; `on_result` gets each result at once.  PortError when the port goes away."""
     bench = Bench(wire, settings.profile, settings.priority, stimulus_of(wire, settings, ask_operator), hold_of(wire))
     if settings.layer == "rk512":
         bench.harmless = bytes(4)  # a reaction nobody awaits
@@ -99,7 +102,7 @@ def probe(
     for case in all_cases(settings):
         result = run_case(bench, case, clean=not results or results[-1].verdict == "PASS")
         results.append(result)
-        told(result)
+        on_result(result)
     return results
 
 

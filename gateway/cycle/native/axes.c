@@ -17,7 +17,7 @@
     X(position_inc) X(set_inc) X(torque_permille) X(fault_code) X(warning) X(missing) X(epoch) X(events) X(configured)
 #define SETTINGS(X) X(step_inc)
 #define ROW(X) X(drive_on) X(enable)
-#define TRACKING(X) X(lag) X(_standing) X(_settle) X(_still) X(_last) X(number)
+#define TRACKING(X) X(lag) X(_standstill) X(_settle) X(_still) X(_last) X(number)
 #define LAG(X) X(_warn) X(_trip) X(state) X(worst)
 #define SHOWN(X) X(actual) X(set) X(speed) X(lag) X(torque) X(flags) X(fault_code) X(power) X(finding)
 #define BOUND(X) X(AXIS, axis) X(PLAN, plan) X(SCALING, scaling) X(DRIVE, drive) X(SETTINGS, settings) X(ROW, row) \
@@ -232,7 +232,7 @@ static long tracked(PyObject *tracking, PyObject *active, PyObject *behind)
     if (!lag || Py_TYPE(lag) != lag_type || SLOT(lag, lag_at.state) != lag_ok || !last)
         return -1;
     double size = fabs(real(behind)), warn = real(SLOT(lag, lag_at._warn)), trip = real(SLOT(lag, lag_at._trip));
-    double worst = real(SLOT(lag, lag_at.worst)), standing = real(SLOT(tracking, tracking_at._standing));
+    double worst = real(SLOT(lag, lag_at.worst)), standstill = real(SLOT(tracking, tracking_at._standstill));
     long still_for = PyLong_AsLong(SLOT(tracking, tracking_at._still)), settle = PyLong_AsLong(SLOT(tracking, tracking_at._settle));
     int same = active == last ? 1 : PyObject_RichCompareBool(active, last, Py_EQ);
     if (PyErr_Occurred()) {
@@ -242,7 +242,7 @@ static long tracked(PyObject *tracking, PyObject *active, PyObject *behind)
     if (!(size <= warn && size <= trip))
         return -1;
     still_for = same ? still_for + 1 : 0;
-    int left = still_for >= settle && !(size <= standing);
+    int left = still_for >= settle && !(size <= standstill);
     PyObject *counted = PyLong_FromLong(still_for), *number = left ? PyLong_FromLong(STANDSTILL) : NULL;
     PyObject *most = size > worst ? PyFloat_FromDouble(size) : NULL;
     if (counted)

@@ -42,7 +42,7 @@ SDO_TRIES = 3
 BOOT_UP_S = 2.0  # patience with a boot-up message or a state of the heartbeat
 WAITS_S = (1.0, 2.0, 5.0)  # before the next attempt with a node that does not answer
 REFUSED_S = 10.0  # before the next attempt with one that was refused
-TELL_S = 1.0  # at most one emergency message of a node is told in this time
+REPORT_S = 1.0  # at most one emergency message of a node is told in this time
 ANSWERS, SDO_BYTES = 256, 8  # of a node that may wait unread, more than a block transfer has (127); bytes of one
 LATE = 2  # heartbeats more than the drive's own patience with us before the node counts as lost
 
@@ -75,7 +75,7 @@ class Node:
     booted: Booted | None = None
     emergency: int = 0  # code of the last EMCY, 0: none or gone
     emergencies: int = 0
-    untold: int = 0  # of them not told one by one
+    unreported: int = 0  # of them not told one by one
     quiet_until: float = 0.0
     adopted: bool = False  # the next attempt only looks: a predecessor has configured it
     asked: int = 0  # how often somebody wanted it started up once more
@@ -98,8 +98,8 @@ class Receiving(can.Listener):
     Without it python-can ends the thread, and canopen raises that one error in every dialogue from then on.
     """
 
-    def __init__(self, network: canopen.Network, told: Callable[[str], None]) -> None:
-        self._network, self._told = network, told
+    def __init__(self, network: canopen.Network, report: Callable[[str], None]) -> None:
+        self._network, self._report = network, report
 
     def on_message_received(self, msg: can.Message) -> None:
         """canopen's own listener takes it."""
@@ -107,7 +107,7 @@ class Receiving(can.Listener):
     def on_error(self, exc: Exception) -> None:
         if self._network.notifier is not None:
             self._network.notifier.exception = None
-        self._told(f"receiving failed and goes on: {place_of(exc)}")
+        self._report(f"receiving failed and goes on: {place_of(exc)}")
         time.sleep(TICK_S)  # an error that stands must not become a busy loop
 
     def stop(self) -> None:
@@ -206,7 +206,7 @@ class CanopenMaster:
         """At most once a second."""
         now = time.monotonic()
         if now >= self._quiet_until:
-            self._quiet_until = now + TELL_S
+            self._quiet_until = now + REPORT_S
             self._say("alarm", f"{self._channel}: {words}", {})
 
     def stop(self) -> None:
@@ -256,21 +256,21 @@ class CanopenMaster:
         """In words; a storm of them is one line a second with their number."""
         left_out = self._link.left_out(identifier)
         node.emergencies += 1 + left_out
-        node.untold += left_out
+        node.unreported += left_out
         try:
             error = emcy.decode(bytes(data))
         except ProtocolError:
-            node.untold += 1  # too short for one: counted
+            node.unreported += 1  # too short for one: counted
             return
         before, node.emergency = node.emergency, error.code
         now = time.monotonic()
         if error.code == before or now < node.quiet_until:
-            node.untold += 1
+            node.unreported += 1
             return
         from drivers.drives.cia402_words import sentence
 
-        more = f" ({node.untold} more emergency messages before)" if node.untold else ""
-        node.quiet_until, node.untold = now + TELL_S, 0
+        more = f" ({node.unreported} more emergency messages before)" if node.unreported else ""
+        node.quiet_until, node.unreported = now + REPORT_S, 0
         facts = {"node": node.plan.node, "code": error.code, "register": error.register}
         self._say("drive", f"{node.name}: {sentence(error.code, self._language)}{more}", facts)
 

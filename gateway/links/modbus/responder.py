@@ -29,12 +29,12 @@ class Exchange:
     address: str
     unit: int
     asked: bytes
-    told: bytes  # empty: answered in silence
+    answered: bytes  # empty: answered in silence
 
     def row(self) -> list[object]:
         """For a page: the bytes as hex, cut; their numbers beside them."""
-        return [self.number, self.stamp, self.address, self.unit, self.asked[:SHOWN].hex(), len(self.asked), self.told[:SHOWN].hex(),
-                len(self.told)]  # fmt: skip
+        return [self.number, self.stamp, self.address, self.unit, self.asked[:SHOWN].hex(), len(self.asked), self.answered[:SHOWN].hex(),
+                len(self.answered)]  # fmt: skip
 
 
 @dataclass(slots=True)
@@ -121,7 +121,7 @@ class ModbusResponder:
             self.counters.exceptions[ExceptionCode(result[1])] += 1
         else:
             client.last_request_ns = self.last_request_ns = now
-            self._tell(request, client)
+            self._report(request, client)
         return result
 
     def look(self, request: Request) -> bytes:
@@ -148,7 +148,7 @@ class ModbusResponder:
             self._answer(self._unit, pdu, client)
         return b""
 
-    def _tell(self, request: Request, client: Client) -> None:
+    def _report(self, request: Request, client: Client) -> None:
         if self._on_request is None:
             return
         try:

@@ -22,18 +22,18 @@ def forget(stamp: Ns, side: str, what: int | Damage) -> None:
 
 
 class Monitor:
-    """Reads ports called by their side; `tell` gets every sentence."""
+    """Reads ports called by their side; `on_report` gets every sentence."""
 
     def __init__(
         self,
         ports: Sequence[tuple[str, ToolPort]],
         clock: Callable[[], Ns],
-        tell: Callable[[LineReport], None],
+        on_report: Callable[[LineReport], None],
         check: bool = True,
         keep: Callable[[Ns, str, int | Damage], None] = forget,
     ) -> None:
         """`keep` gets every character as well."""
-        self._ports, self._clock, self._tell, self._keep = ports, clock, tell, keep
+        self._ports, self._clock, self._on_report, self._keep = ports, clock, on_report, keep
         self._decoder = LineDecoder(both=len(ports) == 2, block_check=check)
         self._heard: dict[str, deque[tuple[Ns, int | Damage]]] = {side: deque() for side, _ in ports}
         self._latest: Ns = 0
@@ -55,8 +55,8 @@ class Monitor:
         if not count:
             quiet(self._clock() - start)
         self._decode(self._clock() + HOLD)
-        for told in self._decoder.flush(self._clock() + ms(1000)):
-            self._tell(told)
+        for report in self._decoder.flush(self._clock() + ms(1000)):
+            self._on_report(report)
 
     def take(self) -> None:
         """What waits at the ports."""
@@ -66,8 +66,8 @@ class Monitor:
                 self._heard[side] += [(now, what) for what in (item if isinstance(item, bytes) else (item,))]
         self._decode(now)
         if not any(self._heard.values()):
-            for told in self._decoder.flush(now):
-                self._tell(told)
+            for report in self._decoder.flush(now):
+                self._on_report(report)
 
     def _decode(self, now: Ns) -> None:
         """In the order of the line: two taps are read one after the other, the protocol says whose turn it was."""
@@ -76,8 +76,8 @@ class Monitor:
             self.characters += 1
             self._latest = stamp = max(stamp, self._latest)  # what was held back came before, whatever its adapter's moment
             self._keep(stamp, side, what)
-            for told in self._decoder.take(stamp, side, what):
-                self._tell(told)
+            for report in self._decoder.take(stamp, side, what):
+                self._on_report(report)
 
     def _next_side(self, now: Ns) -> str | None:
         waiting = [side for side, heard in self._heard.items() if heard]
@@ -114,29 +114,35 @@ class Printer:
         self._write, self._json, self._start = write, as_json, start
         self._last: Ns | None = None
 
-    def __call__(self, told: LineReport) -> None:
-        self._start = told.first or told.stamp if self._start is None else self._start
-        since = (told.first or told.stamp) - (self._last if self._last is not None else self._start)
-        self._last = told.stamp
-        at, gap = (told.stamp - self._start) / 1e6, max(0, since) / 1e6
+    def __call__(self, report: LineReport) -> None:
+        self._start = report.first or report.stamp if self._start is None else self._start
+        since = (report.first or report.stamp) - (self._last if self._last is not None else self._start)
+        self._last = report.stamp
+        at, gap = (report.stamp - self._start) / 1e6, max(0, since) / 1e6
         if not self._json:
-            self._write(f"{at:11.1f} ms  {'+' + format(gap, '.1f'):>8}  {told.side}  {told.text}")
+            self._write(f"{at:11.1f} ms  {'+' + format(gap, '.1f'):>8}  {report.side}  {report.text}")
             return
-        record: dict[str, object] = {"ms": round(at, 3), "after_ms": round(gap, 3), "side": told.side, "kind": told.kind, "text": told.text}
-        if told.kind in ("BLOCK", "BROKEN"):
-            record |= {"data": told.data.hex(), "check_ok": told.check_ok}
-        telegram = telegram_of(told.data) if told.kind == "BLOCK" else None
+        record: dict[str, object] = {
+            "ms": round(at, 3),
+            "after_ms": round(gap, 3),
+            "side": report.side,
+            "kind": report.kind,
+            "text": report.text,
+        }
+        if report.kind in ("BLOCK", "BROKEN"):
+            record |= {"data": report.data.hex(), "check_ok": report.check_ok}
+        telegram = telegram_of(report.data) if report.kind == "BLOCK" else None
         if telegram is not None:
             record |= {"job": telegram.job, "db": telegram.db, "word": telegram.word, "amount": telegram.amount, "error": telegram.number}
         self._write(json.dumps(record))
 
 
-def replay(characters: Iterator[tuple[Ns, str, int | Damage]], tell: Callable[[LineReport], None]) -> None:
+def replay(characters: Iterator[tuple[Ns, str, int | Damage]], on_report: Callable[[LineReport], None]) -> None:
     """A recording instead of a line."""
     decoder, last = LineDecoder(), 0
     for stamp, side, what in characters:
         last = stamp
-        for told in decoder.take(stamp, side, what):
-            tell(told)
-    for told in decoder.flush(last + ms(1000)):
-        tell(told)
+        for report in decoder.take(stamp, side, what):
+            on_report(report)
+    for report in decoder.flush(last + ms(1000)):
+        on_report(report)

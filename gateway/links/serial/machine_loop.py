@@ -80,7 +80,7 @@ class LineCore(Generic[E]):
         self.state.connected, self.state.since_ns, self.state.why = False, now, why
         self.state.counters.lost += 1
         with contextlib.suppress(PortError):  # a machine that fails here as well has been counted
-            self._tell(self._ask(self.machine.lost, now), now)
+            self._report(self._ask(self.machine.lost, now), now)
 
     @property
     def wants_write(self) -> bool:
@@ -117,7 +117,7 @@ class LineCore(Generic[E]):
             flushed = bool(events)
             if events:
                 self._flush(now)  # the partner waits for the answer; our listeners can wait
-                self._tell(events, now)
+                self._report(events, now)
         if not flushed:
             self._flush(now)
 
@@ -130,7 +130,7 @@ class LineCore(Generic[E]):
             self.state.counters.latest_wake_ns = max(self.state.counters.latest_wake_ns, now - due)
             events = self._ask(self.machine.wake, now)
             self._flush(now)
-            self._tell(events, now)
+            self._report(events, now)
         self._flush(now)
 
     def pump(self, now: Ns) -> None:
@@ -192,10 +192,10 @@ class LineCore(Generic[E]):
         except Exception as error:  # as above
             events = self._broken(error, now)
         if events:
-            self._tell(events, now)
+            self._report(events, now)
         return True
 
-    def _tell(self, events: Sequence[E], now: Ns) -> None:
+    def _report(self, events: Sequence[E], now: Ns) -> None:
         for event in events:
             self.state.counters.events += 1
             try:

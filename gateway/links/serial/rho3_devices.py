@@ -64,7 +64,7 @@ class Rho3Lines:
     def do(self, action: Callable[[LineManager, Ns], R]) -> R:
         """Any other call: `lines.do(lambda manager, now: manager.write_begin(process, None, now))`."""
         result = action(self.manager, time.monotonic_ns())
-        self._tell_all(self.manager.take_events())
+        self._report_all(self.manager.take_events())
         self._kick()
         return result
 
@@ -90,14 +90,14 @@ class Rho3Lines:
 
     def _heard(self, event: Event, now: Ns) -> None:
         """Of any line; what it leads to may have to leave by another one."""
-        self._tell(event, now)
+        self._report(event, now)
         self._kick()
 
-    def _tell_all(self, events: list[Event]) -> None:
+    def _report_all(self, events: list[Event]) -> None:
         for event in events:
-            self._tell(event, time.monotonic_ns())
+            self._report(event, time.monotonic_ns())
 
-    def _tell(self, event: Event, now: Ns) -> None:
+    def _report(self, event: Event, now: Ns) -> None:
         if isinstance(event, FormatWanted):
             asyncio.get_running_loop().call_soon(self._reopen, event.line)
         if isinstance(event, Finished):

@@ -240,15 +240,15 @@ class VirtualWire:
         now = self._now
         if self._sent_at is not None and self._sent_at <= now:
             self._sent_at = None
-            self._tell(self.station.sent(now))
+            self._report(self.station.sent(now))
         while self._to_station and self._to_station[0][0] <= now:
             what = self._to_station.popleft()[1]
-            self._tell(self.station.damaged(what, now) if isinstance(what, Damage) else self.station.receive(what, now))
+            self._report(self.station.damaged(what, now) if isinstance(what, Damage) else self.station.receive(what, now))
         due = self.station.deadline()
         if due is not None and due <= now:
-            self._tell(self.station.wake(now))
+            self._report(self.station.wake(now))
 
-    def _tell(self, events: Sequence[object]) -> None:
+    def _report(self, events: Sequence[object]) -> None:
         self._speak()
         for event in events:
             self._on_event(event, self._now)

@@ -195,7 +195,7 @@ class DataBlocks:
         self._host = host
         self._pattern, self._positions, self._programs, self._asked = selected.pattern, selected.positions, selected.programs, Asked()
         self._levels: dict[str, float] = {}
-        self._told: dict[Slot, str] = {}  # what was said of a bad number that still stands
+        self._reported: dict[Slot, str] = {}  # what was said of a bad number that still stands
         self._primed: set[str] = set()
         self._numbers = MoveNumbers({slot.name for block in blocks if block.from_plc for slot in block.slots})
         self._since = {block.number: bytearray(2 * block.words) for block in blocks}  # 1: written since the link began
@@ -275,9 +275,9 @@ class DataBlocks:
                 words = f"{slot.name} {value:g} is no number"
             elif slot.name == NUMBER and abs(value - round(value)) > WHOLE:
                 words = f"{slot.name} {value:g}; a whole number is expected"
-        if words and self._told.get(slot) != words:
+        if words and self._reported.get(slot) != words:
             self._host.bad_number(slot.name, f"{block_name(block.number)} DW {slot.word}: {words}")
-        self._told[slot] = words
+        self._reported[slot] = words
         return (None, words) if words else (value, "")
 
     def _act(self, levels: Mapping[str, float], asked: Collection[str]) -> None:

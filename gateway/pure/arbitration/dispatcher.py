@@ -68,7 +68,7 @@ class CommandDispatcher:
             for mask, value in self.overrides.multiplied(factor, self.cell):
                 self._order(Order.OVERRIDE, mask=0 if mask == self.admission.every_axis else mask, value=value)
 
-    def belt_stood(self, place: int, offset: float) -> None:
+    def restore_belt_offset(self, place: int, offset: float) -> None:
         """Offset of a belt's counter to its encoder when last seen; NaN: unknown (AX-480)."""
         self._order(Order.BELT, mask=place, value=offset)
 

@@ -113,12 +113,12 @@ class Outputs:
             case Source.RC_OUTPUT:
                 return get_bit(rc_outputs, output.bit)
             case Source.SERVICES:
-                return self._told(output, said)
+                return self._of_services(output, said)
 
-    def _told(self, output: Output, said: Sequence[Said]) -> bool:
-        told = said[output.number] if output.number < len(said) else Said()
-        if told.quality == Quality.GOOD:
-            return told.value
+    def _of_services(self, output: Output, said: Sequence[Said]) -> bool:
+        sample = said[output.number] if output.number < len(said) else Said()
+        if sample.quality == Quality.GOOD:
+            return sample.value
         return self._last[output.number] if output.on_loss is None else bool(output.on_loss)
 
 

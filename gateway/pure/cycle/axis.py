@@ -24,7 +24,7 @@ class CoreAxis:
     drive: DriveMaker
     lag_warn: float = math.inf
     lag_trip: float = math.inf
-    standing: float = math.inf  # so far an axis may be from where it has to stand still
+    standstill: float = math.inf  # so far an axis may be from where it has to stand still
     zeroed: bool = True  # False: absolute, and nobody has said yet where it reads 0
     modulo: float = 0.0  # an endless axis goes round at it; 0: an axis with ends
     kinematic: int = 1  # number of its robot in the cell

@@ -78,8 +78,8 @@ class CoreBelts:
         self._bearing: PathKinematics = self._kinematics  # of the part under way
         self._encoders = [False] * len(self.facts)
         self._zeros: list[Zero | None] = [None] * len(self.facts)  # of encoders that have spoken
-        self._stood: dict[int, float] = {}  # offsets as they were kept, until their encoder speaks
-        self._told = [False] * len(self.facts)  # the counter stands as it was kept, or nothing was
+        self._kept: dict[int, float] = {}  # offsets as they were kept, until their encoder speaks
+        self._restored = [False] * len(self.facts)  # the counter stands as it was kept, or nothing was
         self._silent = [0] * len(self.facts)
         self._trackers = [Tracker(period_s, DELAY * period_s) for _ in self.facts]
         self._rig: SyncStepper | None = None
@@ -102,23 +102,23 @@ class CoreBelts:
         """The first telegram of its encoder has `raw` of 0..span-1; from here the counts go on from 0."""
         self._zeros[place] = Zero(raw, span)
 
-    def stood(self, place: int, offset: float) -> None:
+    def restore(self, place: int, offset: float) -> None:
         """The counter's offset as it was kept (m or rad), NaN: none; taken once, when the encoder has spoken (AX-480)."""
-        if 0 <= place < len(self.facts) and not self._told[place]:
-            self._stood[place] = offset
+        if 0 <= place < len(self.facts) and not self._restored[place]:
+            self._kept[place] = offset
 
     def offset(self, place: int) -> float:
         """Counter minus encoder value, m or rad: it stays while the belt runs.  NaN: nothing to keep yet."""
         zero, belt = self._zeros[place], self.all.all[place]
-        if zero is None or not self._told[place]:
+        if zero is None or not self._restored[place]:
             return nan
         return belt.counter - zero.says(self.counts[place]) * belt.data.increment
 
     def _restore(self) -> None:
         """After the counters have been updated with what the encoders said."""
-        for place in [place for place in self._stood if self._zeros[place] is not None]:
-            zero, belt, offset = self._zeros[place], self.all.all[place], self._stood.pop(place)
-            self._told[place] = True
+        for place in [place for place in self._kept if self._zeros[place] is not None]:
+            zero, belt, offset = self._zeros[place], self.all.all[place], self._kept.pop(place)
+            self._restored[place] = True
             if zero is not None and not isnan(offset):
                 belt.set_counter(offset + zero.says(self.counts[place]) * belt.data.increment)
 
@@ -133,14 +133,14 @@ class CoreBelts:
         on = [n for n in numbers if inputs.quality[n >> 3] == good and inputs.bit(n)]
         self.all.inputs(on)
         self.all.update(self.counts)
-        if self._stood:
+        if self._kept:
             self._restore()
         for n, encoder in enumerate(self._encoders):
             self._silent[n] = 0 if self.heard[n] or not encoder or self.all.simulated else self._silent[n] + 1
             self.heard[n] = False
             if self._carried is None or self.order is None or n != self.order.belt:  # a carried robot's own belt: motion.sync.belt_frame
                 belt = self.all.all[n]
-                self._trackers[n].update(belt.way + 0.5 * abs(belt.data.increment), standing=belt.watch.motion is Motion.STOPPED)
+                self._trackers[n].update(belt.way + 0.5 * abs(belt.data.increment), at_rest=belt.watch.motion is Motion.STOPPED)
 
     @property
     def shown(self) -> Belt:

@@ -91,7 +91,7 @@ class CycleLogic:
         self._lost_cycles = 0  # since chain or control was lost
 
     def _tracking(self, plan: CoreAxis) -> Tracking:
-        return Tracking(plan.standing, plan.lag_warn, plan.lag_trip, round(SETTLE_S / self._period))
+        return Tracking(plan.standstill, plan.lag_warn, plan.lag_trip, round(SETTLE_S / self._period))
 
     # ---- one cycle ---------------------------------------------------------------------------------------------------
     def idle(self) -> list[SetRecord]:
@@ -222,7 +222,7 @@ class CycleLogic:
                     lane.obey(record)
             case Order.BELT:
                 if self.belts is not None:
-                    self.belts.stood(record.mask, record.value)
+                    self.belts.restore(record.mask, record.value)
             case Order.EMERGENCY:
                 self._emergency()
             case Order.RESET:

@@ -108,7 +108,7 @@ class DriveOnGate:
                 found.append(n)
         return found
 
-    def standing(self, piece: TimedPiece) -> list[float]:
+    def begin_of(self, piece: TimedPiece) -> list[float]:
         """Where the path of a piece may begin: the axes' places, for kept ones what the piece takes them for."""
         places = [axis.set for axis in self._axes]
         for axis, place in zip(piece.axes, piece.nodes[0][::3], strict=False):

@@ -50,14 +50,14 @@ class Wire:
 
 @dataclass(slots=True)
 class Armed:
-    """One channel that waits for its edge.  probe: drives catch it; `told`: the edge was passed on."""
+    """One channel that waits for its edge.  probe: drives catch it; `reported`: the edge was passed on."""
 
     wire: Wire
     bench: Bench
     mask: int
     since: Ns
     probe: DriveProbe | None = None
-    told: bool = False
+    reported: bool = False
 
 
 class CoreFlying:
@@ -145,9 +145,9 @@ class CoreFlying:
     def _caught(self) -> None:
         """Edges of drives whose instant is known now."""
         for channel, armed in self._armed.items():
-            instant = armed.probe.instant(self._history) if armed.probe is not None and not armed.told else None
+            instant = armed.probe.instant(self._history) if armed.probe is not None and not armed.reported else None
             if armed.probe is not None and instant is not None:
-                armed.told = True
+                armed.reported = True
                 self._edges.append(Edge(channel, max(instant, armed.since), armed.probe.edge))
 
 

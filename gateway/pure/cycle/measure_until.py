@@ -24,7 +24,7 @@ from protocols.base.machine import Ns
 BOARD = 1  # the axes of one channel are one servo board
 GOOD = int(Quality.GOOD)
 PATIENT = 50  # cycles the end of a part waits for positions that do not come
-STANDS = 1e-9  # m/s or rad/s
+STILL = 1e-9  # m/s or rad/s
 TO_REST_NS = 60_000_000  # five time constants of a position loop of Kv 80 1/s: drives lag behind a path that has ended (AX-566)
 
 
@@ -111,7 +111,7 @@ class CoreMeasure:
             return None
         mask = self._until.mask if self._until is not None else 0
         speed = hypot(*(v for n, v in enumerate(self._part.speeds) if mask >> n & 1))
-        if not self._part.edge or speed < STANDS:
+        if not self._part.edge or speed < STILL:
             return Course()
         rows = zip(places, self._part.edge, self._part.speeds, strict=True)
         found = tuple(edge + self.distance * v / speed if v else place for place, edge, v in rows)
@@ -126,7 +126,7 @@ class CoreMeasure:
             return self._part.patience > 0
         return self._probe is not None and self._part.ended < self._heard_by()
 
-    def stands(self, inputs: InputImage) -> bool:
+    def value_present(self, inputs: InputImage) -> bool:
         """Before the block: an input that has its value already lets nothing move, and the axes' place is measured; a probe has to
         change, whatever its state is now (L1130)."""
         until = self._until

@@ -60,7 +60,7 @@ class Mover(PathMover):
             self.measure.begin(until_of(record), self._inputs, self._state.sync_ns)
             if self.gate.kept and self.free:
                 self.gate.accepting()
-                self._as_they_stand()
+                self._begin_at_set_values()
         elif record.part in (Part.REST, Part.FLUSH):
             self._rest(flushed=record.part is Part.FLUSH)
         elif record.part in (Part.SYNCHRON, Part.BELT_BLOCK, Part.BELT_ACT):
@@ -131,7 +131,7 @@ class Mover(PathMover):
 
     def _needs_no_way(self) -> bool:
         """At the beginning of a part: the input that ends it has its value already, or its time is 0; then nothing moves (rho3 4.3)."""
-        has_value = self.measure.stands(self._inputs)
+        has_value = self.measure.value_present(self._inputs)
         self.program.late = not has_value and self.measure.timeless()
         self.program.met = has_value or self.program.late
         return self.program.met
@@ -143,7 +143,7 @@ class Mover(PathMover):
             return self.all_enabled(piece.mask)
         gate.check(piece, until=self.measure.on)
         if gate.kept and self.free and not self.stepper.ahead:
-            self.stepper.place(gate.standing(piece))
+            self.stepper.place(gate.begin_of(piece))
         return True
 
     def _load(self, piece: Piece | TimedPiece) -> None:
@@ -157,7 +157,7 @@ class Mover(PathMover):
             self.storing.tape.recall(*recall_of(record))
         else:
             set_machine_position(self._axes, self._state, machine_of(record))
-            self._as_they_stand()
+            self._begin_at_set_values()
         if not self.program.begun:
             self._begin(self.program.job)
             self.program.begun = True

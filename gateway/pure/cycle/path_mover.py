@@ -86,7 +86,7 @@ class PathMover:
             if self._homings.job or self.program.job or self._state.emergency or not self.all_enabled(piece.mask):
                 raise MotionError("the axes of the piece are not all enabled, or they are being referenced")
             if self.gate.kept and self.free:
-                self._as_they_stand()
+                self._begin_at_set_values()
                 self.gate.over()
             self.stepper.load(piece)
         except MotionError:
@@ -228,9 +228,9 @@ class PathMover:
     def accept(self) -> None:
         """Without a path, and none on its way, the next one begins where the axes rest."""
         if self.free and not self.stepper.ahead:
-            self._as_they_stand()
+            self._begin_at_set_values()
 
-    def _as_they_stand(self) -> None:
+    def _begin_at_set_values(self) -> None:
         """The path begins at the set values of the axes."""
         self.stepper.place([axis.set for axis in self._axes])
 

@@ -9,12 +9,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 Record = dict[str, object]
-MOST_STANDING = 500  # more are not errors of one cell but a fault of what reports them
+MOST_OPEN = 500  # more are not errors of one cell but a fault of what reports them
 _MEASURED = re.compile(r"-?\d+\.\d+")  # the same alarm, though the following error it names grows
 
 
 @dataclass(slots=True)
-class Standing:
+class OpenAlarm:
     """An alarm that has not gone, or was not acknowledged."""
 
     number: int
@@ -31,7 +31,7 @@ class Alarms:
     def __init__(self, names: Iterable[Iterable[str]], before: Iterable[Mapping[str, object]] = ()) -> None:
         groups = [sorted({name for name in group if name}, key=len, reverse=True) for group in names]
         self._names = [re.compile("|".join(rf"(?<![\w.]){re.escape(name)}(?!\w)" for name in group)) for group in groups if group]
-        self._open: dict[tuple[int, str, str], Standing] = {}
+        self._open: dict[tuple[int, str, str], OpenAlarm] = {}
         self._number = 0
         for record in before:
             self._again(record)
@@ -57,10 +57,10 @@ class Alarms:
             before = self._open.get(key)
             if before is not None and not before.gone:
                 continue
-            if len(self._open) >= MOST_STANDING:
+            if len(self._open) >= MOST_OPEN:
                 self._forget()
             self._number += 1
-            self._open[key] = Standing(self._number, int(code), text, key[1])
+            self._open[key] = OpenAlarm(self._number, int(code), text, key[1])
             records.append({"what": "came", "number": self._number, "code": int(code), "text": text, "source": key[1]})
         return records
 
@@ -88,12 +88,12 @@ class Alarms:
         self._number = max(self._number, number)
         match record.get("what"):
             case "came":
-                self._open[number, "", ""] = Standing(number, 0, "", "")
+                self._open[number, "", ""] = OpenAlarm(number, 0, "", "")
             case "gone":
                 self._open.pop((number, "", ""), None)
 
 
-def told(records: Iterable[Mapping[str, object]]) -> list[Record]:
+def alarm_rows(records: Iterable[Mapping[str, object]]) -> list[Record]:
     """One row an alarm, the newest first: number, code, text, source, came, acknowledged, by, gone; foreign records are left out."""
     rows: dict[int, Record] = {}
     for record in records:

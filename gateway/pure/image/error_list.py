@@ -33,7 +33,7 @@ class ErrorRecord:
     last_ns: Ns
     count: int = 1
     reset: Reset = Reset.ACKNOWLEDGE
-    standing: bool = True  # the cause is still there
+    active: bool = True  # the cause is still there
 
 
 class ErrorList:
@@ -59,7 +59,7 @@ class ErrorList:
         key = (code, source, where)
         known = self._records.get(key)
         if known is not None:
-            self._records[key] = replace(known, last_ns=now, count=known.count + 1, standing=True)
+            self._records[key] = replace(known, last_ns=now, count=known.count + 1, active=True)
             return False
         if len(self._records) >= self._capacity:
             self.lost += 1  # the first ones stay: they tell how it began
@@ -76,7 +76,7 @@ class ErrorList:
         if known.reset is Reset.ITSELF:
             del self._records[key]
         else:
-            self._records[key] = replace(known, standing=False)
+            self._records[key] = replace(known, active=False)
 
     def drop(self, code: int, where: str, source: str = "axisgate") -> None:
         """It leaves the list whatever its rule: its owner knows that it is over."""
@@ -84,7 +84,7 @@ class ErrorList:
 
     def acknowledge(self, right: Reset) -> int:
         """Clears what this right may clear and whose cause is gone; how many went."""
-        kept = {key: record for key, record in self._records.items() if record.standing or record.reset > right}
+        kept = {key: record for key, record in self._records.items() if record.active or record.reset > right}
         cleared = len(self._records) - len(kept)
         self._records = kept
         if not kept:

@@ -77,12 +77,12 @@ class LineDecoder:
 
     def take(self, stamp: Ns, side: str, what: int | Damage) -> list[LineReport]:
         """The next character of the line, in the order of the stamps."""
-        told = self._expire(stamp)
+        reports = self._expire(stamp)
         block = self._blocks.get(side)
         if block is None and not self._both and side in self._offered and not self._is_repeat(stamp, side, what):
             del self._offered[side]
             block = self._blocks[side] = _Block(stamp, stamp)
-        return told + (self._inside(block, stamp, side, what) if block is not None else self._outside(stamp, side, what))
+        return reports + (self._inside(block, stamp, side, what) if block is not None else self._outside(stamp, side, what))
 
     def flush(self, now: Ns) -> list[LineReport]:
         """Blocks that pause too long at this moment."""
@@ -113,23 +113,23 @@ class LineDecoder:
         self._answer_of = ""
         if isinstance(what, Damage):
             return [LineReport(stamp, side, "DAMAGED", f"a damaged character ({what.name.lower()})", first=stamp)]
-        told: list[LineReport] = []
+        reports: list[LineReport] = []
         match what:
             case Char.STX:
                 text = "STX: requests to send"
                 if self._both and any(other != side for other in self._offered):
                     text += ", at the same time as the other side (conflict)"
                 self._offered[side] = stamp
-                told.append(LineReport(stamp, side, "STX", text, first=stamp))
+                reports.append(LineReport(stamp, side, "STX", text, first=stamp))
             case Char.DLE:
-                told.append(LineReport(stamp, side, "DLE", self._acknowledged(stamp, side), first=stamp))
+                reports.append(LineReport(stamp, side, "DLE", self._acknowledged(stamp, side), first=stamp))
             case Char.NAK:
-                told += [self._broken(other, "NAK") for other in list(self._blocks) if other != side]
+                reports += [self._broken(other, "NAK") for other in list(self._blocks) if other != side]
                 self._offered.clear()
-                told.append(LineReport(stamp, side, "NAK", "NAK", first=stamp))
+                reports.append(LineReport(stamp, side, "NAK", "NAK", first=stamp))
             case _:
-                told.append(LineReport(stamp, side, "STRAY", f"stray character {what:02X}h", bytes((what,)), first=stamp))
-        return told
+                reports.append(LineReport(stamp, side, "STRAY", f"stray character {what:02X}h", bytes((what,)), first=stamp))
+        return reports
 
     def _acknowledged(self, stamp: Ns, side: str) -> str:
         sender = next((other for other in self._offered if other != side), None)

@@ -85,44 +85,44 @@ def is_test(data: bytes) -> bool:
     return len(data) <= 2 or TEST_TEXT.startswith(data)
 
 
-def learn(tolds: Iterable[LineReport]) -> Learned:
+def learn(reports: Iterable[LineReport]) -> Learned:
     """Sentences of a decoder that received both sides."""
     seen = Learned()
     waiting: tuple[LineReport, Telegram] | None = None
-    for told in tolds:
-        seen.first, seen.last = seen.first or told.stamp, told.stamp
-        seen.conflicts += "conflict" in told.text
-        seen.repeats += told.kind == "NAK"
-        if told.kind != "BLOCK":
+    for report in reports:
+        seen.first, seen.last = seen.first or report.stamp, report.stamp
+        seen.conflicts += "conflict" in report.text
+        seen.repeats += report.kind == "NAK"
+        if report.kind != "BLOCK":
             continue
-        if is_test(told.data):
+        if is_test(report.data):
             seen.tests += 1
             continue
         seen.blocks += 1
-        if not told.check_ok:
-            seen.bad_checks += told.check_ok is False
-            seen.includes_stx += told.check_difference == 2
+        if not report.check_ok:
+            seen.bad_checks += report.check_ok is False
+            seen.includes_stx += report.check_difference == 2
             continue
-        telegram = telegram_of(told.data)
+        telegram = telegram_of(report.data)
         if telegram is None:
-            seen.raw.append(told.data)
+            seen.raw.append(report.data)
         elif telegram.job in ("SEND", "FETCH"):
-            waiting, seen.active = (told, telegram), told.side
-            seen.flags += told.data[8] != 0xFF
-        elif telegram.job == "REACTION" and waiting is not None and told.side != waiting[0].side:
-            seen.reaction_times.append(told.first - waiting[0].stamp)
+            waiting, seen.active = (report, telegram), report.side
+            seen.flags += report.data[8] != 0xFF
+        elif telegram.job == "REACTION" and waiting is not None and report.side != waiting[0].side:
+            seen.reaction_times.append(report.first - waiting[0].stamp)
             _job(seen, *waiting, telegram)
             waiting = None
     return seen
 
 
-def _job(seen: Learned, told: LineReport, command: Telegram, reaction: Telegram) -> None:
+def _job(seen: Learned, report: LineReport, command: Telegram, reaction: Telegram) -> None:
     key = (command.job, command.db, command.word, command.amount)
     job = next((job for job in seen.jobs if (job.job, job.db, job.word, job.words) == key), None)
     if job is None:
         job = Job(*key)
         seen.jobs.append(job)
-    job.at.append(told.first)
+    job.at.append(report.first)
     job.numbers.append(reaction.number or 0)
     data = command.data if command.job == "SEND" else reaction.data
     if not reaction.number and len(data) == 2 * command.amount:
@@ -295,7 +295,7 @@ def _words(seen: Learned, db: int) -> list[Guess]:
 
 def _db(seen: Learned, number: int, writer: str) -> list[str]:
     jobs = [job for job in seen.jobs if job.db == number]
-    taken = [job for job in jobs if any(told == 0 for told in job.numbers)]  # what was refused says nothing of the size
+    taken = [job for job in jobs if any(number == 0 for number in job.numbers)]  # what was refused says nothing of the size
     words = min(MOST_WORDS, max(job.word + job.words for job in taken))
     lines = ["[[db]]", f"number  = {number}"]
     for job in jobs:

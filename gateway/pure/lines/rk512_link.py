@@ -71,8 +71,8 @@ class Rk512Link:
         return self.link.take_output()
 
     def lost(self, now: Ns) -> Sequence[Event]:
-        told = [event for event in self.link.lost(now) if not isinstance(event, SendFailed | BlockSent | BlockReceived)]
-        return [*told, *self._station.lost()]
+        events = [event for event in self.link.lost(now) if not isinstance(event, SendFailed | BlockSent | BlockReceived)]
+        return [*events, *self._station.lost()]
 
     def _handle(self, link_events: list[LinkEvent], now: Ns) -> list[Event]:
         events: list[Event] = []

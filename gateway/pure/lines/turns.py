@@ -104,15 +104,15 @@ class Turns:
             self._in_block(self._block, item, byte, flags)
         elif byte == STX and self._block is None:
             self._offers.add(side)
-            self._tell(item, Kind.STX, bytes((byte,)), flags)
+            self._add(item, Kind.STX, bytes((byte,)), flags)
         elif byte == DLE:
-            self._tell(item, Kind.DLE, bytes((byte,)), flags)
+            self._add(item, Kind.DLE, bytes((byte,)), flags)
             self._ready(item)
         elif byte == NAK:
             if self._block is not None:
                 self._broken()
             self._offers.clear()
-            self._tell(item, Kind.NAK, bytes((byte,)), flags)
+            self._add(item, Kind.NAK, bytes((byte,)), flags)
         else:
             self._strays(item, byte, flags)
 
@@ -158,14 +158,14 @@ class Turns:
     def _strays(self, item: Item, byte: int | None, flags: int) -> None:
         data = b"" if byte is None else bytes((byte,))
         if self._stray is None or self._stray.side != item.side:
-            self._stray = self._tell(item, Kind.STRAY, data, flags)
+            self._stray = self._add(item, Kind.STRAY, data, flags)
             return
         self._touched = self._stray
         self._stray.data += data
         self._stray.last_ns = item.stamp_ns
         self._stray.flags |= flags
 
-    def _tell(self, item: Item, kind: Kind, data: bytes, flags: int) -> Turn:
+    def _add(self, item: Item, kind: Kind, data: bytes, flags: int) -> Turn:
         turn = Turn(item.stamp_ns, item.stamp_ns, item.side, kind, bytearray(data), flags)
         self._done.append(turn)
         self._stray, self._touched = None, turn

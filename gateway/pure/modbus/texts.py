@@ -27,7 +27,7 @@ class ExchangeText:
     ok: bool
 
 
-def told(asked: bytes, answer: bytes) -> ExchangeText:
+def exchange_text(asked: bytes, answer: bytes) -> ExchangeText:
     """PDUs (function code first), the ends of long ones may be missing; an empty answer is silence."""
     if not asked:
         return ExchangeText("an empty request", _answered(0, asked, answer), False)

@@ -10,7 +10,7 @@ from motion.axes.errors import DRIVE_ON_NOT_AVAILABLE
 from motion.axes.interruptible import MOVES
 from motion.errors import MotionError
 from motion.outputs.function import Function
-from motion.planner.block_paths import told
+from motion.planner.block_paths import block_fault
 from motion.planner.robot import Machine
 from motion.program.blocks import Block
 from motion.program.errors import BlockError
@@ -41,7 +41,7 @@ class OfCell:
                 if isinstance(function, Function):
                     check_function(function, self.functions, self.kinematic)
         except MotionError as error:
-            raise told(error, number, machine) from error
+            raise block_fault(error, number, machine) from error
         for output in block.outputs:
             if output.number not in self.outputs or output.value not in (0.0, 1.0):
                 raise BlockError(f"output {output.number}:{output.value:g}: {OUTPUTS_ARE}", block=number)

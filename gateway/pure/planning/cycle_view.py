@@ -12,7 +12,7 @@ class CycleView:
 
     generation: int = 0
     piece: int = 0  # under way; 0: none
-    standing: Sequence[float] = ()  # where the axes are; m and rad
+    position: Sequence[float] = ()  # where the axes are; m and rad
     moving: bool = False
     taken: int = ALWAYS  # the last order the cycle took: nothing is handed on before it knows of the job
     failed: int = 0  # the job that failed last

@@ -8,7 +8,7 @@ from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.chain import Chain
 from gateway.pure.planning.cycle_view import ALWAYS, CycleView
 from gateway.pure.planning.job import Job
-from gateway.pure.planning.parts import Measuring, ending, told
+from gateway.pure.planning.parts import Measuring, ending, later_fault
 from gateway.pure.planning.reading import Reading
 from gateway.pure.planning.team import machines_in
 from gateway.pure.planning.trial import Files, Trial
@@ -61,16 +61,16 @@ class HandingOn:
             job.robots = whose or self.cell.machine_of(read.robot if isinstance(read, Reader) else "", job.number)
         return job.robots
 
-    def _own_places(self, standing: Sequence[float]) -> list[float]:
+    def _own_places(self, position: Sequence[float]) -> list[float]:
         """Of the robots of the job; standing: of all axes of the cell."""
         mask = self.cell.mask_of(self._robots())
-        return [standing[n] for n in range(len(standing)) if mask >> n & 1]
+        return [position[n] for n in range(len(position)) if mask >> n & 1]
 
-    def _made(self, standing: Sequence[float], robots: Machine | Team | None = None) -> Planner:
+    def _made(self, position: Sequence[float], robots: Machine | Team | None = None) -> Planner:
         """robots: that move, where not all of the job do."""
         machine = robots or self._robots()
         mask = self.cell.mask_of(machine)
-        places = [standing[n] for n in range(len(standing)) if mask >> n & 1]
+        places = [position[n] for n in range(len(position)) if mask >> n & 1]
         chain, job = self._chain, self._job
         return Planner(machine, places, mask=mask, capacity=1 << 20, next_id=chain.spare, factors=job.factors, cuts=job.streams)
 
@@ -89,7 +89,7 @@ class HandingOn:
 
     def _fail_in_part(self, error: MotionError) -> None:
         """As _fail; whoever made the law counts the blocks of the part under way."""
-        self._fail(told(error, self._job.before) if isinstance(error, BlockError) else error)
+        self._fail(later_fault(error, self._job.before) if isinstance(error, BlockError) else error)
 
     def _fail(self, error: MotionError) -> None:
         if isinstance(error, TextError) and not error.line:  # blocks of a stream have numbers and no lines
@@ -124,7 +124,7 @@ class HandingOn:
             self._fail_in_part(error)
             return
         self._chain.forget()
-        block, share = planner.place(self._chain.near_to(tau, piece, self._seen.standing, self._seen.way))
+        block, share = planner.place(self._chain.near_to(tau, piece, self._seen.position, self._seen.way))
         block = max(block, min(self._job.blocks, 1))  # a part that has begun is at its first block, whether its path is there or not
         over = self._job.closed and not planner.open and not state.ended
         last = over and self._job.last_part
@@ -155,7 +155,7 @@ class HandingOn:
         later, job, generation = self._job.trial.later, self.state.job, self.generation
         self._out.append(ending(later[0], self._belts, job, generation) if later else PieceRecord(Part.REST, job, generation))
         if later and later[0].inside is not None:  # what follows begins there, on the belt
-            self._job.start = planner.standing
+            self._job.start = planner.position
             self._job.begins(later.popleft())
 
     def _mark(self, marks: Iterable[Mark]) -> None:

@@ -31,7 +31,7 @@ class Job:
     line_of: list[int] = field(default_factory=list)  # block - 1 -> line
     ended: bool = False
     start: Sequence[float] = ()  # of the axes where a part on a belt began
-    stood: Sequence[float] = ()  # of all robots, where the part under way began
+    part_start: Sequence[float] = ()  # of all robots, where the part under way began
     blocks: int = 0  # of the part under way
     handed: bool = False  # the part under way is handed on whole, and another one follows
     measured: Sequence[float | None] = ()

@@ -11,7 +11,7 @@ from gateway.pure.image.records.cell import CellState
 from gateway.pure.image.records.planner import BlockRecord, PieceRecord, PlannerState, Say, run_of
 from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.streams import StreamPrograms
-from gateway.pure.planning.turn import busy, follow, standing
+from gateway.pure.planning.turn import busy, follow, positions
 
 REMEMBERED = 64  # jobs whose lane is known: one that ends says so within a few turns
 
@@ -83,7 +83,7 @@ class LanePrograms:
         """A slice of each program that is read whole; True: there is more."""
         preparing = [lane for lane in self.lanes if lane.preparing]
         for lane in preparing:
-            lane.prepare(standing(state, count))
+            lane.prepare(positions(state, count))
         return bool(preparing)
 
     def work(self) -> bool:

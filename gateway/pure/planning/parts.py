@@ -249,7 +249,7 @@ def _placed(act: MachinePoint, number: int, robots: Machine | Team) -> tuple[flo
         try:
             return _placed(act, number, robots.machines[act.member])
         except BlockError as error:
-            raise robots.told(error, act.member) from error
+            raise robots.with_kinematic(error, act.member) from error
     try:
         if act.inside:
             raise MotionError("mach_pos is not allowed in synchronous and alter sections")
@@ -262,7 +262,7 @@ def _placed(act: MachinePoint, number: int, robots: Machine | Team) -> tuple[flo
     return act.q
 
 
-def told(error: BlockError, blocks: int) -> BlockError:
+def later_fault(error: BlockError, blocks: int) -> BlockError:
     """A block's fault, so many blocks later in the program."""
     return BlockError(error.what, code=error.code, block=error.block + blocks, axis=error.axis, source=error.source)
 

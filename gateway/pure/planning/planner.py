@@ -28,7 +28,7 @@ from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.cycle_view import CycleView
 from gateway.pure.planning.handing_on import QUIET_TURNS, HandingOn
 from gateway.pure.planning.job import Job
-from gateway.pure.planning.parts import Coming, Measuring, told
+from gateway.pure.planning.parts import Coming, Measuring, later_fault
 from gateway.pure.planning.team import (
     begun_part,
     machines_in,
@@ -248,13 +248,13 @@ class Programs(HandingOn):
     def _behind_all(self, planner: Planner) -> Behind:
         """Where all robots are behind what this planner was given."""
         part = self._job.under_way
-        return Behind(planner, self._robots(), self._job.stood, 0 if part is None else part.member)
+        return Behind(planner, self._robots(), self._job.part_start, 0 if part is None else part.member)
 
     def _adding(self, number: int) -> Planner:
         """What this block is added to; of blocks that are only looked at as yet, what they are looked at with."""
         planner = self._job.planner
         if self._job.apart or not isinstance(planner, Planner):
-            made = self._made(self._seen.standing)
+            made = self._made(self._seen.position)
             if self._job.apart:
                 return made
             planner = self._job.planner = made
@@ -287,17 +287,17 @@ class Programs(HandingOn):
         try:
             planner.add(block)
         except BlockError as error:
-            raise told(error, self._job.before) from error
+            raise later_fault(error, self._job.before) from error
 
     def _add_whole(self, planner: Planner, block: Block | Shared) -> None:
-        before, away = planner.standing, Away(self._job.off, self.cell.windows)
+        before, away = planner.position, Away(self._job.off, self.cell.windows)
         try:
             planner.add(block)
         except BlockError as error:
-            raise told(error, self._job.before) from error
+            raise later_fault(error, self._job.before) from error
         for machine, first in own_axes(planner.machine):
             own = slice(first, first + machine.axes)
-            away.check(before[own], planner.standing[own], len(self._job.line_of), machine, self.cell.mask_of(machine))
+            away.check(before[own], planner.position[own], len(self._job.line_of), machine, self.cell.mask_of(machine))
 
     def _behind(self) -> Work[None]:
         """What is done at rest behind the last block."""
@@ -331,7 +331,7 @@ class Programs(HandingOn):
 
     def _next(self) -> None:
         """The next part that is known begins; of a stream there may be none yet, and one that is handed on whole has to be whole."""
-        job, standing = self._job, self._seen.standing
+        job, position = self._job, self._seen.position
         job.held = False
 
         def unmeasured(part: Coming) -> bool:
@@ -352,16 +352,16 @@ class Programs(HandingOn):
         job.before, job.error = part.number - 1, part.error
         job.begins(part)
         try:
-            self._next_part(part, standing, self._seen.engaged)
+            self._next_part(part, position, self._seen.engaged)
         except MotionError as error:
             self._fail(error)
 
-    def _next_part(self, part: Coming, standing: Sequence[float], engaged: float) -> None:
+    def _next_part(self, part: Coming, position: Sequence[float], engaged: float) -> None:
         job, generation = self.state.job, self.generation
         robots = self._robots()
         machine = machines_in(robots)[part.member]
-        mask, self._job.stood = self.cell.mask_of(machine), self._own_places(standing)
-        planner = self._made(standing, machine if part.alone else robots)
+        mask, self._job.part_start = self.cell.mask_of(machine), self._own_places(position)
+        planner = self._made(position, machine if part.alone else robots)
         self.state = replace(self.state, passed=max(self.state.passed, self._job.before))
         own = part.own(mask, job, generation)
         if part.act is not None:
@@ -378,12 +378,12 @@ class Programs(HandingOn):
             self._job.planner, self._job.blocks = self.cell.files.played(part, planner, self._job.factors.velocity, mask), 1
             return
         if part.engages or part.follows:
-            self._job.start, self._job.handed = planner.standing, True
+            self._job.start, self._job.handed = planner.position, True
             if part.engages:
                 self._out.append(part.engagement(job, generation))
             else:
                 self._job.blocks = len(part.blocks)
-                self._out += part.followed(planner.robot, planner.standing, job, generation)
+                self._out += part.followed(planner.robot, planner.position, job, generation)
             self.state = replace(self.state, block=self._job.before + 1, share=0.0)
             return
         blocks = part.blocks
@@ -411,10 +411,10 @@ class Programs(HandingOn):
         """A program of the cell is not read to its end yet, or a statement takes long."""
         return self._job.lines is not None or self._reading.busy
 
-    def prepare(self, standing: Sequence[float]) -> None:
+    def prepare(self, position: Sequence[float]) -> None:
         """One more line of it, or a slice of one: its block is tried from where the one before ends, and nothing of it moves meanwhile.
         standing: the axes, now."""
-        self._seen = replace(self._seen, standing=standing)
+        self._seen = replace(self._seen, position=position)
         if self._job.lines is not None and not self._reading.busy:
             self._reading.put(partial(self._line, self._job.lines))
         self._reading.go()

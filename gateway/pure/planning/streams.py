@@ -27,7 +27,7 @@ class _Read:
 
     number: int
     block: Block | Shared
-    standing: Sequence[float]
+    position: Sequence[float]
     belts: Sequence[BeltFacts]
     measured: int
     last: Block | None
@@ -111,10 +111,10 @@ class StreamPrograms(Programs):
         job, orders = self._job, self._orders
         if not job.streams:
             return
-        standing: Sequence[float] | None = job.trial.standing
-        if standing is None:
-            standing = self._behind_all(job.planner).standing if isinstance(job.planner, Planner) else self._seen.standing
-        orders.read.append(_Read(number, read, standing, job.trial.belts, job.measuring.last, job.last))
+        position: Sequence[float] | None = job.trial.position
+        if position is None:
+            position = self._behind_all(job.planner).position if isinstance(job.planner, Planner) else self._seen.position
+        orders.read.append(_Read(number, read, position, job.trial.belts, job.measuring.last, job.last))
         while orders.read and orders.read[0].number < self.state.passed:
             orders.read.popleft()
 
@@ -153,7 +153,7 @@ class StreamPrograms(Programs):
         job.trial = job.trial.anew()
         job.held, job.open, job.error, job.skipping = False, False, "", ""
         if job.handed or job.planner is not None:
-            job.trial.begins_at(self._robots(), self._own_places(self._seen.standing), orders.dropped)
+            job.trial.begins_at(self._robots(), self._own_places(self._seen.position), orders.dropped)
             self._rest_now(-1)
 
     def _rest_now(self, behind: int) -> None:
@@ -201,8 +201,8 @@ class StreamPrograms(Programs):
             job.trial.belts, job.measuring.last, job.last = before.belts, before.measured, before.last
         following = withheld[0][0] - 1 if withheld else len(job.line_of)
         if job.planner is not None or job.handed:
-            standing = self._own_places(self._seen.standing) if before is None else before.standing
-            job.trial.begins_at(self._robots(), standing, ends if redo else following)
+            position = self._own_places(self._seen.position) if before is None else before.position
+            job.trial.begins_at(self._robots(), position, ends if redo else following)
         for each in redo:
             yield from self._added(self._adding(each.number), each.block, each.number)
         if redo:
@@ -224,14 +224,14 @@ class StreamPrograms(Programs):
         """The axes rest where they were stopped, and go on to the end of a block of the same part; False: they are beyond it."""
         job = self._job
         try:
-            rows = planner.remaining(behind, self._chain.near(planner.end), self._own_places(self._seen.standing))
+            rows = planner.remaining(behind, self._chain.near(planner.end), self._own_places(self._seen.position))
         except MotionError as error:
             self.state = replace(self.state, order_fault=str(error))
             rows = []
         if not rows:
             return False
         self._chain.begin()
-        job.planner = made = self._made(self._seen.standing)
+        job.planner = made = self._made(self._seen.position)
         made.given(rows)
         job.handed, job.arrived, job.blocks = False, False, made.added
         return True
@@ -242,7 +242,7 @@ class StreamPrograms(Programs):
         planner, job = self._job.planner, self._job
         if self.state.job and job.handed and self._seen.piece and planner is not None:  # handed on whole, and still run
             tau = self._chain.tau(self._seen.piece, planner.end)
-            block, share = planner.place(self._chain.near_to(tau, self._seen.piece, self._seen.standing, self._seen.way))
+            block, share = planner.place(self._chain.near_to(tau, self._seen.piece, self._seen.position, self._seen.way))
             passed = max(self.state.passed, job.before + self._chain.passed(self._seen.piece, 0))
             self.state = replace(self.state, block=job.before + max(block, 1), share=share, passed=passed)
         shown = len(self._orders.withheld), self._job.bound, self._chain.back

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 
 from gateway.pure.image.records.planner import PieceRecord
-from gateway.pure.planning.parts import Coming, Measuring, measured_at, told
+from gateway.pure.planning.parts import Coming, Measuring, later_fault, measured_at
 from motion.errors import MotionError
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
@@ -91,6 +91,6 @@ def begun_part(
         if not part.open:
             planner.finish()
     except BlockError as error:
-        raise told(error, part.number - 1) from error
+        raise later_fault(error, part.number - 1) from error
     first = [each for row in rows[:1] for each in own_blocks(planner.machine, row)]  # between two SYNC on a belt there may be none
     return [record for machine, block in first for record in measuring.inputs(block, mask_of(machine), job, generation)]

@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-from gateway.pure.planning.parts import Coming, acting, begun, outside, told
+from gateway.pure.planning.parts import Coming, acting, begun, later_fault, outside
 from gateway.pure.planning.team import machines_in
 from motion.errors import MotionError
 from motion.files.playing import FilePath
@@ -38,7 +38,7 @@ class Files:
     period_us: int = 0  # 0: no cell
 
     def path(
-        self, block: Block, program: int, standing: Joints, robots: Machine | Team, number: int, member: int = 0
+        self, block: Block, program: int, position: Joints, robots: Machine | Team, number: int, member: int = 0
     ) -> tuple[bytes, FilePath]:
         """The file of a MOVE_FILE block, and its way from where the axes are; BlockError.  member: whose, of several kinematics."""
         assert block.file is not None
@@ -46,22 +46,22 @@ class Files:
             data = self.read(block.file.name, program)
         except MotionError as error:
             raise BlockError(f"move_file {error}", block=number) from error
-        return data, self._way(block, data, standing, robots, number, member)
+        return data, self._way(block, data, position, robots, number, member)
 
     def played(self, part: Coming, planner: Planner, velocity: float, mask: int) -> FilePlan:
         """The points of its file from where the axes really are; more slowly where the order asks for it.  mask: of its robot."""
         (block,), robots = part.blocks, planner.machine
-        path = self._way(block, part.data, planner.standing, robots, part.number, part.member)
+        path = self._way(block, part.data, planner.position, robots, part.number, part.member)
         slower = replace(path, period=path.period / max(velocity, LEAST))
         return FilePlan(machines_in(robots)[part.member], block, slower, mask, planner.next_id)
 
-    def _way(self, block: Block, data: bytes, standing: Joints, robots: Machine | Team, number: int, member: int) -> FilePath:
+    def _way(self, block: Block, data: bytes, position: Joints, robots: Machine | Team, number: int, member: int) -> FilePath:
         if not isinstance(robots, Team):
-            return file_path(block, data, standing, robots, self.period_us, number)
+            return file_path(block, data, position, robots, self.period_us, number)
         try:
-            return file_path(block, data, robots.split(standing)[member], robots.machines[member], self.period_us, number)
+            return file_path(block, data, robots.split(position)[member], robots.machines[member], self.period_us, number)
         except BlockError as error:
-            raise robots.told(error, member) from error
+            raise robots.with_kinematic(error, member) from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,16 +70,16 @@ class Behind:
 
     planner: Planner
     robots: Machine | Team
-    stood: Sequence[float] = ()  # (all axes,) where the part began that one of several is in
+    team_position: Sequence[float] = ()  # (all axes,) where the part began that one of several is in
     member: int = 0  # which one, from 0
 
     @property
-    def standing(self) -> Joints:
+    def position(self) -> Joints:
         """Of all robots, behind the planner's last block."""
-        own = self.planner.standing
+        own = self.planner.position
         if not isinstance(self.robots, Team) or isinstance(self.planner.machine, Team):
             return own
-        return self.robots.placed(self.stood, self.member, own)
+        return self.robots.placed(self.team_position, self.member, own)
 
 
 @dataclass
@@ -114,7 +114,7 @@ class Trial:
             try:
                 yield from self._route.ending(block if goes_on else None)
             except BlockError as error:
-                raise told(error, self._tried) from error
+                raise later_fault(error, self._tried) from error
 
     def add(self, behind: Behind, block: Block, number: int, kinematic: int, member: int = 0) -> None:
         """The block is tried as if the part before had reached its target, the belt where it was programmed; BlockError.  kinematic:
@@ -123,7 +123,7 @@ class Trial:
             self._add(behind, block, number, kinematic, member)
         except BlockError as error:
             if isinstance(behind.robots, Team):
-                raise behind.robots.told(error, member) from error
+                raise behind.robots.with_kinematic(error, member) from error
             raise
 
     def _add(self, behind: Behind, block: Block, number: int, kinematic: int, member: int) -> None:
@@ -146,17 +146,17 @@ class Trial:
                 route.finish()
             self._look(route)
         except BlockError as error:
-            raise told(error, self._tried) from error
+            raise later_fault(error, self._tried) from error
         part.blocks.append(replace(block, target=MEASURED) if block.recorded else block)
 
     def _route_of(self, robots: Machine | Team, member: int, blocks: int) -> Route:
         """Of a robot by itself, also where it is one of several and the others rest: it begins behind what was looked at, which is
         finished."""
         if isinstance(robots, Team) and (self._alone is None or self._alone[0] != member):
-            stood = self.standing
-            assert stood is not None
-            self._alone = member, robots, stood
-            self._route, self._tried = Route(robots.machines[member], robots.split(stood)[member]), blocks
+            team_position = self.position
+            assert team_position is not None
+            self._alone = member, robots, team_position
+            self._route, self._tried = Route(robots.machines[member], robots.split(team_position)[member]), blocks
             self._route.assume_measured()
         assert isinstance(self._route, Route)
         return self._route
@@ -169,9 +169,9 @@ class Trial:
         if not self.later or not self.later[-1].takes(shared):
             self._finished(route)
             if self._alone is not None:  # behind the part of one of them all have the same route again
-                stood = self.standing
-                assert stood is not None
-                self._route, self._alone, self._tried = TeamRoute(team, stood), None, number - 1
+                team_position = self.position
+                assert team_position is not None
+                self._route, self._alone, self._tried = TeamRoute(team, team_position), None, number - 1
                 self._route.assume_measured()
             self._acting(shared.acts, number, team, shared.label)
             label = "" if shared.acts else shared.label
@@ -192,7 +192,7 @@ class Trial:
             together.add(shared)
             self._look(together)
         except BlockError as error:
-            raise told(error, self._tried) from error
+            raise later_fault(error, self._tried) from error
         met = shared.changed(lambda _, block: replace(block, target=MEASURED) if block.recorded else block)
         self.later[-1].shared.append(met)
 
@@ -206,7 +206,7 @@ class Trial:
         try:
             route.finish()
         except BlockError as error:
-            raise told(error, self._tried) from error
+            raise later_fault(error, self._tried) from error
         left, moves = route.left(), self._moves or bool(route.take())
         self._left, self._moves = () if moves else (*self._left, *left), False
 
@@ -218,17 +218,17 @@ class Trial:
             label = "" if outside(block) else block.label
             self.later.append(Coming(number, recall=block.recorded, label=label, kinematic=kinematic))
             block = replace(block, label="")
-        machine, standing = machines_in(robots)[member], self.standing
-        assert standing is not None
-        own = robots.split(standing)[member] if isinstance(robots, Team) else standing
+        machine, position = machines_in(robots)[member], self.position
+        assert position is not None
+        own = robots.split(position)[member] if isinstance(robots, Team) else position
         parts = begun(block, number, self.belts, machine, own, kinematic, before or self.under_way)
         self.later += (replace(part, member=member) for part in parts)
 
     def _file(self, part: Coming, block: Block, robots: Machine | Team) -> None:
         """MOVE_FILE: no route leads along it."""
         assert self._route is not None
-        part.data, path = self.files.path(block, self.program, self._route.standing, robots, part.number, part.member)
-        self._stands(robots, part.member, path.end)
+        part.data, path = self.files.path(block, self.program, self._route.position, robots, part.number, part.member)
+        self._set_position(robots, part.member, path.end)
         part.blocks.append(block)
         self._tried += 1
 
@@ -257,9 +257,9 @@ class Trial:
         """All that was looked at is under way or over."""
         return Trial(self.belts, self.files, self.program, streams=self.streams, _armed=self._armed)
 
-    def begins_at(self, robots: Machine | Team, standing: Sequence[float], blocks: int) -> None:
+    def begins_at(self, robots: Machine | Team, position: Sequence[float], blocks: int) -> None:
         """What comes is a part of its own, and tried from here; so many blocks stand before it."""
-        self._route = TeamRoute(robots, standing) if isinstance(robots, Team) else Route(robots, standing)
+        self._route = TeamRoute(robots, position) if isinstance(robots, Team) else Route(robots, position)
         self._alone, self._tried = None, blocks
         self._route.assume_measured()
 
@@ -268,12 +268,12 @@ class Trial:
         self._tried += blocks
 
     @property
-    def standing(self) -> Joints | None:
+    def position(self) -> Joints | None:
         """Where everything looked at ends; None: nothing is looked at by itself."""
         if self._route is None or self._alone is None:
-            return None if self._route is None else self._route.standing
-        member, team, stood = self._alone
-        return team.placed(stood, member, self._route.standing)
+            return None if self._route is None else self._route.position
+        member, team, team_position = self._alone
+        return team.placed(team_position, member, self._route.position)
 
     def joined(self, part: Coming, block: Block) -> None:
         """One more block of the part on a belt that has begun; BlockError."""
@@ -283,7 +283,7 @@ class Trial:
             self._route.add(looked_at)
             self._look(self._route)
         except BlockError as error:
-            raise told(error, self._tried) from error
+            raise later_fault(error, self._tried) from error
 
     def behind(self, behind: Behind, acts: Sequence[Act], blocks: int, label: str) -> None:
         """Statements behind the last block; label: in front of them."""
@@ -303,7 +303,7 @@ class Trial:
         if self._route is None:
             behind.planner.finish()
             self._left = () if self.streams else behind.planner.left()
-            self.begins_at(behind.robots, behind.standing, blocks)  # whether anything is measured by then is looked at by itself (OfCell)
+            self.begins_at(behind.robots, behind.position, blocks)  # whether anything is measured by then is looked at by itself (OfCell)
         assert self._route is not None
         return self._route
 
@@ -315,22 +315,22 @@ class Trial:
                 what = f"mach_pos: ch{min(waiting)} waits for its edge, and where the axes were would not be known: measure_off before"
                 raise BlockError(what, block=number)
             if part.point:
-                self._stands(robots, part.member, part.point)
+                self._set_position(robots, part.member, part.point)
         self.later += parts
 
-    def _stands(self, robots: Machine | Team, member: int, places: Sequence[float]) -> None:
+    def _set_position(self, robots: Machine | Team, member: int, places: Sequence[float]) -> None:
         """What comes is tried from there on."""
-        standing = self.standing
-        assert self._route is not None and standing is not None
+        position = self.position
+        assert self._route is not None and position is not None
         if not isinstance(robots, Team):
             self._route.reset(places)
             return
-        stood = robots.placed(standing, member, places)
+        team_position = robots.placed(position, member, places)
         if self._alone is None:
-            self._route.reset(stood)
+            self._route.reset(team_position)
         else:
-            self._alone = self._alone[0], robots, stood
-            self._route.reset(robots.split(stood)[self._alone[0]])
+            self._alone = self._alone[0], robots, team_position
+            self._route.reset(robots.split(team_position)[self._alone[0]])
 
     def armed_by(self, block: Block | Shared) -> None:
         """Behind it: probes that store where the axes were."""

@@ -10,7 +10,7 @@ from gateway.pure.planning.planner import Programs
 ON = int(AxisFlag.ON)
 
 
-def standing(state: CellState, count: int) -> list[float]:
+def positions(state: CellState, count: int) -> list[float]:
     """Set values of the first `count` axes; m and rad."""
     return [axis.set for axis in state.axes[:count]]
 
@@ -34,7 +34,7 @@ def follow(
     view = CycleView(
         state.generation,
         own.piece,
-        standing(state, count),
+        positions(state, count),
         moving=own.motion is not Motion.IDLE,
         taken=state.taken,
         failed=programs.state.job if state.failure(programs.state.job) else 0,

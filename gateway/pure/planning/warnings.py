@@ -12,11 +12,11 @@ class Slowing:
 
     heard: list[str] = field(default_factory=list)
     _passed: int = 0  # blocks of the program that were looked at
-    _told: int = 0  # the last block that was told of
+    _reported: int = 0  # the last block that was told of
 
     def begin(self) -> None:
         """Another program."""
-        self._passed = self._told = 0
+        self._passed = self._reported = 0
 
     def look(self, slowed: Mapping[int, Slowed], before: int, block: int, rate: float, lines: Sequence[int]) -> str:
         """What is wrong with the block under way, or "".  slowed: of the part, whose blocks lie behind `before`; block: of the part; rate:
@@ -29,8 +29,8 @@ class Slowing:
                 continue
             line = lines[number - 1] if number <= len(lines) else 0
             words = (f"line {line}: " if line else "") + found.of(number)
-            if number > self._told:
-                self._told = number
+            if number > self._reported:
+                self._reported = number
                 self.heard.append(words)
         self._passed = before + block
         return words

@@ -51,14 +51,14 @@ class Conversation:
         self._open: dict[str, _Open] = {}  # by the side that asked
         self._jobs: dict[str, tuple[bytes, int]] = {}  # first telegram of the job, data bytes exchanged before the last one
 
-    def told(self, told: LineReport) -> list[Exchange]:
+    def take(self, report: LineReport) -> list[Exchange]:
         """The next sentence of the line decoder."""
-        other = "B" if told.side == "A" else "A"
-        if told.kind == "BLOCK" and told.check_ok is not False:
-            self._unconfirmed[told.side] = told
-        elif told.kind == "DLE" and other in self._unconfirmed:
+        other = "B" if report.side == "A" else "A"
+        if report.kind == "BLOCK" and report.check_ok is not False:
+            self._unconfirmed[report.side] = report
+        elif report.kind == "DLE" and other in self._unconfirmed:
             return self._telegram(self._unconfirmed.pop(other))
-        elif told.kind in ("NAK", "BROKEN"):
+        elif report.kind in ("NAK", "BROKEN"):
             self._unconfirmed.pop(other, None)
         return []
 

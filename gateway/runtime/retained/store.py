@@ -105,9 +105,9 @@ def open_file(path: pathlib.Path, *, repair: bool = True) -> Opened:
         if not repair:
             raise RetainError(f"{path}: damaged ({error}); the next start of the cell sets it aside and reports it") from error
         aside = set_aside(path)
-        told = f"retained data: {path} is damaged ({error}); set aside as {aside.name}, started with defaults"
+        message = f"retained data: {path} is damaged ({error}); set aside as {aside.name}, started with defaults"
         try:
-            return Opened(_sound(path), (told,))
+            return Opened(_sound(path), (message,))
         except sqlite3.Error as again:
             raise RetainError(f"{path}: cannot be made anew: {again}") from again
     except OSError as error:

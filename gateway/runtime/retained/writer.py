@@ -33,10 +33,10 @@ class Retained:
     """Values of the last run, and the way to the next one."""
 
     def __init__(
-        self, path: pathlib.Path | None, patterns: Sequence[str] = (), tell: Callable[[str], None] = lambda sentence: None
+        self, path: pathlib.Path | None, patterns: Sequence[str] = (), report: Callable[[str], None] = lambda sentence: None
     ) -> None:
-        """`path` None: nothing outlives this run; `patterns`: [retain] values; `tell`: sentences for the journal, from any thread."""
-        self.patterns, self._tell = tuple(patterns), tell
+        """`path` None: nothing outlives this run; `patterns`: [retain] values; `report`: sentences for the journal, from any thread."""
+        self.patterns, self._report = tuple(patterns), report
         self.events: list[str] = []
         self.dropped = 0  # records of histories that never reached the disk
         self.failures = 0  # writes that failed
@@ -51,7 +51,7 @@ class Retained:
         self._busy = self._closing = False
         self._thread = threading.Thread(target=self._work, name="retain", daemon=True)
         for event in self.events:
-            tell(event)
+            report(event)
         if self._file is not None:
             self._thread.start()
 
@@ -169,12 +169,12 @@ class Retained:
         except RetainError as error:
             self.failures += 1
             if self.failures == 1:
-                self._tell(f"retained data: {error}; tried again every {RETRY_S:g} s")
+                self._report(f"retained data: {error}; tried again every {RETRY_S:g} s")
             return False
         self.writes += 1
         if self.failures:
             self.failures = 0
-            self._tell("retained data: written again")
+            self._report("retained data: written again")
         return True
 
     # ---- start -------------------------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ from gateway.services.value_directory import ValueDirectory
 from protocols.base.machine import Ns
 
 _WORDS = struct.Struct(f"={COMMAND_WORDS}H{STATUS_WORDS}H")
-Tell = Callable[..., None]  # journal.write
+WriteJournal = Callable[..., None]  # journal.write
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,13 +49,13 @@ class BaseSource(Part):
         self.dispatcher, self.watch, self.on_loss = context.dispatcher, context.watch, context.on_loss
         self._run, self._image, self._values = context.run, context.image, context.values
         self.block_status = Status()
-        self.block = CommandBlock(self._left_standing(context.region), len(context.dispatcher.axes))
-        self._region, self._tell = context.region, context.run.journal.write
+        self.block = CommandBlock(self._latest_command(context.region), len(context.dispatcher.axes))
+        self._region, self._journal = context.region, context.run.journal.write
         self._written: bytes = b""
         context.dispatcher.control.link(context.source.number, alive=False)
 
     @staticmethod
-    def _left_standing(region: RegionWriter) -> Sequence[int]:
+    def _latest_command(region: RegionWriter) -> Sequence[int]:
         latest = region.latest()
         return _WORDS.unpack_from(latest)[:COMMAND_WORDS] if latest is not None else ()
 
@@ -63,7 +63,7 @@ class BaseSource(Part):
         """A good telegram came."""
         if self.watch.telegram(now, life) is LinkEvent.ALIVE:
             self.dispatcher.link(self.number, self.on_loss, alive=True)
-            self._tell("link", f"command source {self.number} {self.name}: link is alive", source=self.number)
+            self._journal("link", f"command source {self.number} {self.name}: link is alive", source=self.number)
 
     @property
     def in_control(self) -> bool:
@@ -111,7 +111,7 @@ class BaseSource(Part):
             self.dispatcher.link(self.number, self.on_loss, alive=False)
             self.restart()
             words = f"{self.silence()} for {self.watch.max_silence / 1e6:.0f} ms"
-            self._tell("link", f"command source {self.number} {self.name}: {words}; {self.on_loss.value}", source=self.number)
+            self._journal("link", f"command source {self.number} {self.name}: {words}; {self.on_loss.value}", source=self.number)
 
     def silence(self) -> str:
         """What the partner did instead of a sign of life."""

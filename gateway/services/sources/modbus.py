@@ -20,7 +20,7 @@ from gateway.pure.modbus.registers import Placed, Registers, RegistersView, plac
 from gateway.pure.modbus.rho3_view import BlockFiles, RhoView
 from gateway.pure.recording.messages import Source
 from gateway.registry import MODBUS_VIEWS
-from gateway.services.sources.base import BaseSource, SourceContext, Tell
+from gateway.services.sources.base import BaseSource, SourceContext, WriteJournal
 from protocols.base.machine import Ns, ms
 from protocols.modbus.rights import Rights, Span
 from protocols.modbus.station import Identity
@@ -134,10 +134,10 @@ class ModbusSource(BaseSource):
         while words := await self._try():
             attempts += 1
             if attempts == QUICK:
-                self._tell("alarm", f"{words}; it is tried again every second", source=self.name)
+                self._journal("alarm", f"{words}; it is tried again every second", source=self.name)
             await asyncio.sleep(0.05 if attempts < QUICK else 1.0)
         if attempts >= QUICK:
-            self._tell("link", f"Modbus server {self.name} listens now", source=self.name)
+            self._journal("link", f"Modbus server {self.name} listens now", source=self.name)
 
     async def close(self) -> None:
         if self._late is not None:
@@ -212,7 +212,7 @@ class ModbusSource(BaseSource):
             from gateway.links.modbus.tls import TlsRights, server_context  # cryptography only where a cell asks for it
 
             server.tls = server_context(settings.tls, folder)
-            server.on_refused = Refusals(settings.name, self._tell).heard
+            server.on_refused = Refusals(settings.name, self._journal).heard
             server.rights_for = TlsRights({role.role: role_rights(role) for role in settings.roles})
         elif settings.writers:
             server.rights_for = self.writers = WriterRights(settings)
@@ -229,19 +229,19 @@ class ModbusSource(BaseSource):
 class Refusals:
     """Partners whose TLS handshake fails: each address once a minute in the journal, with how often meanwhile."""
 
-    def __init__(self, name: str, journal: Tell) -> None:
+    def __init__(self, name: str, journal: WriteJournal) -> None:
         self._name, self._journal = name, journal
-        self._told: dict[str, tuple[Ns, int]] = {}
+        self._refused: dict[str, tuple[Ns, int]] = {}
 
     def heard(self, address: str, why: str) -> None:
         now = time.monotonic_ns()
-        last, more = self._told.get(address, (-REFUSAL_EVERY, 0))
+        last, more = self._refused.get(address, (-REFUSAL_EVERY, 0))
         if now - last < REFUSAL_EVERY:
-            self._told[address] = last, more + 1
+            self._refused[address] = last, more + 1
             return
-        if len(self._told) >= MOST_REFUSED:
-            self._told.clear()
-        self._told[address] = now, 0
+        if len(self._refused) >= MOST_REFUSED:
+            self._refused.clear()
+        self._refused[address] = now, 0
         again = f"; {more} more since the last report" if more else ""
         self._journal("link", f"{self._name}: TLS client {address} is refused: {why}{again}; check its certificate, key and CA")
 

@@ -82,7 +82,7 @@ class Rk512Source(SerialSource):
             self.dispatcher.refuse(self.number, code, Reason.FORMAT_SUSPICION, words)
 
         def bad_number(name: str, words: str) -> None:
-            self._tell("command", f"command source {self.number}: {words}", source=self.number, what="refused")
+            self._journal("command", f"command source {self.number}: {words}", source=self.number, what="refused")
 
         def level(name: str, value: float) -> None:
             if name in flags:
@@ -298,10 +298,10 @@ class Rk512Source(SerialSource):
 
     def reset_flag(self, byte: int, bit: int) -> bool:
         """`axisgate var "M 6.4" --set 0`: a coordination flag is reset, what came has been used.  False: it was not set."""
-        standing = [flag for flag in self.flags.set if (flag.byte, flag.bit) == (byte, bit)]
-        for flag in standing:
+        found = [flag for flag in self.flags.set if (flag.byte, flag.bit) == (byte, bit)]
+        for flag in found:
             self.flags.reset(flag)
-        return bool(standing)
+        return bool(found)
 
     def flag_bytes(self) -> bytes:
         """Present contents of area M."""

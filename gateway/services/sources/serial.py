@@ -15,7 +15,7 @@ from gateway.services.sources.base import BaseSource, SourceContext
 from protocols.base.machine import Damage, Machine, Ns
 from protocols.p3964r.events import SamePriority
 
-TOLD_EVERY: Ns = 1_000_000_000  # a partner's faults reach the journal at most so often; all are counted
+REPORT_EVERY: Ns = 1_000_000_000  # a partner's faults reach the journal at most so often; all are counted
 
 
 class SerialSource(BaseSource):
@@ -33,7 +33,7 @@ class SerialSource(BaseSource):
         self._runner: LineRunner[object] | None = None
         self.tap: Tap[object] | None = None  # what passed lately, for the page
         self._journal_next: Ns = 0
-        self._tell(
+        self._journal(
             "link",
             f"command source {self.number} {self.name}: {self.procedure} on {self._run.plan.lines[line.name]}",
             source=self.number,
@@ -103,5 +103,5 @@ class SerialSource(BaseSource):
         """A partner's faults are counted; the journal is informed of them at most once a second."""
         self._partner[counter] += 1
         if now >= self._journal_next:
-            self._journal_next = now + TOLD_EVERY
-            self._tell("line", f"{self.name}: {words}", source=self.number)
+            self._journal_next = now + REPORT_EVERY
+            self._journal("line", f"{self.name}: {words}", source=self.number)

@@ -50,7 +50,7 @@ class TelegramSource(SerialSource):
         elif self.watch.alive and not self.connected:
             self.watch.alive, self.watch.losses = False, self.watch.losses + 1
             self.dispatcher.link(self.number, self.on_loss, alive=False)
-            self._tell("link", f"command source {self.number} {self.name}: the port was lost", source=self.number)
+            self._journal("link", f"command source {self.number} {self.name}: the port was lost", source=self.number)
         if was and not self.watch.alive:
             self._named.source_gone(self.name)
 

@@ -44,7 +44,7 @@ def main(argv: list[str]) -> int:
         return Exit.FINDING
     if options.output:
         options.output.write_text(as_dbc(found, options.log.name))
-    print(json.dumps(as_json(found), indent=1) if options.json else "\n".join(told(found, options.output)))
+    print(json.dumps(as_json(found), indent=1) if options.json else "\n".join(finding_lines(found, options.output)))
     return Exit.OK if found.axes else Exit.FINDING
 
 
@@ -56,7 +56,7 @@ def frames(path: pathlib.Path) -> list[Frame]:
     return [frame for frame in read_log(path) if frame.identifier <= MAX_ID]  # data frames of drives
 
 
-def told(found: Inferred, output: pathlib.Path | None) -> list[str]:
+def finding_lines(found: Inferred, output: pathlib.Path | None) -> list[str]:
     """The lines for a person."""
     order = "high byte first" if found.reverse else "low byte first"
     called = names(found)

@@ -113,7 +113,7 @@ def sdo(bus: can.BusABC, arguments: argparse.Namespace) -> int:
         client = network.add_node(arguments.node).sdo
         if arguments.read:
             data = bounded_upload(client, index, sub)
-            print(f"{index:04X}h:{sub:02X} = {told(data)}")
+            print(f"{index:04X}h:{sub:02X} = {value_text(data)}")
         else:
             client.download(index, sub, encoded(arguments.write[1], arguments.write[2]))
             print(f"{index:04X}h:{sub:02X} written")
@@ -135,7 +135,7 @@ def encoded(kind: str, value: str) -> bytes:
     return number.to_bytes(size, "little", signed=signed)
 
 
-def told(data: bytes) -> str:
+def value_text(data: bytes) -> str:
     if len(data) in (1, 2, 4):
         return f"{int.from_bytes(data, 'little')} ({int.from_bytes(data, 'little'):0{2 * len(data)}X}h)"
     return f"{data.decode(errors='replace')!r} ({data.hex(' ')})"

@@ -93,9 +93,9 @@ def fill(node: Node, parser: argparse.ArgumentParser) -> Node:
     """Options, arguments and sub-commands of a parser."""
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
-            told = {choice.dest: choice.help or "" for choice in action._choices_actions}
+            helps = {choice.dest: choice.help or "" for choice in action._choices_actions}
             for name, sub in action.choices.items():
-                node.subs[name] = fill(Node(told.get(name, "")), sub)
+                node.subs[name] = fill(Node(helps.get(name, "")), sub)
         elif action.option_strings:
             node.options.append(Option(tuple(action.option_strings), _words(action), _values(action)))
         elif action.choices is not None:

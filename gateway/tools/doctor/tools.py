@@ -84,8 +84,8 @@ def _measure(echoes: dict[str, tuple[Callable[[], Sequence[float]], float]], sec
         return _said(str(error), Exit.INVALID)
     found = verdict(measured)
     if as_json:
-        told = {each.what: {**each.figures(), "clock_ms": each.clock()} for each in measured}
-        print(json.dumps({"good_for_ms": found.good, "verdict": found.words, "wanted_ms": clock, "figures": told}))
+        by_test = {each.what: {**each.figures(), "clock_ms": each.clock()} for each in measured}
+        print(json.dumps({"good_for_ms": found.good, "verdict": found.words, "wanted_ms": clock, "figures": by_test}))
     else:
         for each in measured:
             figures = ", ".join(f"{name} {value:g}" for name, value in each.figures().items())

@@ -204,10 +204,10 @@ def report(cell: Cell, stops: list[Stop], evidence: str = "emulator") -> dict[st
 def write(cell: Cell, stops: list[Stop], folder: pathlib.Path, evidence: str = "emulator") -> tuple[pathlib.Path, pathlib.Path]:
     """JSON and HTML of one test."""
     folder.mkdir(parents=True, exist_ok=True)
-    told = report(cell, stops, evidence)
+    result = report(cell, stops, evidence)
     stem = folder / f"loss-test-{slug_of(cell)}"
-    stem.with_suffix(".json").write_text(json.dumps(told, indent=1))
-    stem.with_suffix(".html").write_text(_page(cell, stops, str(told["wall"]), EVIDENCE[evidence]))
+    stem.with_suffix(".json").write_text(json.dumps(result, indent=1))
+    stem.with_suffix(".html").write_text(_page(cell, stops, str(result["wall"]), EVIDENCE[evidence]))
     return stem.with_suffix(".json"), stem.with_suffix(".html")
 
 

@@ -138,7 +138,7 @@ def _stop(axis: Axis, bus: Bus, witness: Witness, period_ms: float) -> Stop:
     per_inc = abs(inc_to_unit(axis, 1))
     return Stop(
         "gateway", axis.name, axis.unit, round(abs(found.speed_inc_s) * per_inc, 3), round(found.reaction_ms, 1), round(found.stop_ms, 1),
-        round(abs(found.way_inc) * per_inc, 3), allowed, found.stands and found.reaction_ms <= allowed,
+        round(abs(found.way_inc) * per_inc, 3), allowed, found.stopped and found.reaction_ms <= allowed,
     )  # fmt: skip
 
 
@@ -150,7 +150,7 @@ class Judged:
     reaction_ms: float
     stop_ms: float
     way_inc: int
-    stands: bool
+    stopped: bool
 
 
 def judged(track: Track, lost_ns: Ns) -> Judged | None:
@@ -167,8 +167,8 @@ def judged(track: Track, lost_ns: Ns) -> Judged | None:
     reaction = (min(reactions) - lost_ns) / 1e6 if reactions and moving else float("inf") if moving else 0.0
     end = after[-1][1]
     still = next((stamp for n, (stamp, _) in enumerate(after) if all(abs(inc - end) <= 2 for _, inc in after[n:])), after[-1][0])
-    stands = after[-1][0] - still >= 2 * SLOPE_NS
-    return Judged(speed, reaction, (still - lost_ns) / 1e6, end - start, stands)
+    stopped = after[-1][0] - still >= 2 * SLOPE_NS
+    return Judged(speed, reaction, (still - lost_ns) / 1e6, end - start, stopped)
 
 
 def _speed(a: tuple[Ns, int], b: tuple[Ns, int]) -> float:

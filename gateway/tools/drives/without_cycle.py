@@ -148,8 +148,8 @@ def _move(master: CanopenMaster, node: Node, manual: Manual, signals: Signals, l
     try:
         status = master.carry(node.plan.node, stopped(), goes_on)
     except ManualError as error:
-        told = f"{why}; then " if why else ""
-        raise ManualError(f"{told}{error}: PRESS THE EMERGENCY STOP, the drive may still move") from error
+        before = f"{why}; then " if why else ""
+        raise ManualError(f"{before}{error}: PRESS THE EMERGENCY STOP, the drive may still move") from error
     if moved is None:
         raise MoveEndedError(f"{why}; the drive was stopped and is switched off (statusword {status:04X}h)")
     return moved

@@ -81,7 +81,7 @@ class Client:
     traffic: list[Traffic] = field(default_factory=list)
     link: Link = field(init=False)
     _blocks: list[bytes] = field(default_factory=list)
-    _told: list[object] = field(default_factory=list)
+    _events: list[object] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.link = Link(self.profile, self.priority)
@@ -115,7 +115,7 @@ class Client:
         job = self._job = self.link.send(telegram, self.wire.now())
         self.traffic.append(Traffic(True, telegram, self.wire.now()))
         self._run(lambda: self._over(job) or self._crowded(), None)
-        failed = next((event for event in self._told if isinstance(event, SendFailed)), None)
+        failed = next((event for event in self._events if isinstance(event, SendFailed)), None)
         if failed is not None:
             raise Refused(self._why(failed))
         if not self._over(job):
@@ -140,14 +140,14 @@ class Client:
         return is_reaction(last) and (last[3] != 0 or len(last) == 4 + size)
 
     def _over(self, job: int) -> bool:
-        return any(isinstance(event, BlockSent | SendFailed) and event.job == job for event in self._told)
+        return any(isinstance(event, BlockSent | SendFailed) and event.job == job for event in self._events)
 
     def _crowded(self) -> bool:
-        return sum(isinstance(event, BlockReceived) for event in self._told) >= MOST_CONFLICTS
+        return sum(isinstance(event, BlockReceived) for event in self._events) >= MOST_CONFLICTS
 
     def _no_reaction(self) -> Text:
         wait = self.reaction_wait / 1e9
-        refused = [event.why for event in self._told if isinstance(event, BlockRefused)]
+        refused = [event.why for event in self._events if isinstance(event, BlockRefused)]
         known = next((NOT_TAKEN[why] for why in refused if why in NOT_TAKEN), None)
         if known is not None:
             return said("the reaction telegram could not be taken: {}", known)
@@ -163,9 +163,9 @@ class Client:
         return blocks
 
     def _why(self, failed: SendFailed) -> Text:
-        if any(isinstance(event, SamePriority) for event in self._told):
+        if any(isinstance(event, SamePriority) for event in self._events):
             return said("both stations have the same priority ({}): set one to high, the other to low", self.priority.name.lower())
-        seen = Counter((event.stage, event.why) for event in self._told if isinstance(event, SendRepeated | SendFailed))
+        seen = Counter((event.stage, event.why) for event in self._events if isinstance(event, SendRepeated | SendFailed))
         ways = [(said(SEEN.get(key, "something else"), self.profile.ack_delay / 1e6), count) for key, count in seen.items()]
         listed: str = said("{} ({})", ways[0][0], _attempts(ways[0][1]))
         for text, count in ways[1:]:
@@ -183,7 +183,7 @@ class Client:
     # ---- the loop
     def _run(self, done: Callable[[], bool], until: Ns | None) -> bool:
         if until is None:
-            self._told.clear()
+            self._events.clear()
         self._flush()
         while not done():
             now = self.wire.now()
@@ -220,7 +220,7 @@ class Client:
 
     def _handle(self, events: Sequence[object], now: Ns) -> None:
         for event in events:
-            self._told.append(event)
+            self._events.append(event)
             self.on_event(event)
             if isinstance(event, BlockReceived) and _is_command(event.data):
                 self.traffic.append(Traffic(False, event.data, now))  # RK512 lets it send its own while we wait (serial-protocols 2.6)
@@ -229,8 +229,8 @@ class Client:
                     self._blocks.append(event.data)
             elif isinstance(event, BlockSent):
                 self._blocks.clear()  # what came before our command was taken is no answer to it: a reaction repeated
-            elif isinstance(event, BlockRefused) and len(self._told) > 10_000:
-                del self._told[:5_000]
+            elif isinstance(event, BlockRefused) and len(self._events) > 10_000:
+                del self._events[:5_000]
 
 
 def _attempts(count: int) -> Text:

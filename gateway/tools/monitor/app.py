@@ -87,13 +87,13 @@ class Monitor(App[None]):
         return self.tabs.active or self._first
 
     @property
-    def _standing(self) -> bool:
+    def _on_screen(self) -> bool:
         """The widgets are on a screen: neither before the start nor after the end."""
         return self.line.is_attached and self.tables[self.tab].is_attached
 
     async def refresh_look(self) -> None:
         """One look; a slow one is not queued behind."""
-        if self.held or self._busy.locked() or not self._standing:
+        if self.held or self._busy.locked() or not self._on_screen:
             return
         async with self._busy:
             try:
@@ -108,7 +108,7 @@ class Monitor(App[None]):
     async def _draw(self) -> None:
         tab = self.tab
         tables = await self.look.table(tab)
-        if not self._standing:
+        if not self._on_screen:
             return
         self.line.update(self.look.head())
         if tab == "lines":

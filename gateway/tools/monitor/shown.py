@@ -77,8 +77,10 @@ def signals_table(entries: Sequence[Entry], values: Row, chosen: str, found: int
         if not _passes(chosen, value, quality, forced=forced):
             continue
         says = entry.de if language == "de" else entry.en
-        told = "FORCED" if forced else QUALITIES.get(quality, "bad")
-        rows.append((entry.name, entry.addresses[0] if entry.addresses else "", shown(entry, value), told, _seconds(age), entry.unit, says))
+        state = "FORCED" if forced else QUALITIES.get(quality, "bad")
+        rows.append(
+            (entry.name, entry.addresses[0] if entry.addresses else "", shown(entry, value), state, _seconds(age), entry.unit, says)
+        )
         marks.append("warn" if forced else "" if quality == Quality.GOOD else "old")
     more = f", the first {MOST} are shown" if found > MOST else ""
     return Table(f"Signals: {found} found{more}, filter: {chosen}", SIGNALS, tuple(rows), tuple(marks), "nothing fits search and filter")
@@ -132,9 +134,9 @@ def sources_table(regions: Regions) -> Table:
 
 def sentences_table(lines: Row, language: str) -> Table:
     """What was said on the lines, newest last."""
-    told = sorted(((line, one) for line, kept in lines.items() for one in kept), key=lambda said: said[1]["ms"])[-SHOWN_SENTENCES:]
-    rows = tuple((line, f"{one['ms']:.1f}", *_sentence(one, language == "de")) for line, one in told)
-    marks = tuple("bad" if one.get("kind") in ("BROKEN", "DAMAGED") or one["ok"] is False else "" for _, one in told)
+    sentences = sorted(((line, one) for line, kept in lines.items() for one in kept), key=lambda said: said[1]["ms"])[-SHOWN_SENTENCES:]
+    rows = tuple((line, f"{one['ms']:.1f}", *_sentence(one, language == "de")) for line, one in sentences)
+    marks = tuple("bad" if one.get("kind") in ("BROKEN", "DAMAGED") or one["ok"] is False else "" for _, one in sentences)
     return Table("Traffic on the lines", SENTENCES, rows, marks, "no traffic yet")
 
 
@@ -153,7 +155,7 @@ def errors_table(regions: Regions, alarms: Sequence[str], language: str) -> Tabl
     rows += [_row(OURS, int(error["code"]), str(error["text"]), language) for error in regions.status.get("errors", [])]
     control = regions.status.get("controller") or {}
     for error in control.get("errors", []):
-        where = f"{error['text']} {error['where']}".strip() + ("" if error["standing"] else " (waits for its reset)")
+        where = f"{error['text']} {error['where']}".strip() + ("" if error["active"] else " (waits for its reset)")
         rows.append(_row("rho3", int(error["code"]), where, language))
     return Table("Errors, first one first", ERRORS, tuple(rows), ("bad",) * len(rows), "no error pending")
 

@@ -16,7 +16,7 @@ from gateway.pure.cycle.belts import BeltFault, CoreBelts
 from gateway.pure.image.belt_texts import OURS, belt_words
 from gateway.pure.image.records.cell import InputImage, Quality, set_bit
 from gateway.pure.planning.belt_statements import act_order
-from gateway.pure.planning.parts import Coming, acting, begun, inside, outside, told
+from gateway.pure.planning.parts import Coming, acting, begun, inside, later_fault, outside
 from gateway.pure.planning.trial import Files
 from motion.execution.stepper import State, Stepper
 from motion.files.playing import FilePath
@@ -43,10 +43,10 @@ MOST_S = 600.0  # of one part
 
 @dataclass
 class Section:
-    """Blocks of one kind in a row.  first: number of the first; part: of those on a belt; `stands`: (axes,) where they begin."""
+    """Blocks of one kind in a row.  first: number of the first; part: of those on a belt; `start`: (axes,) where they begin."""
 
     first: int
-    stands: Sequence[float]
+    start: Sequence[float]
     blocks: list[Block] = field(default_factory=list)
     part: Coming | None = None
     path: FilePath | None = None  # of its one block, MOVE_FILE
@@ -76,7 +76,7 @@ def sections_of(
             check_alterable(block, before, number, option=option)
             if before is not None and before.alteration != block.alteration and block.synchron is None:
                 route.finish()  # the axes rest where an alterable part begins and ends (AX-449)
-                section = Section(number, route.standing)
+                section = Section(number, route.position)
                 found.append(section)
             parts, belts = acting(outside(block), number, belts, "", machine)
             apart = section.part is not None and not section.part.holds(block)
@@ -85,20 +85,20 @@ def sections_of(
                 route.finish()
                 placed = [part.point for part in parts if part.point]
                 if placed:
-                    route.stands(placed[-1])
-                coming = begun(block, number, belts, machine, route.standing, kinematic, section.part) if block.synchron is not None else []
+                    route.reset(placed[-1])
+                coming = begun(block, number, belts, machine, route.position, kinematic, section.part) if block.synchron is not None else []
                 part = next((each for each in coming if not each.engages), None)
                 if part is None or part.inside is None:  # SYNC inside its part: it goes on
-                    section = Section(number, route.standing, part.blocks if part is not None else [], part, placed=bool(placed))
+                    section = Section(number, route.position, part.blocks if part is not None else [], part, placed=bool(placed))
                     found.append(section)
             plan = section.part.tried if section.part is not None else None
             if block.file is not None:
-                section.path = files.path(block, 0, tuple(route.standing), machine, number)[1]
-                route.stands(section.path.end)
+                section.path = files.path(block, 0, tuple(route.position), machine, number)[1]
+                route.reset(section.path.end)
             else:
                 route.add(block if plan is None else plan.add(block), number)
             section.blocks.append(block)
-            section.ends = tuple(route.standing)
+            section.ends = tuple(route.position)
         except BlockError as error:
             faults.append(numbered(error, number))
         said(number)
@@ -125,15 +125,15 @@ class _Looked:
         self.found: list[tuple[int, Stretch]] = []
 
     @property
-    def standing(self) -> Sequence[float]:
-        return self._route.standing
+    def position(self) -> Sequence[float]:
+        return self._route.position
 
     def add(self, block: Block, number: int) -> None:
         """BlockError: this block cannot be run."""
         self._after_rows(lambda: self._route.add(block))
         self._numbers.append(number)
 
-    def stands(self, places: Sequence[float]) -> None:
+    def reset(self, places: Sequence[float]) -> None:
         """Behind what no route knows."""
         self._route.reset(places)
 
@@ -171,36 +171,36 @@ class DryRun:
     def run(self, sections: Sequence[Section], said: Callable[[int], None] = lambda block: None) -> Trace:
         """All sections, each from where the one before really ended; BlockError where a part cannot go on.  `said` hears how many blocks
         have been run."""
-        stands = tuple(sections[0].stands)
+        start = tuple(sections[0].start)
         parts: list[Trace] = []
         for section in sections:
-            stands = tuple(section.stands) if section.placed else stands
+            start = tuple(section.start) if section.placed else start
             if section.path is not None:
-                made = self._filed(section, section.path, stands)
+                made = self._filed(section, section.path, start)
             else:
-                made = self._plain(section, stands) if section.part is None else self._on_belt(section, section.part, stands)
+                made = self._plain(section, start) if section.part is None else self._on_belt(section, section.part, start)
             parts.append(replace(made, cuts=(0,)) if section.placed else made)
-            stands = tuple(float(v) for v in made.q[-1])
+            start = tuple(float(v) for v in made.q[-1])
             said(section.first + len(section.blocks) - 1)
         return joined(parts)
 
-    def _plain(self, section: Section, stands: Sequence[float]) -> Trace:
-        route = Route(self.machine, stands)
+    def _plain(self, section: Section, start: Sequence[float]) -> Trace:
+        route = Route(self.machine, start)
         for block in section.blocks:
             route.add(block)
         route.finish()
-        return trace(route.take(), self.machine, period=self.period, stands=stands).later(section.first - 1)
+        return trace(route.take(), self.machine, period=self.period, start=start).later(section.first - 1)
 
-    def _filed(self, section: Section, path: FilePath, stands: Sequence[float]) -> Trace:
+    def _filed(self, section: Section, path: FilePath, start: Sequence[float]) -> Trace:
         """MOVE_FILE."""
-        t, q = played(path, stands, self.period)
+        t, q = played(path, start, self.period)
         places = np.array([tool_at(self.machine, row, section.blocks[0].tool.pose) for row in q])
         numbers = np.full(len(t), section.first)
         return Trace(t, q, places, numbers, self.period, (), ((section.first, path.duration),))
 
-    def _on_belt(self, section: Section, part: Coming, stands: Sequence[float]) -> Trace:
+    def _on_belt(self, section: Section, part: Coming, start: Sequence[float]) -> Trace:
         """From the moment its belt comes near until the robot is at rest again."""
-        run = _PartRun(self, section, part, stands)
+        run = _PartRun(self, section, part, start)
         rows = list(run.rows())
         q, numbers = np.array([row for row, _, _ in rows]), np.array([number for _, number, _ in rows])
         tools = [section.blocks[int(number) - section.first].tool.pose for number in numbers]
@@ -211,24 +211,24 @@ class DryRun:
         return Trace(t, q, places, numbers, self.period, (), ((int(numbers[-1]), float(t[-1])),), (way,))
 
 
-def played(path: FilePath, stands: Sequence[float], period: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def played(path: FilePath, start: Sequence[float], period: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """MOVE_FILE on the grid of the page, from where the axes stand: (n,) s and (n, axes)."""
     t = np.arange(math.ceil(path.duration / period) + 1, dtype=np.float64) * period
-    return t, path.begun_at(stands).at(np.minimum(t, path.duration))
+    return t, path.begun_at(start).at(np.minimum(t, path.duration))
 
 
 class _PartRun:
     """One part: its belt, the stepper beside it, and what the planner makes of its blocks."""
 
-    def __init__(self, dry_run: DryRun, section: Section, part: Coming, stands: Sequence[float]) -> None:
+    def __init__(self, dry_run: DryRun, section: Section, part: Coming, start: Sequence[float]) -> None:
         assert part.tried is not None
-        self._dry_run, self._section, self._part, self._stands = dry_run, section, part, tuple(stands)
-        self._plan = part.again(dry_run.machine, self._stands)
+        self._dry_run, self._section, self._part, self._start = dry_run, section, part, tuple(start)
+        self._plan = part.again(dry_run.machine, self._start)
         own, place = part.tried.facts, part.tried.belt
         now = (own if n == place else each for n, each in enumerate(dry_run.belts))  # as statements of belts have set it
         facts = [self._even(each, speed) for each, speed in zip(now, dry_run.speeds, strict=True)]
         self._belts = CoreBelts(facts, {self._plan.kinematic: dry_run.machine.kinematics}, dry_run.machine.limits, dry_run.period)
-        self._stepper = Stepper(len(self._stands), dry_run.period, self._stands)
+        self._stepper = Stepper(len(self._start), dry_run.period, self._start)
         self._inputs = InputImage()
         set_bit(self._inputs.values, SIMULATION, True)
         self._inputs.quality[SIMULATION >> 3] = int(Quality.GOOD)
@@ -254,17 +254,17 @@ class _PartRun:
         if plan.synchron.at is None:
             for _ in range(round(LEAD_S / self._dry_run.period)):
                 belts.step(self._stepper, self._inputs)  # the order comes when the belt is there
-        belts.synchron(replace(plan.order, tolerance=plan.order.tolerance * self._dry_run.tolerance_cycles), self._stands)
+        belts.synchron(replace(plan.order, tolerance=plan.order.tolerance * self._dry_run.tolerance_cycles), self._start)
         for made in plan.blocks:
             belts.add(made)
         for _ in range(round(MOST_S / self._dry_run.period)):
             sample = belts.step(self._stepper, self._inputs)
             if belts.fault is not None:
-                raise self._told(belts.fault)
+                raise self._belt_fault(belts.fault)
             if belts.engaged_now:
                 self._load(belts.value)
             elif self._planner is not None and self._stepper.state is State.IDLE:
-                self._go_on(self._planner.standing)
+                self._go_on(self._planner.position)
             yield sample.q, self._number(sample.piece_id), belts.shown.counter
             if self._over():
                 return
@@ -272,7 +272,7 @@ class _PartRun:
 
     def _load(self, engaged: float) -> None:
         """The path of a type 1, seen from the belt it has got onto."""
-        self._machine, start, blocks = self._part.carried(self._part.again(self._dry_run.machine, self._stands), engaged)
+        self._machine, start, blocks = self._part.carried(self._part.again(self._dry_run.machine, self._start), engaged)
         path: list[Block] = []
         self._steps.append(path)
         for block in blocks:
@@ -281,14 +281,14 @@ class _PartRun:
             path.append(block)
         self._go_on(start)
 
-    def _go_on(self, standing: Sequence[float]) -> None:
+    def _go_on(self, position: Sequence[float]) -> None:
         """At rest: the SYNC that comes next, or the path behind the one that has been met."""
         belts, part = self._belts, self._plan
         if not self._steps or (belts.awaits and not belts.met(self._inputs)):
             return
         step = self._steps.popleft()
         if isinstance(step, list):
-            self._run(standing, step)
+            self._run(position, step)
         elif (order := act_order(step, belts.facts, self._last + 1, part.synchron)) is not None:
             belts.act(order)
 
@@ -309,7 +309,7 @@ class _PartRun:
                     at += piece.duration
                     self._belts.load(piece)
         except BlockError as error:
-            raise told(error, before) from error
+            raise later_fault(error, before) from error
 
     def _number(self, piece: int) -> int:
         """Block of the program that is under way."""
@@ -326,7 +326,7 @@ class _PartRun:
         waits = self._planner is None or bool(self._steps) or self._belts.awaits
         return not waits and self._stepper.state is State.IDLE and self._belts.release()
 
-    def _told(self, fault: BeltFault) -> BlockError:
+    def _belt_fault(self, fault: BeltFault) -> BlockError:
         axis = self._dry_run.machine.limits[fault.axis - 1].name if fault.axis else ""
         number = self._belts.block or self._section.first
         source = "axisgate" if fault.code in OURS else "rho 3"

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gateway.pure.planning.parts import acting, told
+from gateway.pure.planning.parts import acting, later_fault
 from gateway.pure.planning.trial import Files
 from gateway.tools.motion.dry_run import NO_FILES, DryRun, Section, played, sections_of
 from motion.files.playing import FilePath
@@ -52,12 +52,12 @@ NO_CELL = CellFacts()
 @dataclass
 class TeamSection:
     """Blocks in a row without a change of numbers, one MOVE_FILE, or parts of one kinematic.  first: number of the first; before: blocks of
-    the program, less those of the route, in front of it; `stands`: (all axes,) where they begin; placed: kinematics whose axes got other
+    the program, less those of the route, in front of it; `start`: (all axes,) where they begin; placed: kinematics whose axes got other
     places before it (SF 3)."""
 
     first: int
     before: int
-    stands: Joints
+    start: Joints
     placed: frozenset[int] = frozenset()
     blocks: list[Shared] = field(default_factory=list)
     stretches: list[Stretch] = field(default_factory=list)
@@ -99,22 +99,22 @@ class _Looked:
 
     def _finish_alone(self, section: TeamSection, member: int) -> None:
         """Its blocks, as a program of this robot."""
-        program = Program("", "", self.team.split(section.stands)[member], tuple(self.own))
+        program = Program("", "", self.team.split(section.start)[member], tuple(self.own))
         machine, cell_facts = self.team.machines[member], self.cell_facts
         found = sections_of(
             program, machine, section.belts, option=cell_facts.option(member), kinematic=cell_facts.number(member), files=self.files
         )
         section.parts, faults = found
-        self.faults += [numbered(self.team.told(fault, member), fault.block + section.first - 1) for fault in faults]
+        self.faults += [numbered(self.team.with_kinematic(fault, member), fault.block + section.first - 1) for fault in faults]
         ends = section.parts[-1].ends if section.parts else program.start
-        self.route.reset(self.team.placed(section.stands, member, ends))
+        self.route.reset(self.team.placed(section.start, member, ends))
         self.own = []
 
-    def begin(self, number: int, stands: Joints, placed: frozenset[int]) -> None:
+    def begin(self, number: int, start: Joints, placed: frozenset[int]) -> None:
         """Another section, behind a finished one."""
-        self.section = TeamSection(number, number - 1 - self.route.added, stands, placed, belts=self.belts)
+        self.section = TeamSection(number, number - 1 - self.route.added, start, placed, belts=self.belts)
         self.sections.append(self.section)
-        self.route.reset(stands)
+        self.route.reset(start)
 
     def look(self, shared: Shared, number: int) -> None:
         """One block; BlockError."""
@@ -125,10 +125,10 @@ class _Looked:
         another = self.section.alone != alone or self.section.filed is not None or shared.filed is not None
         if placed or another:
             self.finish()
-            stands = self.route.standing
+            start = self.route.position
             for part in placed:
-                stands = self.team.placed(stands, part.member, part.point)
-            self.begin(number, stands, frozenset(part.member for part in placed))
+                start = self.team.placed(start, part.member, part.point)
+            self.begin(number, start, frozenset(part.member for part in placed))
             self.section.alone, self.section.belts = alone, before
         if shared.filed is not None:
             self._file(number, *shared.filed)
@@ -144,10 +144,10 @@ class _Looked:
 
     def _file(self, number: int, member: int, block: Block) -> None:
         """The section is a MOVE_FILE of one kinematic; BlockError."""
-        stands = self.route.standing
-        path = self.files.path(block, 0, stands, self.team, number, member)[1]
+        start = self.route.position
+        path = self.files.path(block, 0, start, self.team, number, member)[1]
         self.section.filed = member, path
-        self.route.reset(self.team.placed(stands, member, path.end))
+        self.route.reset(self.team.placed(start, member, path.end))
 
 
 def team_findings(program: TeamProgram, team: Team, files: Files = NO_FILES, cell_facts: CellFacts = NO_CELL) -> TeamFindings:
@@ -178,28 +178,28 @@ def team_slowed(findings: TeamFindings) -> dict[int, Slowed]:
 def team_traces(findings: TeamFindings, team: Team, cell_facts: CellFacts = NO_CELL, period: float = PERIOD_S) -> list[Trace]:
     """One for each kinematic, all over the same time; each section begins where the one before really ended.  MotionError where a path
     cannot be run at all, BlockError where a part on a belt cannot go on."""
-    stands, rows = findings.sections[0].stands, []
+    start, rows = findings.sections[0].start, []
     for section in findings.sections:
         for member in section.placed:
-            stands = team.placed(stands, member, team.split(section.stands)[member])
-        own = list(_traced(section, team, stands, cell_facts, period))
+            start = team.placed(start, member, team.split(section.start)[member])
+        own = list(_traced(section, team, start, cell_facts, period))
         rows.append(own)
-        stands = tuple(float(value) for made in own for value in made.q[-1])
+        start = tuple(float(value) for made in own for value in made.q[-1])
     return [joined(each) for each in zip(*rows, strict=True)]
 
 
-def _traced(section: TeamSection, team: Team, stands: Joints, cell_facts: CellFacts, period: float) -> Iterator[Trace]:
+def _traced(section: TeamSection, team: Team, start: Joints, cell_facts: CellFacts, period: float) -> Iterator[Trace]:
     """Of each kinematic in a section."""
     if section.alone is not None:
-        yield from _alone(section, section.alone, team, stands, cell_facts, period)
+        yield from _alone(section, section.alone, team, start, cell_facts, period)
         return
     stretches = section.stretches
-    if section.blocks and not np.allclose(stands, section.stands, rtol=0.0, atol=SAME):
-        stretches = _again(section, team, stands)
-    rows, q, blocks, ends = sampled(stretches, team, period=period, stands=stands)
+    if section.blocks and not np.allclose(start, section.start, rtol=0.0, atol=SAME):
+        stretches = _again(section, team, start)
+    rows, q, blocks, ends = sampled(stretches, team, period=period, start=start)
     if section.filed is not None:
         member, path = section.filed
-        q = _filed(team.split(stands), member, path, period)
+        q = _filed(team.split(start), member, path, period)
         blocks, ends = [section.first - section.before] * len(q), [(section.first - section.before, path.duration)]
     elif not stretches:  # blocks without way
         blocks = [section.first - section.before]
@@ -210,15 +210,15 @@ def _traced(section: TeamSection, team: Team, stands: Joints, cell_facts: CellFa
         yield replace(made, cuts=(0,)) if n in section.placed else made
 
 
-def _again(section: TeamSection, team: Team, stands: Joints) -> list[Stretch]:
+def _again(section: TeamSection, team: Team, start: Joints) -> list[Stretch]:
     """Its path from where a part on a belt really ended, its blocks under the numbers that they had."""
-    route = TeamRoute(team, stands)
+    route = TeamRoute(team, start)
     try:
         for shared in section.blocks:
             route.add(replace(shared, acts=()))
         route.finish()
     except BlockError as error:
-        raise told(error, section.first - 1) from error
+        raise later_fault(error, section.first - 1) from error
     found = list(route.take())
     first = section.first - section.before - 1
     return [_numbered(stretch, first) for stretch in found]
@@ -232,15 +232,15 @@ def _numbered(stretch: Stretch, blocks: int) -> Stretch:
     return replace(stretch, block=stretch.block + blocks)
 
 
-def _alone(section: TeamSection, member: int, team: Team, stands: Joints, cell_facts: CellFacts, period: float) -> Iterator[Trace]:
+def _alone(section: TeamSection, member: int, team: Team, start: Joints, cell_facts: CellFacts, period: float) -> Iterator[Trace]:
     """One on its belt, or corrected; the others are at rest."""
-    begun = replace(section.parts[0], stands=team.split(stands)[member])
+    begun = replace(section.parts[0], start=team.split(start)[member])
     try:
         run = DryRun(team.machines[member], section.belts, cell_facts.speeds, cell_facts.p5_ms, period)
         made = run.run([begun, *section.parts[1:]]).later(section.first - 1)
     except BlockError as error:
-        raise team.told(told(error, section.first - 1), member) from error
-    for n, places in enumerate(team.split(stands)):
+        raise team.with_kinematic(later_fault(error, section.first - 1), member) from error
+    for n, places in enumerate(team.split(start)):
         if n == member:
             yield replace(made, cuts=(*made.cuts, 0)) if n in section.placed else made
         else:
@@ -249,7 +249,7 @@ def _alone(section: TeamSection, member: int, team: Team, stands: Joints, cell_f
             yield replace(resting, cuts=(0,)) if n in section.placed else resting
 
 
-def _filed(stands: Sequence[Joints], member: int, path: FilePath, period: float) -> NDArray[np.float64]:
+def _filed(start: Sequence[Joints], member: int, path: FilePath, period: float) -> NDArray[np.float64]:
     """(n, all axes) while one runs its file, and the others stand."""
-    way = played(path, stands[member], period)[1]
-    return np.concatenate([way if n == member else np.tile(own, (len(way), 1)) for n, own in enumerate(stands)], axis=1)
+    way = played(path, start[member], period)[1]
+    return np.concatenate([way if n == member else np.tile(own, (len(way), 1)) for n, own in enumerate(start)], axis=1)

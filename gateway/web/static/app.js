@@ -18,10 +18,10 @@ async function order(path, body, done) {
   if (me.fresh && !path.endsWith("/stop")) await whoami().catch(() => {});
   if (me.fresh && me.local && !may("operator") && FIRST.test(path)) { login(); return null; } // before the first change, not after its refusal
   try {
-    const told = await post(path, body);
-    if (told.state === "REFUSED" || told.state === "ABORTED") toast(`${t("refused")}: ${said(told)}`, "bad");
+    const reply = await post(path, body);
+    if (reply.state === "REFUSED" || reply.state === "ABORTED") toast(`${t("refused")}: ${said(reply)}`, "bad");
     else if (done) toast(t(done), "good");
-    return told;
+    return reply;
   } catch (error) {
     toast(t(error.message), "bad");
     if (error.status === 401) login();
@@ -30,8 +30,8 @@ async function order(path, body, done) {
 }
 
 // A refusal in the words of the page's language.
-function said(told) {
-  return told.say?.[language() === "de" ? 1 : 0] || told.detail || told.words;
+function said(reply) {
+  return reply.say?.[language() === "de" ? 1 : 0] || reply.detail || reply.words;
 }
 
 function nav() {
@@ -113,7 +113,7 @@ function take(message) {
   if (message.t === "live") {
     if (message.head) head(message.head);
     if (message.name === name) view?.update?.(message.page, message.head, message.values);
-  } else if (message.t === "told") {
+  } else if (message.t === "answer") {
     const refused = message.error ? say(message.say) || t(message.error) : ["REFUSED", "ABORTED", "ENDED"].includes(message.held?.state) ? said(message.held) : "";
     if (refused && (view?.refused ? view.refused() : true)) toast(refused, "bad");
   }

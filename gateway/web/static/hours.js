@@ -15,11 +15,11 @@ export function hours(id) {
   let plot = null;
   let wait = 0;
   const title = h("h2", {}, id);
-  const told = h("p", { class: "soft small", role: "status", id: "trend-about" });
+  const reply = h("p", { class: "soft small", role: "status", id: "trend-about" });
   const box = h("div", { class: "plot", id: "trend-plot" });
   const spans = SPANS.map(([seconds, words]) => h("button", { type: "button", class: "tiny", "data-span": seconds, "aria-pressed": String(seconds === span), onclick: () => choose(seconds) }, words));
   const dialog = h("dialog", { class: "trend", id: "trend", "aria-label": t("trend"), onclose: () => { clearTimeout(wait); watch.disconnect(); plot?.destroy(); plot = null; dialog.remove(); } },
-    h("div", { class: "bar spread" }, title, h("div", { class: "bar", style: "margin:0" }, spans, h("button", { type: "button", id: "trend-close", onclick: () => dialog.close() }, t("Close")))), box, told);
+    h("div", { class: "bar spread" }, title, h("div", { class: "bar", style: "margin:0" }, spans, h("button", { type: "button", id: "trend-close", onclick: () => dialog.close() }, t("Close")))), box, reply);
   const width = () => box.clientWidth || 320;
   const height = () => Math.max(180, Math.min(420, Math.round(innerHeight * 0.5)));
   const watch = new ResizeObserver(() => plot?.setSize({ width: width(), height: height() }));
@@ -35,7 +35,7 @@ export function hours(id) {
       const found = await get(`/api/trend?id=${encodeURIComponent(id)}&seconds=${span}`);
       const uPlot = await load();
       if (dialog.isConnected) show(uPlot, found);
-    } catch (error) { put(told, t(error.message)); }
+    } catch (error) { put(reply, t(error.message)); }
     if (dialog.isConnected) wait = setTimeout(look, span > 3600 ? 10000 : 2000);
   }
   function show(uPlot, found) {
@@ -45,7 +45,7 @@ export function hours(id) {
     put(title, `${found.name}${found.unit ? `, ${found.unit}` : ""}`);
     const short = (value) => Number(value.toPrecision(6)).toString();
     const since = found.since_s === null || found.since_s >= span ? "" : `, ${t("kept since")} ${clock(now - found.since_s)}`;
-    put(told, known.length ? `${t("now")} ${found.values.at(-1) === null ? t("not known") : short(found.values.at(-1))}, ${t("least")} ${short(Math.min(...known))}, ${t("greatest")} ${short(Math.max(...known))}${since}` : t("No number of this value is known in this time."));
+    put(reply, known.length ? `${t("now")} ${found.values.at(-1) === null ? t("not known") : short(found.values.at(-1))}, ${t("least")} ${short(Math.min(...known))}, ${t("greatest")} ${short(Math.max(...known))}${since}` : t("No number of this value is known in this time."));
     box.dataset.points = String(data[0].length);
     const range = [now - Math.min(span, Math.max(60, found.since_s ?? 60)), now];
     if (plot) { plot.batch(() => { plot.setData(data, false); plot.setScale("x", { min: range[0], max: range[1] }); }); return; }

@@ -34,9 +34,9 @@ export async function post(path, body) {
 }
 
 async function answer(response) {
-  const told = await response.json().catch(() => ({}));
-  if (!response.ok) throw Object.assign(new Error(say(told.say) || told.error || `HTTP ${response.status}`), { status: response.status });
-  return told;
+  const reply = await response.json().catch(() => ({}));
+  if (!response.ok) throw Object.assign(new Error(say(reply.say) || reply.error || `HTTP ${response.status}`), { status: response.status });
+  return reply;
 }
 
 export async function whoami() {

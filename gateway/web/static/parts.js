@@ -7,7 +7,7 @@ export function asked(t, title, value, verb = "force", most = 24) {
   return new Promise((resolve) => {
     const dialog = document.getElementById("dialog");
     const input = h("input", { id: "asked", value: String(value), maxlength: String(most), autofocus: true, required: true, "aria-label": title });
-    const done = (told) => { dialog.onclose = null; dialog.close(); resolve(told); };
+    const done = (reply) => { dialog.onclose = null; dialog.close(); resolve(reply); };
     dialog.onclose = () => done(null);
     dialog.replaceChildren(h("form", { method: "dialog", onsubmit: (event) => { event.preventDefault(); done(input.value.trim()); } },
       h("h2", {}, title), input, h("div", { class: "bar" }, h("button", { class: "main", id: "send" }, t(verb)), h("button", { type: "button", onclick: () => done(null) }, t("Cancel")))));
@@ -20,7 +20,7 @@ export function asked(t, title, value, verb = "force", most = 24) {
 export function sure(t, title, verb) {
   return new Promise((resolve) => {
     const dialog = document.getElementById("dialog");
-    const done = (told) => { dialog.onclose = null; dialog.close(); resolve(told); };
+    const done = (reply) => { dialog.onclose = null; dialog.close(); resolve(reply); };
     dialog.onclose = () => done(false);
     dialog.replaceChildren(h("form", { method: "dialog", onsubmit: (event) => { event.preventDefault(); done(true); } },
       h("h2", {}, title), h("div", { class: "bar" }, h("button", { class: "main", id: "send", autofocus: true }, t(verb)), h("button", { type: "button", onclick: () => done(false) }, t("Cancel")))));

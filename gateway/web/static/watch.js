@@ -14,12 +14,12 @@ export class Kept {
     this.drop = h("button", { type: "button", class: "danger", id: `${kind}-drop`, onclick: () => this.order("/api/kept/drop", { name: this.select.value }, "It is removed") }, t("remove"));
     this.element = h("span", { class: "bar kept", style: "margin:0" }, this.select, this.name, this.keep, this.drop);
     this.fill([]);
-    get(`/api/kept?kind=${kind}`).then((told) => this.fill(told.kept)).catch(() => {});
+    get(`/api/kept?kind=${kind}`).then((reply) => this.fill(reply.kept)).catch(() => {});
   }
 
   async order(path, body, done) {
-    const told = await this.post(path, { kind: this.kind, ...body }, done);
-    if (told) this.fill(told.kept, body.value ? body.name : "");
+    const reply = await this.post(path, { kind: this.kind, ...body }, done);
+    if (reply) this.fill(reply.kept, body.value ? body.name : "");
   }
 
   fill(rows, name = this.select.value) {

@@ -50,7 +50,7 @@ from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.base.hosting import View, as_reported, paths_of
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.planning.trial import Files
-from gateway.pure.planning.turn import standing
+from gateway.pure.planning.turn import positions
 from hil_tests.lab.virtual.cell_bench import CellBench
 from hil_tests.lab.virtual.planner_region import PlannerRegion
 from hil_tests.lab.virtual.servodyn_bus import CODEC
@@ -110,7 +110,7 @@ class VirtualPort:
         code, text = (fault.code, fault.text) if fault is not None else (0, "")
         self.say("over", run=run, how=how, code=code, text=text, place=place)
 
-    def told(self, program: str, line: int, text: str) -> None:
+    def report(self, program: str, line: int, text: str) -> None:
         self.words.append(f"{program} line {line}: {text}")
 
     def correct(self, record: bytes) -> None:
@@ -119,7 +119,7 @@ class VirtualPort:
     def panel(self, text: str) -> None:
         self.say("panel", text=text)
 
-    def tell(self, what: str, **facts: Fact) -> None:
+    def send(self, what: str, **facts: Fact) -> None:
         self.say(what, **facts)
 
 
@@ -209,7 +209,7 @@ class ProgramCell:
         while self.planning.work():
             pass
         self._pieces += [packed_piece(each, piece_size(axes)) for each in self.planning.turn(records, state, axes, len(self._pieces))]
-        assert standing(state, axes)
+        assert positions(state, axes)
         bench.dispatcher.planner = self.planner_region.through(self.planning.state)
         for _ in range(min(2 * len(self.planning.lanes), len(self._pieces))):
             bench.core.feed(unpack_piece(self._pieces.popleft()))
@@ -227,8 +227,8 @@ class ProgramCell:
         self.hosted.step(now)
         self.told += self.control.step(self.bench.inputs, bytes(self.bench.core.outputs), state, now, heard=True)
         self.hosted.step(now)
-        self.told += self.hosted.told
-        self.hosted.told.clear()
+        self.told += self.hosted.sentences
+        self.hosted.sentences.clear()
         outputs = self.control.outputs
         first = self.control.setup.numbers.first_output
         for channel in range(1, 17):

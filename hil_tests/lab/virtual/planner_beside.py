@@ -17,7 +17,7 @@ from gateway.pure.image.records.planner import (
     unpack_piece,
 )
 from gateway.pure.planning.planner import Programs
-from gateway.pure.planning.turn import follow, standing
+from gateway.pure.planning.turn import follow, positions
 
 A_CYCLE = 2  # pieces the core takes from the ring
 
@@ -39,7 +39,7 @@ class PlannerBeside:
             if self.lines:
                 said.append(unpack_block(pack_block(self.lines.popleft())))
             while self.programs.preparing:
-                self.programs.prepare(standing(core.state, self.axes))
+                self.programs.prepare(positions(core.state, self.axes))
             while self.programs.working and not self.programs.work():
                 pass
             self.held += follow(self.programs, said, core.state, self.axes, waiting=len(self.held))

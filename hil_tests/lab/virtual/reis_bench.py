@@ -42,7 +42,7 @@ from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.robotstar.cell_run import CellRun
 from gateway.pure.languages.robotstar.memory import Memory, Source
 from gateway.pure.planning.planner import Programs
-from gateway.pure.planning.turn import follow, standing
+from gateway.pure.planning.turn import follow, positions
 from hil_tests.lab.virtual.baps2_bench import ServodynBench, VirtualPort
 from hil_tests.lab.virtual.planner_region import PlannerRegion
 from motion.errors import MotionError
@@ -147,7 +147,7 @@ class ReisCell:
         records += [BlockRecord(Say.END, job) for job in self.hosted.ending]
         self.hosted.ending.clear()
         while self.planning.preparing:
-            self.planning.prepare(standing(state, len(self.cell.axis)))
+            self.planning.prepare(positions(state, len(self.cell.axis)))
         while self.planning.working and not self.planning.work():
             pass
         axes = len(self.cell.axis)
@@ -170,8 +170,8 @@ class ReisCell:
         self.hosted.step(now)
         self.told += self.control.step(self.bench.inputs, bytes(self.bench.core.outputs), state, now, heard=True)
         self.hosted.step(now)
-        self.told += self.hosted.told
-        self.hosted.told.clear()
+        self.told += self.hosted.sentences
+        self.hosted.sentences.clear()
         flags = self.control.flag_bytes()
         for byte in (*range(512), *range(2008, 2048)):
             if flags[byte] != self._flags[byte]:

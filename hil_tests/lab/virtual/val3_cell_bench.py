@@ -57,7 +57,7 @@ from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.languages.val3.cell_run import CellRun
 from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.planning.planner import Programs
-from gateway.pure.planning.turn import follow, standing
+from gateway.pure.planning.turn import follow, positions
 from gateway.services.val3_programs import Val3Programs
 from hil_tests.lab.virtual.baps2_bench import VirtualPort
 from hil_tests.lab.virtual.cell_402_bench import Cell402Bench
@@ -140,7 +140,7 @@ class Val3Cell:
         records += [BlockRecord(Say.END, job) for job in self.hosted.ending]
         self.hosted.ending.clear()
         while self.planning.preparing:
-            self.planning.prepare(standing(state, len(self.cell.axis)))
+            self.planning.prepare(positions(state, len(self.cell.axis)))
         while self.planning.working and not self.planning.work():
             pass
         axes = len(self.cell.axis)
@@ -165,8 +165,8 @@ class Val3Cell:
         self.hosted.step(now)
         self.control.step(self.bench.inputs, bytes(self.bench.core.outputs), state, now, heard=True)
         self.hosted.step(now)
-        self.told += self.hosted.told
-        self.hosted.told.clear()
+        self.told += self.hosted.sentences
+        self.hosted.sentences.clear()
         outputs = self.control.outputs
         for bit in range(DONE, DONE + 8):
             if get_bit(outputs, bit) != get_bit(self._before, bit):

@@ -97,7 +97,7 @@ def test_a_modbus_coupler_shows_outputs_gives_inputs_and_is_bad_while_it_is_away
             told = subprocess.run([*command, "--yes", "--json"], capture_output=True, text=True, timeout=60, check=False)
             results = {row["name"]: row for row in json.loads(told.stdout)["results"]}
             assert told.returncode == 0 and all(row["ok"] for row in results.values()), told
-            assert results["dog"]["told"] == "toggles by itself" and results["ready"]["told"] == "switched to 1 and 0"
+            assert results["dog"]["result"] == "toggles by itself" and results["ready"]["result"] == "switched to 1 and 0"
             asked = subprocess.run(
                 [*command, "--only", "lamp"], input="yes\ny\nn\n", capture_output=True, text=True, timeout=60, check=False
             )

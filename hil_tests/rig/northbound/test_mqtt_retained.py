@@ -49,15 +49,15 @@ def test_a_late_subscriber_gets_every_value_as_it_is_now(broker: int, tmp_path: 
         out = MqttOut(NorthMqtt(f"127.0.0.1:{broker}", "plant"), "hall3", tmp_path, asyncio.get_running_loop())
         out.start()
         values: dict[str, Value] = {f"axis.A{n}.actual": 0.0 for n in range(1, 7)}
-        out.tell(values)
+        out.publish(values)
         await until(lambda: out.connected and not len(out.box), "the first message")
         for n in range(5):  # changes of one value, and the other ones stay
             values = {**values, "axis.A6.actual": float(n)}
-            out.tell(values)
+            out.publish(values)
             await asyncio.sleep(0.02)
         end = time.monotonic() + 1.5
         while time.monotonic() < end:  # nothing changes any more
-            out.tell(values)
+            out.publish(values)
             await asyncio.sleep(0.05)
         await until(lambda: not len(out.box), "everything is taken")
         eyes: Any = paho.Client(paho.CallbackAPIVersion.VERSION2)

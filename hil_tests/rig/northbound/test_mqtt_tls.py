@@ -115,7 +115,7 @@ def test_values_go_out_inside_tls_and_nobody_else_is_believed(broker: int, tmp_p
         try:
             for out in (*outs[1:], plain, outs[0]):
                 out.start()
-                out.tell({"cell.life": 7 if out is outs[0] else 8})
+                out.publish({"cell.life": 7 if out is outs[0] else 8})
             await until(lambda: heard, "the value")
             assert outs[0].connected and not outs[1].connected and not plain.connected
             assert [message["values"] for message in heard] == [{"cell.life": 7}]

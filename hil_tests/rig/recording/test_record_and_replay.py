@@ -122,7 +122,7 @@ def test_a_changed_cell_shows_its_first_difference(recorded: Recorded, tmp_path:
     assert code == 1 and first["name"] in ("axis.A1.flags", "axis.A2.flags"), words
     assert "WARNING" in first["got"] and "WARNING" not in first["expected"]
     assert first["cycle"] > read(recorded.file).segments[0].start["cycle"]
-    said = first["told"]
+    said = first["events"]
     assert said and all(re.match(r"[+-]\d+\.\d ms command source 2 (inputs|command): ", each) for each in said), "PLC 2 is number 2"
     code, words = replayed(recorded.file, "--diff", "--cell", changed)
     assert code == 1 and f"first difference: cycle {first['cycle']}" in words and "expected" in words

@@ -50,7 +50,7 @@ def test_a_drive_fault_comes_is_acknowledged_and_goes(web: WebRun, boss: Page) -
     web.go(boss, "emulator")
     boss.select_option("[data-fault=A2]", "force_fault")
     boss.click("[data-inject=A2]")
-    until(lambda: any(row["source"] == "A2" and row["code"] in STOPPED for row in alarms(web, state="standing")), "the fault came")
+    until(lambda: any(row["source"] == "A2" and row["code"] in STOPPED for row in alarms(web, state="active")), "the fault came")
     web.in_control(boss)  # which resets it
     until(lambda: any(row["acknowledged"] and row["gone"] for row in alarms(web, source="A2")), "it was acknowledged and went")
     assert next(row for row in alarms(web, source="A2") if row["acknowledged"])["by"] == "page"
@@ -58,7 +58,7 @@ def test_a_drive_fault_comes_is_acknowledged_and_goes(web: WebRun, boss: Page) -
 
 def test_an_emergency_stop_is_in_it(web: WebRun, boss: Page) -> None:
     assert boss.evaluate(POST, ["force", {"bit": 24, "value": 0}]) == 200
-    until(lambda: any(row["code"] == 8 for row in alarms(web, state="standing")), "it came")
+    until(lambda: any(row["code"] == 8 for row in alarms(web, state="active")), "it came")
     assert boss.evaluate(POST, ["unforce", {"bit": 24}]) == 200
     web.in_control(boss)
     until(lambda: any(row["code"] == 8 and row["gone"] for row in alarms(web)), "it went")
@@ -72,11 +72,11 @@ def test_a_stop_is_an_error_only_while_a_rest_of_the_move_waits(web: WebRun, bos
     boss.mouse.down()
     until(lambda: web.run.state().motion is Motion.RUNNING, "A6 moves", 15)
     assert web.ask("POST", "/api/stop", x_axisgate="1")[0] == 200
-    until(lambda: any(row["code"] == 19 for row in alarms(web, state="standing")), "the stop is an error while its rest waits")
+    until(lambda: any(row["code"] == 19 for row in alarms(web, state="active")), "the stop is an error while its rest waits")
     boss.mouse.up()
     until(lambda: web.run.state().motion is Motion.STOPPED, "A6 is at rest: only then there is a rest to abandon")
     boss.click("[data-code=abandon]")
-    until(lambda: not any(row["code"] == 19 for row in alarms(web, state="standing")), "and ends with it")
+    until(lambda: not any(row["code"] == 19 for row in alarms(web, state="active")), "and ends with it")
 
 
 def test_the_page_filters_and_exports_and_nothing_is_lost_in_a_restart(web: WebRun, boss: Page) -> None:

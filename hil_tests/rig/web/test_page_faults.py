@@ -162,7 +162,7 @@ def test_a_key_pressed_on_an_old_picture_moves_nothing(web: WebRun, boss: Page) 
             answers.push(1);
             socket.send(JSON.stringify({t: 'jog', axis: 5, direction: 1, percent: 5, first: true, at: message.at - 3000}));
           }
-          if (message.t === 'told') { done(message); socket.close(); }
+          if (message.t === 'answer') { done(message); socket.close(); }
         };
         })"""
     )

@@ -134,7 +134,7 @@ def off(t: NodeTester) -> None:
         control(t, 0x02)
         with suppress(Ended):
             until(t, lambda: state_of(status(t)) != ENABLED, "quick stop", ms(3000))
-            until(t, lambda: standing(t), "standstill", ms(3000))
+            until(t, lambda: at_standstill(t), "standstill", ms(3000))
     at_rest(t)
 
 
@@ -156,7 +156,7 @@ def speed(t: NodeTester) -> int:
     return round((position(t) - before) * 1e9 / max(t.now() - begin, 1))
 
 
-def standing(t: NodeTester) -> bool:
+def at_standstill(t: NodeTester) -> bool:
     return abs(speed(t)) < max(plan(t)[0] // 50, 10)
 
 
@@ -196,4 +196,4 @@ def moving(t: NodeTester) -> Iterator[int]:
 
 
 def stop_time(t: NodeTester) -> Ns:
-    return until(t, lambda: standing(t), "standstill")
+    return until(t, lambda: at_standstill(t), "standstill")

@@ -16,6 +16,7 @@ from gateway.conformance.suites.cia402.drive import (
     TARGET_SPEED,
     WINDOW,
     WINDOW_TIME,
+    at_standstill,
     brought_to,
     choose,
     control,
@@ -25,7 +26,6 @@ from gateway.conformance.suites.cia402.drive import (
     position,
     reaches,
     speed,
-    standing,
     state_of,
     status,
     stays,
@@ -85,7 +85,7 @@ def in_force(t: NodeTester) -> None:
         _changes_to(t, PP)
         t.download(TARGET_SPEED, -chosen, 4)
         try:
-            until(t, lambda: standing(t), "standstill in profile position", ms(5000), lambda: f"606Ch = {speed(t)}")
+            until(t, lambda: at_standstill(t), "standstill in profile position", ms(5000), lambda: f"606Ch = {speed(t)}")
         except Fail as failed:
             raise Fail(f"6061h shows 1, but 60FFh still acts: {failed.reason}", failed.expected, failed.got) from failed
 
@@ -206,10 +206,10 @@ def homing_halted(t: NodeTester) -> None:
     with homing(t, 34):
         control(t, 0x1F)
         t.pause(ms(20))
-        if status(t) & BIT12 and standing(t):
+        if status(t) & BIT12 and at_standstill(t):
             raise Inconclusive("homing was over before halt", "a motion", named(status(t)))
         control(t, 0x1F | HALT)
-        until(t, lambda: standing(t), "standstill after halt", ms(3000))
+        until(t, lambda: at_standstill(t), "standstill after halt", ms(3000))
         stays(t, ENABLED, "halt in homing", ms(100))
         if (got := status(t)) & (BIT12 | BIT13):
             raise Fail("bit 12 or 13 is set after halt in homing", "both clear", named(got))

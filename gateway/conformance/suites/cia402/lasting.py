@@ -28,6 +28,7 @@ from gateway.conformance.suites.cia402.drive import (
     READY,
     TARGET,
     TARGET_SPEED,
+    at_standstill,
     brought_to,
     choose,
     control,
@@ -38,7 +39,6 @@ from gateway.conformance.suites.cia402.drive import (
     position,
     reaches,
     speed,
-    standing,
     state_of,
     status,
     stays,
@@ -232,7 +232,7 @@ def not_resumed(t: NodeTester) -> None:
         control(t, 0x07)
         with t.given():
             reaches(t, ON, "disable operation")
-            until(t, lambda: standing(t), "standstill", ms(3000))
+            until(t, lambda: at_standstill(t), "standstill", ms(3000))
         control(t, 0x0F)
         with t.given():
             reaches(t, ENABLED, "enable operation")
@@ -274,7 +274,7 @@ def top_speed(t: NodeTester) -> None:
             t.download(PROFILE_SPEED, chosen, 4)
         order(t, start + 4 * way)
         top, begin = 0, t.now()
-        while not (status(t) & REACHED and standing(t)) and t.now() - begin < 2 * patience(t):
+        while not (status(t) & REACHED and at_standstill(t)) and t.now() - begin < 2 * patience(t):
             top = max(top, abs(speed(t)))
             t.pause(max(ms(1), (t.now() - begin) // 200))  # a slow drive is at its speed for longer
         if top > chosen * 6 // 10:
@@ -286,7 +286,7 @@ def top_speed(t: NodeTester) -> None:
 def halts(t: NodeTester) -> None:
     with moving(t) as chosen:
         control(t, 0x10F)
-        until(t, lambda: standing(t), "standstill after halt (bit 8)", ms(3000))
+        until(t, lambda: at_standstill(t), "standstill after halt (bit 8)", ms(3000))
         reaches(t, ENABLED, "halt")
         control(t, 0x0F)
         until(t, lambda: abs(speed(t)) > chosen // 2, "motion after the end of halt", ms(3000))

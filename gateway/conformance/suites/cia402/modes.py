@@ -20,13 +20,13 @@ from gateway.conformance.suites.cia402.drive import (
     STEP,
     TARGET,
     TARGET_SPEED,
+    at_standstill,
     brought_to,
     control,
     named,
     plan,
     position,
     speed,
-    standing,
     status,
     there,
     until,
@@ -170,7 +170,7 @@ def no_restart(t: NodeTester) -> None:
         until(t, lambda: abs(speed(t)) > chosen // 2, "motion")
     with brought_to(t, ENABLED, 3):
         t.pause(ms(100))
-        if not standing(t):
+        if not at_standstill(t):
             raise Fail("it moves although 60FFh was set back to its former value", "standstill", f"606Ch = {speed(t)}")
 
 
@@ -246,10 +246,10 @@ def interrupted(t: NodeTester) -> None:
     with homing(t, 34):
         control(t, 0x1F)
         t.pause(ms(20))
-        if status(t) & BIT12 and standing(t):
+        if status(t) & BIT12 and at_standstill(t):
             raise Inconclusive("homing was over before it could be interrupted", "a motion", named(status(t)))
         control(t, 0x0F)
-        until(t, lambda: standing(t), "standstill after the interruption", ms(3000))
+        until(t, lambda: at_standstill(t), "standstill after the interruption", ms(3000))
         if status(t) & (BIT12 | BIT13):
             raise Fail("bit 12 or 13 is set after an interruption", "both clear", named(status(t)))
 

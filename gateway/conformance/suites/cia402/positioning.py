@@ -15,6 +15,7 @@ from gateway.conformance.suites.cia402.drive import (
     PROFILE_SPEED,
     REACHED,
     TARGET,
+    at_standstill,
     brought_to,
     control,
     named,
@@ -22,7 +23,6 @@ from gateway.conformance.suites.cia402.drive import (
     plan,
     position,
     speed,
-    standing,
     status,
     until,
 )
@@ -63,7 +63,9 @@ def order(t: NodeTester, target: int, bits: int = 0) -> None:
 
 
 def arrives(t: NodeTester, target: int, what: str) -> Ns:
-    took = until(t, lambda: bool(status(t) & REACHED) and standing(t), f"{what}: target reached", patience(t), lambda: f"at {position(t)}")
+    took = until(
+        t, lambda: bool(status(t) & REACHED) and at_standstill(t), f"{what}: target reached", patience(t), lambda: f"at {position(t)}"
+    )
     allowed = max(plan(t)[1] // 50, 50)
     if abs((got := position(t)) - target) > allowed:
         raise Fail(f"{what}: it is at {got}", f"{target} +- {allowed}", str(got))
@@ -145,7 +147,7 @@ def immediately(t: NodeTester) -> None:
         t.pause(ms(20))
         order(t, start, 0x20)
         farthest, begin = start, t.now()
-        while not (status(t) & REACHED and standing(t)) and t.now() - begin < patience(t):
+        while not (status(t) & REACHED and at_standstill(t)) and t.now() - begin < patience(t):
             farthest = max(farthest, position(t))
             t.pause(ms(2))
         if farthest > start + 3 * way:
@@ -170,7 +172,7 @@ def one_after_the_other(t: NodeTester) -> None:
         while t.now() - begin < patience(t):
             farthest = max(farthest, position(t))
             gap, looked = max(gap, t.now() - looked), t.now()
-            if farthest > start + way * 9 // 10 and status(t) & REACHED and standing(t) and position(t) < start + way // 2:
+            if farthest > start + way * 9 // 10 and status(t) & REACHED and at_standstill(t) and position(t) < start + way // 2:
                 break
             t.pause(ms(2))
         control(t, 0x0F)
@@ -187,7 +189,7 @@ def halt(t: NodeTester) -> None:
         with t.given():
             until(t, lambda: abs(speed(t)) > plan(t)[0] // 2, "motion")
         control(t, 0x10F)
-        until(t, lambda: standing(t), "standstill after halt", ms(3000))
+        until(t, lambda: at_standstill(t), "standstill after halt", ms(3000))
         held = position(t)
         t.pause(ms(50))
         if abs(position(t) - held) > max(way // 20, 20) or held > start + 4 * way - way // 4:
@@ -225,7 +227,7 @@ def profile(t: NodeTester) -> None:
             raise NotApplicable("it has no 6083h")
         order(t, start + 4 * way)
         begin, top, seen = t.asked_at, 0, list[tuple[Ns, int]]()
-        while not (status(t) & REACHED and standing(t)) and t.now() - begin < patience(t):
+        while not (status(t) & REACHED and at_standstill(t)) and t.now() - begin < patience(t):
             top = max(top, now := abs(speed(t)))
             if now > chosen * 95 // 100:
                 seen.append((t.now(), position(t)))

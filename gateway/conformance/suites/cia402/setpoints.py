@@ -8,13 +8,13 @@ from gateway.conformance.suites.cia402.drive import (
     DECELERATION,
     REACHED,
     TARGET,
+    at_standstill,
     control,
     named,
     patience,
     plan,
     position,
     speed,
-    standing,
     status,
     until,
 )
@@ -57,7 +57,7 @@ def _passes(t: NodeTester, faster: bool, bound: int, limit: Ns) -> Ns:
     """When 606Ch passes this bound."""
     begin = t.now()
     while (abs(speed(t)) >= bound) is not faster:
-        if t.now() - begin > limit or (faster and status(t) & REACHED and standing(t) and t.now() - begin > ms(100)):
+        if t.now() - begin > limit or (faster and status(t) & REACHED and at_standstill(t) and t.now() - begin > ms(100)):
             raise NotApplicable(f"606Ch does not reach {bound} within four times the way")
         t.pause(ms(1))
     return t.now()
@@ -132,7 +132,7 @@ def relative_under_way(t: NodeTester) -> None:
             control(t, 0x1F | bits)
             goal, allowed = start + 3 * way, max(way // 50, 50)
             limit, begin = 2 * patience(t), t.now()
-            while not (abs((got := position(t)) - goal) <= allowed and standing(t)):
+            while not (abs((got := position(t)) - goal) <= allowed and at_standstill(t)):
                 if t.now() - begin > limit or (t.now() - begin > ms(300) and _rests(t, got)):
                     raise Fail(
                         f"a relative set-point of {way} under way to {start + 2 * way}, {words}: it is at {got}", str(goal), str(got)
@@ -145,7 +145,7 @@ def relative_under_way(t: NodeTester) -> None:
 def _rests(t: NodeTester, before: int) -> bool:
     """Not between two set-points."""
     t.pause(ms(300))
-    return standing(t) and position(t) == before
+    return at_standstill(t) and position(t) == before
 
 
 @POS.case(
@@ -162,7 +162,7 @@ def halted_shown(t: NodeTester) -> None:
             until(t, lambda: abs(position(t) - start) > way // 10, "motion")
         control(t, 0x0F | HALT)
         with t.given():
-            until(t, lambda: standing(t), "standstill after halt", ms(3000))
+            until(t, lambda: at_standstill(t), "standstill after halt", ms(3000))
         until(t, lambda: bool(status(t) & REACHED), "bit 10 at standstill during halt", ms(1000))
         control(t, 0x0F)
         t.pause(ms(50))
@@ -185,7 +185,7 @@ def during_halt(t: NodeTester) -> None:
         control(t, 0x0F)
         t.pause(ms(100))
         with t.given():
-            until(t, lambda: standing(t), "standstill", patience(t))
+            until(t, lambda: at_standstill(t), "standstill", patience(t))
         if abs(got - start) > max(way // 10, 50):
             raise Fail(f"it moved to {got} during halt", f"{start}, standstill", str(got))
         back(t, start)
@@ -229,7 +229,7 @@ def window_time(t: NodeTester) -> None:
         target = start + way
         order(t, target)
         with t.given():
-            until(t, lambda: abs(position(t) - target) <= window and standing(t), f"inside 6067h of {target}", patience(t))
+            until(t, lambda: abs(position(t) - target) <= window and at_standstill(t), f"inside 6067h of {target}", patience(t))
         inside = t.now()
         if status(t) & REACHED and not status(t) & BIT12:
             raise Fail("bit 10 is set as soon as it is at rest", f"{time} ms later (6068h)", named(status(t)))

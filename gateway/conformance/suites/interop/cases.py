@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from gateway.conformance.framework.base import hexed
-from gateway.conformance.suites.interop.partner import Partner, told
+from gateway.conformance.suites.interop.partner import Partner, joined
 from gateway.conformance.suites.line import LineTester
 from gateway.conformance.suites.rk512.telegrams import right_reaction
 from gateway.pure.conformance.purpose import Purpose
@@ -78,13 +78,13 @@ def clean(p: Partner) -> None:
     """It took more than one attempt: the two do work together, not well."""
     said = [*p.repeats, *(f"refused: {why}" for why in p.refused)]
     if said:
-        raise Warn(f"{p.profile.name} needed repeats: {told(said)}", "the first attempt", told(said))
+        raise Warn(f"{p.profile.name} needed repeats: {joined(said)}", "the first attempt", joined(said))
 
 
 def sent(p: Partner, count: int, what: str, limit: Ns) -> None:
     """So many blocks of the maker's station were acknowledged."""
     if not p.play(lambda: p.sent >= count or bool(p.failed), limit) or p.failed:
-        got = told([*p.repeats, *(f"given up: {why}" for why in p.failed)]) or "nothing"
+        got = joined([*p.repeats, *(f"given up: {why}" for why in p.failed)]) or "nothing"
         raise Fail(f"{p.profile.name} cannot deliver {what}: {got}", "DLE (10h) to STX and to the block", got)
 
 
@@ -110,7 +110,7 @@ def reached(t: LineTester, p: Partner, what: str, limit: Ns) -> None:
     if not p.received and not p.heard and p.profile.name != REFERENCE:
         raise Inconclusive(f"the station does not send for {t.setup.stimulus_name or 'its stimulus'}", "STX (02h)", "nothing")
     if not p.received:
-        why = f": refused: {told(p.refused)}" if p.refused else ""
+        why = f": refused: {joined(p.refused)}" if p.refused else ""
         raise Fail(f"{what} does not reach {p.profile.name}{why}", "one whole block", t.last(24))
 
 
@@ -168,7 +168,7 @@ def conflict(t: LineTester, profile: Profile) -> None:
         if not last:
             lost = "the block of the station" if p.sent else f"the block of {profile.name}"
             expected = f"both blocks; {profile.name} {'with' if priority is Priority.HIGH else 'without'} priority"
-            got = f"{p.sent} sent, {len(p.received)} received, {told([*p.failed, *p.repeats, *p.refused]) or 'no fault reported'}"
+            got = f"{p.sent} sent, {len(p.received)} received, {joined([*p.failed, *p.repeats, *p.refused]) or 'no fault reported'}"
             raise Fail(f"both send at once: {lost} is lost", expected, got)
         t.settle()
     if p.received.count(p.received[0]) > 1 and t.setup.stimulus_name != "periodic":
@@ -297,7 +297,7 @@ def is_served(t: LineTester, profile: Profile) -> None:
     arrived(t, p, "its command", patience(profile, t))
     p.play(lambda: p.sent > 0 or bool(p.failed), long_enough(t, profile))
     if not p.sent:
-        got = told(p.failed) or "nothing"
+        got = joined(p.failed) or "nothing"
         raise Fail(f"it does not take the reaction of {profile.name} to its own command", "DLE (10h)", got)
     p.quiet(LATER)
 

@@ -20,7 +20,7 @@ Done = Callable[[], bool]
 START = ms(60)
 
 
-def told(words: list[str]) -> str:
+def joined(words: list[str]) -> str:
     """Equal ones in a row once, with their number."""
     groups = [(word, len(list(same))) for word, same in itertools.groupby(words)]
     return ", ".join(word if count == 1 else f"{word} ({count} times)" for word, count in groups)

@@ -70,7 +70,7 @@ def at_rest(t: BoosterTester) -> None:
 
 
 @CYC.case("BV_05", "the position stands still at rest", "die Position steht in Ruhe", preamble=(BASIC, REST))
-def stands(t: BoosterTester) -> None:
+def constant_at_rest(t: BoosterTester) -> None:
     first = t.turn(3).position_inc
     for _ in range(50):
         found = t.turn()

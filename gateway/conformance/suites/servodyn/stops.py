@@ -38,7 +38,7 @@ def run_up(t: BoosterTester) -> int:
     return position
 
 
-def _standing(t: BoosterTester, what: str) -> None:
+def _judge_standstill(t: BoosterTester, what: str) -> None:
     """Judged: soon its position does not change any more, and the brake closes only then."""
     begin, closed_at = t.now(), None
     before = t.turn().position_inc
@@ -78,7 +78,7 @@ def quick_stop(t: BoosterTester) -> None:
         if not reported.brake_open:
             raise Fail("the brake closes while it moves", "brake open until standstill", words(reported))
         t.drain()
-        _standing(t, "a lost SYNC in motion")
+        _judge_standstill(t, "a lost SYNC in motion")
         t.remark(f"at rest {(t.now() - begin) / 1e6:.0f} ms after the last SYNC at the latest")
         now = t.turn()
         if now.fault_code != reported.fault_code:
@@ -92,7 +92,7 @@ def _stop(number: int, clear: str, summary: str, german: str) -> None:
             run_up(t)
             t.give(**{clear: False})
             t.say_set()
-            _standing(t, f"{clear.replace('_', ' ')} taken back in motion")
+            _judge_standstill(t, f"{clear.replace('_', ' ')} taken back in motion")
 
 
 _stop(
@@ -131,7 +131,7 @@ def together(t: BoosterTester) -> None:
     "ein Lebenszähler, der einmal steht, ist kein Fehler",
     condition=("life",),
 )
-def stands_once(t: BoosterTester) -> None:
+def life_unchanged_once(t: BoosterTester) -> None:
     with t.powered():
         for _ in range(5):
             t.turn(4)

@@ -26,15 +26,17 @@ def missing(found: Inferred) -> list[str]:
     positions = sorted({each.identifier for each in found.signals if each.name == "position_inc"})
     if not found.axes:
         return [_no_position(found)] if not positions else [_no_follower(positions)]
-    told = []
+    sentences = []
     for name, todo in zip(SET_CHAIN, ("switch the drives on", "let them take control"), strict=True):
         without = [axis.number for axis in found.axes if not any(each.name == name for each in found.of(axis.set_id))]
         if without:
-            told.append(f"axis {_list(without)}: no bit of the set value rises as {name}; begin with drives off, then {todo}")
+            sentences.append(f"axis {_list(without)}: no bit of the set value rises as {name}; begin with drives off, then {todo}")
     without = [axis.number for axis in found.axes if not any(each.name == "reference_switch" for each in found.of(axis.actual_id))]
     if without:
-        told.append(f"axis {_list(without)}: no bit changes at one place of the way; move over the reference switch in both directions")
-    return told
+        sentences.append(
+            f"axis {_list(without)}: no bit changes at one place of the way; move over the reference switch in both directions"
+        )
+    return sentences
 
 
 def _no_position(found: Inferred) -> str:

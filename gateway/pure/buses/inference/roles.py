@@ -109,7 +109,7 @@ def _set_bits(series: Series, taken: Sequence[Found], cycles: Cycles) -> list[Fo
             why = f"rose as number {order} of the set value's bits, {_falls(series, bit)}"
             named[bit] = Found(series.identifier, name, bit, 1, False, DOUBT, why)
         last = cycle
-    return [named.get(bit, _unknown(series, bit)) for bit in bits] + _standing(series, taken)
+    return [named.get(bit, _unknown(series, bit)) for bit in bits] + _constants(series, taken)
 
 
 def _falls(series: Series, bit: int) -> str:
@@ -120,7 +120,7 @@ def _unknown(series: Series, bit: int) -> Found:
     return Found(series.identifier, f"bit_{bit}", bit, 1, False, 0.1, f"changed {len(series.flips(bit))} times, meaning unknown")
 
 
-def _standing(series: Series, taken: Sequence[Found]) -> list[Found]:
+def _constants(series: Series, taken: Sequence[Found]) -> list[Found]:
     return [Found(series.identifier, f"bit_{bit}", bit, 1, False, 0.1, "always 1, meaning unknown") for bit in steady_bits(series, taken)]
 
 
@@ -152,7 +152,7 @@ def _actual_bits(set_: Series, actual: Series, known: Mapping[int, list[Found]],
             out.append(_named(actual, each, used, twins))
         else:
             out.append(_unknown(actual, each.bit))
-    return out + _standing(actual, taken)
+    return out + _constants(actual, taken)
 
 
 def _named(actual: Series, each: _Follower, used: set[str], twins: int) -> Found:

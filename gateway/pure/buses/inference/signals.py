@@ -130,8 +130,8 @@ def counter(number: Numbers) -> Found | None:
     down = 2 * usual > size  # +255 of 8 bits counts backwards
     whole = number.series.values(piece.start, piece.bits, False)
     wraps = sum((b > a) if down else (b < a) for a, b in itertools.pairwise(whole) if (b - a) % size == usual)
-    told = f"{usual - size if down else usual:+} in {100 * share:.1f} % of the cycles{_wraps(wraps)}"
-    return Found(number.series.identifier, "life", piece.start, piece.bits, False, share, told, wraps)
+    note = f"{usual - size if down else usual:+} in {100 * share:.1f} % of the cycles{_wraps(wraps)}"
+    return Found(number.series.identifier, "life", piece.start, piece.bits, False, share, note, wraps)
 
 
 def position(number: Numbers) -> Found | None:
@@ -145,8 +145,8 @@ def position(number: Numbers) -> Found | None:
     rough = changes[int(NEARLY_ALL * len(changes))] / fastest  # a few jumps, as at switching on, are no reason to doubt
     if rough > SMOOTH:
         return None
-    bits, told = _width(number)
-    why = f"way {way}, fastest {fastest} a cycle, change of the step at most {100 * rough:.0f} % of it{_wraps(wraps)}{told}"
+    bits, note = _width(number)
+    why = f"way {way}, fastest {fastest} a cycle, change of the step at most {100 * rough:.0f} % of it{_wraps(wraps)}{note}"
     return Found(number.series.identifier, "position_inc", piece.start, bits, True, min(0.98, 1.0 - rough), why, wraps)
 
 
@@ -180,8 +180,8 @@ def speed(number: Numbers, way: Sequence[int]) -> Found | None:
         best = max(best, abs(correlation(ours, steps[low - shift : high - shift])))
     if best < SPEED_FIT:
         return None
-    bits, told = _width(number)
-    why = f"correlation with the position's step {best:.3f}{told}"
+    bits, note = _width(number)
+    why = f"correlation with the position's step {best:.3f}{note}"
     return Found(number.series.identifier, "speed_rpm", number.piece.start, bits, True, best, why)
 
 
@@ -200,8 +200,8 @@ def torque(number: Numbers, way: Sequence[int]) -> Found | None:
             best, what = r, f"fit with acceleration and direction {r:.2f}"
     if best < TORQUE_FIT:
         return None
-    bits, told = _width(number)
-    return Found(number.series.identifier, "torque_permille", number.piece.start, bits, True, min(0.9, best), what + told)
+    bits, note = _width(number)
+    return Found(number.series.identifier, "torque_permille", number.piece.start, bits, True, min(0.9, best), what + note)
 
 
 def _two_fit(ra: float, rb: float, rab: float) -> float:

@@ -93,7 +93,7 @@ class ReisControl:
         self._asynchronous: set[int] = set()  # axes whose machine data have changed since
         self._referenced, self._seen = 0, False  # axes that were referenced at the last step; there was one
         self.was_synchronised(setup.references)
-        self._standing: dict[tuple[int, int], str] = {}  # regulator error, axis -> words
+        self._active: dict[tuple[int, int], str] = {}  # regulator error, axis -> words
         self._percent: int | None = self.markers.number(OVERRIDE) or None  # None: M1436 was never written, and is no factor (AX-1000)
         self._hold = True  # a hold that stands at start has stopped nothing
         self._stopped = False
@@ -120,17 +120,17 @@ class ReisControl:
         if self.plc is not None:
             self._take_plc(self.plc)
         self.shared.end_of_cycle()
-        told = [message.text for message in self.messages]
+        texts = [message.text for message in self.messages]
         self.messages = []
         if state.generation:
-            told += self._errors(state)
-            told += self._look_at_drives(state, now)
-            self._tell(state)
+            texts += self._errors(state)
+            texts += self._look_at_drives(state, now)
+            self._publish(state)
             self._obey(state, now)
             if self.plc is not None:
                 self._react(self.plc, state, now)
         self._acknowledge()
-        return told
+        return texts
 
     # ---- the integrated PLC --------------------------------------------------------------------------------------------
     def _take_plc(self, plc: IntegratedPlc) -> None:
@@ -231,7 +231,7 @@ class ReisControl:
             return
         self.robot.clear()
         self.markers.set_bit(*ACKNOWLEDGED, True)
-        if not self._standing and not self._asynchronous:
+        if not self._active and not self._asynchronous:
             self.markers.set_bit(*IN_ERROR, False)
             self.markers.set_number(ERROR_NUMBER, 0)
 
@@ -245,20 +245,20 @@ class ReisControl:
                 seen[WATCHDOG, number] = None
             elif axis.finding:
                 seen[axis.finding, number] = None
-        told, standing = [], {}
+        texts, active = [], {}
         for error in seen:
-            standing[error] = self._standing.get(error, "")
-            if error not in self._standing:
+            active[error] = self._active.get(error, "")
+            if error not in self._active:
                 message = regulator_error(self.markers, *error)
-                standing[error] = f"{message.text}, axis {self.setup.axes[message.axis - 1]}"
-                told.append(standing[error])
-        if self._standing and not seen and not self._asynchronous:
+                active[error] = f"{message.text}, axis {self.setup.axes[message.axis - 1]}"
+                texts.append(active[error])
+        if self._active and not seen and not self._asynchronous:
             self.markers.set_bit(*IN_ERROR, False)
             self.markers.set_number(ERROR_NUMBER, 0)
-        if told:
+        if texts:
             self.markers.set_bit(*ACKNOWLEDGED, False)
-        self._standing = standing
-        return [] if self.robot.suppressed else told
+        self._active = active
+        return [] if self.robot.suppressed else texts
 
     def _look_at_drives(self, state: CellState, now: Ns) -> list[str]:
         """Err Enab ends where the drives are switched on (L1359): what still stands is shown again."""
@@ -267,13 +267,13 @@ class ReisControl:
         if before or not self.robot.drives_on or not self.robot.suppressed:
             return []
         self.robot.show_again(now)
-        return list(self._standing.values())
+        return list(self._active.values())
 
     def shown(self) -> list[str]:
         """Messages as they are displayed, the newest last."""
-        return [] if self.robot.suppressed else [*self._standing.values(), *(words for _, words in self.robot.shown)]
+        return [] if self.robot.suppressed else [*self._active.values(), *(words for _, words in self.robot.shown)]
 
-    def _tell(self, state: CellState) -> None:
+    def _publish(self, state: CellState) -> None:
         markers = self.markers
         axes = state.axes[: len(self.setup.axes)]
         markers.set_bit(*STARTED, True)
@@ -306,7 +306,7 @@ class ReisControl:
                 self.synchronised[number] = data
                 self._asynchronous.discard(number)
         self._seen = True
-        if before and not self._asynchronous and not self._standing:
+        if before and not self._asynchronous and not self._active:
             self.markers.set_bit(*IN_ERROR, False)
             self.markers.set_number(ERROR_NUMBER, 0)
 

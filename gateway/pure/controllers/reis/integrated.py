@@ -20,7 +20,7 @@ class IntegratedPlc:
     report: PlcReport = field(default_factory=lambda: PlcReport(0))
     alive: bool = False
     orders: list[dict[str, Fact]] = field(default_factory=list)
-    told: list[str] = field(default_factory=list)
+    sentences: list[str] = field(default_factory=list)
     messages: list[dict[str, Fact]] = field(default_factory=list)  # that the control has not looked at
     shown: dict[str, Fact] | None = None  # the message that is not acknowledged
     fresh: bool = False  # a report has come since the control looked
@@ -30,7 +30,7 @@ class IntegratedPlc:
     def take(self, report: PlcReport, *, alive: bool) -> None:
         """What the process has published."""
         if self.alive and not alive:
-            self.told.append("the PLC process has failed: its outputs are 0 until it is back")
+            self.sentences.append("the PLC process has failed: its outputs are 0 until it is back")
         begun = report.id != self.report.id
         self.report, self.alive, self.fresh = report, alive, True
         for byte, bits in enumerate(self._robots if begun else b""):
@@ -42,7 +42,7 @@ class IntegratedPlc:
         self.messages.append(facts)
         self.shown = facts
         place = f" ({facts['program']} step {facts['step']})" if facts["program"] else ""
-        self.told.append(f"PLC: {facts['text']}{place}")
+        self.sentences.append(f"PLC: {facts['text']}{place}")
 
     @property
     def on(self) -> bool:

@@ -76,7 +76,7 @@ class ReisPrograms:
     language: str = "en"
     language_id: int = 0  # of the interpreter that runs
     orders: list[dict[str, Fact]] = field(default_factory=list)
-    told: list[str] = field(default_factory=list)
+    sentences: list[str] = field(default_factory=list)
     ending: list[int] = field(default_factory=list)
     programs: list[dict[str, object]] = field(default_factory=list)
     rows: list[dict[str, object]] = field(default_factory=list)
@@ -147,7 +147,7 @@ class ReisPrograms:
     def _lost(self) -> None:
         """The axes stop on the path, and its rest is given up."""
         if self.run:
-            self.told.append(f"{self._name}: {GONE}")
+            self.sentences.append(f"{self._name}: {GONE}")
             self._end("lost", 0, GONE, self._name)
         if self._job is not None:
             self._leaving = True
@@ -169,7 +169,7 @@ class ReisPrograms:
             case "value":
                 self.looked = str(said["name"]), said.get("value"), str(said.get("text", ""))
             case "hand":
-                self.told.append(str(said["text"]))
+                self.sentences.append(str(said["text"]))
             case "path":
                 self._wants(int(said["ticket"]))
             case "resume":
@@ -183,12 +183,12 @@ class ReisPrograms:
                 self._end(str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
             case "message":
                 place = f" ({said['program']} step {said['step']})" if said["program"] else ""
-                self.told.append(f"{said['text']}{place}")
+                self.sentences.append(f"{said['text']}{place}")
                 self.side.message(int(said["number"]), f"{said['text']}{place}", now)
 
     def _wrong(self, words: str) -> None:
         if words:
-            self.told.append(f"{self._name}: {words}")
+            self.sentences.append(f"{self._name}: {words}")
 
     def _end(self, how: str, code: int, words: str, place: str) -> None:
         self.results[self.run] = how, code, words, place
@@ -287,7 +287,7 @@ class ReisPrograms:
     def _wrong_start(self, words: str) -> None:
         if words:
             self.refused = f"START is refused: {words}"
-            self.told.append(self.refused)
+            self.sentences.append(self.refused)
 
     def acknowledge(self) -> None:
         """The message is acknowledged."""

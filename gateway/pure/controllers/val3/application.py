@@ -64,7 +64,7 @@ class HostedApplication:
     language: str = "en"
     language_id: int = 0  # of the interpreter that runs
     orders: list[dict[str, Fact]] = field(default_factory=list)
-    told: list[str] = field(default_factory=list)
+    sentences: list[str] = field(default_factory=list)
     ending: list[int] = field(default_factory=list)
     programs: list[dict[str, object]] = field(default_factory=list)
     rows: list[dict[str, object]] = field(default_factory=list)
@@ -147,13 +147,13 @@ class HostedApplication:
         if self.programs:
             answer = self.start(str(self.programs[0]["name"]), 0)
             if "error" in answer:
-                self.told.append(f"autostart: {answer['error']}")
+                self.sentences.append(f"autostart: {answer['error']}")
 
     def _lost(self) -> None:
         """Its tasks are gone; the arm stops on its path, and nothing starts by itself."""
         if self.run:
             self._over("lost", 0, GONE, "")
-            self.told.append(f"{GONE}, and the application with it")
+            self.sentences.append(f"{GONE}, and the application with it")
             self.faults = [f"{GONE} under the application; start it again"]
         if self._path is not None:
             if self._path.job.open:
@@ -194,14 +194,14 @@ class HostedApplication:
             case "over" if said["run"] == self.run:
                 code, words, place = int(said["code"]), str(said["text"]), str(said["place"])
                 if words:
-                    self.told.append(f"{place}: {code} {words}")
+                    self.sentences.append(f"{place}: {code} {words}")
                 self._over(str(said["how"]), code, words, place)
 
     def _put(self, name: str, value: float) -> None:
         try:
             self.control.assign(name, value)
         except (KeyError, ValueError) as fault:
-            self.told.append(f"output {name}: {fault}")
+            self.sentences.append(f"output {name}: {fault}")
 
     def _wants(self, ticket: int, now: Ns) -> None:
         self._take(now)
@@ -255,7 +255,7 @@ class HostedApplication:
         words = f"{Code(command.code).name.lower()}: {text(job.reason, self.language, job.detail)}"
         if words != self._refused:
             self._refused = words
-            self.told.append(words)
+            self.sentences.append(words)
         return False
 
     # ---- start and stop
@@ -336,7 +336,7 @@ class HostedApplication:
             if wish.run != bool(self.run):
                 answer = self.start(name, 0) if wish.run else self.stop(name)
                 if "error" in answer:
-                    self.told.append(f"val3.run: {answer['error']}")
+                    self.sentences.append(f"val3.run: {answer['error']}")
             wish.run = None
         if wish.hold != self._held:
             self._held = wish.hold

@@ -230,13 +230,13 @@ class LaneState:
 def _failure(state: CellState | LaneState, job: int) -> int:
     if not job:
         return 0
-    told = (
+    failures = (
         (state.failed_job, state.failed_reason),
         (state.failed_2, state.reason_2),
         (state.failed_3, state.reason_3),
         (state.failed_4, state.reason_4),
     )
-    return next((reason for failed, reason in told if failed == job), 0)
+    return next((reason for failed, reason in failures if failed == job), 0)
 
 
 def worst(motions: Iterable[Motion]) -> Motion:

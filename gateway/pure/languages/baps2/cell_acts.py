@@ -16,7 +16,7 @@ from gateway.pure.languages.base.requests import PENDING
 
 LOGIC = {1: "iol", 2: "ppo"}  # special functions, and the words of the text form
 BELTS = {15: "belt_param", 21: "belt_type", 28: "set_beltcnt"}
-TOLD = (*LOGIC, 3, *BELTS, 45)
+QUEUED = (*LOGIC, 3, *BELTS, 45)
 ANYWHERE = 1e9  # mm or deg: a belt value that is always passed
 FIRST_INPUT, USER = 464, 120  # RC input of user input 1
 EARLY = 1_000  # channels read while the block is prepared
@@ -34,7 +34,7 @@ class Cell(Machine, Protocol):
     def lane_of(self, task: Task, number: object) -> tuple[str, Lane]:
         """A kinematic of the program by its number."""
 
-    def tell(self, task: Task, statement: Statement) -> object:
+    def queue(self, task: Task, statement: Statement) -> object:
         """Puts it behind what is prepared; of one that is alone PENDING until it is done."""
 
 
@@ -120,11 +120,11 @@ class CellActs:
         """REF_PNT: all axes of the kinematic; the program waits for the end of the reference run."""
         if task.said is not None:
             return self._over(task)
-        return self._cell.tell(task, Statement(self._cell.robot_of(kinematic).number, (), task.process.place, alone=True, reference=True))
+        return self._cell.queue(task, Statement(self._cell.robot_of(kinematic).number, (), task.process.place, alone=True, reference=True))
 
     def _alone(self, task: Task, robot: int, *texts: str, dummy: bool = False, block: bool = False) -> object:
         self._cell.robot(robot)
-        return self._cell.tell(task, Statement(robot, texts, task.process.place, alone=True, dummy=dummy, block=block))
+        return self._cell.queue(task, Statement(robot, texts, task.process.place, alone=True, dummy=dummy, block=block))
 
     # ---- belts
 
@@ -148,7 +148,7 @@ class CellActs:
             return self._alone(task, min(belt.robots), text)
         robot = self._cell.robot_of(name)
         statement = Statement(robot.number, (text,), task.process.place, dummy=True)
-        return self._cell.tell(task, statement)
+        return self._cell.queue(task, statement)
 
     def synchronise(self, task: Task, request: demands.Synchronise) -> object:
         """SYNCHRON and SYNCHRON_END; the blocks behind them are prepared.  PENDING: another program has the kinematic on its belt."""
@@ -156,7 +156,7 @@ class CellActs:
         if not channel:
             for name, lane in self._cell.lanes.on_belts(task, request.belt):
                 lane.off_belt()
-                self._cell.tell(task, Statement(self._cell.robot_of(name).number, ("synchron_end",), task.process.place))
+                self._cell.queue(task, Statement(self._cell.robot_of(name).number, ("synchron_end",), task.process.place))
             return None
         lane, robot = self._cell.lane(kinematic), self._cell.robot_of(kinematic)
         if lane.ridden_for(task):
@@ -172,7 +172,7 @@ class CellActs:
             at = lane.belt_values.get(number, self.belts.counter(number))
             text += f" at={self.belts.length(number, at)}"
         lane.belt, lane.rider = channel, task
-        self._cell.tell(task, Statement(robot.number, (text,), task.process.place))
+        self._cell.queue(task, Statement(robot.number, (text,), task.process.place))
         return None
 
     def target(self, robot: CellRobot, lane: Lane, request: demands.MoveTo, values: tuple[float, ...]) -> str:

@@ -57,7 +57,7 @@ class CellAsynchronous:
         robot, value = self._cell.robot_of(name), float(values[1]) if isinstance(values[1], int | float) else 0.0
         if number == DISTANCE:
             lane.distance = value
-            self._cell.port.tell("run-on", robot=robot.number, distance=to_si(value, robot.units[0]))
+            self._cell.port.send("run-on", robot=robot.number, distance=to_si(value, robot.units[0]))
             return
         if value <= 0.0:
             raise fault(218, f"VFACTOR = {value:g}")
@@ -81,7 +81,7 @@ class CellAsynchronous:
             share = 1.0 if stretch.passed >= slowed.last else self._share(slowed)
             if share != slowed.said and not stretch.over:
                 slowed.said = share
-                self._cell.port.tell("slow", job=stretch.job, share=share)
+                self._cell.port.send("slow", job=stretch.job, share=share)
             if stretch.over or stretch.passed >= slowed.last:
                 del self._slowed[robot]
 

@@ -67,7 +67,7 @@ class CellDebugger:
     _looked: int = 0
     _until: int = 0
 
-    def told(self, now: int) -> list[tuple[int, str]]:
+    def take_answers(self, now: int) -> list[tuple[int, str]]:
         """Answers of the turns before: what they are about is on the disk."""
         found = [(ticket, answer) for since, ticket, answer in self.answers if since < now]
         self.answers = [each for each in self.answers if each[0] >= now]

@@ -41,7 +41,7 @@ class CellFiles:
             self._due = now + EVERY_NS
             self._look(files)
         for _ in range(min(PIECES, len(self._out))):
-            self._port.tell("memory", **self._out.popleft())
+            self._port.send("memory", **self._out.popleft())
 
     def points(self, file: str, points: Mapping[str, tuple[float, ...]], point: str = "", *, size: int, select: bool) -> None:
         """A point file for modes 4.1 and 4.2; size: components of its points; select: for their next selection, by special function 16."""

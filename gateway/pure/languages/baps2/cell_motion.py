@@ -155,7 +155,7 @@ class CellMotion(CellView):
             if isinstance(item, Output | Release):
                 continue
             if isinstance(item, Statement):
-                if item.stretch is None and not self._told(task, item, first=last is None):
+                if item.stretch is None and not self._hand_on_statement(task, item, first=last is None):
                     return
                 continue
             if item.stretch is not None:
@@ -185,7 +185,7 @@ class CellMotion(CellView):
             last, through = item, None
             under_way += 1
 
-    def _told(self, task: Task, item: Statement, *, first: bool) -> bool:
+    def _hand_on_statement(self, task: Task, item: Statement, *, first: bool) -> bool:
         """Hands on the statement.  False: it must be alone and is not the first, or its kinematic takes nothing now."""
         if item.alone and not first:
             return False
@@ -209,7 +209,7 @@ class CellMotion(CellView):
             path.release(task)
         return True
 
-    def tell(self, task: Task, statement: Statement) -> object:
+    def queue(self, task: Task, statement: Statement) -> object:
         """Puts it behind what is prepared; PENDING until one that is waited for is done."""
         waits = statement.alone or statement.dummy
         if statement.alone and task.queue:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from gateway.pure.image.records.interpreter import FIRST_MULTI, FIRST_REAL, MULTI, REALS, Fact
 from gateway.pure.languages.baps2 import demands
 from gateway.pure.languages.baps2.cell_access import CellAccess
-from gateway.pure.languages.baps2.cell_acts import TOLD
+from gateway.pure.languages.baps2.cell_acts import QUEUED
 from gateway.pure.languages.baps2.cell_asynchronous import DISTANCE, SPEED
 from gateway.pure.languages.baps2.cell_belts import CellSetup
 from gateway.pure.languages.baps2.cell_debugger import CellDebugger, taught_in
@@ -248,8 +248,8 @@ class CellRun(CellMotion):
             self.pic.turn(now)
         self.now = now
         self.pendant.files.turn(self.memory.files, now)
-        for ticket, answer in self.test.told(now):
-            self.port.tell("answered", ticket=ticket, error=answer)
+        for ticket, answer in self.test.take_answers(now):
+            self.port.send("answered", ticket=ticket, error=answer)
         self._round += 1
         self._read.clear()
         self._lines_turn()
@@ -276,7 +276,7 @@ class CellRun(CellMotion):
                 wanted = "TEXT" if asked.count else asked.base
         if wanted != self.pendant.reading:
             self.pendant.reading = wanted
-            self.port.tell("phg-read", base=wanted)
+            self.port.send("phg-read", base=wanted)
 
     def _lines_turn(self) -> None:
         """What has come on the lines; a fault of an interface ends its program."""
@@ -302,7 +302,7 @@ class CellRun(CellMotion):
         match request:
             case demands.Synchronise() | demands.Reference() if self._still(task):
                 return None
-            case demands.Special(number=number) if number in TOLD and self._still(task):
+            case demands.Special(number=number) if number in QUEUED and self._still(task):
                 return None
             case demands.SyncBelt():
                 return self.acts.sync(task, request) if not self._before(task) else PENDING
@@ -313,7 +313,7 @@ class CellRun(CellMotion):
             case demands.Special(number=number, values=values) if number in (SPEED, DISTANCE):
                 self.acts.asynchronous.call(task, number, values)
                 return None
-            case demands.Special(number=number, values=values) if number in TOLD:
+            case demands.Special(number=number, values=values) if number in QUEUED:
                 return self.acts.special(task, number, values)
             case demands.WriteOutput(channel=channel) if channel not in OUTPUTS:
                 raise fault(224, str(channel))
@@ -355,11 +355,11 @@ class CellRun(CellMotion):
     def event(self, task: Task, event: str, line: int, **facts: object) -> None:
         """Warnings and output to devices; `ended` reports ends."""
         if event == "warning":
-            self.port.told(task.unit.name, line, str(facts["text"]))
+            self.port.report(task.unit.name, line, str(facts["text"]))
         elif event == "write" and facts["device"] != "PHG":
             text = str(facts["hex"])
             for at in range(0, max(len(text), 1), PIECE):
-                self.port.tell("phg2000", hex=text[at : at + PIECE], more=at + PIECE < len(text))
+                self.port.send("phg2000", hex=text[at : at + PIECE], more=at + PIECE < len(text))
         elif event == "write":
             self.port.panel(bytes.fromhex(str(facts["hex"])).decode(CODE_PAGE))
 

@@ -69,8 +69,8 @@ class DryRun(Control):
     def _end(self) -> bool:
         self._over = True
         self.filing_close()
-        told = {*self.feed.files, *self.filing.written}
-        rows = {name: data.hex() for name, data in sorted(self.filing.files.items()) if name in told or name.endswith((".DAT", ".BNR"))}
+        written = {*self.feed.files, *self.filing.written}
+        rows = {name: data.hex() for name, data in sorted(self.filing.files.items()) if name in written or name.endswith((".DAT", ".BNR"))}
         self.trace.add(self.now, self._program, 0, "files", files=rows)
         return False
 

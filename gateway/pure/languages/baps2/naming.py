@@ -199,8 +199,8 @@ class Naming:
         elif tuple(f"{kind.base}{'[]' if kind.is_array else ''}" for kind, _ in parameters) not in [
             tuple(base for base, _ in form) for form in forms
         ]:
-            told = ", ".join(base for base, _ in forms[0])
-            self.fault("special-function-parameters", each.at, f"special function {number} has the parameters {told}")
+            listed = ", ".join(base for base, _ in forms[0])
+            self.fault("special-function-parameters", each.at, f"special function {number} has the parameters {listed}")
 
     def parameter(self, each: Parameter, level: int) -> Symbol:
         """Enters a parameter of a subroutine."""

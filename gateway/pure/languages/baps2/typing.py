@@ -222,8 +222,8 @@ class Typing:
             return NOTHING if any(part.type is NONE for part in parts) else Typed(FRAME, numbers_text(parts))
         known = self.names.find(tree.name)
         if known is not None:
-            told = f"{tree.name} is {with_article(known.kind)}, no function"
-            return NOTHING if known.misread else self.fault("no-value", tree.at, told)
+            text = f"{tree.name} is {with_article(known.kind)}, no function"
+            return NOTHING if known.misread else self.fault("no-value", tree.at, text)
         self.names.unknown(tree.name, tree.at, f"{tree.name} is no function")
         return NOTHING
 

@@ -108,16 +108,16 @@ class Watch:
     """Finds each circle once."""
 
     def __init__(self) -> None:
-        self._told: frozenset[int] = frozenset()
+        self._reported: frozenset[int] = frozenset()
 
     def has(self, task: Task) -> bool:
         """Whether this process is in the circle."""
-        return task.process.number in self._told
+        return task.process.number in self._reported
 
     def look(self, tasks: Iterable[Task], held: Holders) -> list[tuple[Task, Wait]]:
         """A circle that has not been reported."""
         found = circle(tasks, held)
         members = frozenset(task.process.number for task, _ in found)
-        new = members != self._told
-        self._told = members
+        new = members != self._reported
+        self._reported = members
         return found if new else []

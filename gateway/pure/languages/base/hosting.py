@@ -131,7 +131,7 @@ class Port(Protocol):
     def over(self, run: int, how: str, fault: RuntimeFault | None, place: str) -> None:
         """A process is over; `place`: file and line."""
 
-    def told(self, program: str, line: int, text: str) -> None:
+    def report(self, program: str, line: int, text: str) -> None:
         """What a person should read."""
 
     def correct(self, record: bytes) -> None:
@@ -140,7 +140,7 @@ class Port(Protocol):
     def panel(self, text: str) -> None:
         """Characters for the hand-held panel."""
 
-    def tell(self, what: str, **facts: Fact) -> None:
+    def send(self, what: str, **facts: Fact) -> None:
         """A message of the language's own to its part in the services."""
 
 

@@ -82,7 +82,7 @@ class Path:
             return None
         self._waiting.popleft()
         self.now = Stretch(owner, program, robot, next(self.tickets), ended=True)
-        self.port.tell("reference", ticket=self.now.ticket, program=program, robot=robot)
+        self.port.send("reference", ticket=self.now.ticket, program=program, robot=robot)
         return self.now
 
     def hand_on(self, stretch: Stretch, text: str, place: Place = NOWHERE, *, block: bool = True) -> int:

@@ -21,17 +21,17 @@ class Sources(Protocol):
         """A file as text."""
 
 
-class Told(Protocol):
+class PicPort(Protocol):
     """The cell as it sees it, and whom it reports to; a part of what hosts programs."""
 
     @property
     def view(self) -> View:
         """The cell in this turn."""
 
-    def told(self, program: str, line: int, text: str) -> None:
+    def report(self, program: str, line: int, text: str) -> None:
         """What a person should read."""
 
-    def tell(self, what: str, **facts: Fact) -> None:
+    def send(self, what: str, **facts: Fact) -> None:
         """To its part in the services."""
 
 
@@ -48,7 +48,7 @@ class CellPic:
     """`hear` with what the control sends, `turn` once a turn; nothing is scanned before the control has sent the flags."""
 
     def __init__(
-        self, memory: Sources, name: str, signals: Signals, port: Told, timers: Timers, period: int, owned: frozenset[int]
+        self, memory: Sources, name: str, signals: Signals, port: PicPort, timers: Timers, period: int, owned: frozenset[int]
     ) -> None:
         """`owned`: RC input bytes of the command source `pic`; `period`: ns."""
         self.name, self.owned, self.period = name.upper(), owned, period
@@ -64,11 +64,11 @@ class CellPic:
         faults = Faults()
         program = read_pic(self._memory, self.name, self._signals, faults)
         for fault in faults:
-            self._port.told(f"{self.name}.QLS", fault.position.line, f"{fault.text}; {fault.hint}" if fault.hint else fault.text)
+            self._port.report(f"{self.name}.QLS", fault.position.line, f"{fault.text}; {fault.hint}" if fault.hint else fault.text)
         if program is not None:
             self._scan.load(program)
         else:
-            self._port.told(f"{self.name}.QLS", 0, "the program before goes on" if self._scan.loaded else "the PIC does not start")
+            self._port.report(f"{self.name}.QLS", 0, "the program before goes on" if self._scan.loaded else "the PIC does not start")
 
     def file_changed(self, name: str) -> None:
         """A file of the memory was replaced."""
@@ -100,8 +100,8 @@ class CellPic:
             self._scan.scan(elapsed, channels.outputs, channels.inputs, self.owned)
         except TimeError as error:
             self.stopped = True
-            self._port.told(f"{self.name}.QLS", error.line, "the scan does not end; the PIC stops")
-            self._port.tell("pic-stopped", line=error.line)
+            self._port.report(f"{self.name}.QLS", error.line, "the scan does not end; the PIC stops")
+            self._port.send("pic-stopped", line=error.line)
             return
         self._report(now)
 
@@ -112,7 +112,7 @@ class CellPic:
             return
         self._seen, self._reported = seen, now
         left = _listed([ns // 1_000_000 for ns in scan.timers.left])
-        self._port.tell("pic", outputs=seen[0].hex(), flags=seen[1].hex(), counters=_listed(scan.timers.counters), left=left)
+        self._port.send("pic", outputs=seen[0].hex(), flags=seen[1].hex(), counters=_listed(scan.timers.counters), left=left)
 
 
 def _listed(numbers: Sequence[int]) -> str:

@@ -71,7 +71,7 @@ class Ahead:
     _auxiliary: Block | None = None  # of a circle whose end is not known yet
     _via: Via = field(default_factory=Via)  # the same in `items`
     _tools: dict[tuple[float, ...], str] = field(default_factory=dict)  # as the stretch knows them
-    _told: Stretch | None = None
+    _begun: Stretch | None = None
     _last: tuple[float, ...] = ()  # axes in the last turn in which a block was under way
     _return: tuple[int, tuple[float, ...]] = (0, ())  # block of the stretch that leads back to a place where the path was left
 
@@ -178,8 +178,8 @@ class Ahead:
             self.path.finish(self.path.now)
 
     def _begin(self, stretch: Stretch) -> None:
-        if self._told is not stretch:
-            self._told = stretch
+        if self._begun is not stretch:
+            self._begun = stretch
             self._tools.clear()
             self._return = 0, ()
 
@@ -224,7 +224,7 @@ class Ahead:
         """The path was left: what is not over is handed on anew from where the axes were, once the program goes on."""
         handed = [item for item in self.items if isinstance(item, Block) and item.stretch is stretch]
         back, place = self._return
-        returning = bool(place) and stretch is self._told and stretch.passed < back
+        returning = bool(place) and stretch is self._begun and stretch.passed < back
         if handed and not handed[0].text and (place if returning else self._last):
             self.interrupted = place if returning else self._last
             if not returning and handed[0].go.target.pose:

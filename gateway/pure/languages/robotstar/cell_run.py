@@ -60,7 +60,7 @@ class CellRun:
         return isinstance(cell, Cell) and isinstance(cell.value, int) and bool(cell.value >> 1 & 1)
 
     def _says_hand(self, text: str) -> None:
-        self.port.tell("hand", text=text)
+        self.port.send("hand", text=text)
 
     def _take(self, memory: Memory) -> None:
         self.memory = memory
@@ -153,7 +153,7 @@ class CellRun:
             return
         self.run = run
         if self.path.held_by(self) is not None:
-            self.port.tell("resume")
+            self.port.send("resume")
 
     def _choose(self, name: str) -> str:
         found = self.memory.find(name)
@@ -171,13 +171,13 @@ class CellRun:
     def _leave(self) -> None:
         """Nothing of what was handed on is run any more."""
         if not self.path.release(self):
-            self.port.tell("leave")
+            self.port.send("leave")
 
     def _select(self, found: Program) -> None:
         self._leave()
         self.robot.select(found)
         self.selected = found
-        self.port.tell("selected", program=found.key)
+        self.port.send("selected", program=found.key)
 
     def stop_run(self, run: int, now: Ns, error: RuntimeFault | None = None) -> None:
         """STOP: on the path; START goes on from there.  error: because of one."""
@@ -252,11 +252,11 @@ class CellRun:
         try:
             value = self._value(name)
         except NotYet:
-            self.port.tell("value", name=name, text="the cell is read where the position under way is reached")
+            self.port.send("value", name=name, text="the cell is read where the position under way is reached")
         except (StepFault, OperandFault) as fault:
-            self.port.tell("value", name=name, text=getattr(fault, "text", str(fault)))
+            self.port.send("value", name=name, text=getattr(fault, "text", str(fault)))
         else:
-            self.port.tell("value", name=name, value=value)
+            self.port.send("value", name=name, value=value)
 
     def _value(self, name: str) -> Fact:
         """Of a structure all elements in one text.  Without a program there are no local names."""
@@ -332,7 +332,7 @@ class CellRun:
         self.robot.advance(now)
         if self.machine.tool is not self._tool:
             self._tool = self.machine.tool
-            self.port.tell("tool", values=" ".join(f"{value:.10g}" for value in tool_values(self._tool)))
+            self.port.send("tool", values=" ".join(f"{value:.10g}" for value in tool_values(self._tool)))
         if self.runs:
             name = self.selected.key if self.selected is not None else ""
             self.ahead.hand_on(self, name, self.port.view.set, one=self.robot.single)
@@ -358,7 +358,7 @@ class CellRun:
 
     def _say(self, message: Message) -> None:
         facts: dict[str, Fact] = {"text": message.text, "number": message.number or 0, "program": message.program}
-        self.port.tell("message", **facts, step=message.step, kind=message.kind)
+        self.port.send("message", **facts, step=message.step, kind=message.kind)
 
     def rows(self) -> Sequence[ProcessRow]:
         """The program that is selected."""

@@ -105,11 +105,11 @@ class CellWorld:
     def _put_now(self, place: int, data: bytes) -> None:
         for at, value in enumerate(data, place):
             self._keep(at, 0xFF, value)
-        self.port.tell("write", first=place, data=data.hex())
+        self.port.send("write", first=place, data=data.hex())
 
     def _set(self, place: int, mask: int, bits: int) -> None:
         self._keep(place, mask, bits)
-        self.port.tell("bits", byte=place, mask=mask, bits=bits)
+        self.port.send("bits", byte=place, mask=mask, bits=bits)
 
     def _keep(self, place: int, mask: int, bits: int) -> None:
         before, kept, _ = self._written.get(place, (0, 0, 0))

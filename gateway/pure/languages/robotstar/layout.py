@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 
 Line = tuple[int, str]  # number in the file, text
-Tell = Callable[[int, str], None]
+Note = Callable[[int, str], None]
 _TWO = re.compile(r"^(\s*S?\d+[.:)]?\s+\S.*?)(?:\s+[|¦]\s*|\s{3,})(S?\d+[.:)]?\s+\\?[^\W\d].*)$")
 _LEFT = re.compile(r"^(\s*S?\d+[.:)]?\s+.*?|\s+\S.*?)\s+[|¦]\s*$")
 _NUMBERED = re.compile(r"^\s*\W{0,2}\s*S?\d+\s*[.:)]?(\s|$)", re.IGNORECASE)
@@ -13,19 +13,19 @@ _COMMENT = re.compile(r"^\s*S?\d+\s*[.:)]?\s+C\s", re.IGNORECASE)
 _DESCRIPTOR = re.compile(r"^\s*([A-Za-z]\w*(?:[- ]\w+)?)\s*:\s*\S")
 
 
-def steps_of(text: str, is_descriptor: Callable[[str], bool], is_command: Callable[[str], bool], tell: Tell) -> list[Line]:
+def steps_of(text: str, is_descriptor: Callable[[str], bool], is_command: Callable[[str], bool], note: Note) -> list[Line]:
     """All lines in the order they are read."""
     found: list[Line] = []
-    for number, line in _one_column(enumerate(text.splitlines(), 1), tell):
+    for number, line in _one_column(enumerate(text.splitlines(), 1), note):
         fixed = _MISREAD.sub(lambda match: match[1] + match[2].translate(_DIGITS) + match[3], line)
         if fixed != line:
-            tell(number, f"{line.split()[0]} is read as {fixed.split()[0]}")
+            note(number, f"{line.split()[0]} is read as {fixed.split()[0]}")
         if found and _continues(found[-1][1], fixed, is_descriptor, is_command):
             before, (first, line) = line, found.pop()
             broken = line.rstrip().endswith("-") and not _NUMBERED.match(before)
             joined = line.rstrip()[:-1] + before.strip() if broken and _COMMENT.match(line) else f"{line.rstrip()} {before.strip()}"
             found.append((first, joined))
-            tell(number, f"{before.strip()} belongs to the line before")
+            note(number, f"{before.strip()} belongs to the line before")
         else:
             found.append((number, fixed))
     return found
@@ -37,7 +37,7 @@ def is_numbered(lines: Iterable[str]) -> bool:
     return 3 * sum(bool(_NUMBERED.match(line)) for line in filled) > 2 * len(filled)
 
 
-def with_lost_numbers(lines: Sequence[Line], tell: Tell) -> list[Line]:
+def with_lost_numbers(lines: Sequence[Line], note: Note) -> list[Line]:
     """A single line without a number between step n and step n + 2 is the step between them."""
     found = list(lines)
     printed = [_printed(line) for _, line in lines]
@@ -47,7 +47,7 @@ def with_lost_numbers(lines: Sequence[Line], tell: Tell) -> list[Line]:
         lost = printed[before] + 1
         if lost > 1 and not printed[at] and printed[behind] == lost + 1 and re.match(r"\s*\\?[^\W\d]", line):
             found[at] = number, f"{lost} {line.strip()}"
-            tell(number, f"{line.strip()} is read as {found[at][1]}")
+            note(number, f"{line.strip()} is read as {found[at][1]}")
     return found
 
 
@@ -60,7 +60,7 @@ def _printed(line: str) -> int:
 _DIGITS = str.maketrans("OolI", "0011")
 
 
-def _one_column(lines: Iterable[Line], tell: Tell) -> list[Line]:
+def _one_column(lines: Iterable[Line], note: Note) -> list[Line]:
     """A page in two columns: the right one follows the left one."""
     found: list[Line] = []
     right: list[Line] = []
@@ -68,7 +68,7 @@ def _one_column(lines: Iterable[Line], tell: Tell) -> list[Line]:
         two = _TWO.match(line) if line.count("|") < 2 else None
         if two and _follows(two, right):
             if not right:
-                tell(number, "two columns are read one after the other")
+                note(number, "two columns are read one after the other")
             found.append((number, two[1]))
             right.append((number, two[2]))
         elif right and (left := _LEFT.match(line)):

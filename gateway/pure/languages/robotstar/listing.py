@@ -100,11 +100,11 @@ def import_listing(text: str, words: Words, points: Mapping[str, str] | None = N
     result = Imported()
     program: _Open | None = None
 
-    def tell(number: int, words_of_note: str) -> None:
+    def add_note(number: int, words_of_note: str) -> None:
         result.notes.append(Note(number, words_of_note))
 
-    lines = steps_of(text, lambda spelt: bool(words.descriptor(spelt)), lambda spelt: spelt.upper() in words.words, tell)
-    lines = with_lost_numbers(lines, tell)
+    lines = steps_of(text, lambda spelt: bool(words.descriptor(spelt)), lambda spelt: spelt.upper() in words.words, add_note)
+    lines = with_lost_numbers(lines, add_note)
     numbered = is_numbered(line for _, line in lines)
     for number, line in lines:
         if program is not None and program.kind == "PLC" and not program.ended and (found := _plc_step(line)) is not None:
@@ -127,7 +127,7 @@ def import_listing(text: str, words: Words, points: Mapping[str, str] | None = N
             program, head.last = head, printed
             continue
         if numbered and not printed and (program is None or program.ended):
-            tell(number, f"{line.strip()[:40]!r} is no step and left out")  # a title of the page
+            add_note(number, f"{line.strip()[:40]!r} is no step and left out")  # a title of the page
             continue
         if program is None or program.ended:
             program = _Open(name, "MPR", [f'MPR "{name}"'])

@@ -91,7 +91,7 @@ class StreamMover:
     def _judged(self, block: Block) -> None:
         empty = not self._waiting and not self._handed
         if self._judge is None or empty or self._judge.waiting > JUDGED:
-            start = tuple(self.joints()) if self._judge is None or empty else self._judge.standing
+            start = tuple(self.joints()) if self._judge is None or empty else self._judge.position
             self._judge = Planner(self.machine, self.left or start if empty else start, capacity=1 << 20)
         self._judge.add(block)
 
@@ -107,12 +107,12 @@ class StreamMover:
     def stop(self) -> None:
         """Brake on the path and hold."""
         self.held = True
-        self.port.tell("halt")
+        self.port.send("halt")
 
     def resume(self) -> None:
         """Go on."""
         self.held = False
-        self.port.tell("go")
+        self.port.send("go")
 
     def abandon(self) -> None:
         """Brake on the path, then forget everything queued."""
@@ -123,7 +123,7 @@ class StreamMover:
         self.change.over(failed=self.change.locked)
         if self._path.now is not None:
             self._dropping = True
-            self.port.tell("drop")
+            self.port.send("drop")
             self._path.release(self)
 
     def place(self) -> Place:

@@ -42,7 +42,7 @@ class CellRobot(RobotState):
 
     def _power(self, *, on: bool) -> None:
         assert self.port is not None
-        self.port.tell("power", on=on)
+        self.port.send("power", on=on)
 
     def enable(self) -> bool:
         """enablePower: only in remote mode; the drives need their time."""
@@ -88,5 +88,5 @@ class CellRobot(RobotState):
         assert self.port is not None
         code = super().set_speed(speed)
         if code == 0:
-            self.port.tell("speed", value=speed / 100.0)
+            self.port.send("speed", value=speed / 100.0)
         return code

@@ -96,7 +96,7 @@ class CellRun:
         self._robot.language, self._robot.said = setup.language, self._said
         self._robot.service, self._robot.components = setup.service, dict.fromkeys((name.lower() for name in setup.options), "enabled")
         boards = replace(setup.boards) if setup.boards is not None else None
-        self._io = CellIo(owned=setup.points, put=lambda name, value: self.port.tell("put", name=name, value=value), boards=boards)
+        self._io = CellIo(owned=setup.points, put=lambda name, value: self.port.send("put", name=name, value=value), boards=boards)
 
     # ---- from outside
     def read(self) -> list[str]:
@@ -191,7 +191,7 @@ class CellRun:
             case "mode":
                 self._robot.mode = MODES[str(order["mode"])]
             case "speed":  # the operator's: no rule of setMonitorSpeed
-                self.port.tell("speed", value=float(order["value"]) / 100.0)
+                self.port.send("speed", value=float(order["value"]) / 100.0)
             case "ratio" if self._io.boards is not None:
                 self._io.boards.ratio = int(order["value"])
             case "io":
@@ -240,10 +240,10 @@ class CellRun:
         faults = "; ".join(_fault_of(task) for task in machine.tasks if task.status > RUNNING)
         if faults != self._faults:
             self._faults = faults
-            self.port.tell("faults", text=faults)
+            self.port.send("faults", text=faults)
 
     def _said(self, text: str) -> None:
-        self.port.told(self.setup.name, 0, text)
+        self.port.report(self.setup.name, 0, text)
 
     def _over(self, how: str, error: RuntimeFault | None) -> None:
         assert self.machine is not None and self._moves is not None
@@ -257,7 +257,7 @@ class CellRun:
         self._moves.mover.end()
         if self._faults:
             self._faults = ""
-            self.port.tell("faults", text="")
+            self.port.send("faults", text="")
         self.port.over(self.run, how, error, place)
         self.machine, self.own, self.run = None, None, 0
         self._robot.watchdog_ns = 0  # without an application power is a matter of the other command sources

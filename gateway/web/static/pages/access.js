@@ -12,7 +12,7 @@ export function mount(root, { t, get, post, me, may, login }) {
   if (!may("admin")) return {};
   const roles = () => h("select", { name: "role" }, ["viewer", "operator", "setter", "admin"].map((role) => h("option", { value: role }, t(role))));
   const form = (title, path, fields, done) => {
-    const made = h("form", { class: "bar low", onsubmit: async (event) => { event.preventDefault(); const told = await post(path, Object.fromEntries(new FormData(made)), done); if (told) { made.reset(); if (told.token) put(secret, `${t("The token, shown once")}: ${told.token}`); fill(); } } }, fields, h("button", { class: "main" }, title));
+    const made = h("form", { class: "bar low", onsubmit: async (event) => { event.preventDefault(); const reply = await post(path, Object.fromEntries(new FormData(made)), done); if (reply) { made.reset(); if (reply.token) put(secret, `${t("The token, shown once")}: ${reply.token}`); fill(); } } }, fields, h("button", { class: "main" }, title));
     return made;
   };
   const input = (title, attributes) => h("label", {}, title, h("input", { required: true, maxlength: "64", ...attributes }));
@@ -40,9 +40,9 @@ export function mount(root, { t, get, post, me, may, login }) {
     h("section", { class: "card w6" }, h("h2", {}, t("Tokens for scripts")), tokens.element, form(t("Make"), "/api/tokens", [input(t("label"), { name: "label" }), h("label", {}, t("role"), roles())]), secret),
     h("section", { class: "card w12" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Audit")), chain, words), audit.element));
   async function fill() {
-    const [told, kept] = await Promise.all([get("/api/users"), get("/api/audit")]);
-    users.update(told.users);
-    tokens.update(told.tokens);
+    const [reply, kept] = await Promise.all([get("/api/users"), get("/api/audit")]);
+    users.update(reply.users);
+    tokens.update(reply.tokens);
     entries = kept.entries;
     sift();
     chain.replaceChildren(kept.broken_at === null ? chip("good", t("the chain is intact")) : chip("bad", `${t("the chain is broken at entry")} ${kept.broken_at}`));

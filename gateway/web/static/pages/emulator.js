@@ -47,21 +47,21 @@ export function mount(root, { t, cell, post }) {
         if (own) { put(own.link, alive ? t("link alive") : alive === null ? t("not known") : t("link silent")); mark(own.link, `chip ${alive ? "good" : "bad"}`); }
       }
       if (!page || page.gone) return;
-      for (const [name, told] of Object.entries(page.cables)) {
+      for (const [name, reply] of Object.entries(page.cables)) {
         const own = plugs.get(name);
         if (!own) continue;
-        const plugged = told.plugged !== false;
+        const plugged = reply.plugged !== false;
         own.plug.dataset.plugged = plugged ? "1" : "0";
         put(own.plug, plugged ? t("Pull the plug") : t("Plug in again"));
         mark(own.plug, `plug ${plugged ? "danger" : "main"}`);
-        put(own.state, told.why || (plugged ? t("plugged") : t("unplugged")));
-        mark(own.state, `chip ${plugged && !told.why ? "good" : "bad"}`);
-        if (told.characters) put(own.facts, `${told.baud} Bd   ${t("characters")} A ${told.characters.A}  B ${told.characters.B}   ${t("lost")} ${told.lost}   ${t("spoiled")} ${told.damaged}`);
+        put(own.state, reply.why || (plugged ? t("plugged") : t("unplugged")));
+        mark(own.state, `chip ${plugged && !reply.why ? "good" : "bad"}`);
+        if (reply.characters) put(own.facts, `${reply.baud} Bd   ${t("characters")} A ${reply.characters.A}  B ${reply.characters.B}   ${t("lost")} ${reply.lost}   ${t("spoiled")} ${reply.damaged}`);
       }
       drives.update(cell.faults.map((each) => {
-        const told = page.emulators[each.emulator] || {};
-        const own = (told.axes || told.nodes || {})[String(each.key.axis ?? each.key.node)] || {};
-        return { ...each, state: own.state ?? told.why, fault: own.fault ?? own.error ?? own.error_code ?? 0, torque: own.torque_nm };
+        const reply = page.emulators[each.emulator] || {};
+        const own = (reply.axes || reply.nodes || {})[String(each.key.axis ?? each.key.node)] || {};
+        return { ...each, state: own.state ?? reply.why, fault: own.fault ?? own.error ?? own.error_code ?? 0, torque: own.torque_nm };
       }));
     },
   };

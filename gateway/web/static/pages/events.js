@@ -6,7 +6,7 @@ import { language, say } from "../texts.js";
 const FILES = "csv json".split(" ");
 
 export function mount(root, { t, get }) {
-  const standing = h("div");
+  const active = h("div");
   const filter = h("input", { type: "search", placeholder: t("filter"), "aria-label": t("filter"), oninput: () => fill() });
   const kinds = h("select", { "aria-label": t("kind"), onchange: () => fill() }, ["all", "command", "link", "line", "process", "alarm", "force", "output"].map((kind) => h("option", { value: kind === "all" ? "" : kind }, t(kind))));
   let last = [];
@@ -38,7 +38,7 @@ export function mount(root, { t, get }) {
   ], (row) => row.number, { tall: true, label: t("Alarm history"), row: (row) => (row.gone ? (row.acknowledged ? "" : "stale") : "badq") });
   const choice = (id, label, values) => h("select", { id, "aria-label": label, onchange: () => history() }, values.map(([value, title]) => h("option", { value }, title)));
   const word = h("input", { type: "search", id: "alarm-words", placeholder: t("axis, number or word"), "aria-label": t("filter"), oninput: () => { clearTimeout(wait); wait = setTimeout(history, 200); } });
-  const state = choice("alarm-state", t("state"), [["", t("all")], ["standing", t("is set")], ["open", t("not acknowledged")], ["gone", t("gone")]]);
+  const state = choice("alarm-state", t("state"), [["", t("all")], ["active", t("is set")], ["open", t("not acknowledged")], ["gone", t("gone")]]);
   const source = choice("alarm-source", t("Source"), [["", t("every source")]]);
   const from = h("input", { type: "date", id: "alarm-from", "aria-label": t("from day"), onchange: () => history() });
   const to = h("input", { type: "date", id: "alarm-to", "aria-label": t("to day"), onchange: () => history() });
@@ -49,27 +49,27 @@ export function mount(root, { t, get }) {
     const query = new URLSearchParams({ q: word.value, state: state.value, source: source.value, from: from.value, to: to.value });
     files.forEach((file, n) => { file.href = `/api/alarms/file?as=${FILES[n]}&${query}`; });
     try {
-      const told = await get(`/api/alarms?${query}`);
+      const reply = await get(`/api/alarms?${query}`);
       const was = source.value;
-      source.replaceChildren(h("option", { value: "" }, t("every source")), ...told.sources.map((each) => h("option", { value: each, selected: each === was }, each)));
-      put(count, `${told.total} ${t("alarms")}`);
-      alarms.update(told.alarms.slice(0, 300));
+      source.replaceChildren(h("option", { value: "" }, t("every source")), ...reply.sources.map((each) => h("option", { value: each, selected: each === was }, each)));
+      put(count, `${reply.total} ${t("alarms")}`);
+      alarms.update(reply.alarms.slice(0, 300));
     } catch (error) { put(count, t(error.message)); }
   }
   let wait = 0;
   const wanted = h("input", { type: "search", id: "catalogue", placeholder: t("number or word"), "aria-label": t("Error catalogue"), oninput: () => { clearTimeout(wait); wait = setTimeout(know, 150); } });
-  const know = () => get(`/api/errors?q=${encodeURIComponent(wanted.value)}`).then((told) => known.update(told.errors)).catch(() => {});
+  const know = () => get(`/api/errors?q=${encodeURIComponent(wanted.value)}`).then((reply) => known.update(reply.errors)).catch(() => {});
   const fill = () => table.update(last.filter((row) => (!kinds.value || row.kind === kinds.value) && say(row.say).toLowerCase().includes(filter.value.toLowerCase())).slice(-150).reverse());
   know();
   const gone = h("p", { class: "badq" });
   root.append(h("div", { class: "grid" },
-    h("section", { class: "card w12" }, h("h2", {}, t("Errors, first one first")), standing),
+    h("section", { class: "card w12" }, h("h2", {}, t("Errors, first one first")), active),
     h("section", { class: "card w12", id: "alarms" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Alarm history")), state, source, from, to, count, h("span", { class: "soft" }, t("download as")), ...files), h("div", { class: "bar" }, word), alarms.element),
     h("section", { class: "card w6" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Events")), kinds, filter), gone, table.element),
     h("section", { class: "card w6" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Error catalogue")), wanted), known.element)));
   return {
     update(page, head) {
-      errors(standing, head, t, language());
+      errors(active, head, t, language());
       put(gone, page?.gone || "");
       if (page && "alarms" in page && page.alarms !== version) { version = page.alarms; history(); }
       if (page?.events) { last = page.events; fill(); }

@@ -74,11 +74,11 @@ export function mount(root, { t, cell }) {
         put(box.counters, [...known.filter((name) => name in source).map((name) => `${t(name.replace("_", " "))} ${source[name]}`), say(source.advice), say(source.why)].filter(Boolean).join("   "));
       }
       if (held) return;
-      for (const [name, told] of Object.entries(page.lines)) {
+      for (const [name, reply] of Object.entries(page.lines)) {
         const box = boxes.get(name);
         if (!box) continue;
-        if (box.modbus) { box.body.replaceChildren(...told.slice(-60).reverse().map((row) => exchange(row, page.clock_ms))); continue; }
-        const rows = told.filter((row) => dull.checked || row.kind.length > 3).slice(-60).reverse();
+        if (box.modbus) { box.body.replaceChildren(...reply.slice(-60).reverse().map((row) => exchange(row, page.clock_ms))); continue; }
+        const rows = reply.filter((row) => dull.checked || row.kind.length > 3).slice(-60).reverse();
         box.body.replaceChildren(...rows.map((row) => h("tr", { class: row.ok === false || ["BROKEN", "DAMAGED", "STRAY"].includes(row.kind) ? "badq" : "" },
           h("td", { class: "n" }, clock(row.ms, page.clock_ms)), h("td", {}, SIDES[row.side]), h("td", {}, row.kind), h("td", { class: "free" }, say(row.say)), h("td", { class: "free mono small" }, row.hex))));
       }

@@ -24,7 +24,7 @@ export function mount(root, { t, cell, me, post, unable }) {
   let gone = false;
   let turning = 0; // the slider is in somebody's hand until then
   let marked = [];
-  let lines = null; // a robot at rest is told once: the picture may be made later
+  let lines = null; // a robot at rest is sent once: the drawing may be made later
   root.append(h("div", { class: "bar low" }, control, hold, resume, abandon, h("label", {}, `${t("override")} %`, override), wipe, names),
     h("div", { class: "grid" },
       h("section", { class: "card w8" }, canvas, h("p", { class: "soft small" }, t(cell.robot.why) || `${cell.robot.kind} ${cell.robot.model}`), h("p", { class: "soft small" }, t("Drag or use the arrow keys to rotate; use the wheel or + and - to zoom.")), h("p", { class: "soft small" }, t("Frames: x red, y green, z blue."))),

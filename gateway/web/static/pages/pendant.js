@@ -54,8 +54,8 @@ export function mount(root, { t, live, may, post, unable }) {
     button.addEventListener("keyup", (event) => { if (event.key === " " || event.key === "Enter") release(name); });
     return button;
   }
-  function layOut(told) {
-    unit = told;
+  function layOut(reply) {
+    unit = reply;
     const across = Math.max(...unit.keypad.map((row) => row.length));
     keys.style.gridTemplateColumns = `repeat(${across}, minmax(0, 1fr))`;
     keys.replaceChildren(...unit.keypad.flatMap((row) => [...row, ...Array(across - row.length).fill("")].map(key)));
@@ -76,12 +76,12 @@ export function mount(root, { t, live, may, post, unable }) {
   root.append(h("div", { class: "grid" }, h("section", { class: "card w12" }, screen, state, h("div", { class: "bar" }, typed, control), keys,
     h("p", { class: "soft small", id: "phg-held" }, t("Keys with a thick frame act while they are held; movement keys need control. This is no enabling device.")))));
   return {
-    update(told) {
-      if (!told) return;
-      if (told.gone || !told.unit) { put(state, told.gone || ""); return; }
-      if (!unit) layOut(told.unit);
-      put(screen, told.screen.map((line) => line.padEnd(unit.columns)).join("\n"));
-      put(state, `${unit.title}, ${t("operating mode")} ${told.mode}${told.lost_keys ? `, ${told.lost_keys} ${t("keys lost")}` : ""}`);
+    update(reply) {
+      if (!reply) return;
+      if (reply.gone || !reply.unit) { put(state, reply.gone || ""); return; }
+      if (!unit) layOut(reply.unit);
+      put(screen, reply.screen.map((line) => line.padEnd(unit.columns)).join("\n"));
+      put(state, `${unit.title}, ${t("operating mode")} ${reply.mode}${reply.lost_keys ? `, ${reply.lost_keys} ${t("keys lost")}` : ""}`);
       document.getElementById("phg-held").hidden = !unit.held.length;
       control.hidden = !unit.held.length;
       grey(control, unable("operator"));

@@ -47,9 +47,9 @@ export function mount(root, { t, get, post, unable }) {
 
   async function open(wanted, from = 1) {
     try {
-      const told = await get(`/api/plc/listing?name=${encodeURIComponent(wanted)}&first=${from}`);
-      name = told.name; first = from; shown = new Map();
-      listing = { ...told, on: false, rows: told.rows.map(([step, words, valid]) => ({ step, text: valid ? words : `\\${words}`, valid, command: step > 1 && !/^(;|END|M\s+[^\d\s])/i.test(words) })) };
+      const reply = await get(`/api/plc/listing?name=${encodeURIComponent(wanted)}&first=${from}`);
+      name = reply.name; first = from; shown = new Map();
+      listing = { ...reply, on: false, rows: reply.rows.map(([step, words, valid]) => ({ step, text: valid ? words : `\\${words}`, valid, command: step > 1 && !/^(;|END|M\s+[^\d\s])/i.test(words) })) };
       put(note, "");
     } catch (error) { listing = null; put(note, t(error.message)); }
     draw();
@@ -58,12 +58,12 @@ export function mount(root, { t, get, post, unable }) {
     if (!listing || asking || document.hidden) return;
     asking = true;
     try {
-      const told = await get(`/api/plc/shown?name=${encodeURIComponent(name)}&first=${first}`);
-      const same = told.on && told.text === listing.text;
-      if (told.on && !same) put(note, t("The test display is off: the file differs from the program that runs. Start the PLC."));
-      else put(note, told.on ? "" : `${t("The test display is off.")} ${told.why ? t(told.why) : t("The program does not run, or was edited.")}`);
+      const reply = await get(`/api/plc/shown?name=${encodeURIComponent(name)}&first=${first}`);
+      const same = reply.on && reply.text === listing.text;
+      if (reply.on && !same) put(note, t("The test display is off: the file differs from the program that runs. Start the PLC."));
+      else put(note, reply.on ? "" : `${t("The test display is off.")} ${reply.why ? t(reply.why) : t("The program does not run, or was edited.")}`);
       listing.on = same;
-      shown = new Map(same ? told.rows.map((row) => [row[0], row]) : []);
+      shown = new Map(same ? reply.rows.map((row) => [row[0], row]) : []);
       draw();
     } catch (error) { put(note, t(error.message)); } finally { asking = false; }
   }
@@ -84,20 +84,20 @@ export function mount(root, { t, get, post, unable }) {
       h("div", { class: "bar" }, operand, value, write, free),
       h("p", { class: "soft small" }, t("Inputs are forced until the force is ended; a marker is written once, between two scans. A click on a command takes its operand.")))));
   return {
-    update(told) {
-      if (!told) return;
-      page = told;
-      if (told.gone) { put(note, told.gone); return; }
-      const kind = told.state === "RUN" ? "good" : told.state === "STOP" ? "warn" : "bad";
-      mark(state, `chip ${kind}`); put(state, `${t("PLC")} ${told.state}`);
-      put(scans, `${told.scans} ${t("scans")}, ${told.load === null ? t("a whole scan each period") : `${told.load} ${t("commands a period")}`}`);
-      const red = told.message && Number(told.message.reaction) & 15;
-      put(message, told.message ? `${told.message.text}${told.message.program ? ` (${told.message.program} ${t("step")} ${told.message.step})` : ""}` : "");
-      mark(message, told.message && !red ? "goodq" : "badq");
-      grey(start, unable("operator")); grey(stop, unable("operator")); grey(ack, unable("operator") || (told.message ? "" : t("There is no message.")));
+    update(reply) {
+      if (!reply) return;
+      page = reply;
+      if (reply.gone) { put(note, reply.gone); return; }
+      const kind = reply.state === "RUN" ? "good" : reply.state === "STOP" ? "warn" : "bad";
+      mark(state, `chip ${kind}`); put(state, `${t("PLC")} ${reply.state}`);
+      put(scans, `${reply.scans} ${t("scans")}, ${reply.load === null ? t("a whole scan each period") : `${reply.load} ${t("commands a period")}`}`);
+      const red = reply.message && Number(reply.message.reaction) & 15;
+      put(message, reply.message ? `${reply.message.text}${reply.message.program ? ` (${reply.message.program} ${t("step")} ${reply.message.step})` : ""}` : "");
+      mark(message, reply.message && !red ? "goodq" : "badq");
+      grey(start, unable("operator")); grey(stop, unable("operator")); grey(ack, unable("operator") || (reply.message ? "" : t("There is no message.")));
       grey(write, unable("setter")); grey(free, unable("setter"));
-      if (choose.options.length !== told.programs.length || [...choose.options].some((each, n) => each.value !== told.programs[n])) choose.replaceChildren(...told.programs.map((each) => h("option", { value: each }, each)));
-      if (!name && told.programs.length) open(told.programs.includes(told.start.toUpperCase()) ? told.start : told.programs[0]);
+      if (choose.options.length !== reply.programs.length || [...choose.options].some((each, n) => each.value !== reply.programs[n])) choose.replaceChildren(...reply.programs.map((each) => h("option", { value: each }, each)));
+      if (!name && reply.programs.length) open(reply.programs.includes(reply.start.toUpperCase()) ? reply.start : reply.programs[0]);
       if (name && choose.value !== name) choose.value = name;
     },
     unmount() { clearInterval(timer); },

@@ -25,19 +25,19 @@ export function mount(root, { t, cell, get, me, post, unable }) {
     shown = name;
     put(title, name);
     try {
-      const told = await get(`/api/program?name=${encodeURIComponent(name)}`);
+      const reply = await get(`/api/program?name=${encodeURIComponent(name)}`);
       if (name !== shown) return;
-      const faults = new Map(told.faults.map(([line, severity, words]) => [line, [severity, words]]));
-      statements = new Set(told.statements || []);
-      points = (told.points || []).map(([point, value]) => ({ point, value }));
-      rows = told.lines.map((line, n) => {
+      const faults = new Map(reply.faults.map(([line, severity, words]) => [line, [severity, words]]));
+      statements = new Set(reply.statements || []);
+      points = (reply.points || []).map(([point, value]) => ({ point, value }));
+      rows = reply.lines.map((line, n) => {
         const fault = faults.get(n + 1);
         const stop = statements.has(n + 1) ? h("button", { type: "button", class: "stop", "data-line": String(n + 1), "aria-label": `${t("breakpoint in line")} ${n + 1}`, "aria-pressed": "false", onclick: () => toggle(n + 1) }) : null;
         return h("li", { class: fault ? (fault[0] === "error" ? "wrong" : "doubt") : "" }, stop, h("code", {}, line || " "), fault ? h("span", { class: "fault" }, fault[1]) : null);
       });
-      listing.classList.toggle("numbered", told.lines.every((line, n) => !line || line.trim().startsWith(`${n + 1} `)));
+      listing.classList.toggle("numbered", reply.lines.every((line, n) => !line || line.trim().startsWith(`${n + 1} `)));
       listing.replaceChildren(...rows);
-      put(note, told.faults.length ? `${told.file}, ${t("faults")}: ${told.faults.length}` : told.file);
+      put(note, reply.faults.length ? `${reply.file}, ${t("faults")}: ${reply.faults.length}` : reply.file);
     } catch (error) {
       rows = [];
       points = [];
@@ -72,8 +72,8 @@ export function mount(root, { t, cell, get, me, post, unable }) {
   const waiting = (row) => { // what another process has, and which one: semaphore ZONE, held by PICK line 12
     if (!row.holder) return t(row.waits);
     const [what, name] = row.held.split(" ");
-    const told = `${t(what)} ${name}, ${t("held by")} ${row.holder.replace(" line ", ` ${t("line")} `).replace("(branch)", `(${t("branch")})`)}`;
-    return row.stuck ? `${t("blocked, they wait for each other")}: ${told}` : told;
+    const reply = `${t(what)} ${name}, ${t("held by")} ${row.holder.replace(" line ", ` ${t("line")} `).replace("(branch)", `(${t("branch")})`)}`;
+    return row.stuck ? `${t("blocked, they wait for each other")}: ${reply}` : reply;
   };
   const programs = new Table([
     { title: t("program"), free: true, cell: (row, td) => { const link = td.firstElementChild || td.appendChild(h("button", { type: "button", class: "value", onclick: () => open(row.name) })); put(link, row.name); } },
@@ -168,8 +168,8 @@ export function mount(root, { t, cell, get, me, post, unable }) {
     if (value !== null && (await ordered("define", { name: shown, point, value }, "The point is set"))) await points_again();
   }
   async function points_again() {
-    const told = await get(`/api/program?name=${encodeURIComponent(shown)}`).catch(() => null);
-    if (told && told.points) { points = told.points.map(([point, value]) => ({ point, value })); table.update(points); }
+    const reply = await get(`/api/program?name=${encodeURIComponent(shown)}`).catch(() => null);
+    if (reply && reply.points) { points = reply.points.map(([point, value]) => ({ point, value })); table.update(points); }
   }
   const looked = h("h2", {}, t("Variables"));
   const system = h("section", { class: "card w5", id: "test-system", hidden: true }, h("h2", {}, t("Test system")), tests,

@@ -13,7 +13,7 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
   let recording = null;
   let drawn = -1;
   let state = {};
-  let live = null; // what was told last of a recording that runs
+  let live = null; // what was shown last of a recording that runs
   let hidden = new Set(Array.isArray(set.hidden) ? set.hidden : []);
   let over = false;
 
@@ -126,15 +126,15 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
       return { name: title, unit, n, a: short(va), b: short(vb), difference: a === null || b === null ? "" : short(vb - va), low: short(recording.ranges[n][0]), high: short(recording.ranges[n][1]) };
     }));
   }
-  function take(told) {
-    recording = told;
-    recording.ranges = told.columns.map((column) => { let low = Infinity; let high = -Infinity; for (const value of column) { if (value < low) low = value; if (value > high) high = value; } return [low, high]; });
-    for (const each of [xAxis, yAxis]) { const was = each.value; each.replaceChildren(...told.channels.map(([title]) => h("option", { selected: title === was }, title))); }
-    if (told.channels.length > 1 && yAxis.value === xAxis.value) yAxis.selectedIndex = 1;
+  function take(reply) {
+    recording = reply;
+    recording.ranges = reply.columns.map((column) => { let low = Infinity; let high = -Infinity; for (const value of column) { if (value < low) low = value; if (value > high) high = value; } return [low, high]; });
+    for (const each of [xAxis, yAxis]) { const was = each.value; each.replaceChildren(...reply.channels.map(([title]) => h("option", { selected: title === was }, title))); }
+    if (reply.channels.length > 1 && yAxis.value === xAxis.value) yAxis.selectedIndex = 1;
     plot.cursors = [null, null];
     times.forEach((each) => { each.value = ""; });
-    const period = told.period_s ? `${(told.period_s * 1e3).toFixed(0)} ms` : "";
-    put(about, `${told.cell}, ${told.started.replace("T", " ").slice(0, 19)}, ${told.time.length} ${t("records")}, ${period}, ${told.trigger ? `${t("trigger")} ${told.trigger}` : t("no trigger")}, ${told.lost ? `${told.lost} ${t("lost")}` : t("no record lost")}`);
+    const period = reply.period_s ? `${(reply.period_s * 1e3).toFixed(0)} ms` : "";
+    put(about, `${reply.cell}, ${reply.started.replace("T", " ").slice(0, 19)}, ${reply.time.length} ${t("records")}, ${period}, ${reply.trigger ? `${t("trigger")} ${reply.trigger}` : t("no trigger")}, ${reply.lost ? `${reply.lost} ${t("lost")}` : t("no record lost")}`);
     draw();
     values();
   }
@@ -169,15 +169,15 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
   // ---- files --------------------------------------------------------------------------------------------------------------
   const kept = h("select", { id: "kept", "aria-label": t("kept recordings") });
   const label = h("input", { id: "recording-name", maxlength: "60", pattern: "[A-Za-z0-9][A-Za-z0-9_+\\-]*", placeholder: t("name"), "aria-label": t("name"), style: "width:11rem" });
-  const keep = h("button", { type: "button", id: "keep", onclick: async () => { if (!label.reportValidity() || !label.value) { label.focus(); return; } const told = await post("/api/scope/save", { name: label.value }, "The recording is kept"); if (told) list(told.saved); } }, t("Keep"));
+  const keep = h("button", { type: "button", id: "keep", onclick: async () => { if (!label.reportValidity() || !label.value) { label.focus(); return; } const reply = await post("/api/scope/save", { name: label.value }, "The recording is kept"); if (reply) list(reply.saved); } }, t("Keep"));
   const reopen = h("button", { type: "button", id: "reopen", onclick: () => post("/api/scope/open", { name: kept.value }) }, t("Reopen"));
   const file = h("input", { type: "file", accept: ".scope", id: "scope-file", hidden: true, onchange: async () => { try { take(parse(await file.files[0].arrayBuffer())); } catch { toast(t("This file is not a recording"), "bad"); } } });
   const taken = ["scope", "csv", "mf4"].map((kind) => h("a", { class: "button", href: `/api/scope/file?as=${kind}`, download: "", id: `take-${kind}` }, kind.toUpperCase()));
   function list(saved) { kept.replaceChildren(...saved.map(({ name: each }) => h("option", {}, each))); openable(); }
   function openable() { grey(reopen, unable("operator") || (kept.value ? "" : t("nothing is kept yet"))); } // the names may come behind the last update
-  get("/api/scope/names").then((told) => {
-    known.replaceChildren(...[...told.channels, ...told.signals].map((each) => h("option", { value: each })));
-    list(told.saved);
+  get("/api/scope/names").then((reply) => {
+    known.replaceChildren(...[...reply.channels, ...reply.signals].map((each) => h("option", { value: each })));
+    list(reply.saved);
   }).catch((error) => put(about, error.message));
 
   root.append(known, h("section", { class: "card" },
@@ -209,8 +209,8 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
       grey(keep, unfit || (page.state === "done" ? "" : t("nothing recorded yet")));
       layouts.update();
       const share = page.wanted ? `${Math.min(100, Math.round((100 * page.records) / page.wanted))} %` : "";
-      const [kind, told] = { running: ["warn", page.rolling ? t("rolling") : `${t("recording")} ${share}`], waiting: ["warn", `${t("waiting for")} ${page.trigger}`], done: ["good", `${page.records} ${t("records")}`], none: ["plain", t("nothing recorded yet")] }[page.state];
-      chips.replaceChildren(chip(kind, told), ...(page.lost ? [chip("bad", `${page.lost} ${t("lost")}`)] : []), ...(page.why ? [chip("warn", t(page.why))] : []));
+      const [kind, reply] = { running: ["warn", page.rolling ? t("rolling") : `${t("recording")} ${share}`], waiting: ["warn", `${t("waiting for")} ${page.trigger}`], done: ["good", `${page.records} ${t("records")}`], none: ["plain", t("nothing recorded yet")] }[page.state];
+      chips.replaceChildren(chip(kind, reply), ...(page.lost ? [chip("bad", `${page.lost} ${t("lost")}`)] : []), ...(page.why ? [chip("warn", t(page.why))] : []));
       for (const each of taken) each.classList.toggle("off", page.state !== "done");
       live = running() && page.tail?.t.length > 1 ? page : null;
       if (live && !over) { drawn = -1; shown(); }

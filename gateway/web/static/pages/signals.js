@@ -98,9 +98,9 @@ export function mount(root, { t, get, post, may, live, unable }) {
     try {
       const ids = list.open ? list.ids.map((id) => `&id=${encodeURIComponent(id)}`).join("") : "";
       if (list.open && !ids) { rows = []; table.update(rows); live.page("signals", []); put(found, t("The watch list is empty: the stars beside the names put values into it.")); return; }
-      const told = await get(`/api/signals?q=${encodeURIComponent(list.open ? "" : search.value)}&group=${encodeURIComponent(list.open ? "" : group)}${ids}`);
-      rows = told.rows;
-      put(found, `${t("found")}: ${told.total}${told.total > rows.length ? `, ${rows.length} ${t("shown")}` : ""}`);
+      const reply = await get(`/api/signals?q=${encodeURIComponent(list.open ? "" : search.value)}&group=${encodeURIComponent(list.open ? "" : group)}${ids}`);
+      rows = reply.rows;
+      put(found, `${t("found")}: ${reply.total}${reply.total > rows.length ? `, ${rows.length} ${t("shown")}` : ""}`);
       table.update(rows);
       table.element.classList.toggle("nowords", rows.filter((row) => row.kind === "word").length * 2 < rows.length);
       live.page("signals", rows.map((row) => row.id));
@@ -108,15 +108,15 @@ export function mount(root, { t, get, post, may, live, unable }) {
     } catch (error) { put(found, error.message); }
   }
   async function plant() {
-    const told = await get("/api/tree");
+    const reply = await get("/api/tree");
     const branches = new Map();
-    for (const { group: name, count } of told.tree) {
+    for (const { group: name, count } of reply.tree) {
       const [top] = name.split(" / ");
       if (!branches.has(top)) branches.set(top, []);
       branches.get(top).push([name, count]);
     }
     const leaf = (name, title, count) => h("button", { type: "button", "aria-pressed": "false", "data-group": name, onclick: (event) => choose(event.currentTarget, name) }, h("span", {}, title), h("span", { class: "soft" }, String(count)));
-    tree.append(leaf("", t("everything"), told.total));
+    tree.append(leaf("", t("everything"), reply.total));
     for (const [top, leaves] of branches) {
       if (leaves.length === 1 && leaves[0][0] === top) tree.append(leaf(top, t(top), leaves[0][1]));
       else tree.append(h("details", {}, h("summary", {}, t(top)), leaf(top, t("all"), leaves.reduce((sum, [, count]) => sum + count, 0)), leaves.map(([name, count]) => leaf(name, name.slice(top.length + 3), count))));

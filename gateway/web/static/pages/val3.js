@@ -52,8 +52,8 @@ export function mount(root, { t, get, post, unable }) {
     user.hide();
     if (!wanted.name) return;
     try {
-      const told = await get(address(wanted));
-      if (wanted === page) user.show(told.html);
+      const reply = await get(address(wanted));
+      if (wanted === page) user.show(reply.html);
     } catch (error) { put(gone, t(error.message)); }
   }
 
@@ -61,38 +61,38 @@ export function mount(root, { t, get, post, unable }) {
     h("section", { class: "card w5" }, h("div", { class: "bar" }, h("h2", { style: "margin:0", id: "val3-application" }, "VAL 3"), state, start, stop, hold, connect, mode, speed, "%"), gone, facts, ask, tasks.element, popupsHead, popups, screenHead, screen),
     h("section", { class: "card w7" }, user.element, h("h2", {}, t("Variables")), h("div", { class: "bar" }, variable, value, write), variables.element)));
   return {
-    update(told) {
-      if (!told) return;
-      put(gone, told.gone || (told.id ? "" : t("The interpreter does not run.")));
-      if (told.gone) return;
-      name = told.programs[0]?.name || "";
-      seen = { ...(told.val3?.[0] || {}) };
-      const fault = told.programs[0]?.fault || "";
-      const wrong = told.processes.some((row) => row.error);
+    update(reply) {
+      if (!reply) return;
+      put(gone, reply.gone || (reply.id ? "" : t("The interpreter does not run.")));
+      if (reply.gone) return;
+      name = reply.programs[0]?.name || "";
+      seen = { ...(reply.val3?.[0] || {}) };
+      const fault = reply.programs[0]?.fault || "";
+      const wrong = reply.processes.some((row) => row.error);
       put(document.getElementById("val3-application"), name || "VAL 3");
-      mark(state, `chip ${fault || wrong ? "bad" : told.run ? "good" : ""}`);
-      put(state, fault ? `${t("faults")}: ${fault}` : told.run ? t("running") : t("can run"));
-      grey(start, unable("operator") || (fault ? t("The program has errors.") : told.run ? t("running") : ""));
-      grey(stop, unable("operator") || (told.run ? "" : t("No application runs.")));
+      mark(state, `chip ${fault || wrong ? "bad" : reply.run ? "good" : ""}`);
+      put(state, fault ? `${t("faults")}: ${fault}` : reply.run ? t("running") : t("can run"));
+      grey(start, unable("operator") || (fault ? t("The program has errors.") : reply.run ? t("running") : ""));
+      grey(stop, unable("operator") || (reply.run ? "" : t("No application runs.")));
       put(hold, seen.hold ? t("Go on") : t("Hold"));
       if (seen.mode && document.activeElement !== mode) mode.value = seen.mode;
       if (seen.speed !== undefined && document.activeElement !== speed) speed.value = String(Math.round(seen.speed));
-      for (const button of [hold, write, mode, speed]) grey(button, unable("operator") || (told.run ? "" : t("No application runs.")));
+      for (const button of [hold, write, mode, speed]) grey(button, unable("operator") || (reply.run ? "" : t("No application runs.")));
       grey(connect, unable("operator") || (seen.connect ? "" : t("No connection move waits.")));
-      put(facts, told.run && seen.mode ? `${t("mode")} ${t(seen.mode)}, ${t("monitor speed")} ${Math.round(seen.speed)} %, ${t("move")} ${seen.move}, ${seen.powered ? t("powered") : t("no power")}` : "");
+      put(facts, reply.run && seen.mode ? `${t("mode")} ${t(seen.mode)}, ${t("monitor speed")} ${Math.round(seen.speed)} %, ${t("move")} ${seen.move}, ${seen.powered ? t("powered") : t("no power")}` : "");
       ask.hidden = !seen.kind;
       put(question, seen.prompt || t("An entry is expected."));
       entry.hidden = seen.kind !== "prompt";
       cancel.hidden = seen.kind === "alert";
-      put(screen, [seen.title, ...(told.screen || [])].filter((line) => line !== undefined).join("\n"));
-      popupsHead.hidden = !told.popups?.length;
+      put(screen, [seen.title, ...(reply.screen || [])].filter((line) => line !== undefined).join("\n"));
+      popupsHead.hidden = !reply.popups?.length;
       screenHead.hidden = !screen.textContent.trim();
-      popups.replaceChildren(...(told.popups || []).map((words) => h("li", {}, words)));
-      tasks.update(told.processes);
-      variables.update(told.variables || []);
+      popups.replaceChildren(...(reply.popups || []).map((words) => h("li", {}, words)));
+      tasks.update(reply.processes);
+      variables.update(reply.variables || []);
       const wanted = { name: seen.page || "", folder: seen.page ? seen.folder || "" : "" };
       if (wanted.name !== page.name || wanted.folder !== page.folder) load(wanted);
-      user.draw(told.shown || []);
+      user.draw(reply.shown || []);
     },
   };
 }

@@ -164,7 +164,7 @@ def watched(axis: OneAxis, watch: Tracking, seconds: float) -> int:
 def test_an_axis_pushed_out_of_standstill_is_648() -> None:
     axis = OneAxis(Scaling())
     axis.enable()
-    watch = Tracking(standing=0.02, trip=0.5, settle_cycles=25)
+    watch = Tracking(standstill=0.02, trip=0.5, settle_cycles=25)
     assert watched(axis, watch, 0.5) == 0
     axis.slave.load_torque(1, 25.0)  # more than the motor has
     assert watched(axis, watch, 0.5) == 648

@@ -4,7 +4,7 @@ import termios
 
 import pytest
 
-from drivers.ports.serial.device import frame_of, told_apart
+from drivers.ports.serial.device import frame_of, named_damage
 from protocols.base.machine import Damage
 
 NONE = dict.fromkeys(Damage, 0)
@@ -43,4 +43,4 @@ def test_a_speed_termios_has_no_word_for_is_believed() -> None:
     ],
 )
 def test_marks_are_named_by_the_drivers_counters(read: list[bytes | Damage], after: dict[Damage, int], told: list[bytes | Damage]) -> None:
-    assert told_apart(read, NONE, after) == told
+    assert named_damage(read, NONE, after) == told

@@ -6,7 +6,7 @@ import pytest
 
 import configs
 from gateway.cell_file.load import load_cell
-from gateway.commands.check import main, told, valid
+from gateway.commands.check import fault_lines, main, valid
 from gateway.files.texts import read_texts, spoken
 from gateway.pure.cell.faults import CellFaults, Fault
 from gateway.pure.reports.sentences import in_language
@@ -62,16 +62,16 @@ def test_faults_keep_file_key_and_value_and_say_range_and_hint_in_german(tmp_pat
     file.write_text(demo.replace('target           = "simulation"', 'target = "maschine"').replace("cycle_ms = 4", "cycle_ms = 99"))
     with pytest.raises(CellFaults) as found:
         load_cell(str(file))
-    rows = told(str(file), found.value.faults, "de")
+    rows = fault_lines(str(file), found.value.faults, "de")
     target = next(row for row in rows if "maschine" in row)
     assert 'cell.target = "maschine": erlaubt machine | simulation: gemeint ist wohl machine?' in target and target.startswith("Fehler")
     assert "allowed" not in "\n".join(rows) and "weiter: beheben" in rows[-1]
-    assert "allowed machine | simulation: did you mean machine?" in "\n".join(told(str(file), found.value.faults, "en"))
+    assert "allowed machine | simulation: did you mean machine?" in "\n".join(fault_lines(str(file), found.value.faults, "en"))
 
 
 def test_a_syntax_error_says_what_to_write_instead() -> None:
     fault = Fault("cell.toml", "TOML", hint="Expected newline; TOML has no semicolons: one key on each line", line=3, kind="syntax")
-    assert "TOML erlaubt keine Semikolons: ein Schluessel je Zeile" in told("cell.toml", (fault,), "de")[1]
+    assert "TOML erlaubt keine Semikolons: ein Schluessel je Zeile" in fault_lines("cell.toml", (fault,), "de")[1]
 
 
 def test_the_language_is_the_users(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

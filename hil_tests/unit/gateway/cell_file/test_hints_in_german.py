@@ -9,7 +9,7 @@ import pytest
 
 import gateway
 from gateway.cell_file.load import load_cell
-from gateway.commands.check import told
+from gateway.commands.check import fault_lines
 from gateway.files.find import find_config, read_text
 from gateway.files.texts import spoken
 from gateway.pure.cell.faults import CellFaults
@@ -63,5 +63,5 @@ def test_a_cell_with_such_a_fault(old: str, fresh: str, expected: str, tmp_path:
     file.write_text(demo.replace(old, fresh, 1))
     with pytest.raises(CellFaults) as found:
         load_cell(str(file))
-    rows = told(str(file), found.value.faults, "de")
+    rows = fault_lines(str(file), found.value.faults, "de")
     assert any(expected in row for row in rows), rows

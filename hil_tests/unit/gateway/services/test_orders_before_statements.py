@@ -65,7 +65,7 @@ def test_an_order_behind_many_others_comes_first_too() -> None:
 
 def test_the_interpreter_hears_of_its_stream_behind_the_planner() -> None:
     said: list[str] = []
-    hosted = SimpleNamespace(orders=[{"do": "given", "ticket": 1, "job": 7}], told=["words"], step=lambda now: None)
+    hosted = SimpleNamespace(orders=[{"do": "given", "ticket": 1, "job": 7}], sentences=["words"], step=lambda now: None)
     host = ProgramHost.__new__(ProgramHost)
     host._programs, host._seen = cast(Any, SimpleNamespace(hosted=hosted, seen=Channels)), b""
     host._channels = cast(Any, SimpleNamespace(write=lambda *_: None))

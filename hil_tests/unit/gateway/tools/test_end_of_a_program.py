@@ -6,7 +6,7 @@ import pytest
 
 from gateway.cell_file.load import load_cell
 from gateway.commands import program_cell
-from gateway.commands.program_cell import _rest, _told
+from gateway.commands.program_cell import _rest, _result
 from gateway.pure.image.records.cell import Motion
 from gateway.tools.client import ToolClient
 
@@ -30,8 +30,8 @@ class Axes:
 )
 def test_a_message_without_a_number_is_said_too(how: str, code: int, text: str, said: str) -> None:
     answer: dict[str, object] = {"how": how, "code": code, "text": text, "place": "PICK"}
-    told = _told(cast(ToolClient, Axes()), "PICK", answer, 2.0)
-    assert str(told["sentence"]) == f"{said} the axes stand at A1 1.500"
+    found = _result(cast(ToolClient, Axes()), "PICK", answer, 2.0)
+    assert str(found["sentence"]) == f"{said} the axes stand at A1 1.500"
 
 
 class Moving:

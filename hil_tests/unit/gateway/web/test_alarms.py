@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from gateway.pure.image.alarms import Alarms, Record, told
+from gateway.pure.image.alarms import Alarms, Record, alarm_rows
 from gateway.services.alarm_file import as_csv
 from gateway.web.alarms import fits
 
@@ -25,7 +25,7 @@ def test_an_alarm_comes_is_acknowledged_and_goes_with_its_times_and_its_source()
     kept(file, "2026-11-23T08:00:01", alarms.look([(16, "drive fault: A2 following error 3.4 mm")]))
     kept(file, "2026-11-23T08:00:02", alarms.acknowledge("plc1"))
     kept(file, "2026-11-23T08:00:03", alarms.look([]))
-    assert told(file) == [
+    assert alarm_rows(file) == [
         {
             "number": 1, "code": 16, "text": FAULT[1], "source": "A2", "came": "2026-11-23T08:00:00",
             "acknowledged": "2026-11-23T08:00:02", "by": "plc1", "gone": "2026-11-23T08:00:03",
@@ -38,7 +38,7 @@ def test_one_that_went_unseen_is_acknowledged_later_and_comes_again_as_another()
     for wall, errors in (("1", [FAULT]), ("2", []), ("3", [FAULT]), ("4", [])):
         kept(file, wall, alarms.look(errors))
     kept(file, "5", alarms.acknowledge("page"))
-    rows = told(file)
+    rows = alarm_rows(file)
     assert [(row["number"], row["came"], row["gone"]) for row in rows] == [(2, "3", "4"), (1, "1", "2")]
     assert rows[0]["acknowledged"] == "5" and alarms.acknowledge("page") == []
 
@@ -60,7 +60,7 @@ def test_sources_are_whole_names() -> None:
 
 def test_foreign_records_are_left_out() -> None:
     foreign: list[Record] = [{"number": "1", "what": "came", "wall": "1"}, {"number": 2, "what": "gone", "wall": "1"}, {"what": "came"}]
-    assert told(foreign) == [] and Alarms([], foreign).look([FAULT])[0]["number"] in (1, 3)
+    assert alarm_rows(foreign) == [] and Alarms([], foreign).look([FAULT])[0]["number"] in (1, 3)
 
 
 def test_rows_are_found_by_words_state_source_and_time() -> None:
@@ -68,7 +68,7 @@ def test_rows_are_found_by_words_state_source_and_time() -> None:
         "number": 1, "code": 16, "text": FAULT[1], "source": "A2", "came": "2026-11-23T08:00:00+01:00", "acknowledged": "",
         "by": "", "gone": "",
     }  # fmt: skip
-    for query in ({"q": "A2 FAULT"}, {"q": "16"}, {"state": "standing"}, {"state": "open"}, {"source": "A2"}, {"from": "2026-11-23"},
+    for query in ({"q": "A2 FAULT"}, {"q": "16"}, {"state": "active"}, {"state": "open"}, {"source": "A2"}, {"from": "2026-11-23"},
                   {"from": "2026-11-22", "to": "2026-11-23"}):  # fmt: skip
         assert fits(row, query), query
     for query in ({"q": "A1"}, {"state": "gone"}, {"source": "A1"}, {"from": "2026-11-24"}, {"to": "2026-11-22"}):

@@ -7,7 +7,7 @@ import pytest
 
 from gateway.web.accounts import Accounts
 from gateway.web.api import Api, endpoints
-from gateway.web.audit_words import told
+from gateway.web.audit_words import sentences_of
 
 AXES = ("A1", "A2", "A3")
 
@@ -33,12 +33,12 @@ AXES = ("A1", "A2", "A3")
     ],
 )
 def test_an_entry_says_what_was_done(what: str, detail: dict[str, object], english: str, german: str) -> None:
-    assert told(what, json.dumps(detail), AXES) == (english, german)
+    assert sentences_of(what, json.dumps(detail), AXES) == (english, german)
 
 
 def test_an_entry_nobody_has_words_for_is_told_as_it_was_kept() -> None:
-    assert told("POST /api/later", '{"a": 1}', AXES) == ('POST /api/later {"a": 1}',) * 2
-    assert told("POST /api/command", "torn {", AXES) == ("POST /api/command torn {",) * 2
+    assert sentences_of("POST /api/later", '{"a": 1}', AXES) == ('POST /api/later {"a": 1}',) * 2
+    assert sentences_of("POST /api/command", "torn {", AXES) == ("POST /api/command torn {",) * 2
 
 
 def test_every_change_the_interface_takes_has_its_words() -> None:
@@ -54,5 +54,5 @@ def test_every_change_the_interface_takes_has_its_words() -> None:
     changes = [f"{each.method} {each.path}" for each in endpoints(Named()) if each.changes]
     assert len(changes) > 15
     for what in changes:
-        for words in told(what, json.dumps(given), AXES):
+        for words in sentences_of(what, json.dumps(given), AXES):
             assert not words.startswith("POST") and not re.search(r"[{}]", words), what

@@ -2,7 +2,7 @@
 
 import pytest
 
-from gateway.pure.modbus.texts import told
+from gateway.pure.modbus.texts import exchange_text
 
 EXAMPLES = [
     ("01 0013 0013", "01 03 CD6B05", "read coils 19..37", "10110011 11010110 101", True),  # 6.1
@@ -21,18 +21,18 @@ EXAMPLES = [
 
 @pytest.mark.parametrize("asked, answered, question, reply, good", EXAMPLES, ids=[example[2] for example in EXAMPLES])
 def test_the_examples_of_the_standard(asked: str, answered: str, question: str, reply: str, good: bool) -> None:
-    words = told(bytes.fromhex(asked), bytes.fromhex(answered))
+    words = exchange_text(bytes.fromhex(asked), bytes.fromhex(answered))
     assert (words.asked, words.answered, words.ok) == (question, reply, good)
 
 
 @pytest.mark.parametrize("asked", ["", "03", "03 00", "10 0001 0002 04", "0F 0013", "63 01 02", "05 00AC 1234"])
 def test_what_is_cut_off_or_unknown_is_told_all_the_same(asked: str) -> None:
-    words = told(bytes.fromhex(asked), b"")
+    words = exchange_text(bytes.fromhex(asked), b"")
     assert words.asked
     assert words.answered == "no answer"
 
 
 def test_long_answers_are_cut_visibly() -> None:
-    words = told(bytes.fromhex("03 0000 0040"), b"\x03\x80" + bytes(128))
+    words = exchange_text(bytes.fromhex("03 0000 0040"), b"\x03\x80" + bytes(128))
     assert words.answered.endswith(" ..")
     assert len(words.answered) < 80

@@ -9,7 +9,7 @@ from starlette.requests import Request
 from gateway.observer.regions import Regions
 from gateway.observer.tool_link import Refused, ServicesLink
 from gateway.web.access import Person
-from gateway.web.audit_words import told
+from gateway.web.audit_words import sentences_of
 from gateway.web.endpoints import Call
 from gateway.web.german import german
 from gateway.web.operator_control import NotYours, OperatorControl
@@ -80,4 +80,4 @@ def test_another_users_control_and_wrong_orders_are_refused() -> None:
     with pytest.raises(ValueError, match="how"):
         page.steps(name="P", how="run")
     assert page.endpoint.changes and page.endpoint.role is Role.OPERATOR
-    assert told(f"POST {PATH}", '{"name": "P", "how": "into"}', ())[1] == "Einzelschritt von Programm P: into"
+    assert sentences_of(f"POST {PATH}", '{"name": "P", "how": "into"}', ())[1] == "Einzelschritt von Programm P: into"

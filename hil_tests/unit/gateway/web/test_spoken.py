@@ -21,7 +21,7 @@ from protocols.base.machine import Frame
 GATEWAY = pathlib.Path(gateway.__file__).parent
 VALUE = "7"
 ONLY_VALUES = "7"  # of a sentence that is put together elsewhere nothing is left but this
-JOURNALS = ("journal", "_journal", "_tell", "_say", "print")
+JOURNALS = ("journal", "_journal", "_report", "_say", "print")
 OF_A_RUN = ("services", "processes", "cycle", "northbound", "links/modbus", "runtime")
 SAME = {"override"}  # the German word is the same
 
@@ -171,11 +171,11 @@ def test_every_word_of_the_line_decoder_and_of_line_faults_has_german() -> None:
 def test_every_modbus_exchange_has_german() -> None:
     asked = [*modbus_words.READS, *modbus_words.NAMES]
     for function in asked:
-        words = modbus_words.told(bytes((function,)) + bytes.fromhex("0001 0002 0003 0004 04 0001 0002"), b"")
+        words = modbus_words.exchange_text(bytes((function,)) + bytes.fromhex("0001 0002 0003 0004 04 0001 0002"), b"")
         assert german(words.asked) != words.asked, words.asked
         assert german(words.answered) == "keine Antwort"
     for code in (*modbus_words.FAULTS, 99):
-        words = modbus_words.told(b"\x03\0\1\0\1", bytes((0x83, code)))
+        words = modbus_words.exchange_text(b"\x03\0\1\0\1", bytes((0x83, code)))
         assert german(words.answered).startswith("Ausnahme ") and words.answered.split(" ", 2)[2] not in german(words.answered)
 
 

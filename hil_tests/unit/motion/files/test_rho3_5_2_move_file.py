@@ -110,7 +110,7 @@ def test_base_check_off_1_takes_a_wrong_time_base_0_is_error_98() -> None:
 
 
 @pytest.mark.requirement("RHO-MOT-42", by="motion.files.move_file:MoveFiles._flags")
-@pytest.mark.requirement("RHO-MOT-42", by="motion.files.move_file:Playback.standing")
+@pytest.mark.requirement("RHO-MOT-42", by="motion.files.move_file:Playback.end_position")
 def test_modulo_flag_1_reduces_by_the_last_value_2_by_p311_and_the_errors_101_and_102() -> None:
     last = ROWS[-1]
     float32 = struct.unpack("<f", struct.pack("<f", last[1]))[0]
@@ -118,14 +118,14 @@ def test_modulo_flag_1_reduces_by_the_last_value_2_by_p311_and_the_errors_101_an
     for flag in (0.0, 1.0, 2.0, 3.0, -1.0):
         run = opened().move_file("CURVE", 2, (flag, 0.0), (0.0, 0.0))
         played(run)
-        ends[flag] = run.standing()
+        ends[flag] = run.end_position()
     assert ends[1.0] == (0.0, float32), "360 deg reduced by the file's last value of this axis"
     assert ends[2.0] == (0.0, float32)
     assert ends[0.0] == ends[3.0] == ends[-1.0] == (360.0, float32), "other values count as 0.0"
     short = bnr.encode(HEADER, ROWS[:1000])  # ends at 250 deg
     by_file = opened(short).move_file("CURVE", 2, (1.0, 0.0), (0.0, 0.0))
     by_p311 = opened(short).move_file("CURVE", 2, (2.0, 0.0), (0.0, 0.0))
-    assert (by_file.standing()[0], by_p311.standing()[0]) == (0.0, 250.0)
+    assert (by_file.end_position()[0], by_p311.end_position()[0]) == (0.0, 250.0)
     assert code(flag=(0.0, 1.0)) == 102
     assert code(flag=(0.0, 2.0)) == 0, "P311 on an axis that is not endless: nothing to do"
     assert [code(flag=(None, 0.0)), code(flag=(0.0, None)), code(flag=())] == [101, 101, 101]
@@ -177,7 +177,7 @@ def test_damaged_files_and_strange_calls_end_in_an_error_with_a_name_or_in_set_p
         run = opened(bytes(data[: max(len(data) - length, 0)]), offset).move_file("CURVE", base, flag, (0.0, 0.0))
     except (MoveFileError, LimitError):
         return
-    assert all(math.isfinite(value) for q in played(run) for value in (*q, *run.standing()))
+    assert all(math.isfinite(value) for q in played(run) for value in (*q, *run.end_position()))
 
 
 def test_a_header_shorter_than_its_fields_is_error_100() -> None:

@@ -215,10 +215,10 @@ def test_an_additional_axis_goes_round_beside_lines_and_splines() -> None:
     ):
         x, y, z = here.position
         route.add(Block(kind, PoseTarget(here._replace(position=(x, y, z + up)), extra=(math.radians(extra),))))
-        found.append(math.degrees(route.standing[6]))
+        found.append(math.degrees(route.position[6]))
     assert found[0] == pytest.approx(370)  # 350 -> 370
     route.finish()
-    assert math.degrees(route.standing[6]) == pytest.approx(740)  # 10 -> 100, 100 -> 380, 20 -> 20
+    assert math.degrees(route.position[6]) == pytest.approx(740)  # 10 -> 100, 100 -> 380, 20 -> 20
 
 
 def test_check_and_plot_know_it_from_the_cell() -> None:
@@ -226,7 +226,7 @@ def test_check_and_plot_know_it_from_the_cell() -> None:
     route = Route(machine, (0.0,) * 5)
     for block in read(HEAD + "ptp joints 360 0 0 0 0\nptp joints 360 0 0 0 0").blocks:
         route.add(block)
-    assert route.standing[0] == pytest.approx(2 * math.tau)
+    assert route.position[0] == pytest.approx(2 * math.tau)
 
 
 RHO3 = "[rho3]\nP303 = {}\nP311 = {}\nP204 = [1, 1, 1, 1, 1]\nP205 = [1, 1, 1, 1, 1]\n\n[robot]"

@@ -68,7 +68,7 @@ def test_after_a_row_that_cannot_be_run_the_arm_stands_where_the_row_began() -> 
         route.add(Block(Interpolation.SPLINE, arms.at(x)))
     with pytest.raises(BlockError, match="block 2: points 1 and 2 of the spline are the same") as caught:
         route.add(Block(Interpolation.LINEAR, arms.at(50.0)))
-    assert caught.value.code == 620 and route.standing == (0.0, 0.0, 0.0) and not route.pending
+    assert caught.value.code == 620 and route.position == (0.0, 0.0, 0.0) and not route.pending
     route.add(Block(Interpolation.LINEAR, arms.at(50.0)))
     assert [stretch.block for stretch in route.take()] == [3]
 
@@ -176,9 +176,9 @@ def test_a_circle_goes_on_round_and_up_where_its_angle_says_so() -> None:
     turn = 4.5 * np.pi * s / found.path.length
     wanted = np.stack([0.1 * np.cos(turn), 0.1 * np.sin(turn), 0.045 * s / found.path.length], axis=1)
     assert np.abs(found.path.at(s)[:, :3] - wanted).max() < 1e-8
-    assert route.standing == pytest.approx((0.0, 0.1, 0.045), abs=1e-9)
+    assert route.position == pytest.approx((0.0, 0.1, 0.045), abs=1e-9)
     route.add(replace(around, target=arms.at(0.0, -100.0, 45.0), via=arms.at(100.0, 0.0, 45.0), angle=2 * np.pi, rise=0.0))
-    assert route.standing == pytest.approx((0.0, 0.1, 0.045), abs=1e-9), "a full circle"
+    assert route.position == pytest.approx((0.0, 0.1, 0.045), abs=1e-9), "a full circle"
     for wrong, code in (
         ({"angle": -1.0}, 552),
         ({"angle": np.nan}, 154),

@@ -46,7 +46,7 @@ def ends(text: str, robot: str = "tx60-like") -> list[tuple[float, ...]]:
     route = Route(arms.robot(robot), program.start)
     for block in program.blocks:
         route.add(block)
-        found.append(route.standing)
+        found.append(route.position)
     return found
 
 
@@ -149,7 +149,7 @@ def test_blocks_that_no_text_made_are_refused_in_words() -> None:
         route = Route(arms.portal(), (0.0, 0.0, 0.0))
         with pytest.raises(BlockError, match=says):
             route.add(Block(kind, UNKNOWN, shift=shift))
-        assert route.standing == (0.0, 0.0, 0.0)
+        assert route.position == (0.0, 0.0, 0.0)
 
 
 def test_relative_blocks_are_written_and_read_again() -> None:
@@ -261,5 +261,5 @@ def test_robots_that_move_together_go_by_their_own_differences() -> None:
         route.add(shared)
     route.finish()
     lone = ends("start 0 30 90 0 60 0\nlinear rel pose 0 30 0 0 0 0\nlinear rel pose 0 0 30 0 0 0\nptp rel joints 1 0 0 0 0 0")[-1]
-    assert close(route.standing[:4], (math.radians(20), math.radians(80), -0.09, math.radians(5)))
-    assert close(route.standing[4:], lone)
+    assert close(route.position[:4], (math.radians(20), math.radians(80), -0.09, math.radians(5)))
+    assert close(route.position[4:], lone)

@@ -38,7 +38,7 @@ def gone(cell: Planned) -> Array:
 
 
 @pytest.mark.requirement("RHO-MOT-37", by="gateway.pure.planning.parts:_placed")
-@pytest.mark.requirement("RHO-MOT-37", by="gateway.pure.planning.trial:Trial._stands")
+@pytest.mark.requirement("RHO-MOT-37", by="gateway.pure.planning.trial:Trial._set_position")
 def test_one_stands_at_other_numbers_and_all_go_on_from_there_each_by_its_own(cell: Planned) -> None:
     assert run(cell, "kinematic scara", "mach_pos joints 10 80 -150 5", "move arm ptp rel joints 0 0 0 0 0 0") is CommandState.DONE
     assert np.abs(gone(cell)).max() < 0.01, "nothing moves"

@@ -182,7 +182,7 @@ def test_faults_name_block_kinematic_and_axis_and_nothing_of_the_block_is_taken(
     with pytest.raises(BlockError, match=r"block 2, axis P2\.y: kinematic P2: .*") as told:
         route.add(together(line(200), line(0, 9000)))
     assert (told.value.code, told.value.block, told.value.axis) == (531, 2, "P2.y")
-    assert route.standing == pytest.approx((0.1, 0, 0, 0, 0.05, 0), abs=1e-12)
+    assert route.position == pytest.approx((0.1, 0, 0, 0, 0.05, 0), abs=1e-12)
     assert route.add(together(line(200), None)) == 2
     for block, words in (
         (together(Block(Interpolation.SPLINE, at(1)), line(5)), "alone"),

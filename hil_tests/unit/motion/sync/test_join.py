@@ -232,7 +232,7 @@ def test_the_filter_follows_a_varying_belt_to_a_stop_and_knows_the_delay() -> No
             ways.append(place)
         errors = []
         for k in range(4000):
-            tracker.update((math.floor(ways[k] / 1e-4) + 0.5) * 1e-4, standing=k > 3310)
+            tracker.update((math.floor(ways[k] / 1e-4) + 0.5) * 1e-4, at_rest=k > 3310)
             if k > 150:
                 errors.append(tracker.ahead() - ways[k + delay])
         assert math.sqrt(sum(e * e for e in errors) / len(errors)) * 1e3 < rms

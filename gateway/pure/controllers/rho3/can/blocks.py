@@ -67,8 +67,8 @@ class IoBus:
     def errors(self) -> list[IoError]:
         """Present contents."""
         bus = self.settings.bus
-        standing = [IoError(entry.error, bus, entry.number) for entry in self._inputs if entry.error is not None]
-        return standing + [IoError(trouble, bus, number) for trouble, number in sorted(self._faulty, key=lambda pair: pair[1])]
+        active = [IoError(entry.error, bus, entry.number) for entry in self._inputs if entry.error is not None]
+        return active + [IoError(trouble, bus, number) for trouble, number in sorted(self._faulty, key=lambda pair: pair[1])]
 
     @property
     def awaited(self) -> bool:
@@ -138,7 +138,7 @@ class IoBus:
                 found.append(IoError(entry[0], self.settings.bus, number))
             elif number <= count and entry in self._faulty:
                 self._faulty.remove(entry)
-                found.append(IoError(entry[0], self.settings.bus, number, standing=False))
+                found.append(IoError(entry[0], self.settings.bus, number, active=False))
         return found
 
     def _judge_start(self, now: Ns) -> None:
@@ -171,7 +171,7 @@ class IoBus:
 
     def _clear(self, entry: _Input) -> list[IoError]:
         before, entry.error = entry.error, None
-        return [] if before is None else [IoError(before, self.settings.bus, entry.number, standing=False)]
+        return [] if before is None else [IoError(before, self.settings.bus, entry.number, active=False)]
 
     def _foreign(self, identifier: int) -> list[IoError]:
         """Our own output identifier from somebody else: two controls send the same one (L10998)."""

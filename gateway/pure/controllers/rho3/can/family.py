@@ -40,7 +40,7 @@ class RhoFamily:
         self.io, self.drives = io, drives
         self.aside: list[Frame] = [] if drives is None else drives.aside
         self._downloads = dict(downloads or {})
-        self._told: set[int] = set()
+        self._reported: set[int] = set()
         self._answer: Answer | None = None
         self._mine = frozenset(block.identifier for block in (*io.settings.inputs, *io.settings.outputs)) if io else frozenset[int]()
         self._outputs = bytearray(128)

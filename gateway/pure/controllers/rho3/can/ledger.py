@@ -28,7 +28,7 @@ class Complaint:
     where: str  # as the pendant shows it, or the module
     en: str
     de: str
-    standing: bool
+    active: bool
     count: int  # of times it came, modulo 256
 
     def words(self, language: str) -> str:
@@ -46,17 +46,17 @@ class Ledger:
     def note(self, errors: Iterable[IoError]) -> None:
         """Errors that came or went."""
         for error in errors:
-            self._enter((_TROUBLES.index(error.trouble) + 1, error.bus, error.block), standing=error.standing)
+            self._enter((_TROUBLES.index(error.trouble) + 1, error.bus, error.block), active=error.active)
 
     def refused(self, bus: int, module: int, error: DownloadError) -> None:
         """A module refused its parameters; kept until the next start."""
-        self._enter((_DOWNLOAD, bus, module), standing=True, cause=error.cause, parameter=error.parameter)
+        self._enter((_DOWNLOAD, bus, module), active=True, cause=error.cause, parameter=error.parameter)
 
-    def _enter(self, key: tuple[int, int, int], *, standing: bool, cause: int = 0, parameter: int = 0) -> None:
+    def _enter(self, key: tuple[int, int, int], *, active: bool, cause: int = 0, parameter: int = 0) -> None:
         before = self._entries.get(key)
-        count = (before[1] if before else 0) + standing & 0xFF
+        count = (before[1] if before else 0) + active & 0xFF
         if before is not None or len(self._entries) < MOST:
-            self._entries[key] = [standing, count, cause, parameter & 0xFF]
+            self._entries[key] = [active, count, cause, parameter & 0xFF]
             self.changed = True
 
     def pack(self) -> bytes:
@@ -68,13 +68,13 @@ class Ledger:
 def unpack_ledger(payload: bytes) -> list[Complaint]:
     """The services' side, in the order they first came."""
     rows = (row for row in _ENTRY.iter_unpack(payload[:LEDGER_BYTES]) if row[0])
-    return [_complaint(kind, bus, place, bool(standing), count, cause, number) for kind, bus, place, standing, count, cause, number in rows]
+    return [_complaint(kind, bus, place, bool(active), count, cause, number) for kind, bus, place, active, count, cause, number in rows]
 
 
-def _complaint(kind: int, bus: int, place: int, standing: bool, count: int, cause: int, parameter: int) -> Complaint:
+def _complaint(kind: int, bus: int, place: int, active: bool, count: int, cause: int, parameter: int) -> Complaint:
     if kind == _DOWNLOAD:
         error = download_error(Cause(cause), parameter)
-        return Complaint(error.number, f"CAN{bus} module {place}", error.english, error.german, standing, count)
+        return Complaint(error.number, f"CAN{bus} module {place}", error.english, error.german, active, count)
     found = IoError(_TROUBLES[kind - 1], bus, place)
     en, de = (found.trouble.words(bus, place, language) for language in ("en", "de"))
-    return Complaint(found.number or FIRST_NUMBER + bus - 1, found.text, en, de, standing, count)  # AX-431
+    return Complaint(found.number or FIRST_NUMBER + bus - 1, found.text, en, de, active, count)  # AX-431

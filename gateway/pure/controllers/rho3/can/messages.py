@@ -44,12 +44,12 @@ class Trouble(Enum):
 
 
 class IoError(NamedTuple):
-    """One error of one block: it came, or (`standing` False) its cause is gone."""
+    """One error of one block: it came, or (`active` False) its cause is gone."""
 
     trouble: Trouble
     bus: int
     block: int  # 1.. in the order of P31 or P32
-    standing: bool = True
+    active: bool = True
 
     @property
     def number(self) -> int:
@@ -62,4 +62,4 @@ class IoError(NamedTuple):
 
     def __str__(self) -> str:
         number = f"{self.number} " if self.number else ""
-        return f"{number}{self.text}{'' if self.standing else ': recovered'}"
+        return f"{number}{self.text}{'' if self.active else ': recovered'}"

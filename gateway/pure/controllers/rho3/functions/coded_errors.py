@@ -48,21 +48,21 @@ class CodedErrors:
             {(r.code, r.source, r.where, r.first_ns): code for r in records if (code := code_of(r)) is not None}, outputs, now, key=key
         )
 
-    def show(self, standing: Mapping[Hashable, int], outputs: bytearray, now: Ns, *, key: bool = False) -> None:
+    def show(self, active: Mapping[Hashable, int], outputs: bytearray, now: Ns, *, key: bool = False) -> None:
         """The same for errors kept elsewhere: identity of one occurrence -> code, in the order they came."""
-        self._learn(standing)
+        self._learn(active)
         if self._over(now, key):
             self._since = now if self._shown else None
             self._shown = 0
         if self._since is None and not self._shown and self._queue:
-            self._shown, self._since, self._key = standing[self._queue.popleft()], now, False
+            self._shown, self._since, self._key = active[self._queue.popleft()], now, False
         self._write(outputs)
 
-    def _learn(self, standing: Mapping[Hashable, int]) -> None:
+    def _learn(self, active: Mapping[Hashable, int]) -> None:
         """A new error: all codes that stand come once more (L3057); those that are gone are not shown."""
-        marks = frozenset(standing)
+        marks = frozenset(active)
         if marks - self._known:
-            self._queue = deque(standing)
+            self._queue = deque(active)
         else:
             self._queue = deque(mark for mark in self._queue if mark in marks)
         self._known = marks

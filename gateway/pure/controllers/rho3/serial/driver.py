@@ -156,7 +156,7 @@ class Driver:
                     spoiled = self._damage if why is Failure.DAMAGED else Condition.INTERFACE
                     self._written(OF_FAILURE.get(why, spoiled), now)
                 case _:
-                    self._interface.tell(LinkReport(self._assignment.function, event), now)
+                    self._interface.report(LinkReport(self._assignment.function, event), now)
                     if isinstance(event, ReceptionFailed):
                         self._not_received(event.why, now)
         self._serve(now)

@@ -106,7 +106,7 @@ class Line:
         if self.owner is not None and self.owner.permanent:
             self._deliver(data, now)
         elif self.owner is None and self._panel:
-            self._interface.tell(KeyInput(self.name, data), now)
+            self._interface.report(KeyInput(self.name, data), now)
         else:
             for byte in data:
                 self._store(byte)
@@ -138,7 +138,7 @@ class Line:
 
     def deadline(self) -> Ns | None:
         if self._interface.events:
-            return self._interface.told_at
+            return self._interface.reported_at
         return earliest(self.owner.due if self.owner else None, *(driver.deadline() for driver in self.drivers.values()))
 
     def take_output(self) -> bytes:
@@ -174,7 +174,7 @@ class Line:
         if self._driver is not None:
             self._driver.receive(data, now)
         else:
-            self._interface.tell(CouplingInput(self.name, data), now)
+            self._interface.report(CouplingInput(self.name, data), now)
 
     def _store(self, item: int | Damage) -> None:
         if len(self._fifo) < self._setup.fifo:
@@ -218,7 +218,7 @@ class Line:
                 break
         if self._stopped and not (self.owner is not None and self._needs_panel(self.owner)):
             self._stopped = False
-            self._interface.tell(UserInterfaceResumed(self.name), now)
+            self._interface.report(UserInterfaceResumed(self.name), now)
 
     def _needs_panel(self, job: Job) -> bool:
         return self._assignment(job).protocol == Procedure.PHG and job.function is not Function.COUPLING
@@ -229,10 +229,10 @@ class Line:
         if wanted != self.format:
             self.format, self._reopening = wanted, True
             self._fifo.clear()
-            self._interface.tell(FormatWanted(self.name, wanted), now)
+            self._interface.report(FormatWanted(self.name, wanted), now)
         if self._needs_panel(job) and not self._stopped:
             self._stopped = True
-            self._interface.tell(UserInterfaceStopped(self.name), now)
+            self._interface.report(UserInterfaceStopped(self.name), now)
         if job.permanent:
             self._fifo.clear()
             if self._driver is not None:

@@ -36,7 +36,7 @@ class LineInterface:
         self.status: dict[tuple[int, Function], Condition] = {}
         self.on_abort: Callable[[Process, Ns], None] | None = None
         self.events: list[Event] = []
-        self.told_at: Ns = 0
+        self.reported_at: Ns = 0
         self._tickets = self._orders = 0
 
     def open(self, process: Process, function: Function, data: bytes = b"", wanted: Iterable[BapsType] = ()) -> Job:
@@ -56,7 +56,7 @@ class LineInterface:
     def delete(self, job: Job, now: Ns) -> None:
         """WRITE_BEGIN, or the end of its program."""
         if self.jobs.pop(job.ticket, None) is not None:
-            self.tell(Finished(job.ticket, Condition.NO_ERROR, tuple(job.values), deleted=True), now)
+            self.report(Finished(job.ticket, Condition.NO_ERROR, tuple(job.values), deleted=True), now)
 
     def finish(self, job: Job, condition: Condition, now: Ns) -> None:
         """The job is over and already off its line."""
@@ -64,7 +64,7 @@ class LineInterface:
             self.delete(job, now)
             return
         self.status[job.process.number, job.function] = condition
-        self.tell(Finished(job.ticket, condition, tuple(job.values)), now)
+        self.report(Finished(job.ticket, condition, tuple(job.values)), now)
         if condition and job.process.stop_on_error:
             self.abort(job, condition, now)
 
@@ -74,7 +74,7 @@ class LineInterface:
 
     def stop(self, process: Process, function: Function, condition: Condition | None, text: str, now: Ns) -> None:
         """The program ends with a runtime error."""
-        self.tell(ProgramAborted(process.number, function, condition, text), now)
+        self.report(ProgramAborted(process.number, function, condition, text), now)
         if self.on_abort is not None:
             self.on_abort(process, now)
 
@@ -82,9 +82,9 @@ class LineInterface:
         """Not yet finished ones, those that WRITE_BEGIN gave up not counted."""
         return sum(job.process == process and job.function is function and not job.wanted and not job.silent for job in self.jobs.values())
 
-    def tell(self, event: Event, now: Ns) -> None:
+    def report(self, event: Event, now: Ns) -> None:
         self.events.append(event)
-        self.told_at = now
+        self.reported_at = now
 
     def take_events(self) -> list[Event]:
         events, self.events = self.events, []

@@ -205,7 +205,7 @@ class LineManager:
             elif assignment.permanent:
                 self._start_permanent(assignment, now)
             if function in self._absent and assignment.protocol == Procedure.LINK_3964R:
-                self._interface.tell(DriverNotStarted(function, self._absent[function]), now)
+                self._interface.report(DriverNotStarted(function, self._absent[function]), now)
 
     def _start_permanent(self, assignment: Assignment, now: Ns) -> None:
         place, function = self.lines[assignment.line], assignment.function

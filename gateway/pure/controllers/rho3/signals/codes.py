@@ -65,7 +65,7 @@ class CycleErrors:
 
     faults: Faults
     names: tuple[str, ...]  # of the axes
-    _standing: set[tuple[int, str]] = field(default_factory=set)
+    _active: set[tuple[int, str]] = field(default_factory=set)
     _cause: int = 0
 
     def look(self, state: CellState, now: Ns) -> None:
@@ -78,11 +78,11 @@ class CycleErrors:
             for flag, code in ((AxisFlag.FAULT, DRIVE_FAULT), (AxisFlag.LOST, DRIVE_LOST))
             if state.axes[number].flags & flag
         }
-        for code, name in sorted(seen - self._standing):
-            self.faults.came(code, stands=True, where=name, now=now)
-        for code, name in self._standing - seen:
+        for code, name in sorted(seen - self._active):
+            self.faults.came(code, active=True, where=name, now=now)
+        for code, name in self._active - seen:
             self.faults.gone(code, name)
-        self._standing = seen
+        self._active = seen
         if state.stop_cause != self._cause:
             self._cause = state.stop_cause
             cause = CAUSES.get(Reason(state.stop_cause)) if state.stop_cause in Reason._value2member_map_ else None

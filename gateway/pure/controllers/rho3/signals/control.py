@@ -106,10 +106,10 @@ class RhoControl:
             return self._halt(now, first=self.pic.fails())
         if self._guard is None:
             return self._cycle(inputs, cycle, state, now, heard=heard)
-        told: list[str] = []
+        texts: list[str] = []
         before = self.halted
-        self._guard.run(self.image, now, lambda _: told.extend(self._cycle(inputs, cycle, state, now, heard=heard)))
-        return self._halt(now, first=not before) if self.halted else told
+        self._guard.run(self.image, now, lambda _: texts.extend(self._cycle(inputs, cycle, state, now, heard=heard)))
+        return self._halt(now, first=not before) if self.halted else texts
 
     @property
     def pic(self) -> PicLink | None:
@@ -138,7 +138,7 @@ class RhoControl:
             self._dispatcher.open_ready()
         if not first:
             return []
-        self.interface.faults.came(PIC_TIMER, stands=True, now=now)
+        self.interface.faults.came(PIC_TIMER, active=True, now=now)
         return [f"{code_text(PIC_TIMER, self.setup.functions.language)} ({PIC_TIMER})"]
 
     def _cycle(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool) -> list[str]:
@@ -150,11 +150,11 @@ class RhoControl:
         emergency = image.input(setup.emergency_op)
         seen = self.interface.step(now - self._last, self.panel_used, emergency, panel_reset, now)
         self._last = now
-        told = self._react(seen)
+        texts = self._react(seen)
         if self.hosted is not None and self.hosted.gone:
             self.hosted.gone = False
             self.interface.faults.came(INTERPRETER_GONE, now=now)
-        told += [refusal.text(setup.functions.language) for refusal in self.functions.step(inputs, image.outputs, now)]
+        texts += [refusal.text(setup.functions.language) for refusal in self.functions.step(inputs, image.outputs, now)]
         self.panel.step(now)
         self.written.echo()
         if self.panel_view.memory_done():
@@ -169,7 +169,7 @@ class RhoControl:
         if self.pic is not None:
             self.pic.overlay()
         self._overlay(cycle)
-        return told
+        return texts
 
     def _look(self, inputs: InputImage, cycle: bytes, state: CellState) -> None:
         """The image as the control sees it: command sources, inputs that are not wired, the chain as the cycle latched it (AX-335)."""
@@ -193,7 +193,7 @@ class RhoControl:
         """Where the SRAM card is gone (L11431-11436), no program runs until a restart."""
         code = self.memory.error_code
         if code and code not in (each.code for each in self.errors.records):
-            self.interface.faults.came(code, stands=True, now=now)
+            self.interface.faults.came(code, active=True, now=now)
         if code and self.processes.processes:
             self.processes.control_reset(keep_permanent=False)
 
@@ -313,22 +313,22 @@ class RhoControl:
         return self.processes.start(name)
 
     def _react(self, seen: Seen) -> list[str]:
-        told = []
+        texts = []
         for fault in seen.switched:
             process = self.processes.named(fault.program)
             if process is not None:
                 reason = fault_of(fault)
                 process.state, process.error, process.error_text = State.FAULTY, reason.code, reason.text
                 self.interface.faults.came(reason.code, where=process.name, now=self.now)
-                told.append(f"{process.name}: {reason.text}")
+                texts.append(f"{process.name}: {reason.text}")
         if seen.outcome.processes_end:
             self.factor_table.happened(Operation.CONTROL_RESET)
             gone = self.processes.control_reset(keep_permanent=self.image.input(KEEP_PERMANENT))
-            told += [f"{name}: ended by Control reset" for name in gone]
+            texts += [f"{name}: ended by Control reset" for name in gone]
         for process in self.processes.processes:
             if process.state is State.FAULTY and process.error in seen.outcome.cleared:
                 self.processes.stop(process.number)
-        return told
+        return texts
 
     def _end_moves(self) -> None:
         """The motion of a program that is gone or in error ends at once and is not finished (L2610)."""
@@ -428,7 +428,7 @@ class RhoControl:
         """For tools and pages."""
         language = self.setup.functions.language
         errors = [
-            {"code": each.code, "where": each.where, "text": code_text(each.code, language), "standing": each.standing, "count": each.count}
+            {"code": each.code, "where": each.where, "text": code_text(each.code, language), "active": each.active, "count": each.count}
             for each in self.errors.records
             if each.source == RHO3
         ]

@@ -63,10 +63,10 @@ class Faults:
         """Codes in the order they came."""
         return tuple(record.code for record in self.errors.records if record.source == RHO3)
 
-    def came(self, code: int, stands: bool = False, where: str = "", now: Ns = 0) -> None:
-        """An error; `stands`: its cause lasts until `gone`."""
+    def came(self, code: int, active: bool = False, where: str = "", now: Ns = 0) -> None:
+        """An error; `active`: its cause lasts until `gone`."""
         self.errors.report(code, where, now, source=RHO3, reset=RESETS[kind_of(code)])
-        if not stands:
+        if not active:
             self.gone(code, where)
 
     def gone(self, code: int, where: str = "") -> None:
@@ -89,7 +89,7 @@ class Faults:
 
     def _watch_chain(self, closed: bool, now: Ns = 0) -> None:
         if not closed and not self._open:
-            self.came(EMERGENCY_STOP, stands=True, now=now)
+            self.came(EMERGENCY_STOP, active=True, now=now)
         elif closed and self._open:
             self.gone(EMERGENCY_STOP)
         self._open = not closed

@@ -110,7 +110,7 @@ class HostedPrograms:
     rows: list[dict[str, object]] = field(default_factory=list)  # its processes
     ending: list[int] = field(default_factory=list)  # jobs whose interpreter is gone: the planner hears that nothing follows
     starter: int = 0  # command source that starts a program just now; 0: the PLC's
-    told: list[str] = field(default_factory=list)
+    sentences: list[str] = field(default_factory=list)
     testing: bool | None = None  # a program is started in test just now; True: held in front of its first line
     shown: dict[str, object] = field(default_factory=dict)  # of the test system, as the interpreter reports it
     answers: dict[int, str] = field(default_factory=dict)  # ticket of an order -> why it was refused; "": done
@@ -169,7 +169,7 @@ class HostedPrograms:
         for body in self._bodies.values():
             self._end(body, "lost", INTERPRETER_GONE, "the interpreter ended")
             if body.process is not None and table.numbered(body.process.number) is body.process:
-                self.told.append(f"{body.process.name}: the interpreter ended, and this process with it")
+                self.sentences.append(f"{body.process.name}: the interpreter ended, and this process with it")
                 table.stop(body.process.number)
         if self._bodies:
             self.gone = True
@@ -199,7 +199,7 @@ class HostedPrograms:
                 body = self._bodies.get(int(said["run"]))
                 if body is not None and body.over is None:
                     if said["code"] and body.process is not None:
-                        self.told.append(f"{body.process.name}: {said['code']} {said['text']} ({said['place']})")
+                        self.sentences.append(f"{body.process.name}: {said['code']} {said['text']} ({said['place']})")
                     self._end(body, str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
             case "memory" | "answered" | "phg2000" | "slow" | "run-on":
                 self._informed(said)
@@ -256,7 +256,7 @@ class HostedPrograms:
         try:
             self.control.channels.put(channel, value)
         except (InputFault, ValueError) as fault:
-            self.told.append(f"output {channel}: {fault}")
+            self.sentences.append(f"output {channel}: {fault}")
 
     def _started(self, run: int, program: str, parent: int) -> None:
         above = self._bodies.get(parent)

@@ -65,7 +65,7 @@ class PhgValues:
         control = self._control
         records = [each for each in control.errors.records if each.source == RHO3]
         language = control.setup.functions.language
-        told = [(each.code, Message(each.code, 0, f"{code_text(each.code, language)} {each.where}".strip())) for each in records]
+        entries = [(each.code, Message(each.code, 0, f"{code_text(each.code, language)} {each.where}".strip())) for each in records]
         return Machine(
             pic_inputs=bytes(control.image.outputs)[:AREA].ljust(AREA, b"\0"),
             rci=bytes(control.image.inputs)[:AREA].ljust(AREA, b"\0"),
@@ -74,8 +74,8 @@ class PhgValues:
             factors=control.factor_table.global_factors(),
             text_lists=control.memory.lists,
             clock_ms=control.now // 1_000_000,
-            warnings=tuple(message for code, message in told if code >> 8 == WARNINGS),
-            errors=tuple(message for code, message in told if code >> 8 != WARNINGS),
+            warnings=tuple(message for code, message in entries if code >> 8 == WARNINGS),
+            errors=tuple(message for code, message in entries if code >> 8 != WARNINGS),
         )
 
     def _kinematics(self) -> tuple[KinematicView, ...]:

@@ -57,10 +57,10 @@ OPERANDS = {
     "FW": "MW",
     "FD": "MD",
 }
-TELLS_ENGLISH = re.compile(
+MARKS_ENGLISH = re.compile(
     r"(?:^|[:;\s])(?:(?:AN?|ON?|=|S|R|L|T)\s+(?:[IQ][BWD]?|F[YWD]?)\s*\d|JU\s|JC\s|BEU|BEC|AN\(?\s|A\()", re.IGNORECASE
 )
-TELLS_GERMAN = re.compile(r"(?:^|[:;\s])(?:UN?\s|UN?\(|SPA\s|SPB\s|BEA\b|BEB\b|(?:ON?|=|S|R|L|T)\s+[EA][BWD]?\s*\d)", re.IGNORECASE)
+MARKS_GERMAN = re.compile(r"(?:^|[:;\s])(?:UN?\s|UN?\(|SPA\s|SPB\s|BEA\b|BEB\b|(?:ON?|=|S|R|L|T)\s+[EA][BWD]?\s*\d)", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +104,7 @@ class Listing:
 
 def english_of(text: str) -> bool:
     """Whether the list uses the English mnemonics."""
-    return len(TELLS_ENGLISH.findall(text)) > len(TELLS_GERMAN.findall(text))
+    return len(MARKS_ENGLISH.findall(text)) > len(MARKS_GERMAN.findall(text))
 
 
 @dataclass(slots=True)

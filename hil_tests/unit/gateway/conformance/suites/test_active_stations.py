@@ -9,7 +9,7 @@ from gateway.conformance.framework.machine import Guarded
 from gateway.conformance.framework.result import Result
 from gateway.conformance.framework.run import Runner
 from gateway.conformance.peers.rk512_active import CommandTwice, Patient
-from gateway.conformance.peers.rk512_passive import Told
+from gateway.conformance.peers.rk512_passive import ChangedReactions
 from gateway.conformance.peers.score import with_preambles
 from gateway.conformance.peers.stations import ActiveStation, Built, link_of
 from gateway.conformance.suites.opening import Opened
@@ -111,7 +111,7 @@ def stop_for_flag(command: bytes, said: bytes) -> bytes:
         ("rk512", OddHeader(), "RK512_ACT_BV_01", "header 55 00 4"),
         (
             "rk512",
-            Built(passive=lambda station: Told(station.blocks, stop_for_flag)),
+            Built(passive=lambda station: ChangedReactions(station.blocks, stop_for_flag)),
             "RK512_PAS_CA_07",
             "refused with a misleading number: 2Ah",
         ),

@@ -48,7 +48,7 @@ def test_a_fast_input_stores_the_next_position_controller_cycle(both: Probing) -
     assert both.measured == pytest.approx(both.was(-(-stamp // grid) * grid), abs=CLOSE)
 
 
-@pytest.mark.requirement("RHO-MOT-11", by="gateway.pure.cycle.measure_until:CoreMeasure.stands")
+@pytest.mark.requirement("RHO-MOT-11", by="gateway.pure.cycle.measure_until:CoreMeasure.value_present")
 def test_a_fast_input_that_stands_lets_nothing_move_and_measures_where_the_axes_stand(both: Probing) -> None:
     before = both.places()
     both.change(FAST)

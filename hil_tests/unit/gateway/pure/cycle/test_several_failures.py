@@ -11,7 +11,7 @@ from gateway.pure.arbitration.command_block import Code
 from gateway.pure.image.reasons import CommandState, Reason
 from gateway.pure.image.records.cell import CellState, Order, OrderRecord, pack_cell_state, unpack_cell_state
 from gateway.pure.image.records.planner import Part, PieceRecord, run_record
-from gateway.pure.planning.turn import follow, standing
+from gateway.pure.planning.turn import follow, positions
 from hil_tests.lab.virtual.cell_bench import ALL
 from hil_tests.lab.virtual.program_bench import LIMITS, WithPlanner, joints
 from motion.execution.timed import TimedPiece, decode_any, encode_timed
@@ -78,7 +78,7 @@ def test_a_path_whose_end_never_came_is_gone_with_its_program(both: WithPlanner)
     said = [run_record(order) for order in both.cell.dispatcher.take_programs()]
     made = follow(both.programs, said, core.state, len(LIMITS))
     while both.programs.preparing:
-        both.programs.prepare(standing(core.state, len(LIMITS)))
+        both.programs.prepare(positions(core.state, len(LIMITS)))
     while not any(record.part is Part.PIECE for record in made):
         made = follow(both.programs, [], core.state, len(LIMITS))
     piece = next(record for record in made if record.part is Part.PIECE)

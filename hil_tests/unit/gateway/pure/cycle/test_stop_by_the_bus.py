@@ -20,7 +20,7 @@ def track(react_ms: int, stop_ms: int, speed_inc_ms: int = 10, emergency: int = 
 
 def test_reaction_rest_and_way_of_a_ramp() -> None:
     found = judged(track(react_ms=152, stop_ms=400), LOST)
-    assert found is not None and found.stands
+    assert found is not None and found.stopped
     assert found.speed_inc_s == pytest.approx(10_000, rel=0.01)
     assert 152 < found.reaction_ms <= 152 + 60, "seen by its slope"
     assert found.stop_ms == pytest.approx(400, abs=16)
@@ -35,12 +35,12 @@ def test_an_emergency_tells_the_reaction_before_the_slope_does() -> None:
 @pytest.mark.parametrize("speed", [10, -10])
 def test_a_drive_that_runs_on_does_not_stand_and_has_no_reaction(speed: int) -> None:
     found = judged(track(react_ms=5000, stop_ms=6000, speed_inc_ms=speed), LOST)
-    assert found is not None and not found.stands and found.reaction_ms == float("inf")
+    assert found is not None and not found.stopped and found.reaction_ms == float("inf")
 
 
 def test_a_drive_that_stood_has_nothing_to_react_to() -> None:
     found = judged(track(react_ms=0, stop_ms=1, speed_inc_ms=0), LOST)
-    assert found is not None and (found.reaction_ms, found.way_inc, found.stands) == (0.0, 0, True)
+    assert found is not None and (found.reaction_ms, found.way_inc, found.stopped) == (0.0, 0, True)
 
 
 def test_a_drive_that_told_nothing_before_or_after_the_loss_is_not_judged() -> None:

@@ -24,7 +24,7 @@ def nak(side: str, at: int) -> LineReport:
 
 def played(*told: LineReport) -> list[object]:
     conversation = Conversation()
-    return [exchange for each in told for exchange in conversation.told(each)]
+    return [exchange for each in told for exchange in conversation.take(each)]
 
 
 def test_a_job_and_its_reaction() -> None:

@@ -4,7 +4,7 @@ import pytest
 
 from gateway.pure.buses.inference.missing import missing
 from gateway.pure.buses.inference.proposal import NothingFound, propose
-from gateway.tools.bus.infer import as_json, told
+from gateway.tools.bus.infer import as_json, finding_lines
 from hil_tests.lab.virtual.bus_recording import P5, START, record
 from hil_tests.unit.gateway.pure.buses.inference.test_three_other_layouts import SHIPPED
 from protocols.base.machine import Frame
@@ -35,7 +35,7 @@ def test_drives_that_stood_off_all_the_time() -> None:
     still = [frame._replace(data=bytes(8)) if frame.data else frame for frame in between(0.0, 0.8)]
     found = propose(still)
     assert missing(found) == ["none of the 6 cyclic messages ever changes: nothing was switched or moved"]
-    assert "missing: none of the 6 cyclic messages" in "\n".join(told(found, None)) and as_json(found)["missing"] == missing(found)
+    assert "missing: none of the 6 cyclic messages" in "\n".join(finding_lines(found, None)) and as_json(found)["missing"] == missing(found)
 
 
 def test_drives_that_were_switched_on_and_never_moved() -> None:

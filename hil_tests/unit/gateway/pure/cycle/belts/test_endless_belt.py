@@ -251,7 +251,7 @@ def test_an_arm_works_beside_the_belt_while_its_additional_axis_rides_along() ->
     alone = Route(arm, tuple(map(math.radians, (0, 30, 90, 0, 60, 0))))
     for line in ("ptp pose 350 -150 200 180 0 0", "linear pose 350 -110 170 180 0 10", "linear rel pose 0 30 0 0 0 0"):
         alone.add(read(f"angles val3\nstart 0 30 90 0 60 0\n{line}\n").blocks[0])
-    assert np.radians(q[-1, :6]) == pytest.approx(alone.standing, abs=1e-6)
+    assert np.radians(q[-1, :6]) == pytest.approx(alone.position, abs=1e-6)
     off = q[:, 6] - FACTOR * 0.1 * np.arange(len(q))
     first, second = levels(off[::4])
     assert second - first == pytest.approx(-20.0, abs=FINE)

@@ -36,7 +36,7 @@ class Counting:
 def test_a_counter_begins_at_0_where_nothing_was_kept_and_goes_on_where_its_offset_was() -> None:
     first = Counting().says(1000, 1500)
     assert first.counter == pytest.approx(500 * INCREMENT) and isnan(first.belts.offset(0)), "nobody has said what was kept"
-    first.belts.stood(0, nan)
+    first.belts.restore(0, nan)
     first.says(1600)
     assert first.counter == pytest.approx(600 * INCREMENT)
     first.belts.all.all[0].set_counter(0.0)
@@ -44,32 +44,32 @@ def test_a_counter_begins_at_0_where_nothing_was_kept_and_goes_on_where_its_offs
     offset = first.belts.offset(0)
     assert offset == pytest.approx(-1600 * INCREMENT)
     second = Counting()
-    second.belts.stood(0, offset)
+    second.belts.restore(0, offset)
     second.says(2100)  # it ran while nobody looked
     assert second.counter == pytest.approx(500 * INCREMENT) and second.belts.offset(0) == pytest.approx(offset)
-    second.belts.stood(0, 99.0)
+    second.belts.restore(0, 99.0)
     assert second.says(2200).counter == pytest.approx(600 * INCREMENT), "it is taken once"
 
 
 def test_an_offset_follows_the_roll_over_of_the_telegram_in_both_directions() -> None:
     belt = Counting().says(SPAN16 - 10)
-    belt.belts.stood(0, nan)
+    belt.belts.restore(0, nan)
     belt.says(SPAN16 - 1, 20)
     assert belt.counter == pytest.approx(30 * INCREMENT)
     again = Counting()
-    again.belts.stood(0, belt.belts.offset(0))
+    again.belts.restore(0, belt.belts.offset(0))
     assert again.says(25).counter == pytest.approx(35 * INCREMENT)
     back = again.says(0, SPAN16 - 5)
     assert back.counter == pytest.approx(5 * INCREMENT)
     third = Counting()
-    third.belts.stood(0, back.belts.offset(0))
+    third.belts.restore(0, back.belts.offset(0))
     assert third.says(SPAN16 - 4).counter == pytest.approx(6 * INCREMENT)
 
 
 def test_belts_that_are_not_there_and_belts_without_an_encoder_keep_nothing() -> None:
     belt = Counting()
     for place in (0, 1, 7, 255):
-        belt.belts.stood(place, 1.0)
+        belt.belts.restore(place, 1.0)
     belt.says(100, 200)
     assert belt.counter == pytest.approx(1.0 + 200 * INCREMENT)
     assert isnan(belt.belts.offset(1)) and belt.belts.all.all[1].counter == 0.0
@@ -77,7 +77,7 @@ def test_belts_that_are_not_there_and_belts_without_an_encoder_keep_nothing() ->
 
 def test_a_new_cycle_gets_the_counter_back_by_an_order_of_the_services() -> None:
     bench = BeltBench()
-    bench.dispatcher.belt_stood(0, nan)
+    bench.dispatcher.restore_belt_offset(0, nan)
     bench.drive(1, 0.15)
     bench.run(0.2)
     bench.zero(1)
@@ -87,7 +87,7 @@ def test_a_new_cycle_gets_the_counter_back_by_an_order_of_the_services() -> None
     bench.restart_cycle()
     bench.cycle(2)
     assert bench.core.state.belt < 0.005, "a new one begins at 0"
-    bench.dispatcher.belt_stood(0, offset)
+    bench.dispatcher.restore_belt_offset(0, offset)
     bench.run(0.1)
     assert bench.core.state.belt == pytest.approx(before + 0.015, abs=0.002)
     assert bench.belts.offset(0) == pytest.approx(offset, abs=INCREMENT)

@@ -14,20 +14,20 @@ def told(ledger: Ledger) -> list[Complaint]:
 def test_an_error_carries_number_pendant_text_and_sentence_and_stays_with_its_count() -> None:
     ledger = Ledger()
     ledger.note([IoError(Trouble.SILENT, 2, 1), IoError(Trouble.INADMISSIBLE, 1, 3)])
-    ledger.note([IoError(Trouble.SILENT, 2, 1, standing=False)])
+    ledger.note([IoError(Trouble.SILENT, 2, 1, active=False)])
     ledger.note([IoError(Trouble.SILENT, 2, 1)])
     silent, wrong = told(ledger)
-    assert (silent.number, silent.where, silent.standing, silent.count) == (381, "no transm. CAN2 I1", True, 2)
+    assert (silent.number, silent.where, silent.active, silent.count) == (381, "no transm. CAN2 I1", True, 2)
     assert silent.words("en").startswith("no transm. CAN2 I1: no data from input block 1 on CAN 2")
     assert silent.words("de").startswith("no transm. CAN2 I1: keine Daten von Eingangsblock 1")
-    assert (wrong.number, wrong.where, wrong.standing, wrong.count) == (380, "inadm. data CAN 1 I3", True, 1)
+    assert (wrong.number, wrong.where, wrong.active, wrong.count) == (380, "inadm. data CAN 1 I3", True, 1)
 
 
 def test_an_error_of_one_cycle_is_seen_by_its_count_when_it_is_gone_again() -> None:
     ledger = Ledger()
-    ledger.note([IoError(Trouble.INADMISSIBLE, 1, 1), IoError(Trouble.INADMISSIBLE, 1, 1, standing=False)])
+    ledger.note([IoError(Trouble.INADMISSIBLE, 1, 1), IoError(Trouble.INADMISSIBLE, 1, 1, active=False)])
     (gone,) = told(ledger)
-    assert (gone.number, gone.standing, gone.count) == (380, False, 1)
+    assert (gone.number, gone.active, gone.count) == (380, False, 1)
     assert not ledger.changed
     ledger.note([])
     assert not ledger.changed
@@ -45,7 +45,7 @@ def test_every_trouble_of_every_block_and_module_finds_room() -> None:
         "CAN2 module 6",
         "parameter 7: data change not admitted with drives active",
         "Parameter 7: Aenderung bei eingeschalteten Antrieben nicht zulaessig",
-        standing=True,
+        active=True,
         count=1,
     )
 

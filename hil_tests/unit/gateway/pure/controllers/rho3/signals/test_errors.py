@@ -59,7 +59,7 @@ def test_9_3_bit_62_does_not_clear_emergency_stop_and_p2_errors() -> None:
 def test_control_reset_clears_what_has_no_cause_and_ends_processes() -> None:
     control = Control()
     control.faults.came(91)
-    control.faults.came(800, stands=True)
+    control.faults.came(800, active=True)
     control.set(CHAIN, False)
     assert control.pulse(RESET) == Outcome((91,), processes_end=True)
     assert list(control.faults.shown) == [800, EMERGENCY_STOP] and control.image.output(67)
