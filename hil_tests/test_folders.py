@@ -33,7 +33,7 @@ OWN_TIME = (  # in guests with a clock of their own: whole cells that a late cyc
 )
 COMMANDS = (  # they start commands or call them and read files; no clock runs in what they prove
     *("completion", "datfiles", "demo/test_demo_on_a_slow_machine.py", "editor", "motion"),
-    *("bridge/test_mapping_command.py", "broker/test_socketcan_refusals.py", "cell/test_commands.py", "doors/test_modbus_door.py"),
+    *("bridge/test_mapping_command.py", "broker/test_socketcan_refusals.py", "cell/test_commands.py", "sources/test_modbus_source.py"),
     *(
         "house/test_awake.py",
         "house/test_check_modules.py",
@@ -66,7 +66,7 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *(
         "cycle/test_late_values.py",
         "death/test_requests.py",
-        "doors/test_line_roles.py",
+        "sources/test_line_roles.py",
         "drives/test_adapter_ports.py",
         "drives/test_listening_only.py",
     ),
@@ -82,8 +82,8 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *(
         "death/test_terminal_signals.py",
         "death/test_too_many_deaths.py",
-        "doors/test_one_tool_in_control.py",
-        "doors/test_refused_over_the_line.py",
+        "sources/test_one_tool_in_control.py",
+        "sources/test_refused_over_the_line.py",
     ),
     *("drives/test_cell_on_an_adapter.py", "drives/test_two_buses_one_away.py", "emulator/test_emulator_process.py"),
     *("image/test_threads.py", "line_tools/test_foreign_ttys.py", "modbus/test_late_address.py"),
@@ -100,7 +100,7 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("telegrams/test_order_and_done.py", "trace/test_journal_of_a_real_port.py"),
     *("web/test_changed_users.py", "web/test_hostile_visitors.py", "web/test_page_alarms.py"),
     *("web/test_page_first_steps.py", "web/test_tls.py", "web/test_web_user.py"),
-    *("death/test_simulation_dies.py", "death/test_slow_retry.py", "doors/test_own_block_over_rk512.py"),
+    *("death/test_simulation_dies.py", "death/test_slow_retry.py", "sources/test_own_block_over_rk512.py"),
     *("pythons", "web/test_page_faults.py", "web/test_page_values.py"),
 )
 

@@ -71,10 +71,10 @@ def verdicts_of(cell: Cell, folder: pathlib.Path, story: Story, bus_clock_ns: in
     line = parse_record((folder / "line-plc1.rec").read_text().splitlines(keepends=True))
     with (folder / "bus-drives.log").open() as log:
         path = SetPath(cell, shifted(buslog.frames(log), bus_clock_ns))
-    return [*of_the_doors(story), *of_the_moves(judge, path, story), *of_the_line(judge, story, line.runs), *of_the_restart(judge, story)]
+    return [*of_the_sources(story), *of_the_moves(judge, path, story), *of_the_line(judge, story, line.runs), *of_the_restart(judge, story)]
 
 
-def of_the_doors(story: Story) -> Iterator[Verdict]:
+def of_the_sources(story: Story) -> Iterator[Verdict]:
     """One owner; numbers in a wrong format."""
     facts = story.facts
     refused = (facts["refused reason"], facts["owner"])

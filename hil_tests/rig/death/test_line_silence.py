@@ -59,7 +59,7 @@ def silence(run: CellRun) -> None:
     run.home_again()
 
 
-def test_a_silent_door_with_the_enabling_inputs_also_takes_the_drives_off() -> None:
+def test_a_silent_source_with_the_enabling_inputs_also_takes_the_drives_off() -> None:
     """The demo's cell as it is: the enabling inputs hang on PLC 2.  Lost, they stop on the path and then switch off (AX-143)."""
     with running_cell() as run:
         run.ready()

@@ -72,7 +72,7 @@ def senders(entries: list[Logged | Remark]) -> dict[int, int]:
     return frames
 
 
-def test_nothing_is_sent_whatever_the_doors_ask_for(run: RealRun) -> None:
+def test_nothing_is_sent_whatever_the_sources_ask_for(run: RealRun) -> None:
     """The old control is alive on the bus: its drives answer it, and our run hears them."""
     old = run.far.port()
     assert wait(lambda: any(entry["text"].endswith("open, listening only") for entry in run.journal("output"))), run.words()

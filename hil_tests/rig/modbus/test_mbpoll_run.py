@@ -44,7 +44,7 @@ def within(seconds: float, holds: Callable[[], bool]) -> bool:
     return True
 
 
-def test_a_coil_of_the_doors_own_byte_is_an_rc_input(run: CellRun) -> None:
+def test_a_coil_of_the_sources_own_byte_is_an_rc_input(run: CellRun) -> None:
     """Bit N is coil N; byte 3 is the low byte of holding register 1."""
     assert write(run, COILS, 24, 1)[0] == 0
     assert read(run, COILS, 24, 5) == [1, 0, 0, 0, 0]

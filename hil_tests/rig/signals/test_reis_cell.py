@@ -19,7 +19,7 @@ REQUEST, RELEASE = 11, 12
 
 
 @pytest.mark.mbpoll
-def test_markers_are_one_area_for_every_door(tmp_path: pathlib.Path) -> None:
+def test_markers_are_one_area_for_every_source(tmp_path: pathlib.Path) -> None:
     with (
         running_cell(signal_cell(tmp_path, "rack", 'kind = "reis"\ndoor = "rack"'), "reis", plc=False, p5_ms=None) as run,
         SyncLine(lambda: open_bytes(Rack.port_of(run.name), "38400 8E1"), station := Rack.station()) as line,

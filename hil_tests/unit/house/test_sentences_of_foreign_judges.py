@@ -77,11 +77,11 @@ SENTENCES: dict[str, tuple[str, ...]] = {
     ),
     "an acknowledgement before our own count does not count": (
         "requirements/p3964r/test_7_1_sending.py::test_an_acknowledgement_shortly_before_a_late_report_counts_by_the_length_of_the_block",
-        "rig/doors/test_early_acknowledgement.py::test_the_tools_take_it_with_their_format",
-        "rig/doors/test_early_acknowledgement.py::test_a_usb_device_that_speaks_serial_itself_answers_at_once_and_a_uart_cannot",
+        "rig/sources/test_early_acknowledgement.py::test_the_tools_take_it_with_their_format",
+        "rig/sources/test_early_acknowledgement.py::test_a_usb_device_that_speaks_serial_itself_answers_at_once_and_a_uart_cannot",
     ),
     "an acknowledgement before our own count does not count in a cell": (
-        "rig/doors/test_early_acknowledgement.py::test_a_running_cell_takes_it",
+        "rig/sources/test_early_acknowledgement.py::test_a_running_cell_takes_it",
         f"{TTYS}::test_a_cell_with_a_paced_format_takes_the_early_acknowledgement",
     ),
     "profile linux does not take DLE x, or 4,000 bytes": (

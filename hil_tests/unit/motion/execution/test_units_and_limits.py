@@ -9,7 +9,7 @@ from motion.geometry.limits import AxisLimits, check_factor, check_speed, check_
 from motion.geometry.units import Kind, from_si, kind_of, to_si
 
 
-def test_units_of_the_doors() -> None:
+def test_units_of_the_sources() -> None:
     assert to_si(1234.5, "mm") == pytest.approx(1.2345)
     assert to_si(12345, "0.1 mm") == pytest.approx(1.2345)
     assert to_si(180, "deg") == math.pi

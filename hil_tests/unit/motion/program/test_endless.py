@@ -100,7 +100,7 @@ def test_no_set_value_jumps_where_the_numbers_go_round_and_none_is_beyond_the_li
     assert lag.max() < 20.0 and lag[-1].max() < 1.0, "the motors are where the set values asked them to be"
 
 
-def test_doors_move_within_the_modulo_and_by_any_difference(turning: Turning) -> None:
+def test_sources_move_within_the_modulo_and_by_any_difference(turning: Turning) -> None:
     begun, bench = turning.home(), turning.bench
     for code, targets in ((Code.PTP_RELATIVE, (350.0, -10.0)), (Code.PTP_RELATIVE, (30.0, 0.0)), (Code.PTP_ABSOLUTE, (90.0, 300.0))):
         job = bench.give(code, EVERY, targets=targets)

@@ -203,7 +203,7 @@ def looked_at(lines: str, files: dict[str, bytes] = ON_PAPER) -> list[str]:
     return [str(fault) for fault in sections_of(read(PAPER + lines), arms.portal(), (), files=Files(lambda name, _: files[name], P5_US))[1]]
 
 
-def test_paper_runs_it_point_by_point_and_what_follows_begins_where_it_ends() -> None:
+def test_the_dry_run_runs_it_point_by_point_and_what_follows_begins_where_it_ends() -> None:
     program = read(PAPER + "ptp joints 5 0 0\nptp joints 0 0 0\nread_begin way.bnr\nmove_file way.bnr modulo=0,0,0\nptp rel joints 1 0 0\n")
     sections, faults = sections_of(program, arms.portal(), (), files=Files(lambda name, _: ON_PAPER[name], P5_US))
     assert not faults
@@ -215,7 +215,7 @@ def test_paper_runs_it_point_by_point_and_what_follows_begins_where_it_ends() ->
     assert loads.max() <= 1.0
 
 
-def test_travel_and_axes_that_do_not_go_round_are_told_on_paper_by_axis_and_point() -> None:
+def test_travel_and_axes_that_do_not_go_round_are_reported_by_the_dry_run_by_axis_and_point() -> None:
     (far,) = looked_at("read_begin far.bnr\nmove_file far.bnr modulo=0,0,0")
     assert far.startswith("block 1, axis z: far.bnr: point ") and "is outside" in far
     (flag,) = looked_at("read_begin way.bnr\nmove_file way.bnr modulo=0,1,0")

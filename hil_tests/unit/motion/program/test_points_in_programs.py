@@ -97,7 +97,7 @@ def test_a_planner_that_follows_knows_of_it_as_long_as_the_cycle_runs(cell: Port
     assert after.state.placed == 0
 
 
-def test_paper_goes_on_from_the_new_numbers_and_sees_no_movement_in_them() -> None:
+def test_the_dry_run_goes_on_from_the_new_numbers_and_sees_no_movement_in_them() -> None:
     program = read("axes mm mm mm\nstart 0 0 0\nptp joints 100 0 0\nmach_pos joints 0 0 0\nlinear rel pose 20 0 0 0 0 0\n")
     sections, faults = sections_of(program, arms.portal(), ())
     made = DryRun(arms.portal(), (), ()).run(sections)

@@ -171,7 +171,7 @@ def test_what_cannot_be_is_told_before_anything_moves(home: Planned, line: str, 
     assert home.bench.set() == before
 
 
-def test_on_paper_and_written_again() -> None:
+def test_in_the_dry_run_and_written_again() -> None:
     text = HEAD + f"move {AWAY[0]} and {AWAY[1]} until={SEEN}\nmove scara linear mpos wait={GO} delay=0.1\n"
     program = read_team(text)
     assert not team_findings(program, pair()).faults

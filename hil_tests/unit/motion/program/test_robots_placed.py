@@ -100,7 +100,7 @@ def test_a_probe_of_another_one_may_wait_and_stores_its_own_axes(cell: Planned) 
     assert cell.bench.set()[0] == pytest.approx(20, abs=2) and cell.bench.set()[6:] == pytest.approx((0, 0, -100, 0), abs=1e-6)
 
 
-def test_paper_goes_on_from_the_new_numbers_and_sees_no_movement_in_them() -> None:
+def test_the_dry_run_goes_on_from_the_new_numbers_and_sees_no_movement_in_them() -> None:
     lines = ["move scara ptp joints 20 90 -200 0", "kinematic scara", "mach_pos joints 0 90 -200 0", "move arm ptp rel joints 0 0 0 0 0 0"]
     lines += ["kinematic arm", "mach_pos joints 1 30 90 0 60 0", "move arm ptp rel joints 4 0 0 0 0 0 and scara ptp rel joints 8 0 0 0"]
     program = read_team(HEAD + "\n".join([*lines, "kinematic scara", "mach_pos joints 1 1 -1 1"]))

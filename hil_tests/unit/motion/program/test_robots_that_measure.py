@@ -120,6 +120,6 @@ def test_what_is_another_ones_is_told_before_anything_moves(home: Planned, line:
     assert job.state is CommandState.REFUSED and words in job.detail, job.detail
 
 
-def test_on_paper_and_written_again() -> None:
+def test_in_the_dry_run_and_written_again() -> None:
     program = read_team(HEAD + "\n".join(["set_latch fIn0", "kinematic arm", "measure_on ch610 edge=0", BOTH, "move arm ptp mpos"]))
     assert same(read_team(write_team(program)), program) and not team_findings(program, pair()).faults

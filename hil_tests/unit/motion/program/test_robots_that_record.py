@@ -92,7 +92,7 @@ def test_what_cannot_be_is_told_before_anything_moves(recorded: Planned, line: s
     assert job.state is CommandState.REFUSED and words in job.detail, job.detail
 
 
-def test_on_paper_and_written_again() -> None:
+def test_in_the_dry_run_and_written_again() -> None:
     text = HEAD + "\n".join([*RECORDS, *OFF, "move arm ptp recorded 2 error=END and scara linear rel pose 5 0 0 0 0 0", "label END", HOME])
     program = read_team(text)
     assert same(read_team(write_team(program)), program) and not team_findings(program, pair()).faults

@@ -123,7 +123,7 @@ def test_a_cell_tells_errors_with_line_block_and_kinematic_before_anything_moves
     assert home.bench.set() == before
 
 
-def test_paper_runs_it_point_by_point_and_what_follows_begins_where_it_ends() -> None:
+def test_the_dry_run_runs_it_point_by_point_and_what_follows_begins_where_it_ends() -> None:
     lines = [f"move {AWAY[0]}", *SCARA_RUNS, "move scara ptp rel joints 1 0 0 0", *ARM_RUNS[:2], "move_file arm.bnr", HOME]
     program = read_team(HEAD + "\n".join(lines))
     assert same(read_team(write_team(program)), program)

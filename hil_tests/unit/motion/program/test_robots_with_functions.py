@@ -85,6 +85,6 @@ def test_what_a_robot_does_not_have_is_told_before_anything_moves(home: Planned,
     assert job.state is CommandState.REFUSED and words in job.detail, job.detail
 
 
-def test_on_paper_and_written_again() -> None:
+def test_in_the_dry_run_and_written_again() -> None:
     program = read_team(HEAD + "\n".join([*RESET, "kinematic arm", "ppo 3 1 2 10 7 -20", HOME]))
     assert same(read_team(write_team(program)), program) and not team_findings(program, pair()).faults

@@ -26,7 +26,7 @@ def robot(keys: str) -> Machine:
     return machine_of(load_robot("mine.toml", ROBOT.replace("[robot]\n", f"[robot]\n{keys}\n", 1)))
 
 
-def test_a_program_on_paper_has_them_from_the_robot_file() -> None:
+def test_a_program_in_the_dry_run_has_them_from_the_robot_file() -> None:
     assert [robot(f"too_fast = {word}").too_fast for word in ("0", "1", "3", '"error"')] == [
         TooFast.SLOW,
         TooFast.ABORT,

@@ -167,7 +167,7 @@ def test_components_the_machine_has_none_for_are_not_corrected(cell: Portal) -> 
         assert words in str(caught.value), str(caught.value)
 
 
-def test_on_paper_as_in_the_cell_and_written_again() -> None:
+def test_in_the_dry_run_as_in_the_cell_and_written_again() -> None:
     text = HEAD + "linear pose 100 100 60 0 0 0\n" + FIX + "\nwc_system FIX\nlinear pose 80 -80 40 0 0 -90\nwc_system WC_UR\n"
     program = read(text)
     assert same_program(read(write(program, "rho3")), program) and program.system is not None

@@ -7,7 +7,7 @@ from gateway.pure.arbitration.own_jobs import AGAIN, OwnJob, OwnJobs
 from gateway.pure.cell.cell import Line, Rk512
 from gateway.pure.image.reasons import CommandState
 from gateway.services.sources.rk512 import NotActive, Rk512Source
-from hil_tests.unit.gateway.pure.cycle.test_datadoor import Door as DataDeskDoor
+from hil_tests.unit.gateway.pure.arbitration.test_data_blocks import BlockBench as DataBlockBench
 from protocols.base.machine import Ns, ms
 from protocols.rk512.flags import Flags
 from protocols.rk512.header import Flag, Kind
@@ -81,7 +81,7 @@ def test_a_passive_line_has_no_jobs_of_its_own() -> None:
 
 def test_a_coordination_flag_falls_when_the_move_it_came_with_has_ended() -> None:
     source = Rk512Source.__new__(Rk512Source)
-    source.line, source.flags, source.data = Line("plc", "sim", rk512=Rk512(coordination_flag="serve")), Flags(), DataDeskDoor().source
+    source.line, source.flags, source.data = Line("plc", "sim", rk512=Rk512(coordination_flag="serve")), Flags(), DataBlockBench().source
     flag = Flag(6, 4)
     source.flags.take(flag)
     source.data.move_state(CommandState.RUNNING)

@@ -133,7 +133,7 @@ def test_axes_of_another_board_are_not_measured(both: Probing) -> None:
     assert done(both, both.order("# nothing")) and not both.cell.core.state.measured_mask, "an earlier program's is forgotten"
 
 
-def test_an_edge_while_a_door_has_stopped_the_path_moves_nothing_and_counts_at_its_resume(both: Probing) -> None:
+def test_an_edge_while_a_source_has_stopped_the_path_moves_nothing_and_counts_at_its_resume(both: Probing) -> None:
     job = both.order(f"ptp joints {joints(90)} until=ch610", f"ptp joints {joints(5)}")
     for _ in range(3000):
         both.cell.cycle()

@@ -200,7 +200,7 @@ def test_a_booster_without_sync_is_667(robot: ControlBench) -> None:
     assert robot.reis.markers.number(ERROR) == 667
 
 
-def test_outputs_are_shared_and_inputs_come_from_the_doors(robot: ControlBench) -> None:
+def test_outputs_are_shared_and_inputs_come_from_the_sources(robot: ControlBench) -> None:
     control = robot.control
     set_bit(robot.inputs.values, (88 + 3) * 8 + 2, True)
     control.put("reis.output.5.3", 1)
@@ -218,7 +218,7 @@ def test_outputs_are_shared_and_inputs_come_from_the_doors(robot: ControlBench) 
     assert control.flag_bytes()[:2] == b"\x07\x08"
 
 
-def test_points_are_values_and_a_lost_door_is_a_fault_of_its_board() -> None:
+def test_points_are_values_and_a_lost_source_is_a_fault_of_its_board() -> None:
     bench = ControlBench(VAL3)
     bench.cycle(2)
     control = bench.control
@@ -257,7 +257,7 @@ def test_an_operator_locks_and_simulates() -> None:
     assert bench.control.status()["not_working"] == {}
 
 
-def test_the_outputs_of_the_cycle_reach_the_doors_of_every_kind(robot: ControlBench) -> None:
+def test_the_outputs_of_the_cycle_reach_the_sources_of_every_kind(robot: ControlBench) -> None:
     moving(robot)
     val3 = ControlBench(VAL3)
     val3.run(0.3)

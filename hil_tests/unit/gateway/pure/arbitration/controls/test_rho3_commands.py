@@ -67,7 +67,7 @@ def test_what_stands_at_start_switches_nothing_on_and_its_fall_switches_off() ->
     assert bench.enabled() == [True, True]
 
 
-def test_a_door_that_comes_back_with_the_bit_standing_switches_nothing_on(bench: ControlBench) -> None:
+def test_a_source_that_comes_back_with_the_bit_standing_switches_nothing_on(bench: ControlBench) -> None:
     on(bench)
     bench.settle(bench.give(Code.DISABLE, 3))
     bench.quality(Quality.BAD, 8).quality(Quality.GOOD, 8).run(0.5)
@@ -89,7 +89,7 @@ def test_single_axes_work_while_the_group_signal_is_0(bench: ControlBench) -> No
     assert bench.enabled() == [False, True] and bench.dispatcher.owner == PLC
 
 
-def test_permits_and_control_count_as_for_every_door(bench: ControlBench) -> None:
+def test_permits_and_control_count_as_for_every_source(bench: ControlBench) -> None:
     bench.permit(25, value=False)
     bench.put(DRIVE_ON).run(1.0)
     assert bench.enabled() == [False, False], "no control allow"
@@ -161,7 +161,7 @@ def test_a_drive_that_falls_silent_is_an_error_until_control_reset(bench: Contro
     assert bench.codes() == []
 
 
-def test_a_program_moves_by_the_same_office(playing: ControlBench) -> None:
+def test_a_program_moves_by_the_same_dispatcher(playing: ControlBench) -> None:
     playing.put(47 - 9 + 1)  # K02_A_MN has no meaning without KIN_A_MN
     playing.rho3.start("FAR")
     playing.run(0.5)

@@ -90,7 +90,7 @@ def test_a_correction_about_the_tool_turns_the_flange_round_its_tip(bench: Alter
     assert np.degrees(driven.sets[-1][3]) == pytest.approx(5.0, abs=0.01)
 
 
-def test_the_door_reads_answer_mode_and_stop_time(bench: AlterBench) -> None:
+def test_the_source_reads_answer_mode_and_stop_time(bench: AlterBench) -> None:
     bench.bench.run(0.1)
     assert bench.answer() == (UNKNOWN, OFF, 0), "alter before alterBegin"
     job = bench.begin(*PART)

@@ -227,7 +227,7 @@ def on_paper(text: str, machine: Machine = MACHINE, facts: Sequence[BeltFacts] =
     return 1e3 * way.value, np.degrees(made.q[first : first + len(way.t)])
 
 
-def test_on_paper_it_runs_as_in_the_cell() -> None:
+def test_in_the_dry_run_it_runs_as_in_the_cell() -> None:
     lines = AT, "sync B1 >= 200mm", "ptp rel joints 10 5 0 0 0", "sync B1 >= 150mm", "synchron_end", "ptp joints 0 0 0 0 0"
     counter, q = on_paper(HEAD + "\n".join(lines))
     back = np.flatnonzero(np.diff(counter) < -1.0)

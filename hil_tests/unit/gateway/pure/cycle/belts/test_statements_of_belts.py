@@ -214,7 +214,7 @@ def test_statements_are_written_as_they_were_read() -> None:
         assert says in str(caught.value)
 
 
-def test_on_paper_a_part_runs_by_the_type_its_program_has_set() -> None:
+def test_in_the_dry_run_a_part_runs_by_the_type_its_program_has_set() -> None:
     text = "belt_type 1 3\nsynchron B1 at=50mm\nlinear pose 200 100 50 0 0 0 belt=200mm camin=30mm camout=70mm\n"
     sections, faults = sections_of(read(HEAD + text), MACHINE, FACTS)
     assert not faults

@@ -54,7 +54,7 @@ def test_any_sequence_keeps_the_rules(acts: list[tuple[str, int, bool]]) -> None
             assert plant.out(bit) == bool(0xA5 >> (bit & 7) & 1), bit
 
 
-def test_a_code_of_a_lost_door_beside_a_living_strobe_is_refused() -> None:
+def test_a_code_of_a_lost_source_beside_a_living_strobe_is_refused() -> None:
     plant = Plant()
     plant.start("PROGXY")
     for byte in (7, 11, 13):

@@ -87,7 +87,7 @@ def test_emergency_stop_stays_after_release_until_control_reset_or_panel() -> No
         control.faults.update(control.image)
 
 
-def test_a_reset_that_stands_when_its_door_comes_back_is_no_edge() -> None:
+def test_a_reset_that_stands_when_its_source_comes_back_is_no_edge() -> None:
     image, faults, sources = PicImage(), Faults(), InputImage()
     for bit in (CHAIN, RESET):
         set_bit(sources.values, bit, True)

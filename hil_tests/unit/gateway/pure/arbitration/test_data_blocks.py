@@ -11,7 +11,7 @@ from hil_tests.lab.virtual.cell_bench import DEMO
 KG_1200_5 = bytes.fromhex("0B4B0800")
 
 
-class Door:
+class BlockBench:
     """DB 10, 11, 12 of the demo cell with everything the command source says kept."""
 
     def __init__(self) -> None:
@@ -45,20 +45,20 @@ ON, RESET, REFERENCE, STOP, RESUME, START = 1, 1 << 2, 1 << 3, 1 << 4, 1 << 5, 1
 
 
 def test_the_first_telegram_only_says_where_the_bits_stand() -> None:
-    source = Door()
+    source = BlockBench()
     assert source.send(dw0=ON | START | REFERENCE) == []
     assert source.send(dw0=ON | START | REFERENCE) == []
 
 
 def test_drives_on_asks_for_control_and_for_the_override_that_stands() -> None:
-    source = Door()
+    source = BlockBench()
     source.send(dw0=0, dw1=80)
     assert source.send(dw0=ON, dw1=80) == [Code.REQUEST_CONTROL, Code.ENABLE, Code.OVERRIDE]
     assert source.commands[2].velocity == pytest.approx(0.8)
 
 
 def test_drives_off_gives_control_back_at_rest() -> None:
-    source = Door()
+    source = BlockBench()
     source.send(dw0=0)
     source.send(dw0=ON)
     assert source.send(dw0=0) == [Code.DISABLE]
@@ -69,7 +69,7 @@ def test_drives_off_gives_control_back_at_rest() -> None:
 
 
 def test_start_takes_the_targets_of_the_same_telegram_once() -> None:
-    source = Door()
+    source = BlockBench()
     source.send(dw0=ON)
     assert source.send(dw0=ON | START, dw2=12005, dw3=-20, dw8=50) == [Code.PTP_ABSOLUTE]
     move = source.commands[0]
@@ -79,7 +79,7 @@ def test_start_takes_the_targets_of_the_same_telegram_once() -> None:
 
 
 def test_a_lost_link_primes_the_edges_anew() -> None:
-    source = Door()
+    source = BlockBench()
     source.send(dw0=ON)
     source.source.restart()
     assert source.send(dw0=ON | START, dw2=100, dw8=50) == []
@@ -88,13 +88,13 @@ def test_a_lost_link_primes_the_edges_anew() -> None:
 
 
 def test_stop_comes_before_everything_else_of_the_same_telegram() -> None:
-    source = Door()
+    source = BlockBench()
     source.send(dw0=ON, dw8=50)
     assert source.send(dw0=ON | STOP | RESUME | START | REFERENCE, dw8=50) == [Code.STOP, Code.REFERENCE, Code.RESUME, Code.PTP_ABSOLUTE]
 
 
 def test_override_is_taken_when_it_changed_and_only_by_the_owner() -> None:
-    source = Door()
+    source = BlockBench()
     source.send(dw0=ON, dw1=100)
     assert source.send(dw0=ON, dw1=50) == [], "somebody else has control"
     source.values["cell.control"] = 1.0
@@ -103,7 +103,7 @@ def test_override_is_taken_when_it_changed_and_only_by_the_owner() -> None:
 
 
 def test_a_number_out_of_its_range_is_not_taken_and_told() -> None:
-    source = Door()
+    source = BlockBench()
     source.values["cell.control"] = 1.0
     source.send(dw0=ON, dw1=50, dw8=50)
     assert source.send(dw0=ON, dw1=101, dw8=50) == []
@@ -112,7 +112,7 @@ def test_a_number_out_of_its_range_is_not_taken_and_told() -> None:
 
 
 def test_kg_and_real_are_told_apart_by_the_entry() -> None:
-    source = Door()
+    source = BlockBench()
     source.send(dw0=ON, dw8=50)
     source.source.written(12, 0, KG_1200_5 + KG_1200_5, 0)
     source.source.written(10, 0, (ON | START).to_bytes(2, "big"), 0)
@@ -131,7 +131,7 @@ def test_kg_and_real_are_told_apart_by_the_entry() -> None:
     ],
 )
 def test_the_handshake_bits_of_a_move(state: CommandState, busy: int, done: int, refused: int) -> None:
-    source = Door()
+    source = BlockBench()
     source.send(dw0=ON, dw8=50)
     source.send(dw0=ON | START, dw8=50)
     source.source.move_state(state)
@@ -143,7 +143,7 @@ def test_the_handshake_bits_of_a_move(state: CommandState, busy: int, done: int,
 
 
 def test_status_words_in_their_units_and_clamped_at_the_end_of_the_type() -> None:
-    source = Door()
+    source = BlockBench()
     source.values.update({"cell.ready": 1.0, "axis.A1.actual": 1200.52, "axis.A2.actual": -9999.0, "error.first.code": 17.0})
     data = source.source.fill(11)
     words = [int.from_bytes(data[n : n + 2], "big", signed=True) for n in range(0, 64, 2)]

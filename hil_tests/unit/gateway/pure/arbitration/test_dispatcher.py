@@ -1,4 +1,4 @@
-"""The office: who may command, what is refused and with which reason, and that a command is taken once."""
+"""Command dispatcher: who may command, what is refused and with which reason, and that a command is taken once."""
 
 import struct
 
@@ -28,7 +28,7 @@ KG_1200_5_AS_REAL = struct.unpack(">f", bytes.fromhex("0B4B0800"))[0]
 
 
 class TestControl:
-    def test_one_door_at_a_time_and_the_refusal_names_the_owner(self) -> None:
+    def test_one_source_at_a_time_and_the_refusal_names_the_owner(self) -> None:
         control = Ownership()
         with pytest.raises(Refusal, match="does not have control: no command source has it; request it first"):
             control.demand(2)
@@ -63,7 +63,7 @@ class TestControl:
         assert NOBODY == 0
 
 
-class TestOffice:
+class TestDispatcher:
     def test_commands_of_others_are_refused_except_stop(self) -> None:
         cell = CellBench().ready()
         assert cell.give(Code.PTP_ABSOLUTE, targets=FAR, source=2).reason is Reason.NOT_OWNER
@@ -178,7 +178,7 @@ class TestOffice:
         assert (move.state, move.reason) == (CommandState.ABORTED, Reason.LINK_LOST)
         assert cell.core.state.stop_cause == Reason.LINK_LOST, "every command source reads why"
 
-    def test_the_link_of_a_door_without_control_stops_nothing(self) -> None:
+    def test_the_link_of_a_source_without_control_stops_nothing(self) -> None:
         cell = CellBench().ready()
         cell.give(Code.PTP_ABSOLUTE, targets=FAR)
         cell.run(0.3)

@@ -163,7 +163,7 @@ def test_status_files_and_queue_of_the_rho3_view() -> None:
     assert len(answer(bytes.fromhex("18 07D0"), view)) == 5 + 2 * 31
 
 
-def test_files_of_this_door_are_written_whole_or_not_at_all() -> None:
+def test_files_of_this_source_are_written_whole_or_not_at_all() -> None:
     """AX-479, V1.1b3, 6.15."""
     blocks = {10: bytearray(8), 11: bytearray(8)}
 

@@ -34,7 +34,7 @@ def text(pattern: str, entries: str = START, start: str = 'start   = "DB10.D0.8"
     return S5.replace(MOVE, SELECT.format(pattern=pattern, start=start)).replace(START, entries)
 
 
-class Door:
+class BlockBench:
     """The command source of the S5 cell with another handshake; DB 10 as its PLC writes it."""
 
     def __init__(self, cell_text: str) -> None:
@@ -62,7 +62,7 @@ class Door:
 
 
 def test_a_number_selects_its_position_once_and_is_done_until_zero() -> None:
-    source = Door(text("number-select", NUMBER, ""))
+    source = BlockBench(text("number-select", NUMBER, ""))
     (move,) = source.send(w6=7)
     assert (move.mask, move.velocity, move.targets[:3]) == (0b101, 0.5, (100.0, 0.0, 5.0))
     assert source.send() == [] == source.send(w6=7)
@@ -75,7 +75,7 @@ def test_a_number_selects_its_position_once_and_is_done_until_zero() -> None:
 
 
 def test_a_number_of_a_program_orders_it_once_and_zero_lies_between_two() -> None:
-    source = Door(numbered_cell(number=20))
+    source = BlockBench(numbered_cell(number=20))
     (order,) = source.send(w5=100, w6=20)
     assert (order.code, order.mask, order.velocity, order.acceleration) == (Code.PROGRAM, 20, 1.0, 1.0)
     assert source.send() == [] == source.send(w6=7), "no second start while the first one is under way"
@@ -89,13 +89,13 @@ def test_a_number_of_a_program_orders_it_once_and_zero_lies_between_two() -> Non
 
 def test_a_strobed_code_orders_a_program_at_the_speed_of_its_block() -> None:
     strobed = numbered_cell(number=20).replace('pattern = "number-select"', 'pattern = "strobe-parity"\nstart   = "DB10.D0.8"')
-    source = Door(strobed.replace(LAST, START + PARITY + LAST))
+    source = BlockBench(strobed.replace(LAST, START + PARITY + LAST))
     (order,) = source.send(w0=0x100, w5=40, w6=20)
     assert (order.code, order.mask, order.velocity) == (Code.PROGRAM, 20, 0.4)
 
 
 def test_a_strobe_takes_number_and_parity_of_the_same_telegram() -> None:
-    source = Door(text("strobe-parity", START + NUMBER + PARITY))
+    source = BlockBench(text("strobe-parity", START + NUMBER + PARITY))
     assert source.send(w0=0x100, w6=7) == [] and source.answer() == (False, True), "7 has three ones: even parity needs the fourth"
     assert source.send(w0=0) == []
     assert source.send(w0=0x300, w6=7)[0].mask == 0b101
@@ -105,7 +105,7 @@ def test_a_strobe_takes_number_and_parity_of_the_same_telegram() -> None:
 
 @pytest.mark.parametrize("pattern", ["level-ack", "toggle"])
 def test_a_bit_takes_the_targets_of_its_telegram(pattern: str) -> None:
-    source = Door(text(pattern))
+    source = BlockBench(text(pattern))
     (move,) = source.send(w0=0x100, w2=1000, w5=50)
     assert move.targets[0] == 100.0 and source.send() == []
     source.source.move_state(CommandState.DONE)
@@ -114,7 +114,7 @@ def test_a_bit_takes_the_targets_of_its_telegram(pattern: str) -> None:
 
 
 def test_a_link_that_returns_with_a_standing_number_moves_nothing() -> None:
-    source = Door(text("number-select", NUMBER, ""))
+    source = BlockBench(text("number-select", NUMBER, ""))
     source.send(w6=7)
     source.source.restart()
     assert source.send(w6=7) == [] and source.send(w6=7) == []
