@@ -1,4 +1,4 @@
-"""A portal that a correction moves, in virtual time: office, planner's inside, core with [alter], emulated drives; no process."""
+"""A portal that a correction moves, in virtual time: dispatcher, planner's inside, core with [alter], emulated drives; no process."""
 
 import pathlib
 import re

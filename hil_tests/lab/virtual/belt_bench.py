@@ -1,4 +1,4 @@
-"""A portal with three belts in virtual time: office, planner's inside, core with belts, emulated drives and encoders; no process."""
+"""A portal with three belts in virtual time: dispatcher, planner's inside, core with belts, emulated drives and encoders; no process."""
 
 import pathlib
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""A whole cell in virtual time: office, core and the emulated drives of the demo cell; no process, no clock, no file after the start."""
+"""A whole cell in virtual time: dispatcher, core and the emulated drives of the demo cell; no process, no clock, no file after the start."""
 
 from collections.abc import Callable
 
@@ -79,7 +79,7 @@ class CellBench:
             self.inputs.quality[bit >> 3] = Quality.GOOD
 
     def cycle(self, count: int = 1) -> None:
-        """SYNC burst, answers, core, office; then the next grid instant."""
+        """SYNC burst, answers, core, dispatcher; then the next grid instant."""
         for _ in range(count):
             stamped = [frame._replace(stamp_ns=self.now) for frame in self.burst]
             self.slave.receive(stamped, self.now)

@@ -1,4 +1,4 @@
-"""A cell of several kinematics in virtual time, each ordered by a command source of its own: office, planner's inside, core, drives."""
+"""A cell of several kinematics in virtual time, each ordered by a command source of its own: dispatcher, planner's inside, core, drives."""
 
 from collections import deque
 from collections.abc import Mapping, Sequence

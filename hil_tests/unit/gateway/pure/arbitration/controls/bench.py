@@ -1,4 +1,4 @@
-"""A cell with [controller] in virtual time: office, core, emulated drives and the control its PLC sees, which is command source 1 of
+"""A cell with [controller] in virtual time: dispatcher, core, emulated drives and the control its PLC sees, which is command source 1 of
 two."""
 
 import pathlib
