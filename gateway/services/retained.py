@@ -39,7 +39,9 @@ LOOK_EVERY, FIRST_LOOK = 20, 10  # ticks
 class Synchronising(Protocol):
     """A control whose axes are synchronised with machine data: a Reis."""
 
-    synchronised: dict[int, Reference]
+    @property
+    def synchronised(self) -> Mapping[int, Reference]:
+        """Axis -> machine data it was synchronised with last."""
 
     def was_synchronised(self, known: Mapping[int, Reference]) -> None:
         """Before the first step."""

@@ -29,6 +29,7 @@ from gateway.pure.controllers.reis.markers import (
     SYSTEM,
     Markers,
 )
+from gateway.pure.controllers.reis.references import References
 from gateway.pure.controllers.reis.regulator import Message, Reference, regulator_error, start
 from gateway.pure.controllers.reis.robot_part import RobotPart
 from gateway.pure.image.records.cell import AxisFlag, CellState, InputImage, Motion
@@ -87,11 +88,8 @@ class ReisControl:
         self.markers = Markers(self.io)
         self.plc: IntegratedPlc | None = None  # a process of its own, where the cell has [controller.plc]
         self.robot = RobotPart()
-        self._drives_off = False  # wanted by a message of the PLC
         self.messages: list[Message] = []
-        self.synchronised: dict[int, Reference] = {}  # axis -> machine data it was synchronised with last; kept over power-off
-        self._asynchronous: set[int] = set()  # axes whose machine data have changed since
-        self._referenced, self._seen = 0, False  # axes that were referenced at the last step; there was one
+        self._references = References(setup.references)
         self.was_synchronised(setup.references)
         self._active: dict[tuple[int, int], str] = {}  # regulator error, axis -> words
         self._percent: int | None = self.markers.number(OVERRIDE) or None  # None: M1436 was never written, and is no factor (AX-1000)
@@ -106,9 +104,13 @@ class ReisControl:
 
     def was_synchronised(self, known: Mapping[int, Reference]) -> None:
         """Before the first step: what each axis was synchronised with when the control was last alive (677, 678, 679)."""
-        self.synchronised = dict(known)
         self.messages = start(self.markers, known, self.setup.references)
-        self._asynchronous = {message.axis for message in self.messages}
+        self._references.known(known, {message.axis for message in self.messages})
+
+    @property
+    def synchronised(self) -> Mapping[int, Reference]:
+        """Axis -> machine data it was synchronised with last; kept over power-off."""
+        return self._references.synchronised
 
     # ---- one cycle -----------------------------------------------------------------------------------------------------
     def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
@@ -153,11 +155,11 @@ class ReisControl:
                 self.robot.programs.stop(now)
             if state.motion is not Motion.IDLE:
                 self._say(Command(Code.STOP), now)
-        self._drives_off = self._drives_off or any(reaction >= DRIVES_OFF for reaction in reactions)
+        plc.drives_off = plc.drives_off or any(reaction >= DRIVES_OFF for reaction in reactions)
         enabled = any(axis.flags & AxisFlag.ENABLED for axis in state.axes[: len(self.setup.axes)])
-        if self._drives_off and not enabled:
-            self._drives_off = False
-        elif self._drives_off and state.motion in (Motion.STOPPED, Motion.IDLE):
+        if plc.drives_off and not enabled:
+            plc.drives_off = False
+        elif plc.drives_off and state.motion in (Motion.STOPPED, Motion.IDLE):
             self._dispatcher.command(
                 self._dispatcher.owner or self.setup.source, Command(Code.DISABLE, (1 << len(self.setup.axes)) - 1), now
             )
@@ -231,7 +233,7 @@ class ReisControl:
             return
         self.robot.clear()
         self.markers.set_bit(*ACKNOWLEDGED, True)
-        if not self._active and not self._asynchronous:
+        if not self._active and not self._references.asynchronous:
             self.markers.set_bit(*IN_ERROR, False)
             self.markers.set_number(ERROR_NUMBER, 0)
 
@@ -252,7 +254,7 @@ class ReisControl:
                 message = regulator_error(self.markers, *error)
                 active[error] = f"{message.text}, axis {self.setup.axes[message.axis - 1]}"
                 texts.append(active[error])
-        if self._active and not seen and not self._asynchronous:
+        if self._active and not seen and not self._references.asynchronous:
             self.markers.set_bit(*IN_ERROR, False)
             self.markers.set_number(ERROR_NUMBER, 0)
         if texts:
@@ -279,7 +281,7 @@ class ReisControl:
         markers.set_bit(*STARTED, True)
         markers.set_bit(*MOVES, state.motion in (Motion.RUNNING, Motion.STOPPING, Motion.REFERENCING))
         self._note_references(state)
-        markers.set_bit(*SYNCHRONOUS, not self._asynchronous and all(axis.flags & AxisFlag.REFERENCED for axis in axes))
+        markers.set_bit(*SYNCHRONOUS, not self._references.asynchronous and all(axis.flags & AxisFlag.REFERENCED for axis in axes))
         mode = AUTO if self.automatic else HAND
         if self.robot.programs is not None:
             mode = self.robot.programs.code
@@ -296,17 +298,8 @@ class ReisControl:
             markers.set_number(TCP + 4 * number, round(value * 100.0))
 
     def _note_references(self, state: CellState) -> None:
-        """An axis that has just been referenced is synchronised with the machine data of today; the last one of them ends the error."""
-        before = len(self._asynchronous)
-        flags = [axis.flags for axis in state.axes[: len(self.setup.axes)]]
-        referenced = sum(1 << n for n, flag in enumerate(flags) if flag & AxisFlag.REFERENCED)
-        fresh, self._referenced = referenced & ~self._referenced, referenced
-        for number, data in self.setup.references.items():
-            if referenced >> number - 1 & 1 and ((fresh >> number - 1 & 1 and self._seen) or number not in self.synchronised):
-                self.synchronised[number] = data
-                self._asynchronous.discard(number)
-        self._seen = True
-        if before and not self._asynchronous and not self._active:
+        """The last asynchronous axis that is referenced ends the error."""
+        if self._references.look(state.axes[: len(self.setup.axes)]) and not self._active:
             self.markers.set_bit(*IN_ERROR, False)
             self.markers.set_number(ERROR_NUMBER, 0)
 

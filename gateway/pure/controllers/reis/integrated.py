@@ -23,6 +23,7 @@ class IntegratedPlc:
     sentences: list[str] = field(default_factory=list)
     messages: list[dict[str, Fact]] = field(default_factory=list)  # that the control has not looked at
     shown: dict[str, Fact] | None = None  # the message that is not acknowledged
+    drives_off: bool = False  # wanted by a message of class 7, until they are off
     fresh: bool = False  # a report has come since the control looked
     _was_on: bool = False
     _robots: bytearray = field(default_factory=lambda: bytearray(AREA))  # outputs as the robot program wrote them last
