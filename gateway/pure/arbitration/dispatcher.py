@@ -14,6 +14,7 @@ from gateway.pure.arbitration.axis_masks import axes_with, names_of
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.jobs import AxisFacts, DispatcherEvent, Job, OnLoss, SourceState
 from gateway.pure.arbitration.outcomes import Outcomes
+from gateway.pure.arbitration.outgoing import OutgoingOrders
 from gateway.pure.arbitration.overrides import Overrides
 from gateway.pure.arbitration.ownership import NOBODY, Ownership
 from gateway.pure.cell.web import PAGE_SOURCE
@@ -42,16 +43,13 @@ class CommandDispatcher:
         self.planner: PlannerState | None = None  # what the planner process says; None: it is not there
         self.control = Ownership()
         self.cell: CellState | None = None
-        self.stopped_moves = 0
         self.admission = Admission(self.axes)
         self.overrides = Overrides(len(self.axes))
         self._outcomes = Outcomes(self.axes)
         self._plan = plan
-        self._next = first_job
+        self._outgoing = OutgoingOrders(first_job)
         self._sources: dict[int, SourceState] = {}
         self._open: list[Job] = []
-        self._orders: list[OrderRecord] = []
-        self._programs: list[ProgramOrder] = []
         self._events: list[DispatcherEvent] = []
         self._first_try = False
         self._moves: list[Job] = []  # moves and reference runs that axes are on: one at most of each lane
@@ -83,13 +81,11 @@ class CommandDispatcher:
 
     def take_orders(self) -> list[OrderRecord]:
         """Orders since the last call, in order."""
-        orders, self._orders = self._orders, []
-        return orders
+        return self._outgoing.take_orders()
 
     def take_programs(self) -> list[ProgramOrder]:
         """For the planner, since the last call; to be handed over after take_orders()."""
-        programs, self._programs = self._programs, []
-        return programs
+        return self._outgoing.take_programs()
 
     def take_events(self) -> list[DispatcherEvent]:
         """Events since the last call."""
@@ -139,8 +135,9 @@ class CommandDispatcher:
         `first_try`: a relative move of a single axis that has not been referenced yet (AX-312); everything else is judged as ever.
         """
         self._first_try = first_try
-        job = Job(self._next, source, command.code, mask=command.mask, held=source == PAGE_SOURCE and command.code != Code.PROGRAM)
-        self._next += 1
+        job = Job(
+            self._outgoing.number(), source, command.code, mask=command.mask, held=source == PAGE_SOURCE and command.code != Code.PROGRAM
+        )
         state = self.source(source)
         state.last = state.by_code[command.code] = job
         try:
@@ -156,8 +153,7 @@ class CommandDispatcher:
 
     def refuse(self, source: int, code: Code, reason: Reason, detail: str) -> Job:
         """A command that a command source could not give because of its numbers: the outcome is stored like that of a given one."""
-        job = Job(self._next, source, code)
-        self._next += 1
+        job = Job(self._outgoing.number(), source, code)
         state = self.source(source)
         state.last = state.by_code[code] = job
         self._end(job, CommandState.REFUSED, reason, detail)
@@ -192,17 +188,18 @@ class CommandDispatcher:
             self._events.append(DispatcherEvent("control", job.source, job.code, Reason.NONE, ""))
             new = job.span & ~before
             if cell.motion_of(new) is Motion.STOPPED:  # a rest another command source left must not be resumed by this one's first resume
-                self._drop_rest(new)
                 job.span = new
-                job.id = self._orders[-1].job  # done when the rest is gone: the next command must not find the axes busy
+                job.id = self._drop_rest(new)  # done when the rest is gone: the next command must not find the axes busy
                 return
         self._done(job)
 
-    def _drop_rest(self, axes: int) -> None:
-        self._order(Order.ABANDON, mask=_named(axes))
+    def _drop_rest(self, axes: int) -> int:
+        """The number of the order's job."""
+        number = self._order(Order.ABANDON, mask=_named(axes))
         for move in self._moves_of(axes):
             self._end(move, CommandState.ABORTED, Reason.ABANDONED)
             self._moves.remove(move)
+        return number
 
     def _moved_by(self, mask: int, span: int) -> str:
         """What has the lanes (`span`) of these axes, and which of the axes; "": what moves was not ordered."""
@@ -259,7 +256,6 @@ class CommandDispatcher:
         for move in self._moves:
             if move.open and cell.motion_of(move.span) is Motion.RUNNING:
                 move.reason, move.detail = Reason.STOPPED_BY_SOURCE, str(job.source)
-                self.stopped_moves += 1
 
     def _owners_command(self, job: Job, code: Code, command: Command, cell: CellState, now: Ns) -> None:
         match code:
@@ -289,8 +285,7 @@ class CommandDispatcher:
                 job.span = cell.stopped(job.span)
                 if not job.span:
                     raise Refusal(Reason.NOTHING_TO_RESUME)
-                self._drop_rest(job.span)
-                job.id = self._orders[-1].job
+                job.id = self._drop_rest(job.span)
             case Code.FAULT_RESET:
                 job.until = now + RESET_PATIENCE
                 self._order(Order.RESET, job.id)
@@ -340,8 +335,7 @@ class CommandDispatcher:
     def order_stream(self, source: int, robot: int, mask: int, *, held: bool = False) -> Job:
         """The interpreter wants to move a robot (its number, from 1) in the name of a command source: blocks of a language follow one by
         one, the planner judges each as it comes.  held: hold-to-run."""
-        job = Job(self._next, source, Code.PROGRAM, mask=mask, quiet=True, held=held, what=f"a stream of robot {robot}")
-        self._next += 1
+        job = Job(self._outgoing.number(), source, Code.PROGRAM, mask=mask, quiet=True, held=held, what=f"a stream of robot {robot}")
         state = self.source(source)
         state.last = state.by_code[Code.PROGRAM] = job
         try:
@@ -381,7 +375,7 @@ class CommandDispatcher:
             raise Refusal(Reason.NOT_READY, "the planner process does not run")
         self._moving(job)
         self._order(Order.PROGRAM, job.id, mask=job.mask, reason=_without_services(job))
-        self._programs.append(order)
+        self._outgoing.add_program(order)
 
     def _may_move(self, cell: CellState, mask: int, *, referenced: bool = True, idle: bool = True) -> None:
         self.admission.check_enabling(cell)
@@ -391,11 +385,10 @@ class CommandDispatcher:
             raise Refusal(Reason.BUSY, "resume or abandon the stopped move first" if stopped else self._moved_by(mask, cell.span(mask)))
         self.admission.check_travel(cell, mask, referenced=referenced)
 
-    def _order(self, order: Order, job: int = 0, *, mask: int = 0, value: float = 0.0, reason: int = 0, piece: bytes = b"") -> None:
-        if not job:
-            job, self._next = self._next, self._next + 1
+    def _order(self, order: Order, job: int = 0, *, mask: int = 0, value: float = 0.0, reason: int = 0, piece: bytes = b"") -> int:
+        """The number of its job, a new one where it is of none."""
         generation = self.cell.generation if self.cell is not None else 0
-        self._orders.append(OrderRecord(order, job, generation, mask, value, reason, piece))
+        return self._outgoing.add(order, job, generation, mask=mask, value=value, reason=reason, piece=piece)
 
     def _done(self, job: Job) -> None:
         job.state = CommandState.DONE

@@ -22,7 +22,6 @@ CLASSES: Mapping[str, int] = {
     "drivers/emulator/servodyn/axis.py:ServodynAxis": 25,
     "drivers/emulator/servodyn/slave.py:ServodynSlave": 19,
     "gateway/pure/arbitration/data_blocks.py:DataBlocks": 22,
-    "gateway/pure/arbitration/dispatcher.py:CommandDispatcher": 18,
     "gateway/pure/controllers/rho3/signals/control.py:RhoControl": 31,
     "gateway/pure/cycle/alter.py:CoreAlter": 18,
     "gateway/pure/cycle/belts.py:CoreBelts": 29,
