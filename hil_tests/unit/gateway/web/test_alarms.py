@@ -73,7 +73,7 @@ def test_rows_are_found_by_words_state_source_and_time() -> None:
         assert fits(row, query), query
     for query in ({"q": "A1"}, {"state": "gone"}, {"source": "A1"}, {"from": "2026-11-24"}, {"to": "2026-11-22"}):
         assert not fits(row, query), query
-    with pytest.raises(ValueError, match="state: standing, open, gone"):
+    with pytest.raises(ValueError, match="state: active, open, gone"):
         fits(row, {"state": "lost"})
     assert as_csv([row]).splitlines()[1] == f"1;2026-11-23T08:00:00+01:00;;;;16;A2;{FAULT[1]}"
     assert json.dumps(row)
