@@ -1,4 +1,4 @@
-"""The cell in virtual time with CiA 402 drives: the same core and dispatcher, emulated nodes, the real plan without the threads of a master."""
+"""The cell in virtual time with CiA 402 drives: core and dispatcher, emulated nodes, the real plan without the threads of a master."""
 
 from collections.abc import Generator, Sequence
 from typing import TypeVar

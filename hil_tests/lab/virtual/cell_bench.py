@@ -1,4 +1,4 @@
-"""A whole cell in virtual time: dispatcher, core and the emulated drives of the demo cell; no process, no clock, no file after the start."""
+"""A whole cell in virtual time: dispatcher, core and the emulated drives of the demo cell; no process, clock or file after the start."""
 
 from collections.abc import Callable
 

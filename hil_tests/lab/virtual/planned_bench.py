@@ -1,4 +1,4 @@
-"""A robot's cell in virtual time: dispatcher, planner's inside, core, emulated drives; and what the robot did by the emulator's own record."""
+"""A robot's cell in virtual time: dispatcher, planner's inside, core, emulated drives; and what the robot did by the emulator's record."""
 
 from collections.abc import Callable, Sequence
 

@@ -97,7 +97,8 @@ def test_junk_is_told(bench: SourceBench, tmp_path: pathlib.Path, request_: byte
 
 def test_reading_a_word_loads_nothing_while_the_cell_runs() -> None:
     """The services are silent meanwhile, and the supervisor ends them: rules of cell files bring in every control and language."""
-    program = "import sys, gateway.services.tool_server; print([n for n in sys.modules if n.startswith(('gateway.checks', 'gateway.pure.languages'))])"
+    rooms = ("gateway.checks", "gateway.pure.languages")
+    program = f"import sys, gateway.services.tool_server; print([n for n in sys.modules if n.startswith({rooms})])"
     assert subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.strip() == "[]"
     source = pathlib.Path(sys.modules[Variables.__module__].__file__ or "").read_text()
     assert "\n    from " not in source and "\n    import " not in source, "an import in a function runs while the cell does"
