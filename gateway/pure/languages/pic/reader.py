@@ -29,6 +29,12 @@ LIST = frozenset((*LINKS, *SETS, *JUMPS, *NOTHING, *ENDS))
 DEEPEST = 40  # statements or brackets one in the other
 UNKNOWN = Bit(Area.FLAG, 0, 0)  # in the place of what is reported
 END_LABEL = "\0end"  # no name of a program
+SEVERAL = "put several statements between BEGIN and END"
+REMEDIES = {  # for words of other languages
+    "GOTO": "write JUMP",
+    **dict.fromkeys(("ENDIF", "END_IF", "IF_END"), f"an IF has no end: {SEVERAL}"),
+    **dict.fromkeys(("ELSEIF", "ELSIF"), "write ELSE IF"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +76,7 @@ class Reader:
     _brackets: list[Position] = field(default_factory=list)  # of the instruction list
     _labels: dict[str, Position] = field(default_factory=dict)
     _jumps: list[tuple[str, Position]] = field(default_factory=list)
+    _unknown: set[str] = field(default_factory=set)  # names that are reported
     _colons: set[str] | None = None  # names in front of a colon
 
     # ---- tokens
@@ -153,7 +160,12 @@ class Reader:
             self._label(self._take())
             self._take()
         elif self._is(IF):
+            self._take()
             self._condition()
+        elif self._lacks_if(token):
+            self._condition()
+        elif self._lacks_jump(token):
+            self._go(Code.JUMP, token.at.line)
         elif self._is(JUMP):
             self._jump()
         elif self._is(BEGIN):
@@ -164,6 +176,8 @@ class Reader:
             self._assignment()
         else:
             shown = repr(token.text) if token.text else "the end"
+            if self._is(ELSE) or self._is(END):
+                raise self._fail("statement", token.at, f"{shown} without {'IF' if self._is(ELSE) else 'BEGIN'}", SEVERAL)
             raise self._fail("statement", token.at, f"{shown} begins no statement", "NAME = .., IF .. THEN .., JUMP NAME, NAME:")
         self._depth -= 1
 
@@ -173,9 +187,62 @@ class Reader:
         self._labels[token.word] = token.at
         self._emit(Code.LABEL, token.at.line, name=token.word)
 
+    def _lacks_if(self, token: Token) -> bool:
+        """Whether a condition and THEN follow in the line without IF, or behind a word that is none; it is reported."""
+        place, closed = 0, False
+        while (each := self._ahead(place)).kind is not Kind.END and not (each.first and place):
+            closed = each.word in THEN
+            if closed or each.word in IF or (each.text == "=" and self._ahead(place + 1).kind is not Kind.NUMBER):
+                break
+            place += 1
+        if not closed or (token.word in RESERVED and token.word not in NOT):
+            return False
+        behind = self._ahead()
+        misspelt = token.kind is Kind.NAME and (behind.kind is Kind.BIT or behind.word in NOT or not self._joins(behind))
+        text = f"IF is expected, not {token.text}" if misspelt and token.word not in NOT else f"IF is missing in front of {token.text}"
+        self.faults.error("if", token.at, text)
+        if misspelt and token.word not in NOT:
+            self._take()
+        return True
+
+    @staticmethod
+    def _joins(token: Token) -> bool:
+        """Whether it may follow an operand of a condition."""
+        return token.word in (*AND, *OR, *THEN) or token.text in ("=", ")")
+
+    def _lacks_jump(self, token: Token) -> bool:
+        """Whether a label is next where a statement is expected in the line; it is reported."""
+        if token.kind is not Kind.NAME or token.first or self._ahead().text in ("=", ":") or not self._is_label(token):
+            return False
+        if token.word in LIST and not token.last:
+            return False
+        self.faults.error("jump", token.at, f"JUMP is missing in front of {token.text}")
+        return True
+
+    def _lacks_operator(self, *, then: bool) -> None:
+        """Reports an operand that follows an operand; reading goes on at THEN or in the next line."""
+        token = self.token
+        operand = token.kind is Kind.BIT or (token.kind is Kind.NAME and token.word not in RESERVED and token.word not in LIST)
+        if token.first or not operand or self._ahead().text in ("=", ":") or (not then and self._is_label(token)):
+            return
+        place = 0
+        while not (self._ahead(place).first or self._ahead(place).kind is Kind.END or self._ahead(place).word in THEN):
+            place += 1
+        found = self._ahead(place).word in THEN
+        if then and not found:
+            return
+        if token.word in REMEDIES:
+            self.faults.error("name", token.at, f"{token.text} is no signal and no symbol", REMEDIES[token.word])
+        else:
+            self.faults.error("operator", token.at, f"AND or OR is missing in front of {token.text}")
+        while place:
+            self._take()
+            place -= 1
+
     def _condition(self) -> None:
-        line = self._take().at.line
+        line = self.token.at.line
         test = self._expression(compares=True)
+        self._lacks_operator(then=True)
         if not self._is(THEN):
             self.faults.error("then", self.token.at, "THEN is expected behind the condition")
             if self.token.kind is not Kind.NAME or not nearest(self.token.word, THEN):
@@ -234,6 +301,7 @@ class Reader:
         if self.token.first and self._ahead().text == "=":
             raise self._fail("operand", self.token.at, f"a signal or an address is expected behind {token.text} =, not a new line")
         self.commands += chain(self._expression(compares=False), token.at.line)
+        self._lacks_operator(then=False)
         self._emit(Code.ASSIGN, token.at.line, target)
 
     # ---- expressions
@@ -257,6 +325,7 @@ class Reader:
         while self._is(NOT):
             self._take()
             turned = not turned
+        self._misspelt_not()
         if self._sign("("):
             opened = self._take()
             self._depth += 1
@@ -276,6 +345,15 @@ class Reader:
             if self._binary() == 0:
                 turned = not turned
         return inverted(found) if turned else found
+
+    def _misspelt_not(self) -> None:
+        """A NOT with a slip in it, in front of an operand: it is reported and passed over."""
+        token, behind = self.token, self._ahead()
+        operand = not behind.first and (behind.kind is Kind.BIT or (behind.kind is Kind.NAME and behind.word not in (*RESERVED, *LIST)))
+        if token.kind is Kind.NAME and operand and token.word not in RESERVED and self.symbols.find(token.text) is None:
+            if spelling := nearest(token.word, NOT):
+                self.faults.error("name", token.at, f"{token.text} is no signal and no symbol", f"{spelling} is the name like it")
+                self._take()
 
     def _binary(self) -> int:
         token = self.token
@@ -311,7 +389,11 @@ class Reader:
             raise self._fail("operand", token.at, f"{token.text or 'the end'}: a signal or an address is expected")
         found = self.symbols.find(token.text)
         if found is None:
-            hint = hint_of(token.word, (*self.symbols.own, *RESERVED)) or f"a line {token.word} = I88.0 in the SYM file"
+            if token.word in self._unknown:
+                raise _Wrong
+            self._unknown.add(token.word)
+            hint = REMEDIES.get(token.word) or hint_of(token.word, (*self.symbols.own, *RESERVED))
+            hint = hint or f"a line {token.word} = I88.0 in the SYM file"
             raise self._fail("name", token.at, f"{token.text} is no signal and no symbol", hint)
         return found
 
@@ -331,6 +413,8 @@ class Reader:
     def _list(self) -> None:
         token = self._take()
         word, line = token.word, token.at.line
+        if token.last and word in (*LINKS, *SETS) and (self._sign("=") or self.token.word in LIST):
+            raise self._fail("operand", token.at, f"a signal or an address is expected behind {token.text}, not a new line")
         if word in OPENS and self._sign("("):
             self._take()
             if len(self._brackets) >= DEEPEST:

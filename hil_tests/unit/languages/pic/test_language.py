@@ -205,4 +205,39 @@ def test_two_mistakes_are_two_faults_at_their_places(text: str, found: list[tupl
 
 
 def test_an_instruction_without_operand_is_one_fault() -> None:
-    assert faults_of("A\n= O58.0\n") == [(2, 1, "operand")]
+    assert faults_of("A\n= O58.0\n") == [(1, 1, "operand")]
+
+
+@pytest.mark.parametrize(
+    "text, line, column, id",
+    [
+        ("I8.0 THEN O58.0 = 1\nELSE O58.0 = 0", 1, 1, "if"),
+        ("NOT I8.0 AND I8.1 THEN O58.0 = 1", 1, 1, "if"),
+        ("FI I8.0 THEN O58.0 = 1", 1, 1, "if"),
+        ("IF I8.0 THEN ENDE\nO58.0 = 0\nENDE:\nO58.1 = 0", 1, 14, "jump"),
+        ("O58.0 = I8.0 I8.1\nO58.1 = 0", 1, 14, "operator"),
+        ("IF I8.0 I8.1 THEN O58.0 = 0\nELSE O58.0 = 1", 1, 9, "operator"),
+        ("IF I8.0 THEN O58.0 = 0 O58.1 = 1 END", 1, 34, "statement"),
+        ("IF I8.0 THEN O58.0 = 0\nO58.1 = 1\nELSE O58.1 = 0", 3, 1, "statement"),
+        ("O58.0 = NTO I8.0", 1, 9, "name"),
+        ("O58.0 = LAMP\nO58.1 = LAMP", 1, 9, "name"),
+        ("IF I8.0 THEN GOTO L\nL:", 1, 14, "name"),
+        ("IF I8.0 THEN O58.0 = I8.1 ENDIF", 1, 27, "name"),
+    ],
+)
+def test_a_missing_word_is_one_fault(text: str, line: int, column: int, id: str) -> None:
+    """AX-1820."""
+    assert faults_of(f"{text}\n") == [(line, column, id)]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "IF I8.0 = 1 AND I8.1 = 0 THEN O58.0 = 1 O58.1 = I8.0 O58.2 = NOT I8.0",
+        "IF I8.0 THEN IF NOT I8.1 THEN BEGIN O58.0 = 1 O58.1 = 0 END ELSE O58.2 = 1",
+        "O58.0 = 1 IF I8.0 THEN JUMP ENDE\nENDE: O58.1 = I8.0",
+        "A I8.0 AN I8.1 = O58.0 S O58.1 JC -ENDE\n-ENDE",
+    ],
+)
+def test_sound_lines_stay_sound(text: str) -> None:
+    assert faults_of(f"{text}\n") == []
