@@ -47,7 +47,7 @@ class ProgramName(Body):
 class Val3Act(Body):
     """What an operator does with a VAL 3 application."""
 
-    act: Literal["event", "enter", "answer", "set", "connect", "hold", "mode", "speed", "ratio"]
+    act: Literal["event", "enter", "answer", "key", "set", "connect", "hold", "mode", "speed", "ratio"]
     what: Annotated[str, Field(max_length=128)] = ""  # object of the user page, or variable
     attribute: Annotated[str, Field(max_length=64)] = "value"
     value: Annotated[str, Field(max_length=256)] = ""

@@ -117,13 +117,13 @@ class HostedApplication:
                 wish.move = True
             case "hold":
                 wish.hold = bool(request.get("on"))
-            case "event" | "enter" | "answer" | "set":
+            case "event" | "enter" | "answer" | "key" | "set":
                 facts = {key: str(request.get(key, ""))[:MOST_TEXT] for key in ("act", "what", "value", "attribute")}
                 self.orders.append({"do": "act", **facts})
             case "mode" | "speed" | "ratio" as what:
                 return self._key(what, str(request.get("value", ""))[:MOST_TEXT])
             case other:
-                return {"error": f"act {other!r}; event, enter, answer, set, connect, hold, mode, speed, ratio are known"}
+                return {"error": f"act {other!r}; event, enter, answer, key, set, connect, hold, mode, speed, ratio are known"}
         return {"ok": True}
 
     def _key(self, what: str, value: str) -> dict[str, object]:

@@ -279,17 +279,33 @@ def f_screen_get_of(own: Instance, screen: ScreenV, entry: Place) -> Waiting:
     return (yield from f_screen_get(own, entry))
 
 
-def f_screen_get_key(own: Instance) -> Waiting:
+def f_screen_get_key(own: Instance, screen: ScreenV | None = None) -> Waiting:
     """The next key: the code of a character, or of Return and Esc."""
+    if own.machine.screen.keys:
+        return own.machine.screen.keys.popleft()
     key, text = yield from _entered(own)
     return float(ord(text[0])) if text else key
 
 
 def f_screen_key(own: Instance, screen: ScreenV | None = None) -> float:
-    """-1: no key was pressed."""
-    return -1.0
+    """The code of the next key that was pressed; -1: none was."""
+    keys = own.machine.screen.keys
+    return keys.popleft() if keys else -1.0
 
 
 def f_screen_pressed(own: Instance, key: float) -> bool:
-    """No key is pressed."""
-    return False
+    """Whether it waits to be read: how long a key is held is not known."""
+    return key in own.machine.screen.keys
+
+
+def f_screen_pressed_of(own: Instance, screen: ScreenV, key: float) -> bool:
+    """As isKeyPressed."""
+    return f_screen_pressed(own, key)
+
+
+def f_screen_mode(own: Instance, mode: float) -> None:
+    """Inverse or blinking text: a text page has none."""
+
+
+def f_screen_mode_of(own: Instance, screen: ScreenV, mode: float) -> None:
+    """As setTextMode."""

@@ -106,6 +106,9 @@ def act(machine: Machine, own: Instance, order: Mapping[str, Fact]) -> str:
                 if not machine.prompts:
                     return "no prompt waits for an answer"
                 machine.answers.append(value)
+            case "key":
+                if not machine.screen.press(value):
+                    return f"{value!r} is no key: one character or the number of a key is expected"
             case "set":
                 put(machine, own, Event(0, what, value))
     except (EventFault, Rte, RuntimeFault) as fault:

@@ -1,10 +1,13 @@
 """The text page of s7: 14 lines of 40 characters (assumed)."""
 
+from collections import deque
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.val3.errors import Rte
+from gateway.pure.languages.val3.strings import finite
 
 COLUMNS, LINES = 40, 14
+MOST_KEYS = 32  # that wait to be read; the oldest is dropped
 
 
 @dataclass(slots=True)
@@ -15,6 +18,15 @@ class Screen:
     column: int = 0
     line: int = 0
     title: str = ""
+    keys: "deque[float]" = field(default_factory=lambda: deque(maxlen=MOST_KEYS))
+
+    def press(self, key: str) -> bool:
+        """A character, or the number of a key code; False: neither."""
+        number = finite(key) if len(key) > 1 else None
+        if number is None and len(key) != 1:
+            return False
+        self.keys.append(float(ord(key)) if number is None else number)
+        return True
 
     def clear(self) -> None:
         """cls."""

@@ -98,6 +98,7 @@ void putln(screen,num) = screen_putln_of
 void title(string) = screen_title
 void title(screen,string) = screen_title_of
 ~num get() = screen_get_key
+~num get(screen) = screen_get_key
 ~num get(string&) = screen_get
 ~num get(num&) = screen_get
 ~num get(screen,string&) = screen_get_of
@@ -105,6 +106,9 @@ void title(screen,string) = screen_title_of
 num getKey() = screen_key
 num getKey(screen) = screen_key
 bool isKeyPressed(num) = screen_pressed
+bool isKeyPressed(screen,num) = screen_pressed_of
+void setTextMode(num) = screen_mode
+void setTextMode(screen,num) = screen_mode_of
 ~void taskSuspend(string)
 ~void taskResume(string,num)
 ~void taskKill(string)

@@ -19,6 +19,7 @@ from gateway.pure.languages.val3.typing_rules import EQUAL
 TARGET = re.compile(r"@(\d+)@")
 CLOSERS = {"endif": "if", "endwhile": "while", "until": "do", "endfor": "for", "endswitch": "switch"}
 SHOWN = {"endif": "endIf", "endwhile": "endWhile", "endfor": "endFor", "endswitch": "endSwitch"}
+COMPLIANCE = ("movejf", "movelf", "iscompliant")  # instructions of an option of s7
 CONDITIONS = ("if", "elseif", "while", "until")
 OPENERS = {opener: closer for closer, opener in CLOSERS.items()}
 
@@ -182,10 +183,13 @@ class ProgramTranslator:
         """Calls of add-ons in a line, wherever they stand: each a warning; the first one, with which the line stops its task."""
         first = ""
         for token, after in zip(parser.tokens, parser.tokens[1:], strict=False):
-            if token.text == "$" and after.kind == "name":
+            name = f"${after.text}" if token.text == "$" and after.kind == "name" else ""
+            if token.text.lower() in COMPLIANCE and after.text == "(" and token.text not in self.app.programs:
+                name = token.text
+            if name:
                 place = Position(self.program.file, self.line, token.start + 1)
-                self.faults.warning("val3-add-on", place, f"'${after.text}' : add-on not installed")
-                first = first or f"${after.text}"
+                self.faults.warning("val3-add-on", place, f"'{name}' : add-on not installed")
+                first = first or name
         return first
 
     def _do_begin(self, parser: Expressions, translator: Translator) -> None:

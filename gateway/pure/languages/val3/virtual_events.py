@@ -78,7 +78,7 @@ def _known(own: Instance, event: Event) -> None:
     if event.what.partition(".")[0].partition("[")[0] not in own.data:
         raise EventFault(
             f"{event.what}: there is no global of that name; dio., aio., io., sio., page., board., mode, power, speed, estop, hold, "
-            "joints, connect, refresh, ratio, brakes, hibernate, wakeup, profile, answer and app are known, too"
+            "joints, connect, refresh, ratio, brakes, hibernate, wakeup, profile, answer, key and app are known, too"
         )
 
 
@@ -313,6 +313,12 @@ def _element(container: object, text: str) -> tuple[object, object]:
     return (container, text.strip('"')) if isinstance(container, dict) else (container, int(text))
 
 
+def key(machine: Machine, event: Event) -> None:
+    """key=A or key=271: a key of the pendant, for getKey and get."""
+    if not machine.screen.press(event.value):
+        raise EventFault(f"key={event.value}: one character or the number of a key is expected")
+
+
 LINKED = ("dio", "aio", "io", "sio")  # a variable's name stands for what it is linked to
 PLANT: dict[str, Callable[[Machine, str, Event], None]] = {
     "dio": signal,
@@ -329,6 +335,7 @@ OPERATOR: dict[str, Callable[[Machine, Event], None]] = {
     "estop": lambda machine, event: machine.robot.stop(round(number(event))),
     "hold": hold,
     "answer": lambda machine, event: machine.answers.append(event.value),
+    "key": key,
     "joints": joints,
     "connect": connect,
     "refresh": refresh,

@@ -17,7 +17,15 @@ export function mount(root, { t, get, post, unable }) {
   const entry = h("input", { id: "val3-entry", "aria-label": t("entry"), maxlength: "128" });
   const cancel = h("button", { type: "button", id: "val3-cancel", onclick: () => answer("cancel") }, t("Cancel"));
   ask.append(question, entry, h("button", { type: "submit", id: "val3-ok" }, "OK"), cancel);
-  const screen = h("pre", { id: "val3-screen", "aria-label": t("Text page") });
+  // Keys of the pendant, while the text page has the focus: codes of s7.
+  const codes = { Enter: "270", Escape: "255", ...Object.fromEntries([1, 2, 3, 4, 5, 6, 7, 8].map((n) => [`F${n}`, `${270 + n}`])) };
+  const press = (event) => {
+    const key = codes[event.key] || (event.key.length === 1 && !event.ctrlKey && !event.altKey && !event.metaKey ? event.key : "");
+    if (!key || unable("operator")) return;
+    event.preventDefault();
+    act({ act: "key", value: key });
+  };
+  const screen = h("pre", { id: "val3-screen", "aria-label": t("Text page"), tabindex: "0", onkeydown: press });
   const popups = h("ul", { id: "val3-popups" });
   const popupsHead = h("h2", { hidden: true }, t("Popups"));
   const screenHead = h("h2", { hidden: true }, t("Text page"));

@@ -58,6 +58,9 @@ def test_a_user_page_shows_and_sets_variables_and_prompts_wait() -> None:
     found = state(made)
     assert (found["mode"], found["folder"], found["title"], found["kind"]) == ("remote", "menu", "Menu", "")
     assert seen(made, "popups") == ["ready"] and seen(made, "screen") == ["press go"]
+    assert act(made, act="key", value="x") == {"ok": True} and act(made, act="key", value="no key") == {"ok": True}
+    made.bench.run(0.05)
+    assert made.language.machine is not None and list(made.language.machine.screen.keys) == [120.0]
     assert ["count", "innerHTML", "0"] in seen(made, "shown") and ["wish", "value", "7"] in seen(made, "shown")
     assert ["nWish", "num", "7"] in seen(made, "variables")
     assert act(made, act="enter", what="wish", value="12") == {"ok": True}

@@ -139,6 +139,27 @@ def test_text_page_of_s7_with_entries() -> None:
     assert isinstance(values, dict) and (values["nKey"], values["sName"]) == ([255, 255, 255], ""), "without an operator: Esc"
 
 
+def test_keys_of_the_pendant() -> None:
+    parts = data("nKey", "num", size="5") + data("bDown", "bool") + data("n", "num") + data("sc", "screen") + data("nNone", "num")
+    code = """  setTextMode(1)
+  setTextMode(sc,0)
+  nNone=getKey()
+  while n<3
+    nKey[n]=getKey()
+    n=n+sel(nKey[n]>=0,1,0)
+    delay(0.02)
+  endWhile
+  wait(isKeyPressed(276) and !isKeyPressed(sc,277))
+  bDown=true
+  nKey[3]=get(sc)
+  nKey[4]=getKey(sc)"""
+    files = project("app", {"start.pgx": pgx("start", code), "stop.pgx": pgx("stop", "")}, parts)
+    keys = ((0.1, "key=A"), (0.2, "key=1"), (0.2, "key=271"), (0.5, "key=276"))
+    found = played(files, "app", *keys)["globals"]
+    assert isinstance(found, dict) and found["nKey"] == [65, 49, 271, 276, -1]
+    assert (found["bDown"], found["nNone"]) == (True, -1)
+
+
 def test_a_project_of_s6_is_refused_by_name() -> None:
     old = b'<?xml version="1.0"?>\n<project xmlns="ProjectNameSpace">\n  <parameters version="s6.8" stackSize="5000" />\n</project>'
     found = Loader(Disk({"old/old.pjx": old})).load("old", "old")
@@ -161,7 +182,7 @@ def test_add_ons_load_with_a_warning_and_stop_with_250() -> None:
     tasks = played(files, "app")["tasks"]
     assert isinstance(tasks, dict) and tasks["app~"]["status"] == 250
     loops = "while $more()\ni=i+1\nendWhile", "for i=0 to $last()\nendFor", "if i==1\ni=2\nelseIf $x(i)\nendIf", "call $go()\ni=1"
-    for code in ("$setBoxcarFreq(60)", *loops):
+    for code in ("$setBoxcarFreq(60)", "movejf(i)", "if isCompliant()\ni=1\nendIf", *loops):
         parts = data("i", "num")
         found = played(project("app", {"start.pgx": pgx("start", code), "stop.pgx": pgx("stop", "")}, parts), "app")["tasks"]
         assert isinstance(found, dict) and found["app~"]["status"] == 250, code
