@@ -16,6 +16,7 @@ class Origin(NamedTuple):
     quick: Swift | None
     first: int
     width: float
+    led: bool = False  # a law that is led over into the next one
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,7 @@ class Planned:
     quick: Swift | None = None  # what an open path goes on from
     first: int = 0  # sample of it at which this law begins
     width: float = 0.0
+    led: bool = False
 
     def s(self, tau: float) -> float:
         """On the run's path."""

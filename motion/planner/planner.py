@@ -14,14 +14,15 @@ from motion.execution.timed import TimedPiece
 from motion.kinematics.base import Joints
 from motion.planner.block_search import few_are_new, within_search
 from motion.planner.commit import TooLongError, timed_pieces
-from motion.planner.committed import Origin, Planned, block_ends, runs_between, state_at, state_behind, stretches_of
-from motion.planner.corner_choice import PAUSE_S, quicker, stopping
+from motion.planner.committed import Origin, Planned, block_ends, runs_between, state_behind, stretches_of
+from motion.planner.corner_choice import PAUSE_S, quicker
 from motion.planner.cutting import beyond, rest_of
 from motion.planner.given_times import time_given
+from motion.planner.growing import Growing
 from motion.planner.law_cache import KnownLaws
 from motion.planner.marks import Mark, check_outputs, has_marks, marks_of
 from motion.planner.path_checks import Slowed
-from motion.planner.quick_law import STEP_S, Swift, cropped, swift_work, width_s
+from motion.planner.quick_law import width_s
 from motion.planner.robot import Machine
 from motion.planner.route import Route, RouteState
 from motion.planner.runs import Run, make_run
@@ -38,10 +39,11 @@ from motion.timing.slices import Slices, Work
 LOOK_AHEAD = 512  # blocks that may wait (owed: 256)
 WINDOW = 256  # stretches one law spans at most
 IN_TIME, PATIENCE = 0.3, 8.0  # of the lead: a tail that is made later comes too late; and so many times the lead at most, then
-WORTH = 0.75  # of the time of passing: stops in a row that still grows take less than this, or it is passed (AX-661)
 LEAD_S = 0.15  # a tail that begins sooner is not replaced any more: its replacement might come too late
 AHEAD_S = 2.0  # with more than this ahead nothing is handed on, hurry or not: the axes would go on for it without their planner
 HORIZON_S = 0.6  # with more than this ahead (at full speed) the tail is left alone; laws: AX-421
+LED_S = 0.42  # the same for a law that is refined each time (AX-961)
+FEW, FEW_LEADS = 4, 1.6  # and where not every fourth stretch is new, with more than so many leads ahead
 NAMED = 32  # stretches in a run up to which its pieces end where blocks end
 SMALLEST = 1e-9
 PASSED = 1e-6  # share of a block that may be left where a piece ends with it
@@ -265,7 +267,12 @@ class Planner:
         if not ready or (ahead > self.lead_s and few_are_new(self._fresh, ready)):
             return None
         known = self._fresh[ready - 1].stop or ready >= self.window
-        if ahead > max(self.ahead_s if hurry else self.horizon_s, 2.0 * self.lead_s * self._patience + self._carried()):
+        horizon = self.ahead_s if hurry else self.horizon_s
+        if self._planned and self._planned[-1].led:
+            horizon = min(horizon, LED_S)
+            if ahead > FEW_LEADS * self.lead_s and not known and FEW * ready < len(self._planned[-1].run.stretches):
+                return None
+        if ahead > max(horizon, 2.0 * self.lead_s * self._patience + self._carried()):
             return None
         if not self._planned or self._planned[-1].stops:
             if not (known or hurry or ready < len(self._fresh) or any(stretch.stop for stretch in self._fresh)):
@@ -294,7 +301,7 @@ class Planner:
     def _cut(self, tau: float) -> tuple[float, int] | None:
         """(tau, id) of the first piece of the last law that may still be replaced."""
         last = self._planned[-1]
-        if last.quick is None:
+        if last.quick is None and not last.led:
             return None
         lead = max(self.lead_s * self._patience, self.lead_s * IN_TIME + self._carried()) + self.queued_s
         return next(((at, number) for at, number in last.cuts if at >= tau + lead), None)
@@ -318,13 +325,11 @@ class Planner:
                     law = (yield from self._laws.law(run, self.factors)).later(PAUSE_S if self._planned else 0.0)
                 yield
                 return self._commit(run, law, self.end, None, Origin(None, 0, 0.0))
-            width = width_s(run.limits)
-            made = yield from swift_work(run.path, run.limits, width)
-            stops, _ = yield from stopping(row, self.machine, WORTH * made.law.duration, self.factors)
-            if stops:
-                self._back(stretch for part in stops for stretch in part)
+            begun = yield from Growing(self.machine, self.factors).begun(row, self.end)
+            if isinstance(begun, list):
+                self._back(stretch for part in begun for stretch in part)
                 return []
-            return self._commit(run, made.law, self.end, None, Origin(made, 0, width))
+            return self._commit(begun.run, begun.law, self.end, None, begun.origin)
         except (TooLongError, EndlessError) as error:
             fewer = self._half(row, error)
         yield
@@ -345,41 +350,21 @@ class Planner:
 
     def _extended(self, at: float, first_id: int, ready: int) -> Work[list[TimedPiece]]:
         """The last law is replaced from this piece on by one that goes on along what has become known since."""
-        last = self._planned[-1]
-        assert last.quick is not None
-        sample = last.first + round((at - last.begin) / STEP_S)
-        s = float(last.quick.law.s[sample])
-        index = max(k for k, start in enumerate(last.run.starts) if start <= s + SMALLEST)
-        row = self._window(ready)
-        history, cut = cropped(last.quick.shifted(last.run.starts[index]), sample, last.width)
-
-        def led(new: Sequence[Stretch]) -> Work[tuple[Run, Swift]]:
-            run = make_run([*last.run.stretches[index:], *new], self.machine, self.factors)
-            return run, (yield from swift_work(run.path, run.limits, last.width, history, cut))
-
+        last, row = self._planned[-1], self._window(ready)
         try:
-            run, made = yield from led(row)
-            taken = made.law.duration - cut * STEP_S
-            stops, seconds = yield from stopping(row, self.machine, WORTH * (taken - (last.end - at)), self.factors, moving=True)
-            if stops:
-                first = yield from led(stops[0])
-                if first[1].law.duration - cut * STEP_S + seconds < taken:
-                    run, made = first
-                    self._back(stretch for part in stops[1:] for stretch in part)
-                    row = stops[0]
+            grown = yield from Growing(self.machine, self.factors).gone_on(last, at, row)
         except MotionError:
             # Too fast by now for what lies behind: what was committed ends at rest before it, and the path goes on from there.
             self._back(row)
-            self._planned[-1] = replace(last, quick=None)
+            self._planned[-1] = replace(last, quick=None, led=False)
             return []
         if at < self._tau + self.lead_s * IN_TIME:  # the axes came too near while it was made: from further ahead
             self._back(row)
             self._patience = min(2.0 * self._patience, PATIENCE)
             return []
-        law = Law(made.law.s[cut:], made.law.speed[cut:], made.law.accel[cut:], STEP_S, state_at(made.law, cut))
         before = self.next_id, self._marks
         try:
-            pieces = self._commit(run, law, at, first_id, Origin(made, cut, last.width))
+            pieces = self._commit(grown.run, grown.law, at, first_id, grown.origin)
             carried = self.queued_s + self.carried_s * len(pieces)
             if at < self._tau + self.lead_s * IN_TIME + carried:  # the last of them would come too late
                 self._planned.pop()
@@ -391,11 +376,12 @@ class Planner:
             self._back(row)
             if len(row) > 1:
                 return (yield from self._extended(at, first_id, len(row) // 2))
-            self._planned[-1] = replace(last, quick=None)
+            self._planned[-1] = replace(last, quick=None, led=False)
             return []
+        self._back(grown.later)
         self._patience = 1.0
         place = len(self._planned) - 2
-        self._planned[place] = replace(last, end=at, cuts=tuple(c for c in last.cuts if c[0] < at), quick=None)
+        self._planned[place] = replace(last, end=at, cuts=tuple(c for c in last.cuts if c[0] < at), quick=None, led=False)
         return pieces
 
     def _commit(self, run: Run, law: Law, begin: float, first_id: int | None, origin: Origin) -> list[TimedPiece]:
@@ -405,7 +391,7 @@ class Planner:
         if isinstance(self.machine, Machine):
             limits = limits.whole(*self.machine.shares)
         try:
-            new, whole = first_id is not None, self.cuts and origin.quick is None and not has_marks(run)
+            new, whole = first_id is not None, self.cuts and origin.quick is None and not origin.led and not has_marks(run)
             pieces = timed_pieces(path, limits, law, first_id=number, mask=self.mask, blocks=blocks, new_tail=new, whole=whole)
         except TooLongError as error:
             error.block = run.place(error.s)[0]

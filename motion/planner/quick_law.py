@@ -49,9 +49,7 @@ class Swift:
 
     def shifted(self, by: float) -> "Swift":
         """The same on a path that begins `by` further on."""
-        law = self.law
-        moved = Law(law.s - by, law.speed, law.accel, law.step, (law.start[0] - by, law.start[1], law.start[2]))
-        return Swift(moved, self.raw - by, self.speed)
+        return Swift(self.law.shifted(by), self.raw - by, self.speed)
 
 
 def cropped(made: Swift, sample: int, width: float) -> tuple[Swift, int]:

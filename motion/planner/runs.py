@@ -46,8 +46,12 @@ class Run:
 
     def place(self, s: float) -> tuple[int, float]:
         """(block, share of its way that is made) at s; within a corner the block changes in the middle."""
-        index = max(bisect_right(self.starts, s) - 1, 0)
+        index = self.index(s)
         return progress(self.stretches[index], s - self.starts[index])
+
+    def index(self, s: float) -> int:
+        """Of the stretch at s."""
+        return max(bisect_right(self.starts, s) - 1, 0)
 
 
 def progress(stretch: Stretch, u: float) -> tuple[int, float]:

@@ -65,11 +65,14 @@ class Rows:
         return np.asarray(np.add.reduceat(values, self._begins))
 
 
-def fastest(rows: Rows, share: Array, begin: Array, held: int = 0) -> Work[Array]:
+def fastest(rows: Rows, share: Array, begin: Array, held: int = 0, ending: int = 0) -> Work[Array]:
     """x > 0, (n,).  right > 0; begin: (n,) > 0, need not meet the rows; held: leading x that stay as they begin.  A slice is a step."""
     most = float(np.max(rows.times(begin) / rows.right))
     x = begin * min(1.0, INSIDE / most)
-    x[:held] = begin[:held]
+    fixed = np.r_[0:held, len(x) - ending : len(x)]
+    x[fixed] = begin[fixed]
+    stay = np.zeros(len(x), dtype=bool)
+    stay[fixed] = True
     y = np.maximum(rows.right - rows.times(x), 1e-3)
     z = 1.0 / (y.size * y)
     for _ in range(STEPS):
@@ -82,11 +85,13 @@ def fastest(rows: Rows, share: Array, begin: Array, held: int = 0) -> Work[Array
         weight = z / y
         diagonal, near, far = rows.normal(weight)
         diagonal += curve
-        diagonal[:held] = 1e15
+        diagonal[fixed] = 1.0
+        for band, apart in ((near, 1), (far, 2)):
+            band[stay[apart:] | stay[:-apart]] = 0.0
         system = Banded(diagonal, near, far)
         target = weight * lack
 
-        base = _Base(rows, system, gradient, lack, target, weight, z, held)
+        base = _Base(rows, system, gradient, lack, target, weight, z, fixed)
         _, dy, dz = base.directions(np.zeros_like(y))
         far_y, far_z = _room(y, dy, 1.0), _room(z, dz, 1.0)
         after = _sum(y + far_y * dy, z + far_z * dz) / y.size
@@ -108,12 +113,12 @@ class _Base:
     target: Array
     weight: Array
     z: Array
-    held: int
+    fixed: NDArray[np.intp]
 
     def directions(self, centred: Array) -> tuple[Array, Array, Array]:
         """(dx, dy, dz) towards slack times multiplier = centred times slack."""
         right = -self.gradient - self.rows.transposed(centred + self.target)
-        right[: self.held] = 0.0
+        right[self.fixed] = 0.0
         dx = self.system.solve(right)
         dy = -self.lack - self.rows.times(dx)
         return dx, dy, centred - self.z - self.weight * dy

@@ -132,7 +132,7 @@ def _slower_there(law: Law, places: Array, factors: Array, length: float) -> Law
 
 def shares(path: JointPath, limits: LawLimits, law: Law, period_s: float = JUDGE_S) -> tuple[float, float, float]:
     """Largest speed, acceleration and jerk as shares of their limits, from differences of the set values of the axes."""
-    parts = _differences(path, limits, _places(law, period_s), period_s)
+    parts = differences(path, limits, _places(law, period_s), period_s)
     speed, accel, jerk = (float(np.max(part)) for part in parts)
     return speed, accel, jerk
 
@@ -150,7 +150,7 @@ def _places(law: Law, period_s: float, phase: float = 0.0) -> Array:
     return np.concatenate([np.full(3 if law.at_rest else 0, law.s[0]), s])
 
 
-def _differences(path: JointPath, limits: LawLimits, s: Array, period_s: float) -> list[Array]:
+def differences(path: JointPath, limits: LawLimits, s: Array, period_s: float) -> list[Array]:
     """Shares of speed, acceleration and jerk at each sample."""
     q = path.at(s)
     most, _, jolt = limits.at(s)
@@ -166,7 +166,7 @@ def _excess(path: JointPath, limits: LawLimits, law: Law) -> Work[Excess]:
     for phase in PHASES if law.at_rest else (0.0,):
         s = _places(law, JUDGE_S, phase)
         for first in range(0, len(s) - 3, A_SLICE):
-            speed, accel, jerk = _differences(path, limits, s[first : first + A_SLICE + 3], JUDGE_S)
+            speed, accel, jerk = differences(path, limits, s[first : first + A_SLICE + 3], JUDGE_S)
             index = np.arange(len(jerk)) + first + 2
             places.append(np.stack([s[np.maximum(index - AROUND, 0)], s[index], s[np.minimum(index + AROUND, len(s) - 1)]], axis=1))
             much.append(np.maximum(jerk / JERK_GOOD, accel[1:] / ACCEL_GOOD))
@@ -214,7 +214,7 @@ def _ramp(limits: LawLimits) -> float:
     return float(np.max(limits.accel[finite] / limits.jerk[finite])) if np.any(finite) else 0.0
 
 
-def _rows(path: JointPath, limits: LawLimits, law: Law, beta: Array, tight: Array, slow: Array) -> Rows:
+def law_rows(path: JointPath, limits: LawLimits, law: Law, beta: Array, tight: Array, slow: Array) -> Rows:
     """What the limits say about beta on the law's grid."""
     h, known = law.step, beta[:, None]
     padded = law.padded(2)
@@ -260,7 +260,7 @@ def _warp(path: JointPath, limits: LawLimits, law: Law, near: Array, tight: Arra
     share[0] = share[-1] = 0.5 / (n - 1)
     beta, begin, value = np.ones(n), np.minimum(near, WARP), np.inf
     for _ in range(ROUNDS):
-        beta = begin = yield from fastest(_rows(path, limits, law, beta, tight, slow), share, begin, 0 if law.at_rest else 2)
+        beta = begin = yield from fastest(law_rows(path, limits, law, beta, tight, slow), share, begin, 0 if law.at_rest else 2)
         before, value = value, float(np.sum(share / np.sqrt(beta)))
         if abs(before - value) < SETTLED * value:
             break

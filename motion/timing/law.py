@@ -102,6 +102,10 @@ class Law:
         """The same in `factor` times the time; from rest only."""
         return Law(self.s, self.speed / factor, self.accel / factor**2, self.step * factor)
 
+    def shifted(self, by: float) -> "Law":
+        """The same on a path that begins `by` further on."""
+        return Law(self.s - by, self.speed, self.accel, self.step, (self.start[0] - by, self.start[1], self.start[2]))
+
     def later(self, seconds: float) -> "Law":
         """The same after so long a rest (rounded up to whole steps); from rest only."""
         count = math.ceil(seconds / self.step - 1e-9)

@@ -6,46 +6,26 @@ up to speed, and before the first one brakes for its end, they run at nearly the
 there; nothing is ever driven that was not planned to the end.
 """
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.paths.joints import JointPath, joint_part
-from motion.timing.jerk import jerk_limited, shares
 from motion.timing.law import Law
-from motion.timing.limits import LawLimits
 
 Array = NDArray[np.float64]
-RUN_UP_S = 0.6  # how far back the second law begins, in time of the first
-LEAD_S = 0.08  # over which one law becomes the other
-CLOSE = 0.01  # largest difference of the speeds there, as share
+RUN_UP_S = 0.25  # how far back the second law begins, in time of the first
+LEAD_S = 0.04  # over which one law becomes the other
+CLOSE = 0.5  # largest difference of the speeds there, as share
 GRID, STRIDE = 4000, 20
-TOPS = (1.0, 1.02, 1.08)  # shares of speed, acceleration, jerk beyond which the lead-over is not taken
 
 
-def continued(path: JointPath, limits: LawLimits, before: Law, index: int) -> Law | None:
-    """From `before` at its grid point `index` to rest at the end of the path, which goes on behind before's end.
+def led_over(before: Law, index: int, second: Law) -> tuple[Law, float] | None:
+    """From `before` at its grid point `index` to the end of `second`, both on the same path; and the s after which it is the second one.
 
-    None: the laws do not come close enough after that point; `before` holds.
+    None: the laws do not come close after that point.
     """
-    begin = float(before.s[max(index - round(RUN_UP_S / before.step), 0)])
-    fresh = jerk_limited(joint_part(path, begin, path.length), _shifted(limits, begin))
-    second = replace(fresh, s=fresh.s + begin)
-    now = float(before.s[index])
-    s = np.linspace(now, float(before.s[-1]), GRID)
-    one, two = _squares(before, s), _squares(second, s)
-    at = _meeting(s, one, two, before)
-    if at is None:
-        return None
-    law = _led_over(before, second, index, *at)
-    found = shares(path, limits, law)
-    return law if all(share <= top for share, top in zip(found, TOPS, strict=True)) else None
-
-
-def _shifted(limits: LawLimits, begin: float) -> LawLimits:
-    caps = tuple(replace(cap, start=cap.start - begin, end=cap.end - begin) for cap in limits.caps if cap.end > begin)
-    return replace(limits, caps=caps)
+    s = np.linspace(float(before.s[index]), float(before.s[-1]), GRID)
+    at = _meeting(s, _squares(before, s), _squares(second, s), before)
+    return None if at is None else (_led_over(before, second, index, *at), at[1] - index * before.step)
 
 
 def _squares(law: Law, s: Array) -> Array:

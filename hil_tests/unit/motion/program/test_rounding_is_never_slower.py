@@ -1,11 +1,13 @@
 """A corner that is passed takes no longer than a stop in it, however small it is and however many there are."""
 
+import numpy as np
 import pytest
 
 from gateway.assembly.programs import machine_of_cell
 from gateway.cell_file.load import load_cell
 from gateway.files.find import find_config, read_text
-from hil_tests.lab.cells.arms import robot
+from hil_tests.lab.cells.arms import robot, shares
+from motion.execution.follower import Follower
 from motion.paths.joints import JointPath
 from motion.planner.planner import Planner
 from motion.planner.route import Route
@@ -103,37 +105,48 @@ def test_the_law_over_a_corner_is_not_slowed_more_than_its_worst_place_asks_for(
     assert jerk_limited(run.path, run.limits).duration < 1.1 * estimate(run.path, run.limits)
 
 
-def fed(name: str, text: str) -> float:
-    """s, with blocks that become known one a turn of 5 ms, a dozen ahead of the axes."""
-    program = read(HEADS[name] + text)
-    planner, blocks, tau, quiet = Planner(robot(name), program.start), list(program.blocks), 0.0, 0
+def fed(name: str, text: str, ahead: int = 12) -> tuple[float, float]:
+    """s, and the largest jerk as a share of its limit, with blocks that become known one a turn of 5 ms, so many ahead of the axes."""
+    program, machine = read(HEADS[name] + text), robot(name)
+    planner, blocks, tau, quiet = Planner(machine, program.start), list(program.blocks), 0.0, 0
+    follower, rows = Follower(machine.axes, MS), [tuple(program.start)]
     while blocks or planner.open:
         quiet += 1
-        if blocks and planner.waiting < 12:
+        if blocks and planner.waiting < ahead:
             planner.add(blocks.pop(0))
             quiet = 0
         elif not blocks and quiet < 9:
             planner.finish()
             quiet = 9
-        planner.plan(tau, hurry=quiet > 6)
+        for piece in planner.plan(tau, hurry=quiet > 6):
+            follower.load(piece)
         tau = min(tau + 5e-3, planner.end)
-    return planner.end
+    while not (progress := follower.step(1.0)).at_end:
+        rows.append(tuple(progress.q[axis][0] for axis in range(machine.axes)))
+    return planner.end, shares(machine, np.array([*rows, planner.standing]), MS)[2]
 
 
-@pytest.mark.parametrize("name", list(HEADS))
-def test_corners_that_become_known_while_the_axes_run(name: str) -> None:
-    """They took 1.7 times as long as stops.  What is known late may be stopped in once more."""
-    text = steps(40, 1.0)
-    stops = planned(name, text)
-    assert fed(name, f"set radius=0.05\n{text}") <= 1.06 * stops
-    assert fed(name, f"set radius=0.3\n{text}") < 0.99 * stops
+@pytest.mark.parametrize(
+    ("name", "count", "mm", "radius", "ahead"),
+    [
+        ("portal", 40, 1.0, 0.05, 12),
+        ("portal", 20, 10.0, 1.0, 12),
+        ("portal", 20, 10.0, 1.0, 6),
+        ("tx60-like", 20, 10.0, 1.0, 12),
+        ("tx60-like", 24, 5.0, 0.5, 12),
+    ],
+)
+def test_corners_that_become_known_while_the_axes_run(name: str, count: int, mm: float, radius: float, ahead: int) -> None:
+    """They took up to 1.7 times as long as stops, then 1.16: what a corner asks for was kept too far around it.  AX-961."""
+    text = steps(count, mm)
+    seconds, jerk = fed(name, f"set radius={radius}\n{text}", ahead)
+    assert seconds <= 1.01 * planned(name, text)
+    assert jerk <= 1.05
 
 
-@pytest.mark.parametrize(("name", "most"), [("portal", 1.09), ("tx60-like", 1.2)])
-def test_longer_moves_that_become_known_while_the_axes_run(name: str, most: float) -> None:
-    """They took 1.12 and 1.28 times as long as stops: what a corner asks for was kept too far around it."""
-    text = steps(20, 10.0)
-    assert fed(name, f"set radius=1\n{text}") <= most * planned(name, text)
+def test_a_row_that_is_refined_is_as_quick_as_one_known_whole() -> None:
+    text = f"set radius=3\n{steps(12, 10.0)}"
+    assert fed("portal", text)[0] <= 1.03 * planned("portal", text)
 
 
 def test_a_row_of_more_stretches_than_a_law_spans() -> None:
