@@ -11,6 +11,7 @@ from dataclasses import asdict, replace
 from drivers.emulator.canopen.node import CanopenNode, Handler
 from drivers.emulator.canopen.objects import Objects
 from drivers.emulator.cia402.axis import NEVER
+from drivers.emulator.cia402.delayed_frames import DelayedFrames
 from drivers.emulator.cia402.errors import CAUSES
 from drivers.emulator.cia402.orders import OrderedAxis
 from drivers.emulator.cia402.seat import SPREAD, Counters, Event, Seat
@@ -40,10 +41,8 @@ class Cia402Slave:
         self._soonest: Ns = 0
         self._last_sync: Ns | None = None
         self._row_due: Ns = NEVER
-        self._later: list[tuple[Ns, int, Frame]] = []
-        self._order = 0
+        self._delayed = DelayedFrames()
         self._output: list[Frame] = []
-        self._events: list[Event] = []
         self._rows = bytearray()
 
     def _seat_of(self, number: int, dictionary: ObjectDictionary, substeps: int) -> Seat:
@@ -81,7 +80,7 @@ class Cia402Slave:
                 for seat, handler in routes:
                     self._hand(seat, handler, frame, stamp)
                     self._handled(seat, stamp)
-        return self._take_events()
+        return []
 
     def error_frame(self, kind: FrameFault, now: Ns) -> list[Event]:
         """BUS_OFF: the controller that all these nodes share left the bus; the next frame received shows that it is back."""
@@ -91,7 +90,7 @@ class Cia402Slave:
                 seat.bus_off = not seat.node.silent
                 self._bus_off(seat)
             self._output.clear()
-        return self._take_events()
+        return []
 
     def sent(self, now: Ns) -> list[Event]:
         return []
@@ -102,7 +101,7 @@ class Cia402Slave:
             self._begin(now)
         if now >= self._soonest:
             self._expire(now)
-        return self._take_events()
+        return []
 
     def deadline(self) -> Ns | None:
         """The exact instant of the next expiry; call wake(deadline or later) a grace after it."""
@@ -115,8 +114,8 @@ class Cia402Slave:
     def lost(self, now: Ns) -> list[Event]:
         """The port is gone: pending output is dropped; the drives run on and miss their master."""
         self._output.clear()
-        self._later.clear()
-        return self._take_events()
+        self._delayed.clear()
+        return []
 
     # -- time -----------------------------------------------------------------------------------
 
@@ -142,9 +141,7 @@ class Cia402Slave:
             due = seat.node.soonest
             if due < soonest:
                 soonest = due
-        if self._later and self._later[0][0] < soonest:
-            soonest = self._later[0][0]
-        self._soonest = soonest
+        self._soonest = min(soonest, self._delayed.due)
 
     def _expire(self, now: Ns) -> None:
         while (due := self._soonest) <= now:
@@ -152,8 +149,8 @@ class Cia402Slave:
             for seat in self.seats:
                 if seat.node.soonest <= due:
                     self._act(seat, due)
-            while self._later and self._later[0][0] <= due:
-                self._output.append(self._later.pop(0)[2])
+            if self._delayed.due <= due:
+                self._output += self._delayed.take(due)
             if self._row_due <= due:
                 self._idle_row(due)
             if any(seat.node.handlers_changed for seat in self.seats):
@@ -263,13 +260,7 @@ class Cia402Slave:
 
     def _delay(self, seat: Seat, frame: Frame, stamp: Ns) -> None:
         seat.random = seat.random * 16807 % SPREAD
-        self._order += 1
-        self._later.append((stamp + seat.delay_ns + seat.random % (seat.spread_ns + 1), self._order, frame))
-        self._later.sort()
-
-    def _take_events(self) -> list[Event]:
-        events, self._events = self._events, []
-        return events
+        self._delayed.add(frame, stamp + seat.delay_ns + seat.random % (seat.spread_ns + 1))
 
     # -- beside the protocol --------------------------------------------------------------------
 

@@ -17,7 +17,6 @@ CLASSES: Mapping[str, int] = {
     "drivers/drives/servodyn.py:Drive": 23,
     "drivers/emulator/canopen/node.py:CanopenNode": 24,
     "drivers/emulator/cia402/axis.py:Cia402Axis": 24,
-    "drivers/emulator/cia402/slave.py:Cia402Slave": 17,
     "drivers/emulator/cia402/view.py:DriveView": 21,
     "drivers/emulator/servodyn/axis.py:ServodynAxis": 25,
     "drivers/emulator/servodyn/slave.py:ServodynSlave": 19,
