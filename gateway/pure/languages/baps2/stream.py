@@ -33,8 +33,7 @@ class Stream:
         self._tokens: list[Token] = []
         self._files = 0  # included
         self._absent: set[str] = set()  # to be included
-        self._texts: dict[str, str] = {}
-        self._rows: dict[str, list[str]] = {}  # of the texts, once they are asked for
+        self._rows: dict[str, list[str]] = {}  # of each file
         self._expand(source)
         self._next = 0
         self._last = len(self._tokens) - 1
@@ -47,7 +46,7 @@ class Stream:
 
     def _expand(self, source: SourceFile) -> None:
         """Adds the tokens of a file; an included file in the place of its instruction, without its END token."""
-        self._texts[source.name] = source.text
+        self._rows[source.name] = source.text.splitlines()
         add = self._tokens.append
         for token in tokens_of(source, self._words, self.faults):
             if token.kind is Kind.INSTRUCTION:
@@ -136,7 +135,7 @@ class Stream:
         token = self.ahead(-1)
         if self.token.position.line == token.position.line or not self._next:
             return "", 0
-        rows = self._rows.setdefault(token.position.file, self._texts[token.position.file].splitlines())
+        rows = self._rows[token.position.file]
         row = rows[token.position.line - 1] if token.position.line <= len(rows) else ""
         end = token.position.column - 1 + len(token.text)
         rest = row[end:].lstrip()
