@@ -9,6 +9,9 @@ from gateway.pure.languages.baps2.words import Words
 ASSIGNED = ("=", ".", "[")  # behind a name that is assigned to
 CALLING = ("JUMP", "SUBROUTINE")
 ENGLISH = "en"
+ENDS = ("PROGRAM_END", "SUB_END", "END")
+DECLARES = "INTEGER REAL BINARY CHAR TEXT POINT JC_POINT WC_FRAME ARRAY INPUT OUTPUT FILE BNR_FILE SEMAPHORE CONST EXTERNAL SPC_FCT"
+BEGINS = frozenset(("BEGIN", "START", *DECLARES.split()))  # behind the name of a routine without parameters
 
 
 def language_of(tokens: Iterable[Token], words: Words) -> str:
@@ -22,6 +25,24 @@ def is_foreign(token: Token, language: str, words: Words) -> bool:
     if not token.word or words.language(token.text) == language:
         return False
     return any(each.language == language for each in words.spellings[token.word])
+
+
+def no_subroutines(tokens: list[Token], words: Words) -> Iterator[int]:
+    """Places of an English text where the German word UP begins no subroutine: it is a name (an output UP beside one DOWN)."""
+    places = [place for place, token in enumerate(tokens) if token.word == "SUBROUTINE"]
+    language = language_of(tokens, words) if places else ""
+    for place in places:
+        if is_foreign(tokens[place], language, words) and not _begins_routine(tokens, place):
+            yield place
+
+
+def _begins_routine(tokens: list[Token], place: int) -> bool:
+    """Whether a name and the beginning of a routine follow behind the end of another one."""
+    name, behind = tokens[min(place + 1, len(tokens) - 1)], tokens[min(place + 2, len(tokens) - 1)]
+    begins = behind.text == "(" or behind.word in BEGINS or behind.kind is Kind.INSTRUCTION
+    before = tokens[place - 1] if place else None
+    ended = before is None or before.word in ENDS or before.kind is Kind.INSTRUCTION
+    return ended and name.kind is Kind.NAME and not name.word and begins
 
 
 def called(tokens: Iterable[Token]) -> tuple[set[str], set[str]]:

@@ -4,7 +4,7 @@ import re
 from collections.abc import Collection
 from typing import NoReturn
 
-from gateway.pure.languages.baps2.homonyms import called, is_foreign, labels_among, language_of, named
+from gateway.pure.languages.baps2.homonyms import called, is_foreign, labels_among, language_of, named, no_subroutines
 from gateway.pure.languages.baps2.lexer import Kind, Token, tokens_of
 from gateway.pure.languages.baps2.slips import meant
 from gateway.pure.languages.baps2.words import Words
@@ -35,6 +35,8 @@ class Stream:
         self._absent: set[str] = set()  # to be included
         self._rows: dict[str, list[str]] = {}  # of each file
         self._expand(source)
+        for place in no_subroutines(self._tokens, words):
+            self._tokens[place] = self._tokens[place]._replace(word="")
         self._next = 0
         self._last = len(self._tokens) - 1
         self._depth = 0

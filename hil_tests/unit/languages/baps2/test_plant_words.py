@@ -4,7 +4,7 @@ WRITE of much (rho 3 releases L1858-1880, 1938, 5795-5912, 8884)."""
 import pytest
 
 from hil_tests.lab.virtual.baps2_bench import HEAD, ProgramCell, one
-from hil_tests.unit.languages.baps2.running import body, run, short, written
+from hil_tests.unit.languages.baps2.running import body, faults_of, run, short, written
 
 SET = """;;KINEMATICS : (1=ROB)
 ;;ROB.WC_NAMES = X,Y,Z,A,B,C
@@ -94,3 +94,17 @@ def test_a_write_by_3964r_of_more_than_a_block_is_condition_8() -> None:
 def test_a_dry_run_refuses_speeds_that_a_cell_refuses(text: str, words: str) -> None:
     events = run(";;KINEMATICS : (1 = K)\n;;K.JC_NAMES = X\n" + body(text))
     assert [(e["line"], e["code"], e["text"]) for e in events if e["event"] == "error"] == [(7, 218, f"value out of range: {words}")]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "PROGRAM P\nOUTPUT : 1 = UP, 2 = DOWN\nBEGIN\nUP = 1\nDOWN = NOT UP\nIF DOWN = 1 THEN UP = 0\nPROGRAM_END\n",
+        "PROGRAM P\nBEGIN\nUP\nWAIT 1\nIF VERSION > 2 THEN BEGIN\nWAIT 1\nEND\nUP\nPROGRAM_END\nSR UP\nBEGIN\nWAIT 1\nSR_END\n",
+        "PROGRAM P\nINTEGER : I\nBEGIN\nUP (1, I)\nPROGRAM_END\nSR UP (VALUE INTEGER : N INTEGER : M)\nBEGIN\nM = N\nSR_END\n",
+        "PROGRAM P\nDEF POINT : UP\nBEGIN\nL: MOVE VIA UP TO UP\nUP.X = 3\nJUMP L\nPROGRAM_END\nUP NEXT\nBEGIN\nWAIT 1\nUP_ENDE\n",
+    ],
+)
+def test_up_is_a_name_in_an_english_program(text: str) -> None:
+    """AX-1747."""
+    assert faults_of(f";;KINEMATICS : (1 = ROB)\n;;ROB.WC_NAMES = X, Y\n{text}") == []
