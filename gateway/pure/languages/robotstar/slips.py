@@ -5,6 +5,7 @@ Only what no step can mean is put right: the name of a variable begins with the 
 
 import re
 
+from gateway.pure.languages.robotstar.grammar import GRAMMAR
 from gateway.pure.languages.robotstar.path import CARTESIAN
 from gateway.pure.languages.robotstar.words import Words
 
@@ -18,6 +19,10 @@ _TEXT = re.compile(r'("[^"]*")')
 _NUMBER = re.compile(r"(?<![\w#.])[+-]?(?=[\w.|]*\d)(?![IRVPTS_])[\dOoQl|IBSZ]+(?:\.[\dOoQlI|BSZ]+)?(?![\w.])")
 _HEX = re.compile(r"(?<![\w#])(?=[\dO])[\dA-FOo]+H(?!\w)")
 _BINARY = re.compile(r"[01]+B")
+_NAME = re.compile(  # what stands in front, and a name whose first letter, that of its type, was read as a digit
+    r"(?:(?P<descriptor>[A-Za-z][\w-]*)\s*:?\s*|(?<=,)\s*|(?<=^)\s*|(?<=\[)\s*)(?<![\w.#])(?P<first>[1l|!5])(?=_?[A-Z]{2}|_[A-Z])(?P<rest>\w+)"
+)
+VARIABLES = ("OP_1", "OP_2", "VARIABLE", "SOURCE", "DESTINATION", "VECTOR")
 _ALONE = re.compile(r"(?<=[:,])(\s*[+-]?)([OolB])(?=\s*(?:,|$))")
 _EQUATE = re.compile(r"#([\w|!-]+|[<>]?=[Ool|]|=[<>])")
 _SIGN = re.compile(r"(?<=[\"\w])(\s*)[;.](\s*)(?=#|[A-Za-z_]\w*\s*:)|(?<=\")\s*[.;](?=\s*[\w#\"])")
@@ -52,12 +57,22 @@ def _outside_texts(meant: str, text: str, words: Words) -> str:
     text = _HEX.sub(lambda found: found[0].replace("O", "0").replace("o", "0"), text)
     text = _NUMBER.sub(lambda found: found[0] if _BINARY.fullmatch(found[0]) else found[0].translate(DIGITS), text)
     text = _ALONE.sub(lambda found: found[1] + found[2].translate(DIGITS), text)
+    text = _NAME.sub(lambda found: _name(meant, found, words), text)
     if meant in ONE_NUMBER:
         text = _DECIMAL.sub(r"\1.\2", text)
     if meant == "POSITION":
         return _OF_POSITION.sub(lambda found: f"{found[1]}{found[2].replace('.', '')}.{found[3]}", text)
     text = _COLON_LOST.sub(lambda found: f"{found[1]}{found[2]}: " if _is_descriptor(found[2], words) else found[0], text)
     return _COMMA_BEHIND_NUMBER.sub(r"\1, ", text)
+
+
+def _name(meant: str, found: re.Match[str], words: Words) -> str:
+    """A variable 1ZAEHL is IZAEHL, 5_PROG is S_PROG; labels and names of programs begin as they like."""
+    named = any(place.kind == "text" for place in GRAMMAR.get(meant, ()))
+    of_variable = words.descriptor(found["descriptor"] or "") in VARIABLES
+    if (named and not of_variable) or _HEX.fullmatch(found["first"] + found["rest"]):
+        return found[0]
+    return found[0][: -1 - len(found["rest"])] + ("S" if found["first"] == "5" else "I") + found["rest"]
 
 
 def _is_descriptor(text: str, words: Words) -> bool:

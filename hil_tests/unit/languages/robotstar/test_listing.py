@@ -232,3 +232,13 @@ def test_steps_of_a_printed_plc_program_stay_as_they_are() -> None:
     assert found.notes == []
     assert list(found.files) == ["MAIN.PLC", "LAMPE.PLC", "A.MPR"]
     assert [line[5:] for line in found.files["MAIN.PLC"].splitlines()] == ['PLC "MAIN"', *steps]
+
+
+def test_the_first_letter_of_a_variable_read_as_a_digit_is_put_right_where_no_label_or_program_is_named() -> None:
+    read = "VAR 1ZAEHL\nVAR Name: 5_PROG(20)\nKOPIERE l00, 1ZAEHL\nTESTE #VARIABLE, Op_1: lZAEHL, #<, Op_2: 9, Marke: 1ABC\nMARKE 1ABC\n"
+    meant = "VAR IZAEHL\nVAR Name: S_PROG(20)\nKOPIERE 100, IZAEHL\nTESTE #VARIABLE, Op_1: IZAEHL, #<, Op_2: 9, Marke: 1ABC\nMARKE 1ABC\n"
+    same = "AND 1ABCH, IZAEHL\nKOPIERE 1AFFH, _SPS[IZAEHL]\nCALL 5_PROG\nENDE"
+    steps = [f"MPR P\n{text}{same}".splitlines() for text in (read, meant)]
+    listing = "\n".join(f"{number} {step}" for number, step in enumerate(steps[0], 1))
+    found = import_listing(listing, WORDS).files["P.MPR"]
+    assert [line[5:] for line in found.splitlines()[1:]] == steps[1][1:]
