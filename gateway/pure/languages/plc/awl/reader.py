@@ -1,7 +1,7 @@
 """Reads a statement list: printed listings of STEP 5, sources of STEP 7, bare lists.  Blocks, labels, words and operands, in German."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
 
 from gateway.pure.languages.plc.awl.slips import heading_of, label_of, put_right, without_colon
@@ -133,7 +133,8 @@ class Reader:
             for part in self._parts(number, line):
                 self._line(number, part)
         for block in self.found.blocks:
-            block.statements = [self._led(block, each) for each in block.statements]
+            labels = {each.label for each in block.statements if each.label}
+            block.statements = [self._led(labels, each) for each in block.statements]
         return self.found
 
     def _parts(self, number: int, line: str) -> Iterator[str]:
@@ -231,10 +232,9 @@ class Reader:
     def _read_as(self, number: int, text: str, meant: str) -> None:
         self.found.notes.append(f"line {number}: {text[:60]!r} is read as {meant[:60]!r}")
 
-    def _led(self, block: Block, statement: Statement) -> Statement:
+    def _led(self, labels: Collection[str], statement: Statement) -> Statement:
         """A jump to a label of the block, also where one of the two is misread."""
         found = JUMP.match(statement.operand) if statement.word in ("SPA", "SPB", "SPBN", "SPBB", "SPBNB") else None
-        labels = {each.label for each in block.statements if each.label}
         if found is None or found[1] in labels or not (meant := label_of(found[1], labels)):
             return statement
         self._read_as(statement.line, statement.operand, f"={meant}")
