@@ -65,7 +65,7 @@ def _refused(arguments: argparse.Namespace, code: int, faults: Sequence[str]) ->
 
 def _print_errors(suite: str, code: int, faults: Sequence[str]) -> None:
     """Of the kind of a result, with `errors` and without cases."""
-    found = {"kind": KIND, "format": FORMAT, "suite": {"name": suite}, "exit": code, "errors": list(faults), "cases": []}
+    found = {"kind": KIND, "format": FORMAT, "suite": {"name": suite}, "exit": code, "errors": list(faults), "counts": {}, "cases": []}
     with contextlib.suppress(OSError):  # standard output may be what failed
         print(json.dumps(found, ensure_ascii=False), flush=True)
 

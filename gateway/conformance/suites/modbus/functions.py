@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from gateway.conformance.framework.causes import PREPARING
 from gateway.conformance.suites.modbus.content import kept, write_back
 from gateway.conformance.suites.modbus.other_functions import other_functions
-from gateway.conformance.suites.modbus.tester import CROSS, EXCEPTIONS, TABLES, ModbusTester
+from gateway.conformance.suites.modbus.tester import CROSS, TABLES, ModbusTester, without_top_bit
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, NotApplicable, Warn
 
@@ -64,7 +64,7 @@ def _basic(p: Purposes[ModbusTester], basic: str) -> None:
         amount = struct.pack(">BHH", function, t.setup.base.get(function, 0), 0)
         said = [t.ask(pdu, judge=True) for pdu in (amount, b"\x41")]  # 41h: a function that is not offered
         for got in said:
-            if len(got) == 2 and not got[0] & 0x80 and got[1] in EXCEPTIONS:
+            if without_top_bit(got):
                 raise Fail(f"a refusal without the top bit: {t.words(got)}", f"{got[0] | 0x80:02X} {got[1]:02X}", t.words(got))
         if not any(said):
             raise Fail("neither an amount of 0 nor function 41h is refused: no answer", "an exception of two bytes", t.words(b""))
@@ -360,6 +360,8 @@ def unchanged(t: ModbusTester, pdu: bytes, what: str, table: int, at: int, count
     with t.given():
         before = t.read(table, at, count)
     got = t.ask(pdu)
+    if without_top_bit(got):
+        raise Fail(f"{what} is refused without the top bit", f"{got[0] | 0x80:02X} {got[1]:02X}", t.words(got))
     if got and not got[0] & 0x80:
         _restored(t, table, at, before)
         raise Fail(f"{what} was executed", "a refusal, silence or close", t.words(got))

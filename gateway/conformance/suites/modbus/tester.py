@@ -25,6 +25,13 @@ EXCEPTIONS = {
     10: "gateway path unavailable",
     11: "gateway target silent",
 }
+
+
+def without_top_bit(pdu: bytes) -> bool:
+    """A refusal whose function has no top bit: two bytes, the second an exception; no answer of a function is as short."""
+    return len(pdu) == 2 and not pdu[0] & 0x80 and pdu[1] in EXCEPTIONS
+
+
 CROSS = Particulars(cross="Modbus conformance test specification V3.0")
 TABLES = {1: "coils", 2: "discrete_inputs", 3: "holding_registers", 4: "input_registers"}
 MOST_FRAME = 600

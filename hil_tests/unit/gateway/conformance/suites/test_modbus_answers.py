@@ -70,3 +70,16 @@ def test_refusals_without_the_form_of_exceptions_are_one_fail(make: Callable[[],
     found = fails(play(SUITES["modbus-tcp"], Variant("judged", "", make, {}, {}), ("MBTCP_FUN_BI_04", *others)))
     assert "MBTCP_FUN_BI_04" in found
     assert not others & set(found)
+
+
+def test_a_refusal_of_one_function_without_the_top_bit_is_not_taken_for_an_answer() -> None:
+    """Of FC 6 alone: FUN_BI_04 asks another function."""
+
+    def said(device: Device, asked: bytes, right: bytes) -> bytes:
+        return no_top_bit(device, asked, right) if asked[0] == 6 else right
+
+    only = ("MBTCP_FUN_BI_60", "MBTCP_LEN_BI_02", "MBTCP_LEN_BI_04")
+    device = Variant("no-bit", "", lambda: Device(False, said), {"unit": 1}, {})
+    results = {result.purpose.id: result for result in play(SUITES["modbus-tcp"], device, only)}
+    assert fails(list(results.values())) == ("MBTCP_FUN_BI_60", "MBTCP_LEN_BI_02")
+    assert results["MBTCP_FUN_BI_60"].reason == "FC 6 with a byte too few is refused without the top bit"
