@@ -10,6 +10,8 @@ from gateway.conformance.peers.rk512_active import (
     CommandTwice,
     Hangs,
     HangsAtError,
+    HangsInStop,
+    HangsWhenLocked,
     HangsWhenLong,
     HangsWhenShort,
     LongJobs,
@@ -250,6 +252,8 @@ MUTANTS = (
     _mutant("hangs-when-short", "stops after a short reaction", [f"{A}BI_06"], lambda: ActiveStation(active=HangsWhenShort)),
     _mutant("waits-for-ever", "waits for a reaction for ever", [f"{A}BI_09", f"{A}BI_10"], lambda: ActiveStation(active=WaitsForEver)),
     _mutant("hangs-at-14h", "stops after error number 14h", [f"{A}BI_01"], lambda: ActiveStation(active=HangsAtError)),
+    _mutant("hangs-at-2ah", "stops after error number 2Ah", [f"{A}BI_11"], lambda: ActiveStation(active=HangsInStop)),
+    _mutant("hangs-at-32h", "stops after error number 32h", [f"{A}BI_12"], lambda: ActiveStation(active=HangsWhenLocked)),
     _mutant("hangs-when-long", "stops after a reaction that is too long", [f"{A}BI_07"], lambda: ActiveStation(active=HangsWhenLong)),
     _mutant("command-twice", "sends each FETCH twice", [f"{A}BV_02"], CommandTwice),
     _mutant(

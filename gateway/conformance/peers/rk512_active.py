@@ -49,11 +49,21 @@ class Patient(Active):
 
 
 class HangsAtError(Active):
+    number = 0x14
+
     def reaction(self, data: bytes, now: Ns) -> list[ActiveEvent]:
-        if data[3:4] == b"\x14":
+        if data[3:4] == bytes((self.number,)):
             self._until = None
             return []
         return [*super().reaction(data, now)]
+
+
+class HangsInStop(HangsAtError):
+    number = 0x2A
+
+
+class HangsWhenLocked(HangsAtError):
+    number = 0x32
 
 
 class HangsWhenLong(Active):

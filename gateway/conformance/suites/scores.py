@@ -2,7 +2,7 @@
 
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (117, 117),
-    "rk512": (79, 79),
+    "rk512": (81, 81),
     "modbus-tcp": (98, 98),
     "modbus-rtu": (91, 91),
     "cia402": (112, 112),
