@@ -7,6 +7,7 @@ import sys
 
 from gateway.conformance.peers.score import score
 from gateway.conformance.reporting.folder import compare, is_worse, load, suite_of, verify, version_of
+from gateway.conformance.reporting.german import verdict_text
 from gateway.conformance.suites.opening import Opened, factory_of
 from gateway.conformance.suites.registry import SUITES, Suite
 from gateway.conformance.suites.scores import SCORES
@@ -179,9 +180,12 @@ def compare_reports(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps([{"id": name, "before": before, "now": now} for name, before, now in rows]))
     else:
+        said = language(arguments)
         for name, before, now in rows:
-            print(f"{name:22} {before:7} -> {now:7}{' worse' if is_worse(before, now) else ''}".rstrip())
-        print(f"{len(rows)} verdicts differ" if rows else "all verdicts are the same")
+            worse = f" {verdict_text('worse', said)}" if is_worse(before, now) else ""
+            print(f"{name:22} {before:7} -> {now:7}{worse}".rstrip())
+        differ = "1 verdict differs" if len(rows) == 1 else f"{len(rows)} verdicts differ"
+        print(verdict_text(differ if rows else "all verdicts are the same", said))
     return FINDING if any(is_worse(before, now) for _, before, now in rows) else DONE
 
 
@@ -191,7 +195,7 @@ def verify_folder(arguments: argparse.Namespace) -> int:
         print(json.dumps({"folder": str(arguments.folder), "faults": faults}))
         return FINDING if faults else DONE
     for fault in faults:
-        print(f"{arguments.folder}: {fault}")
+        print(f"{arguments.folder}: {verdict_text(fault, language(arguments))}")
     if not faults:
-        print(f"{arguments.folder}: no byte was changed")
+        print(f"{arguments.folder}: {verdict_text('no byte was changed', language(arguments))}")
     return FINDING if faults else DONE

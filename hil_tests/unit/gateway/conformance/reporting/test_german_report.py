@@ -81,3 +81,16 @@ def test_page_and_progress_are_german_and_json_is_english(tmp_path: pathlib.Path
 )
 def test_prompts_for_an_operator_and_faults_of_ports_are_german(english: str, german: str) -> None:
     assert verdict_text(english, "de") == german
+
+
+def test_compare_and_verify_answer_in_german(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bench = str(pathlib.Path(suites.__file__).parents[3] / "configs/conformance/good.toml")
+    report = tmp_path / "report"
+    assert main(["run", "3964r", "--bench", bench, "--only", "3964R_RCV_BV_01", "--report", str(report)]) == 0
+    capsys.readouterr()
+    assert main(["verify", str(report), "--language", "de"]) == 0
+    assert main(["compare", str(report), str(report), "--language", "de"]) == 0
+    assert capsys.readouterr().out == f"{report}: kein Byte wurde verändert\nalle Urteile sind gleich\n"
+    (report / "more.txt").write_text("x")
+    assert main(["verify", str(report), "--language", "de"]) == 1
+    assert capsys.readouterr().out == f"{report}: more.txt: wurde hinzugefügt\n"
