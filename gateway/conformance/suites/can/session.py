@@ -209,9 +209,17 @@ class NodeSession:
             return False
         for service, number in zip(range(lss.Service.SELECT_VENDOR, lss.Service.SELECT_SERIAL + 1), address, strict=True):
             tester.say_on(cobid.LSS_MASTER, lss.request(lss.Service(service), number).data)
-        found = tester.hear((cobid.LSS_SLAVE,), ms(100))
+        found = tester.hear((cobid.LSS_SLAVE,), ms(100)) is not None or self._reports_its_node()
         tester.say(cobid.LSS_MASTER, lss.request(lss.Service.SWITCH_GLOBAL, lss.Mode.WAITING).data)
-        return found is not None
+        return found
+
+    def _reports_its_node(self) -> bool:
+        """To LSS, without being selected: it has LSS, whatever identity it knows itself by."""
+        tester = self.tester
+        tester.say_on(cobid.LSS_MASTER, lss.request(lss.Service.SWITCH_GLOBAL, lss.Mode.CONFIGURATION).data)
+        tester.say(cobid.LSS_MASTER, lss.request(lss.Service.INQUIRE_NODE).data)
+        found = tester.hear((cobid.LSS_SLAVE,), ms(100))
+        return found is not None and found.data[:2] == bytes((lss.Service.INQUIRE_NODE, self.setup.node))
 
     def _may_write(self) -> bool:
         """Everything the first RPDO carries, but the controlword, may be written."""
