@@ -31,7 +31,7 @@ CHAPTERS = (
     "Functions of the rho 3",
     "ROBOTstar V",
     "VAL 3",
-    "Programs of the old controls",
+    "Programs of the old controllers",
     "Cycle and processes",
     "Page, recording and northbound",
     "Emulator and simulation",

@@ -1,4 +1,4 @@
-"""Run the demo: two PLCs move six emulated drives; emulator, bus log and line record are the measure."""
+"""Run the demo: two PLCs move six emulated drives; judged by emulator, bus log and line record."""
 
 import argparse
 import json
@@ -19,10 +19,10 @@ from hil_tests.rig.uml import guest
 
 EXAMPLES = """examples:
   axisgate demo                                      on the local bus, P5 = 4 ms
-  axisgate demo --seed 7 --keep                      other targets; the records stay for looking at them
+  axisgate demo --seed 7 --keep                      other targets; the records are kept
   axisgate demo --bus socketcan:vcan0 --p5 20        on a SocketCAN interface
   axisgate demo --own-time                           on a busy virtual machine
-exit code 4: this machine was too slow for a clock of 32 ms, by the bus log
+exit code 4: this machine was too slow for a cycle of 32 ms, by the bus log
 """
 SLOW_P5 = 10
 SLOWER = (10, 20, 32)
@@ -37,7 +37,7 @@ def main(argv: list[str]) -> int:
         prog="axisgate demo", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--bus", help="CAN port in place of the local bus, e.g. socketcan:vcan0")
-    parser.add_argument("--p5", type=int, help="clock in ms (2..32); default 4, or 10 where real-time priority is refused")
+    parser.add_argument("--p5", type=int, help="cycle in ms (2..32); default 4, or 10 where real-time priority is refused")
     parser.add_argument("--seed", type=int, default=1, help="of the targets (default 1)")
     parser.add_argument("--keep", action="store_true", help="keep the records and print their folder")
     parser.add_argument("--records", type=pathlib.Path, help="folder for the records (implies --keep)")
@@ -51,7 +51,7 @@ def main(argv: list[str]) -> int:
     if arguments.own_time:
         return in_own_time(argv, arguments.records or OWN_TIME_RECORDS)
     if arguments.p5 is not None and not 2 <= arguments.p5 <= 32:
-        print(f"axisgate demo: --p5 {arguments.p5}: the clock is 2..32 ms", file=sys.stderr)
+        print(f"axisgate demo: --p5 {arguments.p5}: the cycle is 2..32 ms", file=sys.stderr)
         return 2
     if arguments.bus:
         try:

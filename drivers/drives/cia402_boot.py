@@ -260,7 +260,9 @@ def _identify(plan: NodePlan) -> Generator[Step, Answer, Identity]:
         value = int.from_bytes(answer, "little") if isinstance(answer, bytes) else None
         if pinned is not None and value != pinned:
             there = "nothing" if value is None else f"{value:#010x}"
-            raise BootRefused(f"{what} {there} found, {pinned:#010x} is pinned: another drive hangs on node {plan.node}", (0x1018, sub))
+            raise BootRefused(
+                f"{what} {there} found, {pinned:#010x} is pinned: another drive is connected as node {plan.node}", (0x1018, sub)
+            )
         found.append(value)
     return Identity(*found)
 
@@ -358,7 +360,7 @@ def runs_on(options: dict[str, int], loss: Loss) -> str:
     if loss is Loss.COAST:
         return ""
     if abort == 2:
-        return "2: the drive switches its voltage off and coasts; quick_stop is wanted"
+        return "2: the drive switches its voltage off and coasts; quick_stop is required"
     name = "fault reaction" if abort == 1 else "quick stop"
     option = options.get(name)
     if option == 0:

@@ -29,10 +29,10 @@ class RunState(Enum):
 class Failure(Enum):
     """Why; the value is the text."""
 
-    NOT_FOUND = "the reference switch was not seen within the allowed way"
-    NOT_LEFT = "the reference switch was actuated at the start and stayed so over the allowed way"
+    NOT_FOUND = "the reference switch was not reached within the allowed travel"
+    NOT_LEFT = "the reference switch was actuated at the start and stayed so over the allowed travel"
     AMBIGUOUS = (
-        "an encoder zero lies between two looks at the reference switch, so the next one is not known:"
+        "an encoder zero is between two samples of the reference switch, so the next one is not known:"
         " move the switch by half a motor turn, or reference more slowly"
     )
     TIMEOUT = "the time for referencing is over"

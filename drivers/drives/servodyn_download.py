@@ -31,7 +31,7 @@ class Cause(IntEnum):
 
 
 TEXTS = {  # number of the error list, German, English; 645 and 650: robotstar 8.1 (L4694, L4702)
-    Cause.UNKNOWN: (0, "Parameter {0} kennt der Antrieb nicht", "the drive does not know parameter {0}"),
+    Cause.UNKNOWN: (0, "Parameter {0} kennt der Antrieb nicht", "the drive does not have parameter {0}"),
     Cause.RANGE: (650, "Parameter {0} ausserhalb des Wertebereichs", "parameter {0} exceeds its value range"),
     Cause.DRIVES_ON: (
         645,

@@ -120,7 +120,7 @@ FAULTS: Mapping[int, FaultRow] = {
 }
 _UNKNOWN = FaultRow(
     0,
-    Words("Antrieb meldet einen Fehler, den diese Liste nicht kennt", "the drive reports a fault this list does not know"),
+    Words("Antrieb meldet einen Fehler, den diese Liste nicht kennt", "the drive reports a fault that is not in this list"),
     Words("Anzeige am Antrieb ablesen", "read the display of the drive"),
 )
 _LOST = Words(

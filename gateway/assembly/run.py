@@ -90,8 +90,10 @@ class RunPlan:
     zeros: Mapping[str, float] = field(default_factory=dict)  # of absolute axes: increments at which they read 0
     web: Web | None = None  # the page, where the cell or the command line asks for it
     programs: Mapping[int, ProgramPlan] = field(default_factory=dict)
-    taps: Mapping[str, tuple[str, str]] = field(default_factory=dict)  # of a shadow: line -> ports that hear the PLC and the old control;
-    # Modbus server -> capture, address of the old control
+    taps: Mapping[str, tuple[str, str]] = field(
+        default_factory=dict
+    )  # of a shadow: line -> ports that hear the PLC and the old controller;
+    # Modbus server -> capture, address of the old controller
     stretched: bool = False  # simulated time waits for a machine that is late (AX-681)
     tolerances: Mapping[str, float] = field(default_factory=dict)  # of a shadow: positions of an axis so near to one another are equal
 

@@ -61,7 +61,7 @@ PARAMETERS: Mapping[str, tuple[str, str]] = {  # P number -> (meaning, unit); rh
     "P204": ("positive software limit", "deg or mm"),
     "P205": ("negative software limit, printed as a magnitude (AX-124)", "deg or mm"),
     "P207": ("actual value at the reference point", "deg or mm"),
-    "P208": ("way moved after the reference point", "deg or mm"),
+    "P208": ("distance moved after the reference point", "deg or mm"),
     "P303": ("axis type: 3, 4 endless; 1, 4 manual axis", ""),
     "P306": ("of each kinematic; monitoring: sub-query 6, axis speeds on paths: 0 none, 1 abort, 2 manual, 3 limit with warning", ""),
     "P213": ("passing distances of R_PTP = 1 in joint coordinates", "deg or mm"),

@@ -12,7 +12,7 @@ def limits(check: Context) -> None:
     for axis in check.cell.axis:
         key, bound = f"axis.{axis.name}.limits", axis.limits
         if bound.min >= bound.max:
-            check.fault(f"{key}.min", number(bound.min), f"has to be below max = {number(bound.max)}", "", axis.unit)
+            check.fault(f"{key}.min", number(bound.min), f"must be below max = {number(bound.max)}", "", axis.unit)
         lag = axis.following_error
         if lag is not None and lag.warn > lag.trip:
             key = f"axis.{axis.name}.following_error.warn"
@@ -112,7 +112,7 @@ def _plant_axis(check: Context, axis: Axis, values: PlantAxis) -> None:
     switch = values.reference_switch
     for name, span in (("reference_switch", switch), ("hard_limits", values.hard_limits), ("probe", values.probe)):
         if span is not None and span.from_ >= span.to:
-            check.fault(f"{key}.{name}", f"{number(span.from_)}..{number(span.to)}", "from has to be below to", "", axis.unit)
+            check.fault(f"{key}.{name}", f"{number(span.from_)}..{number(span.to)}", "from must be below to", "", axis.unit)
     if values.hard_limits and not values.hard_limits.from_ <= values.start <= values.hard_limits.to:
         check.fault(f"{key}.start", number(values.start), "beyond the hard limits", "", axis.unit)
     if switch and axis.home.by == "gateway" and switch.from_ < switch.to:

@@ -107,7 +107,7 @@ def places(check: Context) -> None:
                 first = next(bit for bit in bits if bit in covered)
                 check.fault(_key(block, entry), entry.at, f"overlaps {other.at} ({other.signal}): both cover D {first // 16}.{first % 16}")
             elif other is not None:
-                check.fault(_key(block, entry), entry.at, f"two entries at one place: {other.signal} and {entry.signal}")
+                check.fault(_key(block, entry), entry.at, f"two entries at one address: {other.signal} and {entry.signal}")
             covered.update(dict.fromkeys(bits, entry))
 
 
@@ -232,7 +232,7 @@ def ranges(check: Context) -> None:
             address, found = place_of(block, entry), lookup(entry.signal)
             factor, unit = split_unit(entry.unit)
             if entry.min is not None and entry.max is not None and entry.min >= entry.max:
-                check.fault(_key(block, entry), f"min {number(entry.min)}, max {number(entry.max)}", "min has to be below max")
+                check.fault(_key(block, entry), f"min {number(entry.min)}, max {number(entry.max)}", "min must be below max")
             if factor <= 0:
                 check.fault(_key(block, entry), entry.unit, 'one count must be greater than 0: unit = "0.1 mm"')
                 continue

@@ -77,7 +77,7 @@ def buses(check: Context) -> None:
     cycles = [(bus.cycle_ms, f"bus.{bus.name}.cycle_ms") for bus in check.cell.bus if BUS_PROTOCOLS[bus.protocol].clocked]
     for cycle, place in cycles[1:]:
         if cycle != cycles[0][0]:
-            check.fault(place, cycle, f"one clock for all drives: {cycles[0][1]} = {cycles[0][0]}", "", "ms")
+            check.fault(place, cycle, f"one cycle time for all drives: {cycles[0][1]} = {cycles[0][0]}", "", "ms")
 
 
 def adapters(check: Context) -> None:
@@ -115,7 +115,7 @@ def contacts(check: Context) -> None:
         whose = (device.bus, device.node, device.url, device.unit, device.chip)
         places.append(((*whose, device.input, device.output), key))
     for _, first, place in twice(places):
-        check.fault(place, "", f"{first} is this contact already")
+        check.fault(place, "", f"{first} is already this contact")
 
 
 CHECKS = (drives, buses, adapters, contacts)

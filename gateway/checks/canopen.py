@@ -77,7 +77,7 @@ def sheets(cell: Cell) -> Iterator[Notice]:
         sheet = read_eds(cell, axes[0], simulated=False)
         where = f"axis {', '.join(axis.name for axis in axes)}"
         if sheet is None:
-            text = f"{name}: no such data sheet; --sim uses that of the emulated drive, a real bus needs that of the maker"
+            text = f"{name}: no such EDS file; --sim uses that of the emulated drive, a real bus needs that of the drive maker"
             yield Notice("note", where, text)
             continue
         for fault in sheet.faults[:SHOWN]:

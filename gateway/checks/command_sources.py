@@ -42,13 +42,13 @@ def names(check: Context) -> None:
         _unique(check, named, f"[[{kind}]] tables")
     ports = [(line.port, f"line.{line.name}.port") for line in cell.line] + [(bus.port, f"bus.{bus.name}.port") for bus in cell.bus]
     for value, first, place in twice((port, place) for port, place in ports if port not in FREE_PORTS):
-        check.fault(place, value, f"{first} has this port already")
+        check.fault(place, value, f"{first} already has this port")
     for value, first, place in twice(
         (source.bind, f"modbus.{source.name}.bind")
         for source in cell.modbus
         if source.port and source.role == "server" and not source.serial
     ):
-        check.fault(place, value, f"{first} listens there already")
+        check.fault(place, value, f"{first} already listens there")
 
 
 def _unique(check: Context, named: list[tuple[str, str, str]], what: str) -> None:

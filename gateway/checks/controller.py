@@ -299,7 +299,7 @@ def _overlap(check: Context, table: Controller) -> None:
     for block in (*rho3.P31, *rho3.P32) if rho3 else ():
         shared = own & set(range(block.start, block.start + block.length))
         if shared:
-            check.fault("controller.first_byte", table.first_byte, f"CAN I/O block {block.id} lies in byte {min(shared)} (AX-515)")
+            check.fault("controller.first_byte", table.first_byte, f"CAN I/O block {block.id} is in byte {min(shared)} (AX-515)")
 
 
 def plc_programs(cell: Cell) -> Iterator[Notice]:

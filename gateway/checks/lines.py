@@ -131,7 +131,7 @@ def _own_job(check: Context, block: Db, line: Line, dialect: Dialect) -> None:
         return
     if line.role == "passive":
         name = "every_ms" if block.every_ms else "on_change"
-        hint = f'line {line.name} has role = "passive": it never sends by itself; role = "both" or "active" allows it'
+        hint = f'line {line.name} has role = "passive": it never sends unprompted; role = "both" or "active" allows it'
         check.fault(f"{key}.{name}", getattr(block, name), hint)
     fetch = block.writer == "plc"
     if fetch and block.on_change:

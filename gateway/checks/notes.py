@@ -253,7 +253,7 @@ def serials(cell: Cell) -> Iterator[Notice]:
 
 
 def many_axes(cell: Cell) -> Iterator[Notice]:
-    """What old tables do not say of a cell with more axes than the old control had (AX-572)."""
+    """What old tables do not say of a cell with more axes than the old controller had (AX-572)."""
     names = [axis.name for axis in cell.axis]
     if len(names) <= TABLED:
         return

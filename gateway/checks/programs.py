@@ -155,7 +155,7 @@ def _probes(check: Context, measuring: Measuring) -> None:
     """A wire comes to an RC input or to drives; only CiA 402 drives have touch probes, and those only stand for a probe 6x0."""
     key = f"measuring.{measuring.channel}"
     if (measuring.input < 0) is (not measuring.drives):
-        check.fault(f"{key}.input", measuring.input, "its wire comes to an RC input (input) or to drives (drives): name one")
+        check.fault(f"{key}.input", measuring.input, "it is wired to an RC input (input) or to drives (drives): name one")
     if not measuring.drives:
         return
     if measuring.channel % 10:
@@ -186,7 +186,7 @@ def wires(cell: Cell) -> Iterator[Notice]:
             where = f"touch probe {each.probe} of {', '.join(each.drives)}"
             yield Notice("note", f"measuring.{each.channel}.drives", f"{where} measures, other axes at that instant (AX-569)")
             continue
-        way = "is read in the cycle" if each.input in numbers else "comes through the services, a cycle or two later"
+        way = "is read in the cycle" if each.input in numbers else "passes through the services process, one or two cycles later"
         yield Notice("note", f"measuring.{each.channel}.input", f"RC input {each.input} {way} (AX-481)")
 
 

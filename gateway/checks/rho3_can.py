@@ -1,4 +1,4 @@
-"""[rho3] P5, P15, P30..P32 and P401 of a cell, judged as the old control would judge them at its start-up (rho3 2.1 to 2.4)."""
+"""[rho3] P5, P15, P30..P32 and P401 of a cell, judged as the old controller would judge them at its start-up (rho3 2.1 to 2.4)."""
 
 import dataclasses
 from collections.abc import Iterator

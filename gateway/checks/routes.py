@@ -110,7 +110,7 @@ def _target(check: Context, key: str, text: str, place: Place) -> None:
                 )
         case World.RC_OUTPUT:
             check.fault(
-                key, text, "RC outputs come from the cycle alone: a route ends in an RC input, a block of this cell, a value or a contact"
+                key, text, "only the cycle writes RC outputs: a route ends in an RC input, a block of this cell, a value or a contact"
             )
         case World.CONTACT:
             _contact(check, key, text, place.name, output=True)
@@ -120,7 +120,7 @@ def _target(check: Context, key: str, text: str, place: Place) -> None:
             _parameter(check, key, text, place)
         case World.NAME:
             if place.name not in named_values(check.cell) and not wired(check.cell, place.name):
-                hint = "commands come through command sources" if lookup(place.name) else _near_value(check, place.name)
+                hint = "commands are given by command sources" if lookup(place.name) else _near_value(check, place.name)
                 check.fault(key, text, f"a route writes values a telegram of the cell carries, and inputs of [controller]; {hint}")
 
 

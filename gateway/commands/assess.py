@@ -19,7 +19,7 @@ EXAMPLES = """examples:
   axisgate assess --html assessment.html                 the same, as a page to print and sign
   axisgate assess --json --answer control=rho3 --answer p15=3 --answer axes=6 --answer drives=servodyn --answer plc=rk512 \\
       --answer pic=no --answer baps=yes --answer backups=printed --answer sister=yes --answer "risk=J. Muster"
-exit code: 0 yes, or yes with what is named; 1 no; 2 an answer is missing or none of the question's; 3 the page cannot be written"""
+exit code: 0 yes, or yes with what is named; 1 no; 2 an answer is missing or not allowed; 3 the page cannot be written"""
 WORDS = {Verdict.YES: "yes", Verdict.WITH: "with", Verdict.NO: "no"}
 LINE = 20 * "_"
 
@@ -31,7 +31,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--answer", metavar="KEY=VALUE", action="append", default=[], help="answer a question in advance")
     parser.add_argument("--html", metavar="FILE", type=pathlib.Path, help="the answers as a page to print")
     parser.add_argument("--json", action="store_true", help="verdict and reasons as JSON")
-    parser.add_argument("--language", choices=LANGUAGES, help="of questions, table and page (default: the system's)")
+    parser.add_argument("--language", choices=LANGUAGES, help="language of questions, table and page (default: the system's)")
     options = parser.parse_args(argv)
     language = language_of(options.language, os.environ)
     given = dict(pair.partition("=")[::2] for pair in options.answer)

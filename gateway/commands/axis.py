@@ -136,7 +136,7 @@ def _verdict(axis: Axis, way: float, legs: list[Row], start: float, end: float, 
     sentence = (
         f"axis {axis.name}: {way:g} {unit} both ways at {axis.first_enable.speed}, {limit}: {turn}, missed by at most {missed:.3f} {unit}, "
         f"following error up to {lag:.3f} {unit}, torque up to {100 * torque:.0f} %, back within {abs(end - start):.3f} {unit}; "
-        f"{'now look: did it move as your drawing shows?' if good else 'STOP: do not go on'}"
+        f"{'look at the axis: did it move as your drawing shows?' if good else 'STOP: do not continue'}"
     )
     return {"axis": axis.name, "good": good, "sentence": sentence, "legs": legs, "increments_per_unit": per_unit}
 

@@ -11,8 +11,8 @@ from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate backup cell.toml --to cell-2026-11-21.zip           everything that makes this cell
-  axisgate backup cell.toml --to /media/usb/cell.zip --json    what went into it, for scripts
-  axisgate backup demo --to demo.zip                           of a shipped cell, to look at
+  axisgate backup cell.toml --to /media/usb/cell.zip --json    its contents, for scripts
+  axisgate backup demo --to demo.zip                           of a shipped cell, as an example
   axisgate restore cell-2026-11-21.zip --to /etc/axisgate --dry-run    what restoring it would do
 exit code: 0 saved, 2 the cell is invalid, 3 it cannot be written"""
 
@@ -28,7 +28,7 @@ def main(argv: list[str]) -> int:
         action="store_true",
         help="also private keys, password files and the users of the page; FILE is then yours alone (0600)",
     )
-    parser.add_argument("--json", action="store_true", help="what went into it, as JSON on standard output")
+    parser.add_argument("--json", action="store_true", help="its contents as JSON on standard output")
     options = parser.parse_args(argv)
     cell = load(options.cell)
     if isinstance(cell, int):
@@ -46,7 +46,7 @@ def main(argv: list[str]) -> int:
     for part in manifest.parts:
         print(f"{part.role:18} {part.size:>9}  {part.name}")
     for name in manifest.left_out:
-        print(f"left out: {name} lies outside the folder of the cell; save it yourself")
+        print(f"left out: {name} is outside the folder of the cell; save it yourself")
     for name in manifest.withheld:
         print(f"withheld: {name} (a secret); --secrets takes it in, or save it yourself")
     print(f"{options.to}: {len(manifest.parts)} files; try it: axisgate restore {options.to} --to FOLDER --dry-run")

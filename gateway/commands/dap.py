@@ -9,7 +9,7 @@ from gateway.tools.editor.dap import Adapter
 from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
-  axisgate dap                    what an editor starts; it speaks on standard input and output
+  axisgate dap                    started by an editor; uses standard input and output
   axisgate dap --tcp 4711         for one editor that connects to a port of this machine
   axisgate dap --tcp 4711 &       in the background; it ends with the session
 launch takes: program (path of a .QLL, .MPR, .SPR, .MAC, .pgx or .pjx file), stopOnEntry;

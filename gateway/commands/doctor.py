@@ -23,8 +23,8 @@ EXAMPLES = """examples:
   axisgate doctor --json                            the same for a program
   axisgate doctor serial /dev/ttyUSB0               measured: echo of the adapter (loop plug), lateness of this machine
   axisgate doctor can socketcan:can0 --send         the same for a CAN adapter
-  axisgate doctor --hour cell.toml                  an hour of this machine: good for the clock of the cell?
-exit code: 0 all well, 1 something to improve, 2 command line or cell, 3 a named port or interface is not there"""
+  axisgate doctor --hour cell.toml                  an hour of this machine: fast enough for the cycle of the cell?
+exit code: 0 no finding, 1 something to improve, 2 command line or cell, 3 a named port or interface is not there"""
 PORTS = ("/dev/serial/by-id/*", "/dev/ttyUSB*", "/dev/ttyACM*")
 TRIED_PRIORITY = 10
 IP_LIMIT_S = 5.0
@@ -41,7 +41,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--port", action="append", default=[], metavar="DEVICE", help="a serial port; may be given again")
     parser.add_argument("--can", action="append", default=[], metavar="IFACE", help="a CAN interface; may be given again")
     parser.add_argument("--json", action="store_true", help="a list of JSON objects on standard output")
-    parser.add_argument("--hour", metavar="CELL", help="measure for an hour how late this machine is, against the clock of the cell")
+    parser.add_argument("--hour", metavar="CELL", help="measure for an hour how late this machine is, compared with the cycle of the cell")
     parser.add_argument("--seconds", type=float, default=3600.0, help="with --hour: another time than an hour")
     options = parser.parse_args(argv)
     if options.hour:

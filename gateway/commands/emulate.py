@@ -33,7 +33,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("cell", help="cell file, or the name of a shipped one")
     parser.add_argument("--bus", required=True, help="socketcan:IFACE or broker:NAME")
     parser.add_argument("--drives", help="which [[bus]] of the cell, when it has several")
-    parser.add_argument("--beside", action="store_true", help="also on a real bus where a master already speaks")
+    parser.add_argument("--beside", action="store_true", help="also on a real bus where a master is active")
     parser.add_argument("--record", type=pathlib.Path, help="file for the emulator's own record")
     arguments = parser.parse_args(argv)
     cell = load(arguments.cell)
@@ -72,7 +72,9 @@ def look_first(cell: Cell, bus: Bus, url: str, *, beside: bool) -> str:
             return f"{url}: node {', '.join(map(str, taken))} is on this bus already; two devices with one number disturb each other"
     master = masters_in(heard, bus.protocol)
     if master and not beside and not url.startswith(LOCAL):
-        return f"{url}: a master speaks on this bus: {master}; emulated drives would answer it as its own: stop it first, or add --beside"
+        return (
+            f"{url}: a master is active on this bus: {master}; emulated drives would answer it as its own: stop it first, or add --beside"
+        )
     if master:
-        print(f"{url}: a master speaks already: {master}", file=sys.stderr, flush=True)
+        print(f"{url}: a master is already active: {master}", file=sys.stderr, flush=True)
     return ""

@@ -27,7 +27,7 @@ EXAMPLES = """examples:
   axisgate explain QVZ                                    a word; also ZVZ, KF, KG, Kv, SYNC
   axisgate explain "RC 7.3"                               an address: number, PIC, CL300, RC, meaning
   axisgate explain 647                                    an error: text, cause, what to do, reset, what the partner shows
-  axisgate explain rk512 14h                              the number of one world: rho3, reis, val3, servodyn, cia402, rk512, 3964r
+  axisgate explain rk512 14h                              the number of one catalogue: rho3, reis, val3, servodyn, cia402, rk512, 3964r
 Without --cell the file cell.toml in this folder is taken where there is one.
 exit code: 0 explained, 2 nothing of that name, or the cell file is invalid"""
 

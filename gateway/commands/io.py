@@ -18,7 +18,7 @@ from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate io list cell.toml            every contact: signal, value, quality
-  axisgate io test cell.toml            outputs are switched one by one, inputs looked at; a question each
+  axisgate io test cell.toml            outputs are switched one by one, inputs are read; one question each
   axisgate io test cell.toml --json --yes --only lamp   for scripts: no questions; the device confirms what was switched
 """
 WARNING = (

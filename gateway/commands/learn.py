@@ -8,7 +8,7 @@ USAGE = """usage: axisgate learn line TRACE [-o FILE]
        axisgate learn line --tap A,B [--seconds S] [--save TRACE] [-o FILE]   (live)
 
 examples:
-  axisgate learn line week.trace -o draft.toml                       what the words of a record looked like
+  axisgate learn line week.trace -o draft.toml                       a draft from a recording
   axisgate learn line --tap /dev/ttyUSB0,/dev/ttyUSB1                live, until Ctrl-C; it cannot send
   axisgate learn line --tap COM3,COM4 --seconds 3600 --save h.trace  an hour, kept for later
 exit code: 0 a draft, 1 nothing to learn from, 2 command line or file, 3 a port is not there"""

@@ -169,7 +169,7 @@ def _device(arguments: argparse.Namespace) -> dict[str, dict[str, object]]:
     try:
         found: dict[str, dict[str, object]] = tomllib.loads(arguments.device.read_text(encoding="utf-8"))
     except tomllib.TOMLDecodeError as error:
-        raise BadInput(f"{arguments.device}: {error}; TOML wants one key a line, without semicolons") from error
+        raise BadInput(f"{arguments.device}: {error}; TOML needs one key per line, without semicolons") from error
     link = found.get("link", {})
     arguments.port = arguments.port or link.get("port")
     arguments.format = str(link.get("format", arguments.format))
@@ -353,7 +353,7 @@ def _record(path: pathlib.Path) -> Iterator[TextIO]:
 
 def _quiet(tool: str, silence: Ns) -> None:
     words = "is the partner on, the tap in the right wire, and the format right?"
-    complain(f"line {tool}", f"nothing heard for {silence / 1e9:.3g} s: {words}")
+    complain(f"line {tool}", f"nothing received for {silence / 1e9:.3g} s: {words}")
 
 
 def run_learn(arguments: argparse.Namespace) -> int:
@@ -395,7 +395,7 @@ def _learned_live(arguments: argparse.Namespace) -> tuple[Learned, str]:
         if not tolds:
             raise
         why = _of_port(error) if isinstance(error, PortError) else of_file(error)
-        _fault(arguments.tool, f"{why}: learned from what was heard until then", ENVIRONMENT)
+        _fault(arguments.tool, f"{why}: learned from what was received until then", ENVIRONMENT)
     return of_line(tolds, arguments.tap, parse_format(arguments.format))
 
 

@@ -7,7 +7,7 @@ from gateway.runtime.exit_codes import Exit
 from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
-  axisgate lsp                    what an editor starts; it speaks on standard input and output
+  axisgate lsp                    started by an editor; uses standard input and output
   axisgate lsp --tcp 2087         for one editor that connects to a port of this machine
   axisgate lsp --log lsp.log      each message, for the case that the editor shows nothing
 languages by suffix: BAPS2 .QLL; ROBOTstar .MPR .SPR .MAC .PAL .PLC; VAL 3 .pgx .pjx .dtx

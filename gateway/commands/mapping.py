@@ -39,7 +39,7 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("source", help="a cell, or FILE.csv, FILE.xlsx, FILE.seq")
     parser.add_argument("target", type=pathlib.Path, help="FILE.csv, FILE.xlsx, FILE.seq or FILE.toml")
-    parser.add_argument("--encoding", choices=ENCODINGS, default="utf-8-sig", help="of CSV and SEQ; default UTF-8 with its mark")
+    parser.add_argument("--encoding", choices=ENCODINGS, default="utf-8-sig", help="of CSV and SEQ; default UTF-8 with BOM")
     arguments = parser.parse_args(argv)
     kind = arguments.target.suffix.lower()
     if kind not in (".csv", ".xlsx", ".seq", ".toml"):

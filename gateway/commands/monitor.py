@@ -19,8 +19,8 @@ EXAMPLES = """examples:
   axisgate monitor old --pendant                    the pendant of a rho 3 or a ROBOTstar V: display and keys
   axisgate monitor old --press "MODE 7.3.2 ENTER"   keys, then what the display shows
   axisgate monitor reis --press "RUN F2 START"      of a ROBOTstar V: Test 2, then START
-Where the output is no terminal it is one look as plain text without colours, as with --once.
-exit code: 0 done, 1 refused by the panel, 2 command line, 3 no such run"""
+If the output is not a terminal: one snapshot as plain text without colours, as with --once.
+exit code: 0 done, 1 refused by the pendant, 2 command line, 3 no such run"""
 
 
 def main(argv: list[str]) -> int:
@@ -56,10 +56,10 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--search", default="", metavar="WORDS", help="signals: every word must occur in a name, address, text or use")
     parser.add_argument("--filter", choices=FILTERS, default="all", help="signals: only these (default %(default)s)")
-    parser.add_argument("--pendant", action="store_true", help="the pendant of the old control in place of the tabs")
+    parser.add_argument("--pendant", action="store_true", help="the pendant of the old controller instead of the tabs")
     parser.add_argument("--press", default="", metavar="KEYS", help='at the pendant, then its display: "MODE 7.1 ENTER", "INFO", "DOWN"')
-    parser.add_argument("--once", action="store_true", help="one look as plain text, then end")
-    parser.add_argument("--json", action="store_true", help="one look as a JSON object")
+    parser.add_argument("--once", action="store_true", help="one snapshot as plain text, then end")
+    parser.add_argument("--json", action="store_true", help="one snapshot as a JSON object")
     parser.add_argument("--lang", choices=("de", "en"), help="of causes and remedies (default: the cell's)")
     return parser
 

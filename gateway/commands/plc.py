@@ -33,7 +33,7 @@ SHOWN_S = 3.0  # until the test display of a program that runs is on
 IN_CELLS = {
     "status": "state and message of the PLC of a running cell",
     "start": "translate and start, as Start PLC does",
-    "stop": "end the cyclic treatment; all outputs are 0",
+    "stop": "end the cyclic processing; all outputs are 0",
     "ack": "acknowledge the message that is shown",
     "show": "a program with its test display: state, VKE, ACCU1 and ACCU2 behind each step",
     "set": "write a marker between two scans",
@@ -70,9 +70,7 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument("folder", type=pathlib.Path, metavar="FOLDER")
     two = actions.add_parser("run", help="run a program in virtual time")
     two.add_argument("folder", type=pathlib.Path, metavar="FOLDER", help="the folder S:/PLC with NAME.PLC files")
-    two.add_argument(
-        "--start", required=True, metavar="PROGRAM", help="start program (_SSTARTPLC), with FOLDER/ in front where it lies in one"
-    )
+    two.add_argument("--start", required=True, metavar="PROGRAM", help="start program (_SSTARTPLC), with FOLDER/ in front if it is in one")
     two.add_argument("--virtual", action="store_true", required=True, help="in virtual time, without processes")
     two.add_argument("--period", type=_period, default=10.0, metavar="MS", help="interpolation period (default 10)")
     two.add_argument("--load", type=_count, metavar="N", help="commands a period (IPLC_LOAD; default: a whole scan each period, 0: off)")

@@ -15,7 +15,7 @@ from gateway.tools.usage_language import complain
 EXAMPLES = """examples:
   axisgate positions cell.toml                  asks you to bring the axes to each mark by hand, then reads them
   axisgate positions cell.toml --go             drives to each position slowly (first_enable speed) and reads its position
-  axisgate positions s5-rk512 --sim --go --json without metal
+  axisgate positions s5-rk512 --sim --go --json without hardware
 """
 
 

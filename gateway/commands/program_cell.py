@@ -1,4 +1,4 @@
-"""`axisgate program run|start|stop|status`: programs of the old control in a cell."""
+"""`axisgate program run|start|stop|status`: programs of the old controller in a cell."""
 
 import argparse
 import contextlib
@@ -96,7 +96,7 @@ def _wait_for_programs(client: ToolClient) -> None:
     end = time.monotonic() + COMES_S
     while not client.ask("process", do="list")["id"]:
         if time.monotonic() > end:
-            raise ToolError("the interpreter does not run; see the journal for the reason")
+            raise ToolError("the interpreter is not running; see the journal for the reason")
         time.sleep(POLL_S)
 
 

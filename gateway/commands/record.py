@@ -23,7 +23,7 @@ from gateway.tools.usage_language import complain
 EXAMPLES = """examples:
   axisgate record cell.toml -o monday.axrec                 until Ctrl-C; the cell runs in another terminal
   axisgate record --slug line2 --for 3600 -o hour.axrec     a run by its name, for an hour
-  axisgate record cell.toml -o monday.axrec                 once more: a recorder that was ended goes on with its file
+  axisgate record cell.toml -o monday.axrec                 again: an ended recorder continues its file
 then: axisgate replay monday.axrec --diff
 exit code: 0 done, 1 something was lost (named in the file), 2 command line or file, 3 no such run, or it is being recorded already"""
 

@@ -8,9 +8,9 @@ from gateway.tools.runs import alarms, asked, chosen, processes, runs
 from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
-  axisgate release hall3            every process that is down or is only tried now and then
+  axisgate release hall3            every process that is down or retried at intervals
   axisgate release                  the only run of this computer
-  axisgate release hall3 cycle      this one; its deaths are forgotten
+  axisgate release hall3 cycle      only this one; its failures are no longer counted
 After a start of the cycle the drives are off and nothing moves without a fresh command.
 exit code: 0 started or nothing to do, 2 no such process, 3 no such run"""
 

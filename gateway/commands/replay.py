@@ -16,9 +16,9 @@ from gateway.tools.progress import Progress
 from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
-  axisgate replay monday.axrec                              what the file holds
+  axisgate replay monday.axrec                              contents of the file
   axisgate replay monday.axrec --diff                       the cell as it was recorded: the first difference, or none
-  axisgate replay monday.axrec --diff --cell changed.toml   the same inputs with another cell: where does it part?
+  axisgate replay monday.axrec --diff --cell changed.toml   the same inputs with another cell: where do they differ?
 exit code: 0 no difference, 1 a difference, 2 command line, cell or file, 3 the file cannot be read"""
 SOURCES = {Source.HEARD: "heard", Source.SAID: "said", Source.WRITTEN: "inputs", Source.COMMAND: "command", Source.TOOL: "tool"}
 
@@ -28,7 +28,7 @@ def main(argv: list[str]) -> int:
         "axisgate replay", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("file", metavar="FILE", type=pathlib.Path)
-    parser.add_argument("--diff", action="store_true", help="play it, and show the first difference")
+    parser.add_argument("--diff", action="store_true", help="replay it and show the first difference")
     parser.add_argument("--cell", metavar="CELL", help="with another cell than the recorded one")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args(argv)

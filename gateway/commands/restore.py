@@ -11,7 +11,7 @@ from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
-  axisgate restore cell.zip --to /etc/axisgate --dry-run    check it and say what would be done; changes nothing
+  axisgate restore cell.zip --to /etc/axisgate --dry-run    check it and report what would be done; changes nothing
   axisgate restore cell.zip --to /etc/axisgate              into a folder that has none of its files, or the same ones
   axisgate restore cell.zip --to /etc/axisgate --replace    other files of that name are kept beside as NAME.before-TIME
 exit code: 0 restored (or --dry-run: could be), 1 other files are in the way, 2 it is no backup or does not fit, 3 the gateway is running"""
@@ -23,8 +23,8 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("file", metavar="FILE", type=pathlib.Path, help="what `axisgate backup` wrote")
     parser.add_argument("--to", metavar="FOLDER", required=True, type=pathlib.Path, help="folder of the cell file")
-    parser.add_argument("--dry-run", action="store_true", help="check and say what would be done")
-    parser.add_argument("--replace", action="store_true", help="take the place of other files of the same name")
+    parser.add_argument("--dry-run", action="store_true", help="check and report what would be done")
+    parser.add_argument("--replace", action="store_true", help="replace other files of the same name")
     parser.add_argument("--json", action="store_true", help="what is done with each file, as JSON on standard output")
     options = parser.parse_args(argv)
     try:

@@ -34,7 +34,7 @@ EXAMPLES = """examples:
   axisgate run cell.toml                        your cell on its real ports
   axisgate run cell.toml --shadow --tap plc=/dev/ttyUSB0,/dev/ttyUSB1 --bus socketcan:can0
   axisgate run cell.toml --shadow --tap plc2=/run/user/1000/plc2.pcap,10.0.0.7:502 --bus socketcan:can0 --tolerance 0.5
-                                                beside the working old control: nothing is sent, its status is compared with axisgate's
+                                                beside the working old controller: nothing is sent, its status is compared with axisgate's
 """
 SLOW_P5 = 10  # ms, as the demo: the clock of a simulation without real-time priority
 STRETCHED = "real-time priority is refused here: P5 = {p5} ms, and simulated time waits where this machine is late (axisgate doctor)"
@@ -133,7 +133,7 @@ def page_port_free(web: Web) -> None:
             probe.listen(1)
     except (OSError, OverflowError) as error:
         if isinstance(error, OSError) and error.errno == errno.EADDRNOTAVAIL:
-            say_at_start(f"page: no interface of this machine has the address of {web.bind} yet; the page comes when the address does")
+            say_at_start(f"page: no interface of this machine has the address of {web.bind} yet; the page starts when it has")
             return
         taken = isinstance(error, OSError) and error.errno == errno.EADDRINUSE
         words = "is in use by another program or run" if taken else f"cannot be used ({error})"
@@ -168,10 +168,10 @@ def clock_of(cell: Cell, arguments: argparse.Namespace, *, simulated: bool) -> t
 def why_not(cell: Cell, *, p5: int | None) -> str:
     """Empty, or why this cell cannot be played here."""
     if p5 is not None and not 2 <= p5 <= 32:
-        return f"--p5 {p5}: the clock is 2..32 ms (drives on CAN, rho3 P5)"
+        return f"--p5 {p5}: the cycle is 2..32 ms (drives on CAN, rho3 P5)"
     missing = not_playable(cell)
     if missing:
-        return "this version cannot play: " + "; ".join(missing)
+        return "this version cannot run: " + "; ".join(missing)
     if not cell.axis:
         return "the cell has no [[axis]]: nothing to run"
     return ""

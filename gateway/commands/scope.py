@@ -26,7 +26,7 @@ EXAMPLES = """examples:
   axisgate scope plot move.scope -o move.png --cursor 0.5 --cursor 1.25      also .html; --xy axis.A1.actual axis.A2.actual
   axisgate scope export move.scope -o move.mf4                               also .csv
   axisgate scope channels demo                                               what can be recorded
-Ctrl-C ends a recording early and keeps what came.
+Ctrl-C ends a recording early and keeps what was recorded.
 exit code: 0 done, 1 nothing triggered or the cycle no longer ran, 2 unknown channel, trigger or file, 3 no such run"""
 
 
@@ -93,7 +93,7 @@ def _record(options: argparse.Namespace) -> int:
         )
     recording = recording_of(kept, channels, cell, period, options.trigger)
     if kept.triggered_at is None:
-        return _said(f"{options.trigger!r} did not come true; nothing was kept", FINDING)
+        return _said(f"{options.trigger!r} was never true; nothing was recorded", FINDING)
     save(recording, options.output)
     found = {"file": str(options.output), "records": len(recording.time), "lost": recording.lost, "channels": list(recording.names)}
     sentence = f"{options.output}: {len(recording.time)} records of {len(channels)} channels, {recording.lost} lost"

@@ -30,8 +30,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME=FIRST,SECOND",
-        help="LINE=FROM_PLC,FROM_CONTROL: two receive-only ports on a line; SERVER=CAPTURE,OLD_CONTROL: what tcpdump writes of the PLC's"
-        " Modbus TCP, and the old control's address, 10.0.0.7:502; repeatable",
+        help="LINE=FROM_PLC,FROM_CONTROLLER: two receive-only ports on a line; SERVER=CAPTURE,OLD_CONTROLLER: what tcpdump writes of the "
+        "PLC's Modbus TCP, and the address of the old controller, 10.0.0.7:502; repeatable",
     )
     group.add_argument(
         "--tolerance",

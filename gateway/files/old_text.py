@@ -1,4 +1,4 @@
-"""Text files of old controls and programming devices, whose code page no file names."""
+"""Text files of old controllers and programming devices, whose code page no file names."""
 
 UMLAUTS = "äöüÄÖÜß"
 DOS, WINDOWS = "cp850", "cp1252"

@@ -1,4 +1,4 @@
-"""The folder that is the user memory of an old control, and the word table of its language: the only place they are read."""
+"""The folder that is the user memory of an old controller, and the word table of its language: the only place they are read."""
 
 import pathlib
 import tomllib

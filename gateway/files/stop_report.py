@@ -53,7 +53,7 @@ def stop_evidence(cell: Cell, axis: Axis) -> StopEvidence:
         raise NoEvidence(f"{name} has no drive with the data sheet {axis.drive.eds}; repeat the loss test with such a drive")
     bad = [str(row.get("axis")) for row in rows if row.get("good") is not True]
     if bad:
-        raise NoEvidence(f"{name}: the drive of {', '.join(bad)} did not stop as wanted; axisgate does not run such a drive")
+        raise NoEvidence(f"{name}: the drive of {', '.join(bad)} did not stop as required; axisgate does not run such a drive")
     row = rows[0]
     reaction = row.get("reaction_ms")
     return StopEvidence(name, str(row["axis"]), str(report.get("wall", "")), float(reaction) if isinstance(reaction, int | float) else 0.0)

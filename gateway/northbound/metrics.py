@@ -60,8 +60,8 @@ class Metrics:
         for name, words in (
             ("cycles", "SYNC sent since the cycle started"),
             ("skipped", "grid instants without SYNC"),
-            ("incomplete", "cycles in which not every actual value came"),
-            ("late", "telegrams that came one cycle late"),
+            ("incomplete", "cycles in which an actual value was missing"),
+            ("late", "telegrams that arrived one cycle late"),
             ("services_lost", "times the life of the services stood still"),
         ):
             page.metric(f"axisgate_cycle_{name}_total", "counter", words, [({}, float(counters[name]))])

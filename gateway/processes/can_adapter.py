@@ -135,7 +135,7 @@ class Relay:
 
 def latency_words(own_ns: list[Ns], answer_ns: list[Ns]) -> str:
     """By own frames that came back where the adapter gives them back, else by the first answer to a burst."""
-    times, what = (own_ns, "echo latency") if own_ns else (answer_ns, "no own frames come back; first answer to a burst")
+    times, what = (own_ns, "echo latency") if own_ns else (answer_ns, "own frames are not echoed; first answer to a burst")
     measured = Measured(what, sorted(each / 1e6 for each in times))
     figures = ", ".join(f"{name} {value:g}" for name, value in measured.figures().items())
     return f"{what}, ms: {figures}; {verdict([measured]).words}"

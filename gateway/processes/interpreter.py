@@ -1,5 +1,5 @@
-"""The interpreter process: programs of the old control (AX-860).  Orders in by a ring, inputs by a region; outputs and wishes to move out
-by a ring, blocks to the planner by another.
+"""The interpreter process: programs of the old controller (AX-860).  Orders in by a ring, inputs by a region; outputs and motion requests
+out by a ring, blocks to the planner by another.
 
 It may die between any two writes: the axes rest at the end of what the planner has, its processes are gone, and nothing starts by itself.
 Two times are its own: a turn, in which programs read each input once, and the longest time in which it shows life.

@@ -37,7 +37,7 @@ BUSY_REPORT_NS = 10_000_000_000  # a process the machine gives no processor to i
 POLL_S = 0.01
 SPARE_NS = 200_000_000  # after a start: a copy with everything loaded takes nothing from it (AX-1740)
 SPARE_AGAIN_NS = 1_500_000_000  # between two spares: one that died is not replaced at once
-GOES_ON = "; the run goes on; it ends with: axisgate stop {slug}"
+GOES_ON = "; the run continues; to end it: axisgate stop {slug}"
 SAID_ONCE = {  # signals of a terminal that end or suspend nothing
     signal.SIGHUP: "the terminal or session has ended (SIGHUP)" + GOES_ON,
     # Suspended, it would restart nothing and end no hung process, while the cycle moves axes

@@ -96,7 +96,7 @@ def opened(path: pathlib.Path, journal: Journal, life: Life) -> Store:
         except (sqlite3.Error, OSError) as error:
             if not waits:
                 journal.write(
-                    "alarm", f"the page's data {path} cannot be opened ({error}); make room on its disk; tried again every second"
+                    "alarm", f"the page's data {path} cannot be opened ({error}); free space on its disk; tried again every second"
                 )
             waits = True
             for _ in range(round(1.0 / BEAT_S)):

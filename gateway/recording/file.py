@@ -178,7 +178,7 @@ def _scanned(path: pathlib.Path, content: bytes) -> Found:
     if found.head.get("state") != CELL_STATE_LAYOUT:
         by = found.head.get("version", "unknown")
         raise RecordError(
-            f"{path}: recorded by axisgate {by}, whose cycles say something else than this one's; play it there, or record it anew"
+            f"{path}: recorded by axisgate {by}, whose records of a cycle differ from this version's; replay it there, or record it again"
         )
     found.continues = open_segment is not None
     found.spoiled, found.cut = scan.spoiled, scan.cut

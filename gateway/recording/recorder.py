@@ -122,7 +122,7 @@ class Recorder:
                 flushed = now
                 said(self.counts.cycles)
             if now - self._heard > SILENT_S and now - self._asked_at > ASK_AGAIN_S and self._next is not None:
-                self._lose("the cycle no longer ran; it goes on with its next start")
+                self._lose("the cycle no longer ran; the recording continues at its next start")
             elif self._next is None and now - self._asked_at > ASK_AGAIN_S and not took:
                 self._wish()  # the cycle that was asked may have died
             if took < AT_ONCE:

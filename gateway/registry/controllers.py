@@ -1,4 +1,4 @@
-"""Old controls as their PLC sees them: `kind` of [controller]."""
+"""Old controllers as their PLC sees them: `kind` of [controller]."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ControllerKind:
-    """An old control as its PLC sees it."""
+    """An old controller as its PLC sees it."""
 
     name: str
     words: str

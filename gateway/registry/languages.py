@@ -1,4 +1,4 @@
-"""Languages of programs of an old control that the interpreter runs in a cell."""
+"""Languages of programs of an old controller that the interpreter runs in a cell."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -76,7 +76,7 @@ LINE_LAYERS = table(
     LineLayer(
         "buep64", "BUEP64", _blocks_source, blocks=True, kinds="D", profile="bosch-buep64", dialect=_buep64_dialect, failure=_buep64_failure
     ),
-    LineLayer("program", "program", _blocks_source, commands=False),  # programs of the old control own the line
+    LineLayer("program", "program", _blocks_source, commands=False),  # programs of the old controller own the line
 )
 
 

@@ -73,7 +73,7 @@ class Console:
         self.lost_in_all += 1
         if not self._reason:
             self._reason = STOPPED if isinstance(error, BlockingIOError) else error.strerror or str(error)
-            self._news.append(f"standard output takes no more lines ({self._reason}); the run goes on, the journal is complete")
+            self._news.append(f"standard output accepts no more lines ({self._reason}); the run continues, the journal is complete")
 
     def _over(self) -> None:
         self._news.append(f"standard output takes lines again; {self.lost} lines were not shown ({self._reason})")

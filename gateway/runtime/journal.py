@@ -77,7 +77,7 @@ class Journal:
         if not self._reason:
             self._reason = error.strerror or str(error)
             if self._console is not None:
-                self._console.say(f"the journal {self._path} is not written: {self._reason}; make room, the run goes on meanwhile")
+                self._console.say(f"the journal {self._path} is not written: {self._reason}; free disk space; the run continues meanwhile")
 
     def _append(self, octets: bytes) -> None:
         if (self.lost or self._fresh) and _torn(self._fd):

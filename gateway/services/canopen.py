@@ -98,7 +98,7 @@ class CanopenServices(Part):
             return ""
         from drivers.drives.cia402_words import sentence
 
-        return sentence(code, self._language) if code else "(no emergency message came)"
+        return sentence(code, self._language) if code else "(no emergency message received)"
 
     def status(self) -> dict[str, object]:
         """For `links`; nothing for a cell without CANopen."""

@@ -113,7 +113,7 @@ class ToolStreams:
     @staticmethod
     def _forward(what: str, state: PlannerState) -> None:
         if state.back:
-            raise ValueError(f"{what}: the axes have gone back to block {state.block}: go on first")
+            raise ValueError(f"{what}: the axes have gone back to block {state.block}: continue first")
 
     def _state(self, job: Job) -> PlannerState:
         planner = self._dispatcher.planner

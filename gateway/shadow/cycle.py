@@ -1,7 +1,7 @@
-"""The cycle of a shadow: clocked by the SYNC the old control sends, fed by what the drives answer it; nothing leaves (AX-493).
+"""The cycle of a shadow: clocked by the SYNC the old controller sends, fed by what the drives answer it; nothing leaves (AX-493).
 
 One step for each SYNC, as soon as all drives have answered it, or with the next one.  What the step would have sent is compared with
-what the old control sends behind the next SYNC: the bits that command the drives, positions, and the bytes of digital outputs.
+what the old controller sends behind the next SYNC: the bits that command the drives, positions, and the bytes of digital outputs.
 """
 
 import argparse
@@ -146,7 +146,7 @@ class ShadowCycle(Cycle):
                 bus.foreign += key not in self.comparison.blocks
             return
         finally:
-            bus.family.aside.clear()  # SDO and the like: the old control's, and nobody here waits for them
+            bus.family.aside.clear()  # SDO and the like: the old controller's, and nobody here waits for them
         if heard is None or not self._open:
             return
         self._missing -= self._actuals[heard[0]] is None
@@ -156,7 +156,7 @@ class ShadowCycle(Cycle):
 
     @staticmethod
     def _meet(family: Cia402Family, frame: Frame) -> None:
-        """A node that answers SYNC was started up by the old control."""
+        """A node that answers SYNC was started up by the old controller."""
         if frame.identifier & 0x780 == cobid.tpdo(1, 0):
             family.answers(frame.identifier & 0x7F, Mode.CSP)
 

@@ -1,4 +1,4 @@
-"""A Modbus server's command source without a server: what the PLC asks the old control is taken as if it had asked us, and the answers
+"""A Modbus server's command source without a server: what the PLC asks the old controller is taken as if it had asked us, and the answers
 are compared.
 Nothing is written (AX-512).
 """
@@ -38,7 +38,7 @@ class ShadowModbusSource(ModbusSource):
         """Nothing is bound."""
 
     def follow(self, settings: Modbus, tap: tuple[str, str]) -> None:
-        """`tap`: capture, host:port of the old control."""
+        """`tap`: capture, host:port of the old controller."""
         host, _, port = tap[1].rpartition(":")
         self._settings, self._tap = settings, tap
         self._capture = CaptureTap(tap[0])
@@ -49,7 +49,7 @@ class ShadowModbusSource(ModbusSource):
         self.since: Ns = time.monotonic_ns()
         self._settled = False
         self._clients: dict[Endpoint, Client] = {}
-        self._open: dict[tuple[Endpoint, int], bytes] = {}  # our answers until the old control's is there
+        self._open: dict[tuple[Endpoint, int], bytes] = {}  # our answers until the old controller's is there
         self._reads: dict[tuple[int, bytes], Request] = {}
         self._signals = signals_of(self._run.cell)
         self._numbers = numbers_of(self._run.cell, settings, self._run.plan.tolerances)

@@ -15,7 +15,9 @@ LINES, BUSES = "shadow-lines.json", "shadow-buses.json"  # what services and cyc
 SPOKEN = ("servodyn", "rho3-io", "canopen")
 ENDLESS = FollowingError(float("inf"), float("inf"))
 LIFE_NS = 10_000_000_000  # nothing hangs on it, and a successor would have forgotten what was found
-Taps = Mapping[str, tuple[str, str]]  # line -> the port that hears the PLC, the one that hears the old control; server -> capture, address
+Taps = Mapping[
+    str, tuple[str, str]
+]  # line -> the port that hears the PLC, the one that hears the old controller; server -> capture, address
 
 
 def why_not_shadow(cell: Cell, taps: Taps, bus: str | None) -> str:
@@ -26,7 +28,7 @@ def why_not_shadow(cell: Cell, taps: Taps, bus: str | None) -> str:
     if bus is not None and len(listened) > 1:
         return f"--bus stands for one bus, the cell has {', '.join(each.name for each in listened)}: set their ports in the cell"
     if bus is None and any(each.port == "sim" for each in listened):
-        return f"bus {listened[0].name} has port sim; name the bus of the old control, e.g. --bus socketcan:can0"
+        return f"bus {listened[0].name} has port sim; name the bus of the old controller, e.g. --bus socketcan:can0"
     return _why_no_tap(cell, taps)
 
 
@@ -35,7 +37,7 @@ def _why_no_tap(cell: Cell, taps: Taps) -> str:
     if not taps:
         if servers and not lines:
             return f"no --tap: name a capture of its Modbus, e.g. --tap {next(iter(servers))}=/run/plc.pcap,10.0.0.7:502"
-        return f"no --tap: name two receive-only ports, e.g. --tap {next(iter(lines), 'LINE')}=FROM_PLC,FROM_CONTROL"
+        return f"no --tap: name two receive-only ports, e.g. --tap {next(iter(lines), 'LINE')}=FROM_PLC,FROM_CONTROLLER"
     for name, (_, second) in taps.items():
         if name in servers:
             if words := _why_no_capture(servers[name], second):
@@ -59,7 +61,7 @@ def _why_no_capture(server: Modbus, address: str) -> str:
     except ValueError:
         colon = ""
     if not colon or not port.isdecimal():
-        return f"--tap {server.name}=..,{address}: the old control's address and port expected, e.g. 10.0.0.7:502"
+        return f"--tap {server.name}=..,{address}: the old controller's address and port expected, e.g. 10.0.0.7:502"
     return ""
 
 
@@ -127,14 +129,15 @@ def plan_shadow(cell: Cell, taps: Taps, *, slug: str | None, bus: str | None, p5
 
 
 def parse_taps(words: Sequence[str]) -> Taps:
-    """LINE=FROM_PLC,FROM_CONTROL each; ValueError."""
+    """LINE=FROM_PLC,FROM_CONTROLLER each; ValueError."""
     taps = {}
     for word in words:
         name, equals, ports = word.partition("=")
         from_plc, comma, from_control = ports.partition(",")
         if not (name and equals and from_plc and comma and from_control):
             raise ValueError(
-                f"--tap {word}: LINE=FROM_PLC,FROM_CONTROL expected, e.g. plc=/dev/ttyUSB0,/dev/ttyUSB1; or SERVER=CAPTURE,OLD_CONTROL"
+                f"--tap {word}: LINE=FROM_PLC,FROM_CONTROLLER expected, e.g. plc=/dev/ttyUSB0,/dev/ttyUSB1; "
+                "or SERVER=CAPTURE,OLD_CONTROLLER"
             )
         taps[name] = (from_plc, from_control)
     return taps

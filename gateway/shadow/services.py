@@ -42,7 +42,7 @@ class ShadowServices(Services):
         return made
 
     def _masters(self, fds: dict[str, int]) -> CanopenServices:
-        """None: nodes are started up by the old control."""
+        """None: nodes are started up by the old controller."""
         return CanopenServices(replace(self.run_context.plan, buses={}), fds, self.run_context.journal.write)
 
     def tick(self) -> None:

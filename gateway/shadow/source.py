@@ -1,4 +1,4 @@
-"""A line's command source without a line: what the PLC sends to the old control is taken as if it had been sent to us, what the old
+"""A line's command source without a line: what the PLC sends to the old controller is taken as if it had been sent to us, what the old
 control answers
 is compared with what we would have answered.  Nothing is written (AX-493).
 """
@@ -97,7 +97,7 @@ class ShadowSource(Rk512Source):
             self._known(telegram.kind, telegram.db, asked.stamp)
 
     def _old_answers(self, answered: Answered) -> None:
-        """The old control's reaction; ours was made when the PLC asked."""
+        """The old controller's reaction; ours was made when the PLC asked."""
         ours, self._reaction = self._reaction, b""
         self.telegrams["answered"] += 1
         if ours[:REACTION_BYTES] != answered.data[:REACTION_BYTES]:
@@ -108,14 +108,14 @@ class ShadowSource(Rk512Source):
         self._said(answered.job, answered.at, answered.data[REACTION_BYTES:], answered.asked, answered.stamp)
 
     def _old_sends(self, asked: Asked) -> None:
-        """A SEND of the old control says how its block stands."""
+        """A SEND of the old controller says how its block stands."""
         telegram = telegram_of(asked.data)
         if telegram is not None and telegram.job == "SEND" and self._settled:
             self._known(telegram.kind, telegram.db, asked.stamp)
             self._said(asked.data, 0, telegram.data, asked.stamp, asked.stamp, job_word="SEND")
 
     def _plc_answers(self, answered: Answered) -> None:
-        """What the old control fetched from the PLC is taken as if we had fetched it."""
+        """What the old controller fetched from the PLC is taken as if we had fetched it."""
         telegram = telegram_of(answered.job)
         data = answered.data[REACTION_BYTES:]
         if telegram is None or telegram.job != "FETCH" or telegram.kind not in ("DB", "DX") or len(data) % 2:

@@ -56,7 +56,7 @@ def _note(cell: Cell, server: Modbus, view: str) -> str:
     who = f"written from {writers} only" if writers else f"written by {roles} only" if roles else "writable by every client"
     files = ", ".join(str(block.number) for block in cell.db if block.writer == server.name)
     also = f"; FC 7: RC outputs 64..71; FC 20: file N is DB N; {f'FC 21: files {files}; ' if files else ''}"
-    also = f"{also}FC 24 at {ERRORS_AT}: numbers of the standing errors" if MODBUS_VIEWS[view].signals else ""
+    also = f"{also}FC 24 at {ERRORS_AT}: numbers of the pending errors" if MODBUS_VIEWS[view].signals else ""
     return f"REAL and other wide values {server.float}; {who}{also}"
 
 

@@ -34,7 +34,7 @@ def help_text(sentence: str) -> str:
 
 
 def report_text(sentence: str) -> str:
-    """A sentence about a program of an old control, as a command prints it, in the user's language."""
+    """A sentence about a program of an old controller, as a command prints it, in the user's language."""
     if _language() != "de":
         return sentence
     if place := PLACE.match(sentence):

@@ -176,7 +176,7 @@ class Api:
         body: Put = call.body
         return await self.operator_control.services_link.ask("set", address=body.address, value=body.value)
 
-    # ---- programs of the old control ------------------------------------------------------------------------------------
+    # ---- programs of the old controller ------------------------------------------------------------------------------------
     async def program_text(self, call: Call) -> Row:
         try:
             return await self.live.programs.text(call.query.get("name", "")[:128])
@@ -346,13 +346,13 @@ def endpoints(api: Api) -> list[Endpoint]:
         row("POST", "/api/kept/drop", o, "remove one", api.drop_kept, Kept, True),
         row("GET", "/api/tree", v, "branches of all values", api.tree),
         row("GET", "/api/errors", v, "the error catalogue by number, family and number, or words", api.errors, query=(("q", "string"),)),
-        row("GET", "/api/alarms", v, "alarms that came, were acknowledged and went", api.alarms, query=ALARM_FILTER),
+        row("GET", "/api/alarms", v, "alarms that occurred, were acknowledged and cleared", api.alarms, query=ALARM_FILTER),
         row("GET", "/api/alarms/file", v, "the same as csv or json", api.alarms_file, query=(("as", "string"), *ALARM_FILTER)),
         row("GET", "/api/jobs/{number:int}", v, "what became of a command", api.job),
         row("POST", "/api/stop", v, "stop on the path", api.stop, changes=True),
         row("POST", "/api/command", o, "one command of the command block", api.command, Command, True),
         row("GET", "/api/program", v, "the listing of a program, with its faults", api.program_text, query=(("name", "string"),)),
-        row("POST", "/api/program/start", o, "start a program of the old control", api.program_start, ProgramName, True),
+        row("POST", "/api/program/start", o, "start a program of the old controller", api.program_start, ProgramName, True),
         row("POST", "/api/program/stop", o, "stop it", api.program_stop, ProgramName, True),
         *program_test_endpoints(ProgramTests(lambda: api.operator_control)),
         *plc_endpoints(api),

@@ -39,7 +39,7 @@ class Token(Body):
 
 
 class ProgramName(Body):
-    """A program of the old control."""
+    """A program of the old controller."""
 
     name: Annotated[str, Field(min_length=1, max_length=128, pattern=r"^[^\x00-\x1f]+$")]
 

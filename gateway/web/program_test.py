@@ -1,4 +1,4 @@
-"""The test system of the old control on the page: start in test, breakpoints, steps, variables, points (AX-1040)."""
+"""The test system of the old controller on the page: start in test, breakpoints, steps, variables, points (AX-1040)."""
 
 import asyncio
 import time
@@ -156,7 +156,7 @@ def program_test_endpoints(tests: ProgramTests) -> list[Endpoint]:
         row("GET", "/api/program/value", v, "show a variable of a Reis on the page Programs", tests.value, query=(("name", "string"),)),
         row("POST", "/api/program/test", o, "start a program in test", tests.start, TestStart, True),
         row("POST", "/api/program/breakpoints", o, "set all breakpoints of a program", tests.breakpoints, Breakpoints, True),
-        row("POST", "/api/program/step", o, "step a process of the test, let it go on, or hold it", tests.step, TestStep, True),
+        row("POST", "/api/program/step", o, "step, continue or hold a process of the test", tests.step, TestStep, True),
         row("POST", "/api/program/single", o, "execute one step of a program of a Reis", tests.single, SingleStep, True),
         row("POST", "/api/program/movement", s, "test with or without movement", tests.movement, Movement, True),
         row("POST", "/api/program/variable", s, "set a variable of a process that is held", tests.variable, Variable, True),

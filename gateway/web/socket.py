@@ -149,7 +149,7 @@ class Sockets:
             return {"error": str(why)}
 
     async def _panel(self, message: dict[str, Any], person: Person) -> dict[str, Any] | None:
-        """A key of the hand-held unit of the old control is pressed, held or released.  Refusals are reported."""
+        """A key of the hand-held unit of the old controller is pressed, held or released.  Refusals are reported."""
         try:
             act, key, first = str(message["act"]), str(message["key"])[:16], bool(message.get("first", True))
             if act not in ("key", "hold", "release"):

@@ -221,7 +221,7 @@ class Store:
                 self._db.execute("rollback")  # SQLite may have done so by itself
             if not self._full:
                 self._report(
-                    f"the audit of the page is not written ({error}); orders are carried out; make room on the disk of {self.path}"
+                    f"the audit of the page is not written ({error}); orders are carried out; free space on the disk of {self.path}"
                 )
             self._full = True
             return
@@ -263,7 +263,7 @@ class Store:
             try:
                 return self._db.execute(text, values).rowcount
             except sqlite3.OperationalError as error:
-                raise StoreError(f"it cannot be kept ({error}); make room on the disk of {self.path.parent}") from error
+                raise StoreError(f"it cannot be kept ({error}); free space on the disk of {self.path.parent}") from error
 
 
 def _hashed(secret: str) -> str:

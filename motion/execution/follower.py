@@ -168,7 +168,7 @@ class Follower:
         """Drop the waiting pieces from this id on; they must not have begun."""
         at = next((k for k, piece in enumerate(self._pieces) if piece.id >= first.id), len(self._pieces))
         if at < len(self._pieces) and (at < self._index or (at == self._index and self._tau > self._begins[at])):
-            raise LatePieceError(f"piece {first.id}: comes too late to replace what has begun")
+            raise LatePieceError(f"piece {first.id}: is too late to replace what has begun")
         self._check_join(self._pieces[at - 1] if at else None, first)
         while len(self._pieces) > at:
             self._pieces.pop()

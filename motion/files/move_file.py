@@ -122,7 +122,7 @@ class MoveFiles:
             left = len(file.data) - file.offset
             raise MoveFileError(FORMAT, f"{name}: {left} bytes from byte {file.offset} are no points of {header.axes} axes")
         rows = bnr.points(file.data, header.axes, file.offset)
-        for number, row in enumerate(rows, 1):  # the old control looked at the first and last only
+        for number, row in enumerate(rows, 1):  # the old controller looked at the first and last only
             if not all(map(math.isfinite, row)):
                 raise MoveFileError(REAL_EXPRESSION, f"{name}: point {number} is {row}")
         return rows

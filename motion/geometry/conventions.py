@@ -1,4 +1,4 @@
-"""Angles of the three old controls and rotations; mm and degrees outside, m and rotation matrices inside.
+"""Angles of the three old controllers and rotations; mm and degrees outside, m and rotation matrices inside.
 
 | control | values      | rotation            | turned in this order                      | source                            |
 |---------|-------------|---------------------|-------------------------------------------|-----------------------------------|

@@ -1,7 +1,7 @@
 """Poses: position and orientation of a frame in another one.  m and rad; plain floats, because numpy is slow for six numbers.
 
 A pose is a position (x, y, z) m and a rotation matrix of nine floats, row after row.  `a @ b` is b given in a's frame, seen
-from where a is given: the product of the 4x4 matrices.  Angles of the old controls are turned into this form in
+from where a is given: the product of the 4x4 matrices.  Angles of the old controllers are turned into this form in
 `motion.geometry.conventions`; ways from one orientation to another stand in `motion.geometry.orientation`.
 """
 

@@ -80,7 +80,7 @@ def chain_of(text: str, frame: str) -> Chain:
         way.insert(0, above[here])
         here = _link(above[here], "parent")
     if here not in links:
-        raise MotionError(f"joint {way[0].get('name')!r} of the URDF hangs on the link {here!r}, which is not there")
+        raise MotionError(f"joint {way[0].get('name')!r} of the URDF is attached to the link {here!r}, which is not there")
     return Chain(_followed([_joint(element) for element in way], way, frame))
 
 

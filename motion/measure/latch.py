@@ -11,7 +11,7 @@ from motion.measure.history import History
 from motion.val3.errors import RuntimeFault
 
 FAST_INPUTS = ("fIn0", "fIn1")
-ARMING_NS = 200_000  # the longest the old control may take; programs that forget delay(0) fail here as they might there
+ARMING_NS = 200_000  # the longest the old controller may take; programs that forget delay(0) fail here as they might there
 PULSE_NS = 31_250
 UPDATE_NS = 62_500  # of the arm's position: the greatest delay of what is latched; ours is the edge itself (AX-462)
 

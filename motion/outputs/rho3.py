@@ -25,8 +25,8 @@ class Stop(Enum):
     """What ends a running function (L4247-4258)."""
 
     FEED_HOLD = "feed hold"
-    FEED_ALLOW = "feed allow is gone"
-    TRAVEL_ALLOW = "travel allow is gone"
+    FEED_ALLOW = "feed allow was removed"
+    TRAVEL_ALLOW = "travel allow was removed"
     RESET = "reset"
     EMERGENCY = "emergency stop"
     INTERPOLATOR_STOP = "interpolator stop"

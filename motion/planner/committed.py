@@ -90,5 +90,5 @@ def state_behind(kept: Sequence[tuple[int, RouteState]], planned: Iterable[Plann
         raise MotionError(f"block {number} is over already")
     last = state.splines[-1][0] if state.splines else 0
     if last and any(each.block == last for law in planned for each in law.run.stretches):
-        raise MotionError(f"block {number} lies inside a spline that is under way: flush the stream, or cut it behind the spline")
+        raise MotionError(f"block {number} is inside a spline that is being executed: flush the stream, or cut it after the spline")
     return state

@@ -1,5 +1,5 @@
 """What a block may have to keep besides reach and travel, looked at before anything moves: the working range of the tool and, where the
-old control's error is wanted instead of slowing down, the speed of every axis.
+old controller's error is wanted instead of slowing down, the speed of every axis.
 
 Working range: LIMIT_MIN and LIMIT_MAX of the rho 3, world points that move with the frame (L8976-8983).  Speed: rho 3 P306 sub-query 6 = 1,
 "Ax-Velocity exceeded", and 3, "Interpolator Stop" (L5549-5596), or VAL 3 540 near a singularity (L5562-5564, L5675-5677).  AX-571.

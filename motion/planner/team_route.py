@@ -345,7 +345,7 @@ def _check_asked(shared: Shared, number: int) -> None:
             "one kinematic alone of a shared block goes to an entry: recorded of another one needs a block of its own", block=number
         )
     if len(labels := sorted({block.otherwise for block in shared.own} - {""})) > 1:
-        raise BlockError(f"a shared block goes on at one label, not at {' and '.join(labels)}: error= of one of them", block=number)
+        raise BlockError(f"a shared block continues at one label, not at {' and '.join(labels)}: error= of one of them", block=number)
 
 
 def _adding(shared: Shared, n: int) -> Callable[[Member], object]:

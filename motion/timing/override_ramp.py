@@ -1,6 +1,6 @@
 """Override that changes by at most so much in a cycle: RDELTA_OV_MAX of the Reis (L1971-1977), 0 < x <= 1.0, default 0.1.
 
-The set values themselves keep their limits without it (motion.execution.follower); it is for those who want the old control's slowness.
+The set values themselves keep their limits without it (motion.execution.follower); it is for those who want the old controller's slowness.
 """
 
 from motion.errors import MotionError

@@ -102,7 +102,7 @@ def cases(unit: int = 1, register: int = 0, coil: int = 0, missing: int = 247, w
     ]
 
 
-EXCEPTION_01 = ("01", "refuses with 01 (function) what 03 (value) is written for: a client looks for the wrong mistake")
+EXCEPTION_01 = ("01", "refuses with 01 (function) where 03 (value) is specified: this misleads the client")
 
 
 def _one(
@@ -208,7 +208,7 @@ def _functions(unit: int) -> list[Case]:
         ("FC 41h, which is none", "7", "41 00 00 00 01", ("01",), False),
         ("FC 0, which is none", "4.1", "00 00 00 00 01", ("01", "closed", "silence"), False),
         ("FC 7", "6.7", "07", ("normal",), True),
-        ("FC 8/0: data come back", "6.8", "08 0000 A537", ("echo",), True),
+        ("FC 8/0: the data are returned", "6.8", "08 0000 A537", ("echo",), True),
         ("FC 8: sub-function FFFFh", "6.8", "08 FFFF 0000", ("01",), True),
         ("FC 11", "6.9", "0B", ("normal",), True),
         ("FC 12", "6.10", "0C", ("normal",), True),
@@ -265,7 +265,7 @@ def judge(case: Case, heard: Heard) -> tuple[Verdict, str]:
 
 def _header_faults(case: Case, heard: Heard) -> str:
     if heard.rest:
-        return "what came is no Modbus TCP frame"
+        return "what was received is not a Modbus TCP frame"
     first = struct.unpack_from(">H", case.pieces[0])[0] if len(case.pieces[0]) >= 2 else FIRST_ID
     for n, said in enumerate(heard.said):
         if said.transaction != (first + n) & 0xFFFF:

@@ -209,7 +209,7 @@ class Passive:
             return ErrorNumber.HEADER, f"{total} bytes, at most {self._dialect.served_bytes} are served in one job"
         expected = 0 if header.command == Command.FETCH else min(total, MOST_BYTES)
         if total == 0 or data_bytes != expected:
-            return ErrorNumber.LENGTH, f"header announces {total} bytes, {data_bytes} data bytes came, {expected} expected"
+            return ErrorNumber.LENGTH, f"header announces {total} bytes, {data_bytes} data bytes received, {expected} expected"
         return None
 
     def _wrong_target(self, header: Header) -> Fault | None:
@@ -217,7 +217,7 @@ class Passive:
         if flag is not None and self._dialect.coordination_flag == "refuse":
             return ErrorNumber.LOCKED, f"coordination flag {flag.byte}.{flag.bit}: none here"
         if self._dialect.coordination_flag == "serve" and self.flags.locks(flag):
-            return ErrorNumber.LOCKED, "the coordination flag is set: what came before has not been used yet"
+            return ErrorNumber.LOCKED, "the coordination flag is set: the previous data have not been used yet"
         if _kind(header).in_blocks and self._dialect.db_address_unit == "byte" and header.address % 2:
             return ErrorNumber.BLOCK, f"byte address {header.address} is odd"
         return None

@@ -67,7 +67,7 @@ def field_faults(key: str, number: int, field: Field) -> Iterator[Finding]:
     if field.scale == 0.0:
         yield Finding(key, number, "scale 0 makes every value 0")
     if field.low is not None and field.high is not None and field.low >= field.high:
-        yield Finding(key, number, f"min {field.low:g} has to be below max {field.high:g}")
+        yield Finding(key, number, f"min {field.low:g} must be below max {field.high:g}")
     if field.kind in POINTS and field.count > 12:
         yield Finding(key, number, f"{field.kind.value} has 1..12 coordinates")
 

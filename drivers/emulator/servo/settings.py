@@ -343,11 +343,11 @@ def _cross_faults(settings: ServoSettings) -> list[str]:
         (settings.stiction_nm >= settings.coulomb_nm, "stiction_nm: is below coulomb_nm; an axis at rest is never easier to move (Nm)"),
         (settings.torque_limit_nm >= settings.rated_torque_nm, "torque_limit_nm: is below rated_torque_nm (Nm)"),
         (settings.overspeed_rad_s > settings.speed_limit_rad_s, "overspeed_rad_s: has to be above speed_limit_rad_s (rad/s)"),
-        (settings.hard_limit_min_rad < settings.hard_limit_max_rad, "hard_limit_min_rad: has to be below hard_limit_max_rad (rad)"),
-        (settings.soft_limit_min_inc < settings.soft_limit_max_inc, "soft_limit_min_inc: has to be below soft_limit_max_inc (inc)"),
+        (settings.hard_limit_min_rad < settings.hard_limit_max_rad, "hard_limit_min_rad: must be below hard_limit_max_rad (rad)"),
+        (settings.soft_limit_min_inc < settings.soft_limit_max_inc, "soft_limit_min_inc: must be below soft_limit_max_inc (inc)"),
         (
             settings.reference_switch_from_rad <= settings.reference_switch_to_rad,
-            "reference_switch_from_rad: has to be below reference_switch_to_rad (rad)",
+            "reference_switch_from_rad: must be below reference_switch_to_rad (rad)",
         ),
         (settings.winding_warning_c <= settings.winding_trip_c, "winding_warning_c: is above winding_trip_c (deg C)"),
     )

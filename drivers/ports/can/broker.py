@@ -71,7 +71,7 @@ class Link:
             except BlockingIOError:
                 break
             except OSError as error:
-                raise PortError(f"{self.name}: {error.strerror}; the broker is gone, open the port again") from error
+                raise PortError(f"{self.name}: {error.strerror}; the broker has ended, open the port again") from error
             taken += len(message) // RECORD_BYTES
         self.counters.sent += taken
         self.counters.refused += given - taken
@@ -112,7 +112,7 @@ class Link:
         """What came before the end is given first; the end is reported at the next call."""
         if records:
             return records
-        raise PortError(f"{self.name}: {why}; the broker died or disconnected this subscriber as too slow, open the port again")
+        raise PortError(f"{self.name}: {why}; the broker ended or disconnected this subscriber as too slow, open the port again")
 
     def _gap(self, record: Record) -> None:
         start = COUNT.unpack(record[3])[0]

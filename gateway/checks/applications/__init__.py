@@ -1,1 +1,1 @@
-"""Checks that read the application of an old control: loaded where a cell has one."""
+"""Checks that read the application of an old controller: loaded where a cell has one."""

@@ -92,7 +92,7 @@ class Tester:
             return
         if measure.place() is Place.OUTSIDE and replace(measure, uncertainty=max(near, far)).place() is Place.OUTSIDE:
             raise Fail(f"{what}: {shown}, limits: {measure.limits()}", measure.limits(), shown)
-        raise Uncertain(f"{what}: {shown} lies across its limits: {measure.limits()}", measure.limits(), shown)
+        raise Uncertain(f"{what}: {shown} overlaps its limits: {measure.limits()}", measure.limits(), shown)
 
 
 def hexed(data: bytes, most: int = 48) -> str:

@@ -195,7 +195,7 @@ class Runner:
             again = self._played(purpose, result)
         except PortError as error:
             self._gone, self._gone_in = _words(error), purpose.id
-            self._set(result, Verdict.FAIL, f"the device died in this case: {self._gone}", "a device that answers", _last(tester.notes))
+            self._set(result, Verdict.FAIL, f"the device failed in this case: {self._gone}", "a device that answers", _last(tester.notes))
         except Ended as ended:  # the line did not become idle
             again = isinstance(ended, Disturbed)
             self._end(result, ended)

@@ -363,7 +363,7 @@ MUTANT_ROWS: tuple[Row, ...] = (
     _row("register-sticks", "1001h stays set when the error is gone", "ERR_BV_12", register_sticks),
     _row("reports-again", "reports a lost heartbeat again and again", "ERR_BV_13", reports_again),
     _row("any-heartbeat", "the heartbeat of any node will do", "ERR_BV_14", hears=any_heartbeat),
-    _row("watches-unheard", "misses a heartbeat that never came", "ERR_BO_01", watches_unheard),
+    _row("watches-unheard", "misses a heartbeat that was never received", "ERR_BO_01", watches_unheard),
     _row("emcy-never-off", "bit 31 of 1014h does not count", "ERR_BV_15", emergencies_never_off),
     _row(
         "emcy-fixed",

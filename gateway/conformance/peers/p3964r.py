@@ -280,7 +280,7 @@ MUTANTS = (
     _mutant("impatient", "an acknowledgement 300 ms after its block is too late", [f"{S}TI_05"], _with(sender=ImpatientForAcknowledge)),
     _mutant("twice-after-conflict", "a job that gave way is sent twice", [f"{C}BO_02"], _with(sender=TwiceAfterConflict)),
     _mutant("reaction-check", "the check of its reactions is wrong", [f"{S}BV_06"], lambda: Built(says=wrong_reaction_check)),
-    _mutant("echoes", "each character comes back", [f"{R}BV_01"], Echoes),
+    _mutant("echoes", "each character is returned", [f"{R}BV_01"], Echoes),
     _mutant("long-check", "does not look at the check of a long block", [f"{R}BI_11"], _with(LongCheck)),
     _mutant("deaf-after-gap", "deaf for 1 s after a block that broke off", [f"{R}RC_02"], lambda: DeafAfterGap(RHO3, LOW)),
     _mutant("hasty-repeats", "a repeated block waits 200 ms", [f"{S}TI_06"], _with(sender=HastyRepeats)),

@@ -251,7 +251,7 @@ def etb(bench: Bench) -> None:
 
 
 # ---- damage
-@RECEIVE.case("parity-in-data", "a parity error in the data: heard to the end, NAK")
+@RECEIVE.case("parity-in-data", "a parity error in the data: received to the end, NAK")
 def parity_in_data(bench: Bench) -> None:
     wire = wire_block(b"UVW", bench.profile.block_check)
     bench.connect()

@@ -141,7 +141,7 @@ def _jobs(found: Cases, place: Place) -> None:
         reaction = ask(bench, place, header(FETCH, TYPE_DB, place.db, place.word, 1, b"\x06\x04"))
         if reaction[3] not in (0, ErrorNumber.LOCKED):
             raise Warn(said("{:02X}h ({}), expected 00h or 32h", reaction[3], words_of(reaction[3])))
-        bench.remark("executed: the flag was free or is not looked at" if not reaction[3] else "32h: locked, or flags are not served")
+        bench.remark("executed: the flag was free or is not checked" if not reaction[3] else "32h: locked, or flags are not served")
 
 
 def _planted(found: Cases, place: Place) -> None:

@@ -159,22 +159,22 @@ def conclusion(results: Sequence[Result], settings: Settings) -> str:
     asked = sum(count[word] for word in JUDGED)
     late, left = count[Inconclusive.word], count[NotRun.word]
     if not asked:
-        return said("Conclusion: nothing can be said of the station: no test was carried out to its end.")
+        return said("Conclusion: no statement about the station: no test was completed.")
     if not count["PASS"] and asked == 1:
-        text = "Conclusion: the station does not speak {} here: the one test did not pass; axisgate line diagnose looks for the cause."
+        text = "Conclusion: the station does not speak {} here: the one test did not pass; axisgate line diagnose finds the cause."
         return said(text, layers)
     if not count["PASS"]:
-        text = "Conclusion: the station does not speak {} here: none of {} tests passed; axisgate line diagnose looks for the cause."
+        text = "Conclusion: the station does not speak {} here: none of {} tests passed; axisgate line diagnose finds the cause."
         return said(text, layers, asked)
     if count["FAIL"]:
         first = next(result for result in results if result.verdict == "FAIL")
-        text = "Conclusion: the station does not keep to {}: {} of {} tests fail, the first is {} ({})."
+        text = "Conclusion: the station does not comply with {}: {} of {} tests fail, the first is {} ({})."
         return said(text, layers, count["FAIL"], asked, first.case.name, first.reason)
     if count["WARN"]:
         text = "Conclusion: the station speaks {}; {} of {} tests show a difference that its partner must allow."
         return said(text, layers, count["WARN"], asked)
     if late:
-        text = "Conclusion: nothing speaks against {}, but {} tests are inconclusive: the bench was late; try again."
+        text = "Conclusion: no test contradicts {}, but {} tests are inconclusive: the bench was late; try again."
         return said(text, layers, late)
     if asked == 1:
         return said("Conclusion: the station speaks {} in the one test that was run.", layers)

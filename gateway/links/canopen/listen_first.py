@@ -10,7 +10,7 @@ from drivers.ports.can.open import open_can
 from protocols.base.machine import Frame
 
 LISTEN_S = 0.6  # a SYNC and a heartbeat of any usual period are heard in it
-END_IT = "nothing was sent; two masters reset each other's drives: end the other one first (a running cell, a tool, the old control)"
+END_IT = "nothing was sent; two masters reset each other's drives: end the other one first (a running cell, a tool, the old controller)"
 
 
 class OtherMasterError(PortError):

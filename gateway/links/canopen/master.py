@@ -107,7 +107,7 @@ class Receiving(can.Listener):
     def on_error(self, exc: Exception) -> None:
         if self._network.notifier is not None:
             self._network.notifier.exception = None
-        self._report(f"receiving failed and goes on: {place_of(exc)}")
+        self._report(f"receiving failed and continues: {place_of(exc)}")
         time.sleep(TICK_S)  # an error that stands must not become a busy loop
 
     def stop(self) -> None:

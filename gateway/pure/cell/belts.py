@@ -44,7 +44,7 @@ class Measuring:
     """[[measuring]]: a measuring input of programs by its number of the rho 3: 6x0 probe of board x, 6xy its y-th high-speed input."""
 
     channel: Annotated[int, Ge(610), Le(699)]
-    input: Annotated[int, Ge(-1), Le(1023)] = -1  # RC input its wire comes to; -1: none, drives measure
+    input: Annotated[int, Ge(-1), Le(1023)] = -1  # RC input it is wired to; -1: none, drives measure
     axes: tuple[str, ...] = ()  # on the board; empty: all of its robots
     drives: tuple[str, ...] = ()  # axes whose CiA 402 drives catch the edge by their touch probe
     probe: Literal[1, 2] = 1  # of those drives: 1 | 2

@@ -65,7 +65,7 @@ class ControllerPoint:
 class ControllerPlc:
     """[controller.plc]: the integrated PLC of a Reis; without the table a command source writes the markers (AX-900)."""
 
-    start: Annotated[str, MinLen(1)]  # start program (_SSTARTPLC), with FOLDER/ in front where it lies in one
+    start: Annotated[str, MinLen(1)]  # start program (_SSTARTPLC), with FOLDER/ in front if it is in one
     path: Annotated[str, MinLen(1)] = "PLC"  # folder of NAME.PLC files (S:/PLC); relative to the cell file
     # commands a period (IPLC_LOAD); none: a whole scan each period; 0: the PLC is off
     load: Annotated[int | None, Ge(0), Le(1_000_000), Unit("commands")] = None

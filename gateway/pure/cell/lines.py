@@ -94,7 +94,7 @@ class Supervision:
 
 @dataclass(frozen=True, slots=True)
 class ProgramUnit:
-    """[[line.program]]: a unit that programs of the old control READ and WRITE on this line (AX-1021)."""
+    """[[line.program]]: a unit that programs of the old controller READ and WRITE on this line (AX-1021)."""
 
     device: Literal["V24_1", "V24_2", "V24_3", "V24_4"]
     procedure: Literal["3964R", "text", "echo"] = "3964R"  # 8, 5 and 2 of mode 9.1

@@ -1,4 +1,4 @@
-"""[rho3] of a cell: machine parameters as the old control has them printed.  Shapes: users.md 3.5."""
+"""[rho3] of a cell: machine parameters as the old controller has them printed.  Shapes: users.md 3.5."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -67,7 +67,7 @@ class Rho3:
     """[rho3]: machine parameters as printed; the ones the gateway uses are attributes, other legal numbers are kept."""
 
     P2: Annotated[int, Ge(0), Le(15)] = 0
-    P5: Annotated[int | None, Ge(2), Le(32), Unit("ms"), Why("boosters on CAN take no clock above 32 ms")] = None  # clock, ms
+    P5: Annotated[int | None, Ge(2), Le(32), Unit("ms"), Why("boosters on CAN accept no cycle above 32 ms")] = None  # clock, ms
     P9: Annotated[int, Ge(1), Le(1000), Unit("ms")] = 40  # strobe of coded outputs, ms
     P15: tuple[Annotated[int, Ge(0), Le(20)], ...] = ()
     P20: Annotated[int | None, Ge(0), Le(99)] = None

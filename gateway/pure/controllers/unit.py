@@ -1,4 +1,4 @@
-"""The hand-held unit of an old control as tools show it: size of the display, keys, what types them.  Pure."""
+"""The hand-held unit of an old controller as tools show it: size of the display, keys, what types them.  Pure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

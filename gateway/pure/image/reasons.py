@@ -119,9 +119,9 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
         "erstes Telegramm nach Start oder Verbindungsverlust: nicht ausgefuehrt, mit gewechseltem Toggle neu senden",
     ),
     Reason.LINK_LOST: ("no telegrams from the active command source: {0}", "keine Telegramme von der aktiven Befehlsquelle: {0}"),
-    Reason.SERVICES_LOST: ("the services process died; stopped on the path", "Dienste-Prozess ausgefallen; auf der Bahn angehalten"),
+    Reason.SERVICES_LOST: ("the services process failed; stopped on the path", "Dienste-Prozess ausgefallen; auf der Bahn angehalten"),
     Reason.PLANNER_LOST: (
-        "the planner process died; the axes stopped on the path",
+        "the planner process failed; the axes stopped on the path",
         "Planer-Prozess ausgefallen; die Achsen haben auf der Bahn angehalten",
     ),
     Reason.PROGRAM_FAULT: ("a block of the program cannot be run: {0}", "ein Satz des Programms ist nicht fahrbar: {0}"),
@@ -156,7 +156,7 @@ _TEXTS: dict[Reason, tuple[str, str]] = {
     Reason.SET_VALUE: ("a set value jumped or left the range of the telegram", "ein Sollwert sprang oder verliess den Telegrammbereich"),
     Reason.DRIVE_NOT_STARTED: ("drive is not started up: {0}", "Antrieb ist nicht hochgelaufen: {0}"),
     Reason.PATH_LATE: (
-        "the planner was too slow: the new path came after the axes had passed its start",
+        "the planner was too slow: the new path arrived after the axes had passed its start",
         "der Planer war zu langsam: die neue Bahn kam, als die Achsen an ihrem Anfang schon vorbei waren",
     ),
     Reason.PATH_JOIN: (

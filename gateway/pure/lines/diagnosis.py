@@ -73,11 +73,11 @@ def _idle(seen: Evidence) -> list[Finding]:
             Finding("wires crossed", "fault", text, "exchange the two wires of the receiving pair (A and B, or + and -; TTY: RX+ and RX-)")
         ]
     if seen.blocks:
-        text = said("blocks that the partner sent by itself were acknowledged and not used: {}", len(seen.blocks))
+        text = said("blocks that the partner sent unprompted were acknowledged and not used: {}", len(seen.blocks))
         return [Finding("line in use", "note", text, "nothing; stop its program where the blocks must not get lost")]
     if seen.idle:
-        text = said("{} characters came while we were silent", len(seen.idle))
-        return [Finding("line in use", "note", text, "is a third station on the line, or is the partner sending by itself?")]
+        text = said("{} characters were received while this side was silent", len(seen.idle))
+        return [Finding("line in use", "note", text, "is a third station on the line, or does the partner send unprompted?")]
     return []
 
 
@@ -87,7 +87,7 @@ def _echo(seen: Evidence) -> list[Finding]:
     came = [what for what in seen.returned if what not in (Char.NAK, Char.STX)]
     same = len(matches(seen.pattern, came))
     if same >= ECHO_WHOLE * len(seen.pattern):
-        text = said("every character comes back ({} of {}): an echo", same, len(seen.pattern))
+        text = said("every character is returned ({} of {}): an echo", same, len(seen.pattern))
         todo = "switch the echo of the 2-wire adapter off, or remove the loop-back plug; 3964R needs both directions apart"
         return [Finding("echo", "fault", text, todo)]
     damaged = sum(isinstance(what, Damage) for what in came)
@@ -97,7 +97,10 @@ def _echo(seen: Evidence) -> list[Finding]:
         return [Finding("other characters", level, text, "another protocol or speed at the partner, or cross-talk on an open line")]
     if came:
         text = said(
-            "of {} characters {} came back right and {} damaged: cross-talk on an open line, not an echo", len(seen.pattern), same, damaged
+            "of {} characters {} were returned correctly and {} damaged: cross-talk on an open line, not an echo",
+            len(seen.pattern),
+            same,
+            damaged,
         )
         return [
             Finding(
@@ -175,7 +178,7 @@ def _latency(seen: Evidence) -> list[Finding]:
         )
         found.append(Finding("USB latency timer", "warn", text, said("echo {} | sudo tee {}", LATENCY_GOOD_MS, seen.latency_file)))
     elif seen.answer_times and SLOW_ANSWER[0] <= median(seen.answer_times) <= SLOW_ANSWER[1] and not seen.hidden_adapter:
-        text = said("answers take {:.0f} ms: the partner looks at its line in steps", median(seen.answer_times) / 1e6)
+        text = said("answers take {:.0f} ms: the partner polls its line", median(seen.answer_times) / 1e6)
         found.append(Finding("slow answers", "note", text, "nothing, while they stay far below QVZ/ADT"))
     elif seen.answer_times and SLOW_ANSWER[0] <= median(seen.answer_times) <= SLOW_ANSWER[1]:
         text = said("answers take {:.0f} ms, as through a USB adapter whose latency timer is set to 16 ms", median(seen.answer_times) / 1e6)
@@ -315,14 +318,17 @@ CP341_EVENTS: Mapping[tuple[int, int], str] = {
     (7, 0x01): "first repeat: the partner answered the block with NAK, or a fault was seen",
     (7, 0x02): "STX was answered with NAK or a character that is neither DLE nor STX",
     (7, 0x03): "STX was not answered within QVZ/ADT",
-    (7, 0x04): "the partner broke off: a character came while the block was sent",
+    (7, 0x04): "the partner aborted: a character was received while the block was sent",
     (7, 0x06): "the block was answered with NAK or a character other than DLE",
     (7, 0x07): "the block was not answered within QVZ/ADT",
     (7, 0x09): "no connection: all connection attempts used up",
     (7, 0x0A): "not sent: all block attempts used up",
     (7, 0x0B): "conflict that cannot be settled: both stations have priority high",
     (7, 0x0C): "conflict that cannot be settled: both stations have priority low",
-    (8, 0x02): "a character other than NAK or STX came in idle, or characters after STX before DLE; normal when the partner is switched on",
+    (
+        8,
+        0x02,
+    ): "a character other than NAK or STX was received in idle, or characters after STX before DLE; normal when the partner is switched on",
     (8, 0x05): "DLE was followed by neither DLE nor ETX",
     (8, 0x06): "ZVZ/CDT exceeded",
     (8, 0x08): "block check (BCC) wrong",

@@ -29,7 +29,7 @@ FAILED = {
     Failure.SILENT: "no answer within the acknowledgement delay",
     Failure.NAK: "the partner answered NAK",
     Failure.WRONG: "the partner answered neither DLE nor NAK",
-    Failure.DAMAGED: "the answer came damaged",
+    Failure.DAMAGED: "the answer was received damaged",
     Failure.CONFLICT: "gave way to the partner, which then sent no complete block",
     Failure.BREAK: "the line was interrupted (BREAK)",
     Failure.CROWDED: "too many jobs waiting",
@@ -47,7 +47,7 @@ def fault_words(event: object) -> str:
 def _of_the_link(event: object) -> str:
     match event:
         case BlockRefused(why, count):
-            return f"a block of the partner was not taken, {count} characters of it came: {REFUSED[why]}"
+            return f"a block of the partner was not taken, {count} characters of it were received: {REFUSED[why]}"
         case ReceptionFailed(why, attempts):
             return f"the partner gave up a block after {attempts} attempt{'s' * (attempts != 1)}, the first fault: {REFUSED[why]}"
         case SendRepeated(_, why, stage):
@@ -66,7 +66,7 @@ def _of_rk512(event: object) -> str:
         case Refused(number, why, head):
             return f"a telegram of the partner was refused with error {number:02X}h ({why}): {head.hex(' ')}"
         case UnexpectedReaction(head) | Unasked(head):
-            return f"a reaction came though nothing was asked: {head.hex(' ')}"
+            return f"a reaction was received without a request: {head.hex(' ')}"
         case Denied(job, number):
             return f"job {job}: the partner answered with error {number:02X}h"
         case Failed(job, trouble):

@@ -80,7 +80,7 @@ RECEIVE = {
     "a block of 64 times 10h, every one doubled": "ein Block von 64 mal 10h, jedes verdoppelt",
     "an empty block: any answer, and the link stays good": "ein leerer Block: Antwort beliebig, die Verbindung bleibt gut",
     "DLE ETB ends a block as DLE ETX does": "DLE ETB beendet einen Block wie DLE ETX",
-    "a parity error in the data: heard to the end, NAK": "Paritaetsfehler in den Daten: bis zum Ende gehoert, NAK",
+    "a parity error in the data: received to the end, NAK": "Paritaetsfehler in den Daten: bis zum Ende gehoert, NAK",
     "a parity error in the block check: NAK": "Paritaetsfehler im Blockpruefzeichen: NAK",
     "BREAK inside a block: the station leaves it without an answer": "BREAK im Block: die Station bricht ohne Antwort ab",
     "a good block after a bad one, within the block wait time (BWZ)": (
@@ -238,26 +238,26 @@ RK512 = {
         "der Partner ist da, aber langsam: ausgelastetes Programm oder Umsetzer dazwischen; eine laengere QVZ (ack_delay) bei "
         "uns laesst ihn zu"
     ),
-    "Conclusion: nothing can be said of the station: no test was carried out to its end.": (
+    "Conclusion: no statement about the station: no test was completed.": (
         "Ergebnis: ueber die Station laesst sich nichts sagen: kein Test wurde zu Ende gefuehrt."
     ),
-    "Conclusion: the station does not speak {} here: none of {} tests passed; axisgate line diagnose looks for the cause.": (
+    "Conclusion: the station does not speak {} here: none of {} tests passed; axisgate line diagnose finds the cause.": (
         "Ergebnis: die Station spricht hier kein {}: keiner von {} Tests ist bestanden; axisgate line diagnose sucht die Ursache."
     ),
-    "Conclusion: the station does not keep to {}: {} of {} tests fail, the first is {} ({}).": (
+    "Conclusion: the station does not comply with {}: {} of {} tests fail, the first is {} ({}).": (
         "Ergebnis: die Station haelt {} nicht ein: {} von {} Tests sind nicht bestanden, der erste ist {} ({})."
     ),
     "Conclusion: the station speaks {}; {} of {} tests show a difference that its partner must allow.": (
         "Ergebnis: die Station spricht {}; {} von {} Tests zeigen eine Abweichung, die ihr Partner dulden muss."
     ),
-    "Conclusion: nothing speaks against {}, but {} tests are inconclusive: the bench was late; try again.": (
+    "Conclusion: no test contradicts {}, but {} tests are inconclusive: the bench was late; try again.": (
         "Ergebnis: nichts spricht gegen {}, aber {} Tests sind ohne Aussage: der Pruefstand war zu spaet; wiederholen."
     ),
     "Conclusion: the station speaks {} in all {} tests that were run; not run: {}.": (
         "Ergebnis: die Station spricht {} in allen {} ausgefuehrten Tests; nicht ausgefuehrt: {}."
     ),
     "Conclusion: the station speaks {} in the one test that was run.": "Ergebnis: die Station spricht {} in dem einen ausgefuehrten Test.",
-    "Conclusion: the station does not speak {} here: the one test did not pass; axisgate line diagnose looks for the cause.": (
+    "Conclusion: the station does not speak {} here: the one test did not pass; axisgate line diagnose finds the cause.": (
         "Ergebnis: die Station spricht hier kein {}: der eine Test ist nicht bestanden; axisgate line diagnose sucht die Ursache."
     ),
     "Conclusion: the station speaks {} in all {} tests.": "Ergebnis: die Station spricht {} in allen {} Tests.",
@@ -292,7 +292,7 @@ RK512 = {
     "reaction {}: 00 (or FF) 00 00 and an error number expected": "Reaktion {}: erwartet 00 (oder FF) 00 00 und eine Fehlernummer",
     "executed (00h), expected refusal {:02X}h": "ausgefuehrt (00h), erwartet Ablehnung {:02X}h",
     "error {:02X}h with {} data bytes behind it, none may follow": "Fehler {:02X}h mit {} Datenbytes dahinter, keine duerfen folgen",
-    "executed: the flag was free or is not looked at": "ausgefuehrt: der Merker war frei oder wird nicht beachtet",
+    "executed: the flag was free or is not checked": "ausgefuehrt: der Merker war frei oder wird nicht beachtet",
     "32h: locked, or flags are not served": "32h: gesperrt, oder Merker werden nicht bedient",
     "{}: {:02X}h": "{}: {:02X}h",
     "{}; {:02X}h is in no table": "{}; {:02X}h steht in keiner Tabelle",

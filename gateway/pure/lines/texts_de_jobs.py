@@ -48,7 +48,7 @@ JOBS: Mapping[str, str] = {
     "its block check was wrong; or the partner sends none: 3964, not 3964R": (
         "sein Blockpruefzeichen war falsch; oder der Partner sendet keines: 3964, nicht 3964R"
     ),
-    "it came damaged: parity or speed": "es kam verstuemmelt an: Paritaet oder Geschwindigkeit",
+    "it was received damaged: parity or speed": "es kam verstuemmelt an: Paritaet oder Geschwindigkeit",
     "a BREAK ended it": "ein BREAK beendete es",
     "no reaction telegram within {:.0f} s: does the partner speak RK512 (not raw 3964R)?": (
         "kein Reaktionstelegramm innerhalb von {:.0f} s: spricht der Partner RK512 (nicht rohes 3964R)?"

@@ -96,7 +96,7 @@ DIAGNOSIS = {
         "die beiden Adern des Empfangspaars tauschen (A und B, oder + und -; TTY: RX+ und RX-)"
     ),
     "line in use": "Leitung belegt",
-    "blocks that the partner sent by itself were acknowledged and not used: {}": (
+    "blocks that the partner sent unprompted were acknowledged and not used: {}": (
         "Bloecke, die der Partner von selbst sandte, wurden quittiert und nicht verwendet: {}"
     ),
     "nothing; stop its program where the blocks must not get lost": (
@@ -110,17 +110,17 @@ DIAGNOSIS = {
     "reaction spoilt": "Reaktion fehlerhaft",
     "the reaction to a FETCH is no good block: {}": "die Reaktion auf ein FETCH ist kein guter Block: {}",
     "parity, speed, or the partner's software": "Paritaet, Geschwindigkeit oder die Software des Partners",
-    "{} characters came while we were silent": "{} Zeichen kamen, waehrend wir schwiegen",
-    "is a third station on the line, or is the partner sending by itself?": (
+    "{} characters were received while this side was silent": "{} Zeichen kamen, waehrend wir schwiegen",
+    "is a third station on the line, or does the partner send unprompted?": (
         "ist eine dritte Station an der Leitung, oder sendet der Partner von selbst?"
     ),
     "echo": "Echo",
-    "every character comes back ({} of {}): an echo": "jedes Zeichen kommt zurueck ({} von {}): ein Echo",
+    "every character is returned ({} of {}): an echo": "jedes Zeichen kommt zurueck ({} von {}): ein Echo",
     "switch the echo of the 2-wire adapter off, or remove the loop-back plug; 3964R needs both directions apart": (
         "das Echo des 2-Draht-Wandlers abschalten oder den Pruefstecker ziehen; 3964R braucht getrennte Richtungen"
     ),
     "cross-talk": "Uebersprechen",
-    "of {} characters {} came back right and {} damaged: cross-talk on an open line, not an echo": (
+    "of {} characters {} were returned correctly and {} damaged: cross-talk on an open line, not an echo": (
         "von {} Zeichen kamen {} richtig und {} verstuemmelt zurueck: Uebersprechen auf einer offenen Leitung, kein Echo"
     ),
     "the receiving pair is open: partner off, plug out, wire broken, or TTY loop without current": (
@@ -141,7 +141,7 @@ DIAGNOSIS = {
     ),
     "USB latency timer": "USB-Latenzzeit",
     "slow answers": "langsame Antworten",
-    "answers take {:.0f} ms: the partner looks at its line in steps": (
+    "answers take {:.0f} ms: the partner polls its line": (
         "Antworten brauchen {:.0f} ms: der Partner sieht nur in Schritten nach seiner Leitung"
     ),
     "nothing, while they stay far below QVZ/ADT": "nichts, solange sie weit unter der QVZ bleiben",
@@ -247,7 +247,7 @@ CP341 = {
         "STX wurde mit NAK oder einem Zeichen beantwortet, das weder DLE noch STX ist"
     ),
     "STX was not answered within QVZ/ADT": "STX wurde nicht innerhalb der QVZ/ADT beantwortet",
-    "the partner broke off: a character came while the block was sent": (
+    "the partner aborted: a character was received while the block was sent": (
         "der Partner brach ab: ein Zeichen kam, waehrend der Block gesendet wurde"
     ),
     "the block was answered with NAK or a character other than DLE": "der Block wurde mit NAK oder einem anderen Zeichen beantwortet",
@@ -256,7 +256,7 @@ CP341 = {
     "not sent: all block attempts used up": "nicht gesendet: alle Blockversuche verbraucht",
     "conflict that cannot be settled: both stations have priority high": "Konflikt nicht loesbar: beide Stationen haben hohe Prioritaet",
     "conflict that cannot be settled: both stations have priority low": "Konflikt nicht loesbar: beide Stationen haben niedrige Prioritaet",
-    "a character other than NAK or STX came in idle, or characters after STX before DLE; normal when the partner is switched on": (
+    "a character other than NAK or STX was received in idle, or characters after STX before DLE; normal when the partner is switched on": (
         "in Ruhe kam ein anderes Zeichen als NAK oder STX, oder Zeichen nach STX vor DLE; normal, wenn der Partner eingeschaltet wird"
     ),
     "DLE was followed by neither DLE nor ETX": "auf DLE folgte weder DLE noch ETX",

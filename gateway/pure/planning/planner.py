@@ -436,7 +436,7 @@ class Programs(HandingOn):
         """So many statements did not come: what follows them is not what was meant, and a stream is over."""
         if self.state.job and self._job.streams and not self._job.ended:
             lost = "a statement of the stream is" if count == 1 else f"{count} statements of the stream are"
-            words = f"{lost} lost: more than {most} came ahead of the planner"
+            words = f"{lost} lost: more than {most} arrived before the planner used them"
             self._fail(BlockError(words, block=len(self._job.line_of) + 1))
 
     def _drop(self) -> None:

@@ -106,10 +106,10 @@ def can_interface(can: CanState) -> list[Finding]:
     set_up = f"{link} down; {link} type can bitrate 1000000 restart-ms 0; {link} up"
     findings = [Finding(what, "ok" if can.up else "warn", "up" if can.up else "down", "" if can.up else set_up)]
     if can.bitrate != 1_000_000:
-        text = f"bit rate {can.bitrate}: drives talk at 1 Mbit/s" if can.bitrate else "no bit rate set"
+        text = f"bit rate {can.bitrate}: drives communicate at 1 Mbit/s" if can.bitrate else "no bit rate set"
         findings.append(Finding(what, "warn", text, set_up))
     if can.restart_ms:
-        text = f"restart-ms {can.restart_ms}: the kernel would come back from bus-off by itself; axisgate recovers on its own"
+        text = f"restart-ms {can.restart_ms}: the kernel would also recover from bus-off by itself; axisgate does it"
         findings.append(Finding(what, "warn", text, set_up))
     if can.state in ("BUS-OFF", "ERROR-PASSIVE", "ERROR-WARNING"):
         findings.append(

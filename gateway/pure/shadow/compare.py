@@ -1,6 +1,6 @@
-"""Compares axisgate's answers with those of the old control: equal for which share of the time, else how far apart (AX-493).
+"""Compares axisgate's answers with those of the old controller: equal for which share of the time, else how far apart (AX-493).
 
-axisgate's state is known at every change, that of the old control only when the tap sees an answer.  Each answer covers
+axisgate's state is known at every change, that of the old controller only when the tap sees an answer.  Each answer covers
 a span: from the request until the answer began.  An entry is equal if axisgate had its value in that span; else the nearest moment at
 which axisgate had it is searched, before (axisgate earlier) and after (axisgate later), which is why an answer is judged only when the
 horizon has passed.
@@ -82,7 +82,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What the old control said."""
+    """What the old controller said."""
 
     key: Hashable
     asked: Ns
@@ -110,7 +110,7 @@ class Comparison:
             here.append((now, data))
 
     def theirs(self, answer: Answer) -> None:
-        """What the old control said; judged when the horizon has passed."""
+        """What the old controller said; judged when the horizon has passed."""
         self._waiting.append(answer)
 
     def settle(self, now: Ns) -> None:

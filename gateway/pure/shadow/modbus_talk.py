@@ -1,4 +1,4 @@
-"""Requests of a PLC and answers of the old control, paired by their transaction numbers, out of a capture of their Modbus TCP.  Pure.
+"""Requests of a PLC and answers of the old controller, paired by their transaction numbers, out of a capture of their Modbus TCP.  Pure.
 
 Source: Modbus TCP guide, 3.1.3 (header), 4.2 (one transaction number for each open request of a connection).
 """
@@ -23,7 +23,7 @@ class Asked(NamedTuple):
 
 
 class Answered(NamedTuple):
-    """The old control's answer to it."""
+    """The old controller's answer to it."""
 
     client: Endpoint
     request: Request
@@ -57,7 +57,7 @@ class _Connection:
 
 
 class ModbusTalk:
-    """All connections to one server.  `server`: address as bytes (empty: any) and port of the old control."""
+    """All connections to one server.  `server`: address as bytes (empty: any) and port of the old controller."""
 
     def __init__(self, server: Endpoint) -> None:
         self._server = server

@@ -67,7 +67,7 @@ def _line_sentences(line: object) -> Iterator[str]:
     if _of(line, "kind") == "modbus":
         yield (
             f"modbus {_of(line, 'line')}: {_of(line, 'characters')} bytes, {_of(telegrams, 'heard')} requests of the PLC, "
-            f"{_of(telegrams, 'answered')} answers of the old control, {other} of them refused differently from axisgate"
+            f"{_of(telegrams, 'answered')} answers of the old controller, {other} of them refused differently from axisgate"
         )
     else:
         yield _serial_sentence(line, telegrams, other)
@@ -82,7 +82,7 @@ def _line_sentences(line: object) -> Iterator[str]:
 def _serial_sentence(line: object, telegrams: object, other: int) -> str:
     return (
         f"line {_of(line, 'line')}: {_of(line, 'characters')} characters, {_of(telegrams, 'heard')} telegrams from the PLC, "
-        f"{_of(telegrams, 'answered')} answers of the old control, {other} of them with another error number than axisgate's"
+        f"{_of(telegrams, 'answered')} answers of the old controller, {other} of them with another error number than axisgate's"
     )
 
 

@@ -97,7 +97,7 @@ class LineControl:
             self._socket.sendall(json.dumps(command).encode() + b"\n")
             line = self._answers.readline()
         except OSError as error:
-            raise PortError(error.errno, f"line {self.name}: no answer ({error}); is the line process alive?") from error
+            raise PortError(error.errno, f"line {self.name}: no answer ({error}); is the line process running?") from error
         if not line:
             raise PortError(f"line {self.name}: the line process has ended; start it again")
         answer: dict[str, Any] = json.loads(line)

@@ -1,4 +1,4 @@
-"""`axisgate bus infer LOG`: infers the layout from a recording of the living old control, as a DBC with a confidence per field."""
+"""`axisgate bus infer LOG`: infers the layout from a recording of the living old controller, as a DBC with a confidence per field."""
 
 import argparse
 import dataclasses

@@ -14,7 +14,7 @@ from protocols.base.machine import Frame
 
 EXAMPLES = f"""examples:
   axisgate bus replay living.blf socketcan:vcan0
-  axisgate bus replay living.blf broker:lab --only 100,210,220       the old control's side alone
+  axisgate bus replay living.blf broker:lab --only 100,210,220       the old controller's side alone
   axisgate bus replay living.log broker:lab --speed 10
 readable: {", ".join(READABLE)}; a bus is {FORM}
 exit code: 0 done, 1 frames were refused, 2 command line or file, 3 the bus is not there"""

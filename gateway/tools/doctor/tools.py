@@ -15,9 +15,9 @@ from gateway.tools.usage_language import complain
 EXAMPLES = """examples:
   axisgate doctor serial /dev/ttyUSB0               with a loop plug: how long the adapter keeps a character
   axisgate doctor can socketcan:can0 --send         until another listener of the channel receives a frame from axisgate
-  axisgate doctor --hour cell.toml                  an hour of this machine, against the clock of the cell
+  axisgate doctor --hour cell.toml                  an hour of this machine, compared with the cycle of the cell
 serial and --hour's lines need send and receive bridged at the adapter; nothing but single characters is sent.
-exit code: 0 good for the wanted clock, 1 not, 2 command line, 3 no such port, or no echo"""
+exit code: 0 fast enough for that cycle, 1 not, 2 command line, 3 no such port, or no echo"""
 EVERY_MS = CLOCKS_MS[-1]
 SHARE = 0.25  # of its clock a cycle may begin late
 COUNT, SECONDS = 1000, 10.0

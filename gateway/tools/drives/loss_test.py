@@ -216,7 +216,7 @@ def _page(cell: Cell, stops: list[Stop], moment: str, evidence: str) -> str:
     cells = [
         (
             *(KINDS[s.loss], s.axis, f"{s.speed:g} {s.unit}/s", f"{s.reaction_ms:g} ms", f"{s.allowed_ms:g} ms"),
-            *(f"{s.stop_ms:g} ms", f"{s.way:g} {s.unit}", "stops" if s.good else "DOES NOT STOP AS WANTED"),
+            *(f"{s.stop_ms:g} ms", f"{s.way:g} {s.unit}", "stops" if s.good else "DOES NOT STOP AS REQUIRED"),
         )
         for s in stops
     ]

@@ -1,1 +1,1 @@
-"""What an editor asks of a program of an old control: faults, outline, hover, definition; `axisgate lsp` serves it."""
+"""What an editor asks of a program of an old controller: faults, outline, hover, definition; `axisgate lsp` serves it."""

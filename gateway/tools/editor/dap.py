@@ -1,4 +1,4 @@
-"""The debug adapter of `axisgate dap`: programs of old controls in virtual time, for an editor.  Source: Debug Adapter Protocol 1.68.
+"""The debug adapter of `axisgate dap`: programs of old controllers in virtual time, for an editor.  Source: Debug Adapter Protocol 1.68.
 
 Messages are JSON behind a head `Content-Length: n`; the program runs between them.
 """
@@ -218,7 +218,7 @@ class Adapter:
     def _scopes(self, arguments: Row) -> Row:
         call = self._call(int(arguments["frameId"]))
         if call is None:
-            raise AdapterFault("this frame is gone")
+            raise AdapterFault("this frame no longer exists")
         rows = (
             {"name": name, "variablesReference": self._kept(values), "expensive": False} for name, values in call.scopes.items() if values
         )
@@ -231,7 +231,7 @@ class Adapter:
     def _variables(self, arguments: Row) -> Row:
         number = int(arguments["variablesReference"])
         if not 0 < number <= len(self._places):
-            raise AdapterFault("these variables are gone")
+            raise AdapterFault("these variables no longer exist")
         rows = [{"name": name, "value": shown(value), "variablesReference": 0} for name, value in self._places[number - 1].items()]
         return {"variables": rows}
 

@@ -47,7 +47,7 @@ NOT_TAKEN = {
     Refusal.ORDER: "a DLE in it was not doubled",
     Refusal.LENGTH: "it was longer than the profile allows",
     Refusal.CHECK: "its block check was wrong; or the partner sends none: 3964, not 3964R",
-    Refusal.DAMAGED: "it came damaged: parity or speed",
+    Refusal.DAMAGED: "it was received damaged: parity or speed",
     Refusal.BREAK: "a BREAK ended it",
 }
 

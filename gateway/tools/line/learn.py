@@ -21,9 +21,7 @@ class NoTrace(ValueError):
 def text_of(path: pathlib.Path) -> str:
     """The file as text.  NoTrace: a device, which would be read for ever; OSError."""
     if path.exists() and not path.is_file():
-        raise NoTrace(
-            f"{path}: a file expected; a line is heard live with --tap A,B, or kept in a file by axisgate line monitor --save FILE"
-        )
+        raise NoTrace(f"{path}: a file expected; --tap A,B listens live; axisgate line monitor --save FILE writes such a file")
     return path.read_text(encoding="utf-8", errors="replace")
 
 
@@ -86,8 +84,10 @@ def of_line(tolds: list[LineReport], source: str, line_format: LineFormat) -> tu
     seen = learn(tolds)
     if not seen.blocks:
         if seen.tests:
-            raise NoTrace(f"only the {seen.tests} test blocks of axisgate's own tools were heard at {source}")
-        raise NoTrace(f"no block of 3964R was heard at {source} ({len(tolds)} characters and signs); axisgate line diagnose looks further")
+            raise NoTrace(f"only the {seen.tests} test blocks of axisgate's own tools were received at {source}")
+        raise NoTrace(
+            f"no 3964R block was received at {source} ({len(tolds)} characters and signs); axisgate line diagnose finds the cause"
+        )
     frame = f"{line_format.data_bits}{line_format.parity}{line_format.stop_bits}"
     return seen, draft(seen, source, line_format.baud, frame)
 

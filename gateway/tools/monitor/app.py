@@ -152,7 +152,7 @@ class Monitor(App[None]):
     def action_hold(self) -> None:
         self.held = not self.held
         if self.held:
-            self.line.update(f"HELD (space goes on) | {self.look.head()}")
+            self.line.update(f"HELD (space resumes) | {self.look.head()}")
 
     def action_help(self) -> None:
         self.push_screen(Help(KEYS))

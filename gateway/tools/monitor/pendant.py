@@ -1,4 +1,4 @@
-"""The pendant of the old control on the screen: its display and its keys, as the services of a running cell describe them (AX-495,
+"""The pendant of the old controller on the screen: its display and its keys, as the services of a running cell describe them (AX-495,
 AX-1660)."""
 
 import asyncio

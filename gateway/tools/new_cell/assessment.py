@@ -1,4 +1,4 @@
-"""Can axisgate take the old control's place?  Ten answers, then yes, no, or with what; each reason names what it rests on.
+"""Can axisgate take the old controller's place?  Ten answers, then yes, no, or with what; each reason names what it rests on.
 
 "Replaces" means: takes over the listed functions, to the listed evidence level.
 """

@@ -63,7 +63,7 @@ def _safety(kind: str) -> str:
 # last_stop_test  = 2026-01-01   # written by `axisgate drive loss-test`
 
 # Byte 3 of the RC inputs: emergency-stop chain closed, control allow, feed allow, feed hold not, travel allow.
-# No contact is wired here yet, so they are taken as 1; name an owner or an [[io]] contact before metal moves.
+# No contact is wired here yet, so they are taken as 1; name an owner or an [[io]] contact before real axes move.
 [rc_inputs]
 owner  = {{ "3" = "{source}" }}
 assume = ["EMSTOP_OK_RCI", "CTRL_ALLOW_RCI", "FEED_ALLOW_RCI", "FEED_HOLD_N_RCI", "TRAVEL_ALLOW_RCI"]
@@ -71,7 +71,7 @@ assume = ["EMSTOP_OK_RCI", "CTRL_ALLOW_RCI", "FEED_ALLOW_RCI", "FEED_HOLD_N_RCI"
 
 
 REIS = """\
-# ---- the signals of the old control: 40 bytes of _IBIN_IN and _IBIN_OUT, markers M0 .. M2047 ----
+# ---- the signals of the old controller: 40 bytes of _IBIN_IN and _IBIN_OUT, markers M0 .. M2047 ----
 [controller]
 kind = "reis"
 command_source = "plc"           # markers command for this command source
@@ -96,7 +96,7 @@ role     = "passive"             # the PLC sends and fetches
 max_silence_ms = 1000
 life_word      = "DB{answers.get("db", "10")}.DW31"      # counts up in every SEND of the PLC
 on_loss        = "stop_on_path"  # hold | finish_move | stop_on_path | quick_stop
-restart        = "new_command"   # nothing moves by itself when the line is back
+restart        = "new_command"   # nothing moves on its own when the link returns
 """
 
 
@@ -189,7 +189,7 @@ name     = "drives"
 port     = "sim"                 # a real one: "socketcan:can0"
 cycle_ms = 4
 {own}
-[defaults.axis]                  # taken by every axis that does not say otherwise
+[defaults.axis]                  # for every axis that does not set its own
 stop_on_bus_loss = "quick_stop"
 brake            = "drive"
 first_enable     = {{ torque = "20 %", speed = "5 %", travel = 2.0 }}

@@ -1,4 +1,4 @@
-"""The PLC of an old control's cell, seen from its own side: RC inputs written, RC outputs read, by bit numbers.  Two ways to the control:
+"""The PLC of an old controller's cell, seen from its own side: RC inputs written, RC outputs read, by bit numbers.  Two ways to it:
 DB 20 and DB 21 over 3964R and RK512 by our lab's active station, and coils and discrete inputs by Debian's mbpoll.
 """
 
@@ -29,7 +29,7 @@ home            = {{ by = "none" }}
 CELL = """
 format = 1
 [cell]
-name = "a cell of an old control"
+name = "a cell of an old controller"
 replaces = "rho3.1"
 [rc_inputs]
 owner = {{ {owners} }}

@@ -1,5 +1,5 @@
-"""A shadow beside a run that stands for the old control: its serial line tapped, its Modbus captured, its drive bus listened to; both PLCs
-of the demo at work.
+"""A shadow beside a run that stands for the old controller: its serial line tapped, its Modbus captured, its drive bus listened to; both
+PLCs of the demo at work.
 """
 
 import contextlib
@@ -29,7 +29,7 @@ PATIENCE_S = 180.0
 
 @dataclass
 class Wire:
-    """PLC - wire - old control; what passes in either direction is shown to a tap."""
+    """PLC - wire - old controller; what passes in either direction is shown to a tap."""
 
     control: PtyPort
     plc: PtyMaster = field(default_factory=PtyMaster)
@@ -56,7 +56,7 @@ class Wire:
 
 
 class Old:
-    """The old control: a real run with its PLCs."""
+    """The old controller: a real run with its PLCs."""
 
     def __init__(self, run: CellRun, wire: Wire, plc: S5Plc, network: CapturedWire, plc2: CyclicPlc) -> None:
         self.run, self.wire, self.plc, self.network, self.plc2 = run, wire, plc, network, plc2

@@ -51,5 +51,5 @@ def test_an_error_in_the_receiving_thread_is_told_with_its_place_and_every_node_
     bus.link.fail = RuntimeError(SENTENCE)
     assert bus.wait(bus.all_ready), [(node.name, node.health, node.why) for node in bus.master.nodes.values()]
     told = [words for words in bus.said if SENTENCE in words]
-    assert told and told[0].startswith(f"alarm: goes-on: receiving failed and goes on: RuntimeError: {SENTENCE} (canopen_link.py:")
+    assert told and told[0].startswith(f"alarm: goes-on: receiving failed and continues: RuntimeError: {SENTENCE} (canopen_link.py:")
     assert bus.link.released == set(bus.master.nodes)

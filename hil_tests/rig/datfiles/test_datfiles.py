@@ -13,7 +13,7 @@ def test_both_names_in_any_case_the_interface_language_decides(tmp_path: pathlib
     assert german.texts and german.texts.entries == {1: "Stra\u00dfe \u00fcber"} and german.texts.file == "Texte.dat"
     assert english.texts and english.texts.entries == {1: "over the road"}
     assert english.msd and english.msd.entries == {8: "lang"}, "the other language's file is better than none"
-    assert [str(fault) for fault in english.faults] == ["mza.dat:1: '1': two decimal digits 01 to 99 wanted"]
+    assert [str(fault) for fault in english.faults] == ["mza.dat:1: '1': two decimal digits 01 to 99 expected"]
     assert english.programs is None and english.modes is None
 
 

@@ -35,7 +35,7 @@ def test_a_hang_up_ends_no_process_and_stops_no_motion() -> None:
         assert {name: process["pid"] for name, process in run.processes().items()} == pids
         run.arrived(TARGET)
         told = [entry["text"] for entry in run.journal("process") if entry["ns"] > start]
-        assert told == ["the terminal or session has ended (SIGHUP); the run goes on; it ends with: axisgate stop hostile"]
+        assert told == ["the terminal or session has ended (SIGHUP); the run continues; to end it: axisgate stop hostile"]
         run.command(PTP, ALL, 0.5, TARGET)
 
 
@@ -66,7 +66,7 @@ def restart(name: str) -> None:
     os.kill(dead, signal.SIGKILL)
     until = time.monotonic() + 10
     while pids()[name] in (dead, None):
-        assert time.monotonic() < until, f"{name} did not come back"
+        assert time.monotonic() < until, f"{name} did not respond again"
         time.sleep(0.05)
 
 
@@ -85,7 +85,7 @@ def test_a_standard_output_that_is_closed_ends_nothing_and_is_reported_once() ->
             }
             said = [entry for entry in entries(runtime_dir() / SLUG / "journal.jsonl") if "standard output" in str(entry["text"])]
             assert [entry["text"] for entry in said] == [
-                "standard output takes no more lines (Broken pipe); the run goes on, the journal is complete"
+                "standard output accepts no more lines (Broken pipe); the run continues, the journal is complete"
             ]
         assert process.returncode == 0
         assert not left_over(folder)

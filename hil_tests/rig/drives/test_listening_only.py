@@ -73,7 +73,7 @@ def senders(entries: list[Logged | Remark]) -> dict[int, int]:
 
 
 def test_nothing_is_sent_whatever_the_sources_ask_for(run: RealRun) -> None:
-    """The old control is alive on the bus: its drives answer it, and our run hears them."""
+    """The old controller is alive on the bus: its drives answer it, and our run hears them."""
     old = run.far.port()
     assert wait(lambda: any(entry["text"].endswith("open, listening only") for entry in run.journal("output"))), run.words()
     run.command(REQUEST)
@@ -86,7 +86,7 @@ def test_nothing_is_sent_whatever_the_sources_ask_for(run: RealRun) -> None:
     near = wait(lambda: senders(run.bus()).get(run.pid("adapter-drives"), 0) >= 6 * CYCLES)
     old.close()
     assert heard and near, run.words()
-    assert set(senders(far_log(run))) == {os.getpid(), run.emulator.pid}, "the old control and its drives, nobody else"
+    assert set(senders(far_log(run))) == {os.getpid(), run.emulator.pid}, "the old controller and its drives, nobody else"
     assert set(senders(run.bus())) == {run.pid("adapter-drives")}, "the cycle sent nothing"
     assert answer.reason == Reason.NOT_READY and answer.enabled == 0
     state = run.state()

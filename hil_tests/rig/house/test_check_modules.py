@@ -28,7 +28,7 @@ def loaded(cell: str, *modules: str) -> object:
 
 
 def has_programs(name: str) -> bool:
-    """Motion programs, or programs of the old control: in its memory (AX-860), on its disk (AX-930)."""
+    """Motion programs, or programs of the old controller: in its memory (AX-860), on its disk (AX-930)."""
     cell = load_cell(name)
     return bool(cell.program) or cell.val3 is not None or (cell.controller is not None and bool(cell.controller.memory))
 

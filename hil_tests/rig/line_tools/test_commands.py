@@ -61,7 +61,7 @@ def test_semicolons_in_a_device_file_get_a_hint(tmp_path: pathlib.Path) -> None:
     (tmp_path / "cw4.toml").write_text('[device]\nname = "Checkweigher CW-4"; serial = "4711"\n')
     done = axisgate("line", "probe", "--device", "cw4.toml", folder=tmp_path)
     assert done.returncode == 2
-    assert "TOML wants one key a line, without semicolons" in done.stderr
+    assert "TOML needs one key per line, without semicolons" in done.stderr
 
 
 def test_usage_faults_are_exit_2_and_say_what_was_expected(tmp_path: pathlib.Path) -> None:

@@ -54,7 +54,7 @@ def by_kind(seen: "Seen", kind: str) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def seen() -> Seen:
-    """The shadow's cell has "this command source has control" at another bit than the old control, a position in another unit, and a
+    """The shadow's cell has "this command source has control" at another bit than the old controller, a position in another unit, and a
     slower A2."""
     with old_control() as old:
         cell = old.run.folder / "changed.toml"
@@ -184,13 +184,13 @@ def test_nothing_of_the_shadow_left(seen: Seen) -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("demo", "--shadow", "--bus", "broker:x"), f"--tap {LINE}=FROM_PLC,FROM_CONTROL"),
-        (("demo", "--shadow", "--tap", f"{LINE}=a,b"), "name the bus of the old control"),
+        (("demo", "--shadow", "--bus", "broker:x"), f"--tap {LINE}=FROM_PLC,FROM_CONTROLLER"),
+        (("demo", "--shadow", "--tap", f"{LINE}=a,b"), "name the bus of the old controller"),
         (("demo", "--shadow", "--tap", "plc9=a,b", "--bus", "broker:x"), "the cell's lines are plc1"),
-        (("demo", "--shadow", "--tap", f"{LINE}=a", "--bus", "broker:x"), "LINE=FROM_PLC,FROM_CONTROL expected"),
+        (("demo", "--shadow", "--tap", f"{LINE}=a", "--bus", "broker:x"), "LINE=FROM_PLC,FROM_CONTROLLER expected"),
         (
             ("demo", "--shadow", "--tap", f"{SERVER}=a,b", "--bus", "broker:x"),
-            "the old control's address and port expected, e.g. 10.0.0.7:502",
+            "the old controller's address and port expected, e.g. 10.0.0.7:502",
         ),
         (("demo", "--shadow", "--tap", f"{LINE}=a,b", "--bus", "broker:x", "--tolerance", "-1"), "--tolerance -1: 0 or more"),
         (("host-telegrams", "--shadow", "--tap", "V24_1=a,b", "--bus", "broker:x"), "a shadow understands rk512 on 3964R"),

@@ -1,4 +1,4 @@
-"""A PLC that knows only the old control's signals works a running cell over both command sources: rho 3 Releases part 2 to 8 (rho3 3.1
+"""A PLC that knows only the old controller's signals works a running cell over both command sources: rho 3 Releases part 2 to 8 (rho3 3.1
 to 3.3)."""
 
 import contextlib

@@ -1,4 +1,4 @@
-"""Texts of old controls in any code page."""
+"""Texts of old controllers in any code page."""
 
 import pathlib
 

@@ -91,7 +91,7 @@ def test_every_table_of_the_cell_file_has_its_checks() -> None:
 @pytest.mark.parametrize(
     ("cell", "old", "new", "allowed"),
     [
-        ("s5-rk512", 'layer    = "rk512"', 'layer    = "rk513"', "rk512 | telegrams | buep64 | program"),
+        ("s5-rk512", 'layer    = "rk512"', 'layer    = "rk513"', " | ".join(LINE_LAYERS)),
         ("demo", 'protocol = "servodyn"', 'protocol = "sercos"', "servodyn | canopen | rho3-io"),
     ],
 )

@@ -94,7 +94,7 @@ def test_a_reader_that_went_away_ends_nothing_and_is_reported_once() -> None:
     for n in range(100):
         console.say(f"line {n}")
     assert console.lost == 100
-    assert console.take_news() == ["standard output takes no more lines (Broken pipe); the run goes on, the journal is complete"]
+    assert console.take_news() == ["standard output accepts no more lines (Broken pipe); the run continues, the journal is complete"]
     assert console.take_news() == []
     console.close()
     os.close(write)
@@ -116,7 +116,7 @@ def test_a_pipe_nobody_reads_holds_up_nothing_and_says_how_many_lines_are_missin
     assert taken.splitlines()[-2:] == [b"(" + str(2000 - len(taken.splitlines()[:-2])).encode() + b" lines were not shown: it is stopped)",
                                        b"it is read again"]  # fmt: skip
     assert [news.partition(" (")[0].partition(";")[0] for news in console.take_news()] == [
-        "standard output takes no more lines",
+        "standard output accepts no more lines",
         "standard output takes lines again",
     ]
     assert os.get_blocking(write), "the open file that others share is as it was"

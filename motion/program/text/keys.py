@@ -100,8 +100,9 @@ OTHERS = {
     "camout": "type 3: last section, the belt path D with its unit: 70mm",
     "freeze": "yes, in an alterable part: from the end of this block on the correction stays as it is",
     "until": "NUMBER or !NUMBER: the block ends when this input is 1 (0); ch610, !ch611: a measuring input; ch710: runs on behind it",
-    "within": "s: the block of until= ends after this time of movement, even if the input did not come",
-    "error": "label the program goes on at when the input of until= never came, or nothing was measured (mpos) or stored (recorded)",
+    "within": "s: the block of until= ends after this time of movement, even without the input",
+    "error": "label where the program continues when the input of until= never occurred, "
+    "or nothing was measured (mpos) or stored (recorded)",
     "wait": "NUMBER, !NUMBER, ch611: the block begins when this input is 1 (0): fast start-off",
     "delay": "s: so long after the input of wait= the block begins",
 }

@@ -147,7 +147,7 @@ def until_of(keys: dict[str, str]) -> Until | None:
         if "within" in keys:
             raise Fault("within", "belongs to until=: it limits the time that the block moves")
         if "error" in keys:
-            raise Fault("error", "belongs to until=, whose input never came")
+            raise Fault("error", "belongs to until=, whose input never occurred")
         return None
     match = _UNTIL.fullmatch(keys["until"])
     if match is None:

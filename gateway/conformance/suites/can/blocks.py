@@ -42,7 +42,7 @@ class Upload:
                 break
         self._end(bool(got[0] & sdo.CRC_SUPPORT))
         if size is not None and size != len(self._data):
-            raise Fail(f"{what}: {len(self._data)} bytes came", f"{size} bytes, as announced", f"{len(self._data)} bytes")
+            raise Fail(f"{what}: {len(self._data)} bytes received", f"{size} bytes, as announced", f"{len(self._data)} bytes")
         return self._data
 
     def _one_block(self) -> bool:

@@ -200,7 +200,7 @@ def _number_back(t: NodeTester, node: int) -> None:
     t.command(Command.RESET_COMMUNICATION)
     t.setup.node = node
     if t.boot_up() is None:
-        raise Inconclusive(f"node {node} did not come back", "a boot-up message", "nothing")
+        raise Inconclusive(f"node {node} did not respond again", "a boot-up message", "nothing")
     t.ready()
 
 

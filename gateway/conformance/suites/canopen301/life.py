@@ -249,9 +249,9 @@ def back(t: NodeTester) -> None:
         t.say(cobid.heartbeat(MASTER), bytes((State.OPERATIONAL,)))
         frame = t.hear((t.emcy,), ms(SUPERVISED_MS // 2))
         if frame is None:
-            raise Warn("no error reset message after the heartbeat came back", "EMCY 0000h", "nothing")
+            raise Warn("no error reset message after the heartbeat returned", "EMCY 0000h", "nothing")
         if (found := decode(frame.data)).code:
-            raise Fail(f"EMCY {found.code:04X}h when the heartbeat came back", "EMCY 0000h", f"EMCY {found.code:04X}h")
+            raise Fail(f"EMCY {found.code:04X}h when the heartbeat returned", "EMCY 0000h", f"EMCY {found.code:04X}h")
 
 
 @ERR.case(

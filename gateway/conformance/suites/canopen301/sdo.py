@@ -108,7 +108,7 @@ def segmented_upload(t: NodeTester) -> None:
         raise Fail(f"upload of {named(key)}: command byte {got[0]:02X}h", "41h or 40h: segmented", hexed(got))
     data = t.segments(f"upload of {named(key)}")
     if got[0] & sdo.SIZED and sdo.size_of(got) != len(data):
-        raise Fail(f"{len(data)} bytes came", f"{sdo.size_of(got)} bytes, as announced", f"{len(data)} bytes")
+        raise Fail(f"{len(data)} bytes received", f"{sdo.size_of(got)} bytes, as announced", f"{len(data)} bytes")
 
 
 @SDO.case(
@@ -229,7 +229,7 @@ def new_request(t: NodeTester) -> None:
         t.asked(sdo.initiate(Request.INITIATE_UPLOAD, t.setup.text), "upload", t.setup.text)
         t.asked(sdo.short(Request.UPLOAD_SEGMENT), "its first segment")
     if len(t.upload(DEVICE_TYPE)) != 4:
-        raise Fail("1000h in the midst of another upload", "four bytes", "another length")
+        raise Fail("1000h during another upload", "four bytes", "another length")
     if (got := t.upload(t.setup.text)) != wanted:
         raise Fail("the next upload gives other bytes", hexed(wanted), hexed(got))
 

@@ -47,7 +47,7 @@ def two_segments(t: NodeTester) -> None:
 
 @MORE.case(
     "BI_11",
-    "a segment of a download that comes twice is refused (05030000h), without effect",
+    "a segment of a download that is sent twice is refused (05030000h), without effect",
     "ein doppelt gesendetes Segment eines Downloads wird abgelehnt (05030000h), wirkungslos",
     clause="CiA 301, table 22",
     condition=SEGMENTS,
@@ -58,7 +58,7 @@ def twice(t: NodeTester) -> None:
         _begun(t)
         got = t.ask(sdo.segment(Request.DOWNLOAD_SEGMENT, False, DATA[1:], True))
         t.judge_refusal(got, (Abort.TOGGLE,), "a second segment with the toggle bit of the first", (Abort.COMMAND, Abort.GENERAL))
-        effect(t, before[0], "a segment that came twice")
+        effect(t, before[0], "a segment that was sent twice")
 
 
 @MORE.case(

@@ -133,7 +133,7 @@ def another(t: NodeTester) -> None:
 
 @WATCH.case(
     "BO_01",
-    "a heartbeat that never came is not missed: watching begins with the first one",
+    "a heartbeat that was never received is not missed: watching begins with the first one",
     "ein Heartbeat, der nie kam, wird nicht vermisst: die Überwachung beginnt mit dem ersten",
     clause="CiA 301, 7.2.8.3.2.2",
 )
@@ -147,7 +147,7 @@ def never_heard(t: NodeTester) -> None:
         found = [frame for frame in t.heard if _is_loss(t, frame)]
     t.reset()
     if found:
-        raise Fail("the loss of a heartbeat that never came is reported", "nothing before the first heartbeat", shown(found[0]))
+        raise Fail("the loss of a heartbeat that was never received is reported", "nothing before the first heartbeat", shown(found[0]))
 
 
 def _takes(t: NodeTester, key: tuple[int, int], value: int, size: int) -> None:

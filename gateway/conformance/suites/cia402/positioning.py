@@ -235,7 +235,7 @@ def profile(t: NodeTester) -> None:
         nominal = round((4 * way / (chosen * _unit(t, seen, chosen)) + chosen / max(min(ramps), 1)) * 1e9)
         if top > chosen * 11 // 10:
             raise Fail(f"606Ch was {top} on the way", f"at most {chosen * 11 // 10}", str(top))
-        t.timed("profile position, 4 times the way", t.now() - begin, round(0.8 * nominal), round(1.6 * nominal) + ms(100))
+        t.timed("profile position, 4 times the distance", t.now() - begin, round(0.8 * nominal), round(1.6 * nominal) + ms(100))
 
 
 def _unit(t: NodeTester, seen: list[tuple[Ns, int]], chosen: int) -> float:

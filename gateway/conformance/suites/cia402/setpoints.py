@@ -58,7 +58,7 @@ def _passes(t: NodeTester, faster: bool, bound: int, limit: Ns) -> Ns:
     begin = t.now()
     while (abs(speed(t)) >= bound) is not faster:
         if t.now() - begin > limit or (faster and status(t) & REACHED and at_standstill(t) and t.now() - begin > ms(100)):
-            raise NotApplicable(f"606Ch does not reach {bound} within four times the way")
+            raise NotApplicable(f"606Ch does not reach {bound} within four times the distance")
         t.pause(ms(1))
     return t.now()
 

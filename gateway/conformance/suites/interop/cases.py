@@ -240,7 +240,7 @@ def restarted(t: LineTester, profile: Profile) -> None:
     p = partner(t, profile)
     p.play(lambda: len(p.heard) >= 3, t.setup.stimulus_wait)
     p.restart(profile)
-    reached(t, p, f"its block, in the midst of which {profile.name} was restarted,", 2 * patience(profile, t))
+    reached(t, p, f"its block, during which {profile.name} was restarted,", 2 * patience(profile, t))
     p.quiet(LATER)  # it may come twice: 3964R has no numbers of blocks
 
 
@@ -366,7 +366,7 @@ ROWS = (
     ),
     Row(
         "RC_01",
-        "{} is restarted in the midst of its block: the block arrives afterwards",
+        "{} is restarted during its block: the block arrives afterwards",
         "{} startet mitten in seinem Block neu: der Block kommt danach an",
         restarted,
         LINK,

@@ -201,7 +201,7 @@ def _written_across(t: ModbusTester, table: int) -> None:
 def _diagnostics(p: Purposes[ModbusTester], basic: str) -> None:
     @p.case(
         "CA_08",
-        "FC 8: data of four bytes come back whole, and a sub-function that is none is refused",
+        "FC 8: data of four bytes are returned unchanged, and a sub-function that is none is refused",
         "FC 8: vier Datenbytes kommen ganz zurück, und eine Unterfunktion, die keine ist, wird abgelehnt",
         clause="V1.1b3, 6.8",
         condition=("fc8",),
@@ -211,7 +211,7 @@ def _diagnostics(p: Purposes[ModbusTester], basic: str) -> None:
         asked = b"\x08\0\0\x12\x34\x56\x78"
         got = t.ask(asked)
         if got and not got[0] & 0x80 and got != asked:
-            raise Fail("FC 8/0 with four bytes: they do not come back", t.words(asked), t.words(got))
+            raise Fail("FC 8/0 with four bytes: they are not returned", t.words(asked), t.words(got))
         lived = t.exception(b"\x08\x7f\xff\0\0", 1, "FC 8/32767, which is none", (2, 3))
         if lived is not None:
             raise Warn(f"FC 8/32767, which is none, is refused with {lived:02X}h", "01h", f"{lived:02X}h")

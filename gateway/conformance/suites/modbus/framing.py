@@ -48,14 +48,14 @@ def _exceptions(t: ModbusTester) -> None:
     _served(t, "40 refusals")
 
 
-@TCP.case("BV_01", "transaction numbers come back as they are", "Transaktionsnummern kommen unverändert zurück")
+@TCP.case("BV_01", "transaction numbers are returned unchanged", "Transaktionsnummern kommen unverändert zurück")
 def transactions(t: ModbusTester) -> None:
     for number in (0, 1, 0x00FF, 0xFF00, 0xFFFF, 0x1234, 0x1234):
         t.quiet()
         t.send(t.frame(readable_request(t), transaction=number))
         found = t.answer_frame()
         if len(found) < 8 or HEADER.unpack_from(found)[0] != number:
-            raise Fail(f"transaction {number:04X}h does not come back", f"{number:04X}h", t.words(found))
+            raise Fail(f"transaction {number:04X}h is not returned", f"{number:04X}h", t.words(found))
 
 
 @TCP.case(

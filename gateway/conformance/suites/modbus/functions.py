@@ -67,9 +67,9 @@ def _basic(p: Purposes[ModbusTester], basic: str) -> None:
             if without_top_bit(got):
                 raise Fail(f"a refusal without the top bit: {t.words(got)}", f"{got[0] | 0x80:02X} {got[1]:02X}", t.words(got))
         if not any(said):
-            raise Fail("neither an amount of 0 nor function 41h is refused: no answer", "an exception of two bytes", t.words(b""))
+            raise Fail("neither a quantity of 0 nor function 41h is refused: no answer", "an exception of two bytes", t.words(b""))
         if len(codes := {got[1] for got in said if len(got) == 2}) == 1 and not codes & {1, 3} and all(said):
-            what = f"an amount of 0 and function 41h are both refused with exception {codes.pop():02X}h"
+            what = f"a quantity of 0 and function 41h are both refused with exception {codes.pop():02X}h"
             raise Fail(what, "exception 03h and exception 01h", " and ".join(map(t.words, said)))
         t.setup.odd_exceptions = False
 
@@ -175,9 +175,9 @@ def _refused_reads(reading: Reading) -> None:
                 raise Warn(f"FC {function}: {what} is refused with {lived:02X}h", f"{code:02X}h", f"{lived:02X}h")
 
     here = b"\xee\xee"
-    refusal(0, "an amount of 0", "eine Anzahl 0", bytes((function,)) + here + b"\0\0", 3)
-    refusal(1, f"an amount of {most + 1}", f"eine Anzahl {most + 1}", bytes((function,)) + here + (most + 1).to_bytes(2, "big"), 3)
-    refusal(2, "an amount of 65535", "eine Anzahl 65535", bytes((function,)) + here + b"\xff\xff", 3)
+    refusal(0, "a quantity of 0", "eine Anzahl 0", bytes((function,)) + here + b"\0\0", 3)
+    refusal(1, f"a quantity of {most + 1}", f"eine Anzahl {most + 1}", bytes((function,)) + here + (most + 1).to_bytes(2, "big"), 3)
+    refusal(2, "a quantity of 65535", "eine Anzahl 65535", bytes((function,)) + here + b"\xff\xff", 3)
     refusal(3, "a range beyond address 65535", "ein Bereich über Adresse 65535", struct.pack(">BHH", function, 0xFFFF, 2), 2, (3,))
 
 

@@ -64,7 +64,7 @@ def other_functions(p: Purposes[ModbusTester], basic: str) -> None:
 
     @p.case(
         "CA_08",
-        "FC 8/0: the data come back",
+        "FC 8/0: the data are returned",
         "FC 8/0: die Daten kommen zurück",
         clause="V1.1b3, 6.8",
         condition=("fc8",),

@@ -90,7 +90,7 @@ def refused_broadcasts(t: ModbusTester) -> None:
     for what, pdu in (
         ("a function that is none", b"\x41\0\0\0\1"),
         ("FC 5 with 0001h", b"\x05\0\0\0\1"),
-        ("FC 16 with an amount of 0", b"\x10\0\0\0\0\0"),
+        ("FC 16 with a quantity of 0", b"\x10\0\0\0\0\0"),
     ):
         _unanswered(t, t.frame(pdu, unit=0), f"a broadcast of {what}")
 

@@ -19,14 +19,14 @@ def supply_cases(prefix: str) -> Purposes[ModbusTester]:
 
     @found.case(
         "RC_02",
-        "the supply fails in the midst of a request: it serves again",
+        "the supply fails during a request: it serves again",
         "Netzausfall mitten in einer Anfrage: er bedient wieder",
     )
     def asking(t: ModbusTester) -> None:
         t.quiet()
         t.send(t.frame(readable_request(t))[:6])
         t.power.cycle()
-        _serves(t, "a power failure in the midst of a request")
+        _serves(t, "a power failure during a request")
 
     return found
 

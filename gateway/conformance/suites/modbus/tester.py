@@ -241,7 +241,7 @@ class ModbusTester(Tester):
                 return f"unit {found[0]} answered, {unit} was asked"
             return _function_fault(found[1:-2], pdu)
         if len(found) < 9 or len(found) != 6 + HEADER.unpack_from(found)[2]:
-            return "what came is no Modbus TCP frame"
+            return "what was received is not a Modbus TCP frame"
         transaction, protocol, _ = HEADER.unpack_from(found)
         wanted = HEADER.unpack_from(asked)[0]
         if transaction != wanted:

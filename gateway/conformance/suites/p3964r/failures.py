@@ -261,7 +261,7 @@ def break_waiting(t: LineTester) -> None:
     got = t.answer(t.profile.ack_delay + t.tolerance + ms(100))
     if got == Char.STX:
         t.take()
-        raise Warn("goes on with its attempts after a BREAK; one maker's manual ends them", "nothing", "STX (02h)")
+        raise Warn("continues its attempts after a BREAK; one maker's manual ends them", "nothing", "STX (02h)")
     if got not in (None, Char.NAK):
         t.fail("BREAK after its STX", got, "nothing")
 

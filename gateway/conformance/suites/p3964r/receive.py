@@ -44,7 +44,7 @@ def _echoes(t: LineTester) -> bool:
 )
 def connection(t: LineTester) -> None:
     if _echoes(t):
-        raise Fail("each character comes back: an echo, or wires that touch", "DLE (10h) after STX", "what was sent")
+        raise Fail("each character is returned: an echo, or a short circuit between wires", "DLE (10h) after STX", "what was sent")
     for _ in range(3):  # one that answers each second STX only is found here
         t.open()
         t.say(wire_block(t.harmless, t.profile.block_check))

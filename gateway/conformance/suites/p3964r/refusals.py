@@ -131,7 +131,7 @@ def _one_nak(t: LineTester, what: str) -> None:
 
 @RCV.case(
     "BI_08",
-    "a parity error in the data: heard to the end, NAK",
+    "a parity error in the data: received to the end, NAK",
     "ein Paritätsfehler in den Daten: bis zum Ende gehört, NAK",
     requirements=("RHO-SER-09",),
     preamble=BAD,

@@ -123,8 +123,8 @@ def sent_once(t: LineTester, acknowledged: Callable[[], Block], within: Ns, what
     t.mark = t.wire.now()
     if t.answer(BY_ITSELF) == Char.STX:
         t.serve()
-        raise NotApplicable("it sends the same block by itself as well")
-    raise Fail(f"{what} came again at once", "nothing", f"the same block: {first.data.hex(' ').upper()}")
+        raise NotApplicable("it also sends the same block unprompted")
+    raise Fail(f"{what} was sent again at once", "nothing", f"the same block: {first.data.hex(' ').upper()}")
 
 
 @SND.case(

@@ -35,7 +35,7 @@ def idle(t: LineTester) -> None:
 
 @SUP.case(
     "RC_02",
-    "the supply fails in the midst of a block it receives: it works again, nothing of the block is left",
+    "the supply fails while it receives a block: it works again, nothing of the block is left",
     "Netzausfall mitten in einem Block, den sie empfängt: sie arbeitet wieder, vom Block bleibt nichts",
 )
 def receiving(t: LineTester) -> None:

@@ -114,7 +114,7 @@ def once(t: LineTester) -> None:
     jobs = 1 if t.setup.stimulus_name == "operator" else 4  # jobs of several kinds may come in turn
     twice = [data for data in (_came_again(t) for _ in range(jobs)) if data]
     if len(twice) >= min(2, jobs):
-        raise Fail("the command came again after its right reaction", "nothing", twice[0][:16].hex(" ").upper())
+        raise Fail("the command was sent again after the correct reaction", "nothing", twice[0][:16].hex(" ").upper())
 
 
 def _came_again(t: LineTester) -> bytes:
@@ -135,7 +135,7 @@ def _came_again(t: LineTester) -> bytes:
         return b""
     if t.answer(BY_ITSELF) == Char.STX:
         t.serve()
-        raise NotApplicable("it sends the same command by itself as well")
+        raise NotApplicable("it also sends the same command unprompted")
     return data
 
 

@@ -318,7 +318,7 @@ def one_reaction(t: LineTester) -> None:
     if got == Char.STX:
         again = t.serve()
         if again is not None and again == bytes(4) + first:
-            raise Fail("the reaction came twice", "one reaction", again.hex(" ").upper())
+            raise Fail("the reaction was sent twice", "one reaction", again.hex(" ").upper())
     elif got is not None:
         t.fail("an acknowledged reaction", got, "nothing")
     read(t, t.setup.db, 0, room(t, 4))

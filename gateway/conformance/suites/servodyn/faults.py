@@ -149,7 +149,7 @@ def one_missing(t: BoosterTester) -> None:
             t.pause(t.setup.cycle * 3 // 2)
             found = t.turn()
             if found.fault:
-                raise Fail("one missing SYNC is taken for a loss", "no fault", words(found))
+                raise Fail("one missing SYNC is treated as a loss", "no fault", words(found))
 
 
 @FLT.case("BO_02", "one missing set value is no fault", "ein einzelner fehlender Sollwert ist kein Fehler")
@@ -160,7 +160,7 @@ def one_set_missing(t: BoosterTester) -> None:
             found = t.turn(1, with_set=False)
             found = t.turn()
             if found.fault:
-                raise Fail("one missing set value is taken for a loss", "no fault", words(found))
+                raise Fail("one missing set value is treated as a loss", "no fault", words(found))
 
 
 @FLT.case("BO_03", "without power a lost SYNC is no fault", "ohne Leistung ist ein ausgebliebener SYNC kein Fehler", preamble=(BASIC, REST))

@@ -76,10 +76,12 @@ def _judge_latching(farther: Sequence[float], next_one: Sequence[float]) -> None
     got = f"{shown} steps more at the late SYNCs; {after:.2f} on average at those after them"
     if max(farther) - min(farther) > SPREAD:
         raise Fail(
-            "the position it reports is not that of SYNC: a SYNC late by the same time adds different ways", "the same way each time", got
+            "the position it reports is not that of SYNC: a SYNC late by the same time adds different ways",
+            "the same distance each time",
+            got,
         )
     if after > late + 0.1:
-        raise Fail("the position it reports is that of the SYNC before", "the longer way in the answer to the late SYNC", got)
+        raise Fail("the position it reports is that of the SYNC before", "the longer distance in the answer to the late SYNC", got)
 
 
 @PHASE.case(

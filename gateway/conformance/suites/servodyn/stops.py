@@ -140,7 +140,7 @@ def life_unchanged_once(t: BoosterTester) -> None:
             t.life_runs = True
             found = t.turn(2)
             if found.fault:
-                raise Fail("a life counter that is once unchanged is taken for a loss", "no fault", words(found))
+                raise Fail("a life counter that is once unchanged is treated as a loss", "no fault", words(found))
 
 
 @FLT.case(

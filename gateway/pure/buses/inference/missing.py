@@ -18,7 +18,7 @@ def no_cycle(frames: Sequence[Frame]) -> str:
     number, times = counts.most_common(1)[0]
     if times < LEAST:
         return f"{len(frames)} frames: a cycle is seen from {LEAST} messages on; identifier {number}, the most frequent, came {times} times"
-    return f"{len(frames)} frames: no message with data comes in a steady cycle"
+    return f"{len(frames)} frames: no message with data has a steady cycle"
 
 
 def missing(found: Inferred) -> list[str]:

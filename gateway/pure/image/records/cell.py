@@ -99,7 +99,7 @@ class CellState:
     permits: U8 = 0  # Permit bits: which enabling inputs stand
     stop_cause: U16 = 0  # Reason number of the last stop the cycle made by itself
     skipped: U64 = 0  # grid instants without SYNC
-    incomplete: U64 = 0  # cycles in which not every actual value came
+    incomplete: U64 = 0  # cycles in which an actual value was missing
     late: U64 = 0  # telegrams that came in the cycle after theirs
     services_lost: U64 = 0  # times the services' life stood still
     piece: U64 = 0  # id of the planner's piece under way, 0: none

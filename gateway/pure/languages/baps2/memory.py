@@ -16,7 +16,7 @@ POINT_DIGITS = 9  # behind the point: what an angle of 0 has beyond is the rest 
 
 
 def decoded(data: bytes) -> str:
-    """A source as text: UTF-8 or UTF-16 where it is that, else the code page of the old control, or of Windows where words have its umlauts
+    """A source as text: UTF-8 or UTF-16 where it is that, else the code page of the controller, or of Windows where words have its umlauts
     (AX-1748).  1Ah ends it, as the DOS editors wrote it."""
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return data.decode("utf-16", "replace")

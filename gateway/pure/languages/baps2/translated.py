@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from gateway.pure.languages.baps2.tree import Declared, Program
 from gateway.pure.languages.base.faults import Faults
 
-FORM = 1  # of the IRD file; that of the old control is binary
+FORM = 1  # of the IRD file; that of the old controller is binary
 
 
 def ird_of(program: Program, source: str, age: int) -> str:

@@ -102,7 +102,7 @@ class TypeName:
     kinematic: str = ""
     low: Expression | None = None
     high: Expression | None = None
-    element: str = ""  # of FILE: type of what the file holds
+    element: str = ""  # of FILE: type of contents of the file
 
 
 @node

@@ -101,7 +101,7 @@ def _follow(node: Node, way: list[tuple[Node, Wait]], done: set[Node], tasks: li
 def words(found: Iterable[tuple[Task, Wait]]) -> str:
     """The circle as a sentence."""
     rows = "; ".join(f"{place_of(task)} waits for {wait}" for task, wait in found)
-    return f"these processes wait for each other, and none goes on until one is stopped: {rows}"
+    return f"these processes wait for each other, and none continues until one is stopped: {rows}"
 
 
 class Watch:

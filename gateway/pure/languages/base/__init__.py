@@ -1,1 +1,1 @@
-"""What the languages of all old controls share: positions, faults, requests, processes, scheduler, debugging, trace."""
+"""What the languages of all old controllers share: positions, faults, requests, processes, scheduler, debugging, trace."""

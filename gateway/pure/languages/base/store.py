@@ -1,4 +1,4 @@
-"""Where programs come from: the user memory of the old control, seen from the languages."""
+"""Where programs come from: the user memory of the old controller, seen from the languages."""
 
 from collections.abc import Iterable, Mapping
 from typing import Protocol
@@ -18,7 +18,7 @@ class ProgramStore(Protocol):
 
 
 class MemoryStore:
-    """A store over texts in memory.  Names are compared without case, as the old controls do."""
+    """A store over texts in memory.  Names are compared without case, as the old controllers do."""
 
     def __init__(self, texts: Mapping[str, str], translated: Iterable[str] = ()) -> None:
         """`translated`: names in the order of their translation, the oldest first."""

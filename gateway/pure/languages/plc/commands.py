@@ -1,4 +1,4 @@
-"""The compiled form of a PLC program, the same for all old controls.  It knows bits of one memory, cells, two accumulators and calls."""
+"""The compiled form of a PLC program, the same for all old controllers.  It knows bits of one memory, cells, two accumulators and calls."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

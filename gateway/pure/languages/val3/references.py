@@ -110,7 +110,7 @@ def check_references(app: Application, faults: Faults) -> None:
     for place, (_, line) in fathers.items():
         if _in_ring(fathers, place):
             name, key = place
-            text = f"'{name}' : {name}[{key}] hangs on itself; using it is error 165"
+            text = f"'{name}' : {name}[{key}] refers to itself; using it is error 165"
             faults.warning("val3-reference", Position(app.data[name].file, line), text)
 
 

@@ -5,7 +5,7 @@ import { say } from "../texts.js";
 export function mount(root, { t, cell }) {
   const boxes = new Map();
   let held = false;
-  const pause = h("button", { type: "button", id: "pause", "aria-pressed": "false", onclick: () => { held = !held; pause.setAttribute("aria-pressed", String(held)); put(pause, held ? t("Go on") : t("Hold the list")); } }, t("Hold the list"));
+  const pause = h("button", { type: "button", id: "pause", "aria-pressed": "false", onclick: () => { held = !held; pause.setAttribute("aria-pressed", String(held)); put(pause, held ? t("Continue") : t("Freeze the list")); } }, t("Freeze the list"));
   const dull = h("input", { type: "checkbox", id: "dull" });
   root.append(h("div", { class: "bar" }, pause, h("label", { style: "flex-direction:row;align-items:center;gap:.4rem" }, dull, t("show STX, DLE and NAK too"))));
   if (!cell.lines.length && !cell.modbus.length) root.append(h("p", { class: "soft" }, t("The cell has no serial line.")));

@@ -1,4 +1,4 @@
-// The hand-held unit of the old control: its display and its keys, as the services describe them.
+// The hand-held unit of the old controller: its display and its keys, as the services describe them.
 import { grey, h, put } from "../dom.js";
 
 const SAID_MS = 150;

@@ -1,4 +1,4 @@
-// Programs of the old control: what there is, what runs and in which line, the listing of one.
+// Programs of the old controller: what there is, what runs and in which line, the listing of one.
 import { Table, chip, grey, h, mark, put, text } from "../dom.js";
 import { asked, sure } from "../parts.js";
 
@@ -117,7 +117,7 @@ export function mount(root, { t, cell, get, me, post, unable }) {
   // ---- test: one process at a time, the one whose variables are shown, or else the first
   const subject = () => processes.find((row) => row.run === watched && !row.branch && tested(row)) || processes.find((row) => !row.branch && tested(row));
   const step = (how) => { const row = subject(); if (row) ordered("step", { run: row.run, how }); };
-  const steps = [["run", "Go on"], ["into", "Step"], ["over", "Step over calls"], ["out", "Step out"], ["hold", "Hold"]].map(([how, words]) => h("button", { type: "button", "data-step": how, onclick: () => step(how) }, t(words)));
+  const steps = [["run", "Continue"], ["into", "Step"], ["over", "Step over calls"], ["out", "Step out"], ["hold", "Hold"]].map(([how, words]) => h("button", { type: "button", "data-step": how, onclick: () => step(how) }, t(words)));
   const movement = h("input", { type: "checkbox", id: "movement", checked: true, onchange: async () => { if (!(await ordered("movement", { on: movement.checked }))) movement.checked = test?.movement !== false; } });
   const tests = h("p", { class: "soft small", id: "tests" });
   const variables = new Table([

@@ -82,7 +82,7 @@ export function mount(root, { t, get, post, unable }) {
       put(state, fault ? `${t("faults")}: ${fault}` : reply.run ? t("running") : t("can run"));
       grey(start, unable("operator") || (fault ? t("The program has errors.") : reply.run ? t("running") : ""));
       grey(stop, unable("operator") || (reply.run ? "" : t("No application runs.")));
-      put(hold, seen.hold ? t("Go on") : t("Hold"));
+      put(hold, seen.hold ? t("Continue") : t("Hold"));
       if (seen.mode && document.activeElement !== mode) mode.value = seen.mode;
       if (seen.speed !== undefined && document.activeElement !== speed) speed.value = String(Math.round(seen.speed));
       for (const button of [hold, write, mode, speed]) grey(button, unable("operator") || (reply.run ? "" : t("No application runs.")));

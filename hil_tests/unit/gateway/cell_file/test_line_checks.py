@@ -130,7 +130,7 @@ def test_an_unknown_profile_names_the_near_ones() -> None:
 @pytest.mark.parametrize(
     ("line", "blocks", "key", "said"),
     [
-        ("", block(more="every_ms = 500"), "db.10.every_ms", 'role = "passive": it never sends by itself'),
+        ("", block(more="every_ms = 500"), "db.10.every_ms", 'role = "passive": it never sends unprompted'),
         ("", block(more="on_change = true"), "db.10.on_change", 'role = "passive"'),
         ('role = "active"', block(), "line.plc.role", "an active line would send nothing"),
         ('role = "both"', block(writer="plc", more="on_change = true"), "db.10.on_change", "the time of a change there is unknown"),

@@ -80,7 +80,7 @@ def test_the_s5_example_is_told_as_written_in_the_users_chapter() -> None:
     ]
     assert said[4].startswith("warning  rc_inputs: assumed as 1, not wired here: ")
     assert "note     bus can0: 28 % with second TPDOs, heartbeats and I/O; each frame: axisgate bus load" in said[5:]
-    assert any(each.startswith("note     axis X, Y, Z: drives/maker_x.eds: no such data sheet") for each in said[5:]) and len(said) == 8
+    assert any(each.startswith("note     axis X, Y, Z: drives/maker_x.eds: no such EDS file") for each in said[5:]) and len(said) == 8
 
 
 def test_ports_that_a_simulated_cell_does_not_open_are_named() -> None:
@@ -260,7 +260,7 @@ def test_field_faults(name: str, edit: tuple[str, str], key: str, said: str) -> 
 
 
 CROSS = [
-    ("demo", ('at = "DW 3",   type = "KF",  to', 'at = "DW 2",   type = "KF",  to'), "db.10[DW 2]", "two entries at one place"),
+    ("demo", ('at = "DW 3",   type = "KF",  to', 'at = "DW 2",   type = "KF",  to'), "db.10[DW 2]", "two entries at one address"),
     ("demo", ('"DR 1", ', '"DR 0", '), "db.10[DR 0]", "overlaps"),
     ("demo", ('at = "DD 2", ', 'at = "DD 1", '), "db.12[DD 1]", "overlaps DD 0"),
     ("demo", ('at = "DW 31",  type = "KF",  to', 'at = "DW 32",  type = "KF",  to'), "db.10[DW 32]", "32 words"),
@@ -309,7 +309,7 @@ CROSS = [
     ("s5-rk512", ('target   = "simulation"', 'target   = "machine"'), "safety.sto_wired", 'target = "machine" needs it'),
     ("rho3-servodyn", ('target   = "simulation"', 'target   = "machine"'), "safety.guard", "needs it"),
     ("s5-rk512", ("{ X = 1250.0,", "{ X = 3250.0,"), "check_position.pin in fixture 1.at", "outside the axis' limits"),
-    ("s5-rk512", ("input = 0 }", "output = 0 }"), "io.safety_ok.device", "is this contact already"),
+    ("s5-rk512", ("input = 0 }", "output = 0 }"), "io.safety_ok.device", "is already this contact"),
     ("s5-rk512", ("node = 2, eds", "node = 1, eds"), "axis.Y.drive.node", "axis X has node 1"),
     ("s5-rk512", ('home        = { by = "drive", method = 4,', 'home        = { by = "drive",'), "axis.X.home.method", "homing method"),
     (

@@ -62,7 +62,7 @@ def test_a_drive_of_the_type_that_was_measured_is_accepted_and_named(tmp_path: p
 @pytest.mark.parametrize(
     ("evidence", "good", "changed", "words"),
     [
-        ("bus", False, {}, "the drive of A3 did not stop as wanted"),
+        ("bus", False, {}, "the drive of A3 did not stop as required"),
         ("emulator", True, {}, "measured on emulated drives"),
         ("bus", True, {"data_sheets": {"A3": "another"}}, "no drive with the data sheet axisgate_402.eds"),
         ("bus", True, {"data_sheets": 7}, "no drive with the data sheet"),

@@ -84,7 +84,7 @@ def test_a_tool_holds_its_stream_goes_back_and_on_and_reads_where_the_axes_are(t
     assert held["position"] == pytest.approx(list(tool.bench.at()), abs=1e-3) and held["measured"] == [None] * 4
     tool.order("retrace")
     tool.until("back", True)
-    with pytest.raises(ValueError, match=r"the axes have gone back to block [12]: go on first"):
+    with pytest.raises(ValueError, match=r"the axes have gone back to block [12]: continue first"):
         tool.order("cut", 2)
     tool.until("motion", Motion.STOPPED.name)
     assert tool.answer["block"] == 1 and tool.bench.at()[:2] == pytest.approx((100.0, 100.0), abs=1e-3)

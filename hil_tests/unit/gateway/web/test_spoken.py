@@ -95,7 +95,7 @@ def test_reasons_of_drives_and_couplers_have_german_words() -> None:
     assert len(found) > 20
     assert [words for words in found if german(words) == words] == []
     said = german("drive is not started up: A1: the drive did not reach switched on; it is tried again")
-    assert said.startswith("Antrieb ist nicht hochgelaufen: A1: der Antrieb kam nicht nach ")
+    assert said.startswith("Antrieb ist nicht hochgelaufen: A1: der Antrieb hat ")
 
 
 @pytest.mark.parametrize(

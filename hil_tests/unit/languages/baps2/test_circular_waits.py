@@ -9,7 +9,7 @@ from hil_tests.lab.virtual.baps2_bench import ProgramCell
 from hil_tests.unit.languages.baps2.running import Event, body, faults_of, run, short
 from hil_tests.unit.languages.baps2.test_two_robots_in_a_cell import memory, two_portals
 
-BEGINS = "these processes wait for each other, and none goes on until one is stopped: "
+BEGINS = "these processes wait for each other, and none continues until one is stopped: "
 OWN = "EXCLUSIVE S\nPARALLEL\nEXCLUSIVE S\nWRITE 'A'\nEXCLUSIVE_END\nALSO\nWRITE 'B'\nPARALLEL_END\nEXCLUSIVE_END"
 TWO = ";;KINEMATICS : (1 = K1, 2 = K2)\n;;K1.JC_NAMES = A\n;;K2.JC_NAMES = B\n"
 BELTS = ";;KINEMATICS : (1 = K1, 2 = K2)\n;;K1.JC_NAMES = A, C\n;;K2.JC_NAMES = B, D\n"

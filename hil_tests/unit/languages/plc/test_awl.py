@@ -328,7 +328,7 @@ def test_a_chain_goes_on_behind_an_edge() -> None:
 
 def test_an_edge_whose_result_a_jump_enters_is_refused() -> None:
     text = EDGES.replace("      U     E      0.1;", "MARK: U     E      0.1;")
-    assert [(each.line, "a jump leads to the statement behind FP" in each.reason) for each in imported(text).refused] == [(4, True)]
+    assert [(each.line, "a jump leads to the statement after FP" in each.reason) for each in imported(text).refused] == [(4, True)]
 
 
 LADDER = """ORGANIZATION_BLOCK OB1

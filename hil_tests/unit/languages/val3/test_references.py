@@ -219,7 +219,7 @@ def test_frames_that_hang_on_each_other_are_named_at_load() -> None:
     data += datum("flange", "tool", values=value(fatherId="flange[0]")) + datum("n", "num")
     app = App(data=data, programs={"start": "n=1\nn=position(f[0],world).x"})
     faults = check(app)
-    rings = [f"'{name}' : {name}[{key}] hangs on itself; using it is error 165" for name, key in (("f", 0), ("f", 1), ("g", 0), ("t", 0))]
+    rings = [f"'{name}' : {name}[{key}] refers to itself; using it is error 165" for name, key in (("f", 0), ("f", 1), ("g", 0), ("t", 0))]
     assert [fault.text for fault in faults] == rings and faults.errors == 0, "f[2] hangs on a ring, and is not in it"
     result: Any = run(app)
     assert (result["globals"]["n"], result["tasks"]["demo~"]["status"]) == (1, 165)

@@ -179,7 +179,7 @@ def test_in_the_dry_run_and_written_again() -> None:
     assert [shared.asks for shared in again.blocks] == [True, True] and again.blocks[0].ends
     text = f"{HEAD}move {AWAY[0]} until={SEEN}\nmove arm ptp mpos error=X and scara ptp mpos error=Y\nlabel X\nlabel Y\n"
     (fault,) = team_findings(read_team(text), pair()).faults
-    assert "block 2: a shared block goes on at one label, not at X and Y: error= of one of them" in str(fault)
+    assert "block 2: a shared block continues at one label, not at X and Y: error= of one of them" in str(fault)
 
 
 def test_the_time_of_one_kinematic_ends_a_shared_block_for_all_and_leads_to_its_label(home: Planned) -> None:

@@ -262,7 +262,7 @@ from = "tank.pump"
         (REGISTERS, 'float = "CDAB"', 'tls = { certificate = "a", key = "b", ca = "c" }', "no client has any right"),
         (REGISTERS, 'float = "CDAB"', 'port = "/dev/ttyS0"', 'framing = "rtu"'),
         (REGISTERS, 'float = "CDAB"', 'units = [ { unit = 1, view = "rho3" } ]', "is used twice"),
-        (REGISTERS, 'bind = "127.0.0.1:1503"', 'bind = "127.0.0.1:1502"', "listens there already"),
+        (REGISTERS, 'bind = "127.0.0.1:1503"', 'bind = "127.0.0.1:1502"', "already listens there"),
         (REGISTERS, 'float = "CDAB"', 'allow = ["10.0.0.5"]\nwriters = [ { from = "10.0.0.5" } ]', "keep one of them"),
     ],
 )

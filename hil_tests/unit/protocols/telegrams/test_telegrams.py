@@ -126,7 +126,7 @@ def test_a_sound_telegram_has_no_findings() -> None:
         (Incoming("T", (), (Field(Kind.CHARACTER, "a", 0, low=2.0),)), "CHARACTER has no scale, min or max"),
         (Incoming("T", (), (Field(Kind.CHARACTER, "a", 0, high=2.0),)), "CHARACTER has no scale, min or max"),
         (Incoming("T", (), (Field(Kind.WORD, "a", 0, scale=0.0),)), "scale 0 makes every value 0"),
-        (Incoming("T", (), (Field(Kind.WORD, "a", 0, low=2.0, high=2.0),)), "min 2 has to be below max 2"),
+        (Incoming("T", (), (Field(Kind.WORD, "a", 0, low=2.0, high=2.0),)), "min 2 must be below max 2"),
         (Incoming("T", (), (Field(Kind.POINT, "a", 0, count=13),)), "POINT has 1..12 coordinates"),
     ],
 )

@@ -211,7 +211,7 @@ def _complete(kept: Collected, axes: list[int], report: Report) -> None:
     for number in NEEDED:
         lacking = [axis for axis in axes if not kept.per_axis.get(number, {}).get(axis)]
         if lacking:
-            report.missing.append(f"P{number} of axis {', '.join(map(str, lacking))}: axisgate check asks for it")
+            report.missing.append(f"P{number} of axis {', '.join(map(str, lacking))}: axisgate check reports it as missing")
     if 5 not in kept.single:
         report.assumed.append("P5 is not in the list: 8 ms")
         kept.single[5] = 8
@@ -301,7 +301,7 @@ def _file(kept: Collected, axes: list[int], name: str, report: Report) -> Iterab
     yield from _buses(kept, axes, report)
     if axes:
         report.assumed.append('every axis turns (deg); a linear one needs an [[axis]] table with unit = "mm"')
-        report.assumed.append("reference switches lie in direction -, lag limits are the drive's own: [[axis]] tables say otherwise")
+        report.assumed.append("reference switches lie in direction -, lag limits are the drive's own: [[axis]] tables change them")
 
 
 def _numbers(kept: Collected, axes: list[int]) -> Iterable[str]:
@@ -371,4 +371,4 @@ def _buses(kept: Collected, axes: list[int], report: Report) -> Iterable[str]:
             if here == list(range(here[0], here[-1] + 1)) and not report.missing:
                 yield f'axes     = "{here[0]}..{here[-1]}"' if len(here) > 1 else f'axes     = "{here[0]}"'
     if most:
-        report.assumed.append('every bus has port = "sim"; write socketcan:can0 and layout_evidence when there is metal')
+        report.assumed.append('every bus has port = "sim"; write socketcan:can0 and layout_evidence for real drives')

@@ -1,4 +1,4 @@
-"""The old control as its PLC sees it: signals, functions and processes on one image, once per cycle of the services.  Pure.
+"""The old controller as its PLC sees it: signals, functions and processes on one image, once per cycle of the services.  Pure.
 
 The command sources bring the RC inputs, the cycle what the axes do; outputs and flags go back to the command sources, commands of the
 axes through the dispatcher.  A restart of services counts as a start of the control (AX-332): signals already set start nothing.

@@ -326,9 +326,9 @@ class Translator:
         """An edge that the chain goes on with: results of before and of the edge are kept in two spare bits, and a chain begins with
         the last one."""
         if self._next and self._next.label:
-            raise NoCounterpart(f"a jump leads to the statement behind {word}, which goes on with its result")
+            raise NoCounterpart(f"a jump leads to the statement after {word}, which continues with its result")
         if not self.spare:
-            raise NoCounterpart(f"{word} with a chain that goes on needs two spare marker bits; all of M0 to M511 are used")
+            raise NoCounterpart(f"{word} with a logic chain that continues needs two spare marker bits; all of M0 to M511 are used")
         now, edge, self.spared = f"{self.spare}.0", f"{self.spare}.1", True
         first, second = ("U", "UN") if word == "FP" else ("UN", "U")
         self.lines += [f"= {now}", f"{first} {now}", f"{second} {bit}", f"= {edge}", f"U {now}", f"= {bit}", f"U {edge}"]

@@ -22,7 +22,7 @@ ALIKE = re.compile(
 )  # the same in both languages, or with what is filled in
 WITH_VALUES = (  # their German stands with what is filled in
     *("X, expected X (X)", "X cannot send X", "X reads otherwiseX", "it X in X conflicts, then it X", "X is executed"),
-    *("state X (X)", "X (xxXh)", "X was not answered", "X came again at once"),
+    *("state X (X)", "X (xxXh)", "X was not answered", "X was sent again at once"),
 )
 
 

@@ -24,7 +24,7 @@ def diagnosed(partner: str, priority: str = "low") -> dict[str, Finding]:
     [
         ("good", "RK512", "ok", "RK512 runs on 3964R"),
         ("raw", "raw 3964R", "ok", "no reaction telegram"),
-        ("echo", "echo", "fault", "every character comes back (16 of 16)"),
+        ("echo", "echo", "fault", "every character is returned (16 of 16)"),
         ("cross-talk", "cross-talk", "fault", "cross-talk on an open line, not an echo"),
         ("inverted", "wires crossed", "fault", "polarity"),
         ("speed-4800", "wrong speed", "fault", "the partner answers at 4800 8E1, not at 9600 8E1"),
@@ -72,7 +72,7 @@ def test_a_partner_that_sends_by_itself_is_no_cross_talk(priority: Priority) -> 
     for number in range(OWN_BLOCKS + 3):
         station.stimulate(0, b"U" + bytes((number,)))
     found = seen_of(station)
-    assert re.fullmatch(r"blocks that the partner sent by itself were acknowledged and not used: \d+", found["line in use"].text)
+    assert re.fullmatch(r"blocks that the partner sent unprompted were acknowledged and not used: \d+", found["line in use"].text)
     assert "RK512" in found and "cross-talk" not in found
     assert ("same priority" in found) is (priority is Priority.LOW)
 

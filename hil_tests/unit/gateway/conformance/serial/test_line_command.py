@@ -61,7 +61,7 @@ def pty() -> Iterator[tuple[int, str]]:
         (("monitor", "--record", __file__), "neither a line record nor a journal"),
         (("monitor", "--tap", "/dev/pts/9,/dev/pts/9"), "two different ports expected, one in each wire"),
         (("learn", "--tap", "COM5,COM5"), "two different ports expected, one in each wire"),
-        (("learn", "/tmp"), "/tmp: a file expected; a line is heard live with --tap A,B"),
+        (("learn", "/tmp"), "/tmp: a file expected; --tap A,B listens live"),
     ],
 )
 def test_what_cannot_be_is_a_usage_fault_in_words(words: tuple[str, ...], expected: str) -> None:
@@ -72,7 +72,7 @@ def test_what_cannot_be_is_a_usage_fault_in_words(words: tuple[str, ...], expect
 def test_a_device_in_the_place_of_a_trace_is_not_read_for_ever(pty: tuple[int, str]) -> None:
     for words in (("learn", pty[1]), ("monitor", "--record", pty[1])):
         code, _, told = axisgate(*words)
-        assert code == 2 and "a file expected; a line is heard live with --tap A,B" in told
+        assert code == 2 and "a file expected; --tap A,B listens live" in told
 
 
 @pytest.mark.parametrize("port, why", [("/dev/null", "is no serial port"), ("/dev", "is a folder; name a serial port")])
@@ -110,7 +110,7 @@ def test_what_was_heard_before_an_adapter_was_pulled_is_learned(monkeypatch: pyt
 
     monkeypatch.setattr(line, "_listen", listen)
     code, draft, told = axisgate("learn", "--tap", "COM5,COM6")
-    assert told == "axisgate line learn: serial port x: lost (hung up): learned from what was heard until then\n"
+    assert told == "axisgate line learn: serial port x: lost (hung up): learned from what was received until then\n"
     assert code == 0 and "number  = 10" in draft
 
 

@@ -275,7 +275,7 @@ def test_a_station_that_never_doubles_dle_fails_once_10h_is_planted() -> None:
             "not keep to 3964R and RK512: 1 of 2 tests fail, the first is rk512.send-10h",
         ),
         ("silent", ("rk512.fetch",), "the station does not speak 3964R and RK512 here: the one test did not pass"),
-        ("good", ("rk512.follow-on-258",), "nothing can be said of the station"),
+        ("good", ("rk512.follow-on-258",), "no statement about the station"),
         ("good", ("rk512.fetch", "rk512.follow-on-258"), "the station speaks 3964R and RK512 in the one test that was run."),
         ("good", ("idle.nak", "rk512.follow-on-258"), "the station speaks 3964R in the one test that was run."),
         ("good", ("idle.nak", "idle.break", "rk512.follow-on-258"), "the station speaks 3964R in all 2 tests that were run; not run: 1."),

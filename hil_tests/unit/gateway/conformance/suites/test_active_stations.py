@@ -72,7 +72,7 @@ def test_commands_of_its_own_get_their_reactions_in_cases_of_the_passive_role(pe
 
 def test_a_cycle_of_the_same_command_is_no_repeat_and_a_repeat_is() -> None:
     cyclic = played("rk512", Cyclic(ms(100)), ("RK512_ACT_BV_02",))["RK512_ACT_BV_02"]
-    assert (cyclic.verdict, cyclic.reason) == (Verdict.NA, "it sends the same command by itself as well")
+    assert (cyclic.verdict, cyclic.reason) == (Verdict.NA, "it also sends the same command unprompted")
     twice = played("rk512", CommandTwice(), ("RK512_ACT_BV_02",))["RK512_ACT_BV_02"]
     assert twice.verdict is Verdict.FAIL
 

@@ -85,7 +85,7 @@ def die(tools: Tools) -> None:
     tools.lanes.bench._hand_over()
 
 
-TOO_MANY = f"lost: more than {MOST} came ahead of the planner"
+TOO_MANY = f"lost: more than {MOST} arrived before the planner used them"
 FLOODED = f"statements of the stream are {TOO_MANY}"
 CASES: dict[str, tuple[tuple[str, ...], Callable[[Tools], None] | None, str]] = {
     "floods": ((AWAY,), flood, f"scara: block 2: {MOST + 1} {FLOODED}"),

@@ -47,7 +47,7 @@ def test_check_tells_which_way_each_measuring_input_takes() -> None:
     told = {notice.where: notice.text for notice in load_cell("cl300-bits.toml", text).notes if notice.where.startswith("measuring")}
     assert told == {
         "measuring.611.input": "RC input 28 is read in the cycle (AX-481)",
-        "measuring.612.input": "RC input 27 comes through the services, a cycle or two later (AX-481)",
+        "measuring.612.input": "RC input 27 passes through the services process, one or two cycles later (AX-481)",
     }, "its route debounces"
 
 

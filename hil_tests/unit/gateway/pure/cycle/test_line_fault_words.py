@@ -23,7 +23,8 @@ def test_every_reason_has_words() -> None:
 def test_a_block_that_was_not_taken() -> None:
     words = fault_words(BlockRefused(Refusal.GAP, 57))
     assert (
-        words == "a block of the partner was not taken, 57 characters of it came: silence inside the block, longer than the character delay"
+        words == "a block of the partner was not taken, 57 characters of it were received: "
+        "silence inside the block, longer than the character delay"
     )
     assert (
         fault_words(ReceptionFailed(Refusal.CHECK, 6)) == "the partner gave up a block after 6 attempts, the first fault: wrong block check"
@@ -42,5 +43,5 @@ def test_a_block_of_ours_and_what_stands_beside_blocks() -> None:
 def test_telegrams_that_were_refused_on_either_side() -> None:
     assert fault_words(Refused(0x14, "no such block", b"\x00\x00\x41\x44")).endswith("refused with error 14h (no such block): 00 00 41 44")
     assert fault_words(Denied(2, 0x0A)) == "job 2: the partner answered with error 0Ah"
-    assert fault_words(Unasked(b"\x00")) == "a reaction came though nothing was asked: 00"
+    assert fault_words(Unasked(b"\x00")) == "a reaction was received without a request: 00"
     assert all("(" in fault_words(Failed(1, trouble)) for trouble in Trouble)

@@ -21,7 +21,7 @@ def content(busy: bool = False, place: int = 0, life: int = 0, more: int = 0) ->
 
 
 class Play:
-    """Ours changes when told; the old control answers every 200 ms."""
+    """Ours changes when told; the old controller answers every 200 ms."""
 
     def __init__(self) -> None:
         self.comparison = Comparison(slack=ms(10), horizon=ms(2_000))
@@ -54,7 +54,7 @@ def test_what_is_equal_is_equal_and_every_bit_of_the_block_was_compared() -> Non
 
 
 def test_a_bit_of_ours_that_is_late_is_told_with_its_time() -> None:
-    """The old control's busy rises at 1000 ms and falls at 2000 ms, both seen at that very moment; ours is late by 40 ms."""
+    """The old controller's busy rises at 1000 ms and falls at 2000 ms, both seen at that very moment; ours is late by 40 ms."""
     play = Play()
     for at, busy in ((0, False), (1_040, True), (2_040, False)):
         play.ours(at, content(busy))

@@ -97,9 +97,9 @@ def test_nothing_is_promised_that_no_cell_can_do() -> None:
 def test_programs_are_judged_by_the_control_they_were_written_for() -> None:
     """What runs in a cell is named with the command that checks it; what does not says so."""
     expected = {"rho3": ("axisgate program check", "Intel-hex files"), "reis": ("axisgate robotstar check", "axisgate plc check")}
-    expected["val3"] = ("axisgate val3 check", "runs no program of the control's own PLC")
+    expected["val3"] = ("axisgate val3 check", "runs no program of the controller's own PLC")
     for control in ("rho3", "reis", "val3", "other"):
         reasons = {reason.key: reason.text for reason in assess(GOOD | {"control": control, "baps": "yes", "pic": "yes"})}
-        baps, pic = expected.get(control, ("not in a cell", "runs no program of the control's own PLC"))
+        baps, pic = expected.get(control, ("not in a cell", "runs no program of the controller's own PLC"))
         assert baps in reasons["baps"] and pic in reasons["pic"], control
         assert ("run in the cell" in reasons["baps"]) is (control in expected)

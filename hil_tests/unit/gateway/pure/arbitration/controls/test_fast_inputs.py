@@ -162,4 +162,4 @@ def test_a_measuring_channel_p11_does_not_have_is_refused() -> None:
     for p11, channel in (("P11 = [1, 0, 0, 3]", 622), ("", 611)):
         cell = cell_with(BOARDS, p11, table.format(channel))
         notes = [notice.text for notice in cell.notes if notice.where == f"measuring.{channel}.input"]
-        assert notes == ["RC input 464 comes through the services, a cycle or two later (AX-481)"]
+        assert notes == ["RC input 464 passes through the services process, one or two cycles later (AX-481)"]

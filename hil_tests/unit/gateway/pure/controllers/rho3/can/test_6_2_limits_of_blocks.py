@@ -133,7 +133,7 @@ REFUSED = [  # what is typed instead of what, and what `axisgate check` prints: 
     (BUS_2, "{ inputs = 2, outputs = 2, baud = 4 }", "rho3.P30[1].baud", "1 = 500 kbit/s, 2 = 250 kbit/s, 3 = 125 kbit/s"),
     (BUS_2, "{ inputs = 2, outputs = 3, baud = 1 }", "rho3.P32", "the rho 3 shows 3734 CAN I/O block undef., system error 151"),
     ("start = 88, length = 8, id = 541", "start = 124, length = 8, id = 541", "rho3.P31", "3734 CAN I/O block undef., system error 151"),
-    ("P5   = 8 ", "P5   = 33", "rho3.P5", "boosters on CAN take no clock above 32 ms"),
+    ("P5   = 8 ", "P5   = 33", "rho3.P5", "boosters on CAN accept no cycle above 32 ms"),
     ("P5   = 8 ", "P5   = 27", "rho3.P5", "at most 26 ms without an additional SERVO-i in P15"),
 ]
 

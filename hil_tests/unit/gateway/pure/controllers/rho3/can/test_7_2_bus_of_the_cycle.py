@@ -36,7 +36,7 @@ def test_two_boosters_get_their_parameters_one_after_the_other_at_most_one_reque
         assert [each[0] for each in heard if each is not None] == [0, 1]
         said += family.take_news()
     assert requests == [310, 310, 320, 320]
-    assert said == ["module 1: 2 parameters taken", "module 2: parameters not taken: the drive does not know parameter 30"]
+    assert said == ["module 1: 2 parameters taken", "module 2: parameters not taken: the drive does not have parameter 30"]
     assert [slave.axis(n).settings.kv_per_s for n in (1, 2)] == [50.0, 60.0]
 
 

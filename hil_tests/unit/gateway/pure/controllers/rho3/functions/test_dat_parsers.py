@@ -164,7 +164,7 @@ def test_phgcode_bad_line(line: str, why: str) -> None:
 
 def test_faults_name_file_and_line_in_both_languages() -> None:
     fault = parse_texts("3e='x'", "TEXTE.DAT").faults[0]
-    assert str(fault) == "TEXTE.DAT:1: '3e': two hex digits 00 to FF wanted, letters in upper case"
+    assert str(fault) == "TEXTE.DAT:1: '3e': two hex digits 00 to FF expected, letters in upper case"
     assert fault.text("de") == "TEXTE.DAT:1: '3e': zwei Hexziffern 00 bis FF verlangt, Buchstaben gross"
 
 

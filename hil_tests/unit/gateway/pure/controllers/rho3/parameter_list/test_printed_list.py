@@ -91,7 +91,7 @@ def test_what_is_missing_is_told_and_check_asks_for_it(number: str, key: str) ->
     start = next(n for n, line in enumerate(lines) if line.startswith(number))
     end = next(n for n in range(start + 1, len(lines)) if lines[n].startswith("P"))
     file, report = import_list("\n".join(lines[:start] + lines[end:]), "robot2")
-    assert f"{number} of axis 1, 2, 3: axisgate check asks for it" in report.missing
+    assert f"{number} of axis 1, 2, 3: axisgate check reports it as missing" in report.missing
     with pytest.raises(CellFaults) as found:
         load_cell("robot2.toml", file)
     assert all(key in fault.key for fault in found.value.faults), [str(fault) for fault in found.value.faults]
