@@ -38,7 +38,7 @@ def frame_in(own: Instance, value: FrameV, depth: int = 0) -> cartesian.Frame:
         raise Rte(165, "frames linked in a ring")
     if value.lost is not None:
         raise Rte(*value.lost)
-    father = frame_in(own, value.father, depth + 1) if value.father is not None else None
+    father = frame_in(own, value.father, depth + 1) if value.father is not None and not value.root else None
     return cartesian.Frame(trsf_in(own, value.trsf), father, value.root)
 
 
@@ -48,7 +48,7 @@ def tool_in(own: Instance, value: ToolV, depth: int = 0) -> cartesian.Tool:
         raise Rte(165, "tools linked in a ring")
     if value.lost is not None:
         raise Rte(*value.lost)
-    father = tool_in(own, value.father, depth + 1) if value.father is not None else None
+    father = tool_in(own, value.father, depth + 1) if value.father is not None and not value.root else None
     return cartesian.Tool(trsf_in(own, value.trsf), father, value.root)
 
 
@@ -207,7 +207,7 @@ def f_link(own: Instance, what: FrameV | ToolV | PointV, reference: FrameV | Too
             break
         if here is what:
             raise Rte(165, "linked in a ring")
-        here = here.father
+        here = None if here.root else here.father
     what.father = reference
 
 

@@ -175,7 +175,7 @@ class FrameV(Structure):
     __slots__ = (*FIELDS, "local", "lost", "root")
 
     def __init__(self, father: FrameV | None = None, root: bool = False) -> None:
-        self.trsf, self.father, self.root = TrsfV(), father, root
+        self.trsf, self.father, self.root = TrsfV(), self if root else father, root  # a copy of world hangs on world
         self.local = False  # it ends with its program
         self.lost: tuple[int, str] | None = None  # where its name leads nowhere: error code, and the name
 
@@ -191,7 +191,7 @@ class ToolV(Structure):
     __slots__ = (*FIELDS, "local", "lost", "root")
 
     def __init__(self, father: ToolV | None = None, root: bool = False) -> None:
-        self.trsf, self.gripper, self.father, self.root = TrsfV(), DioV(None), father, root
+        self.trsf, self.gripper, self.father, self.root = TrsfV(), DioV(None), self if root else father, root
         self.local = False  # as of a frame
         self.lost: tuple[int, str] | None = None  # as of a frame
         self.otime = self.ctime = 0.0

@@ -9,7 +9,7 @@ from gateway.pure.languages.val3.disk import Disk
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.references import element
 from gateway.pure.languages.val3.values import FrameV, PointV, UserV
-from hil_tests.unit.languages.val3.apps import App, check, datum, machine, run, value
+from hil_tests.unit.languages.val3.apps import App, check, datum, globals_of, machine, run, value
 
 GRID = '<Data name="fGrid" access="public" xsi:type="array" type="frame" size="2,2">' + value("1,0", x=7, fatherId="world[0]") + "</Data>"
 NAMED = '<Data name="fOf" access="public" xsi:type="collection" type="frame">' + value("left side", x=9, fatherId="world[0]") + "</Data>"
@@ -223,3 +223,17 @@ def test_frames_that_hang_on_each_other_are_named_at_load() -> None:
     assert [fault.text for fault in faults] == rings and faults.errors == 0, "f[2] hangs on a ring, and is not in it"
     result: Any = run(app)
     assert (result["globals"]["n"], result["tasks"]["demo~"]["status"]) == (1, 165)
+
+
+def test_a_copy_of_world_or_flange_hangs_on_it() -> None:
+    """A frame that is selected with `fUser=world`, and a bare hand with `tHand=flange` (L4844, L4936)."""
+    data = datum("f", "frame", "2", value("0", x=5, fatherId="world[0]")) + datum("t", "tool", "1", value(z=9, fatherId="flange[0]"))
+    data += datum("p", "point", "1", value(x=1, fatherId="f[0]")) + datum("tr", "trsf", "3") + datum("b", "bool", "3") + datum("n", "num")
+    code = (
+        "f[0]=world\nf[1]=f[0]\nt=flange\nb[0]=f[1]==world\nb[1]=t==flange\ntr[0]=position(p,world)\ntr[1]=position(f[1],world)\n"
+        'tr[2]=position(t,flange)\nlink(f[1],world)\nlink(f[0],f[1])\nn=libSave("copy")'
+    )
+    found = globals_of(code, data)
+    assert found["b"] == [True, True, False]
+    assert [each["x"] for each in found["tr"]] == [1, 0, 0] and found["tr"][2]["z"] == 0
+    assert found["n"] == 0
