@@ -26,6 +26,7 @@ from gateway.conformance.suites.cia402.drive import (
     TARGET,
     WINDOW,
     WINDOW_TIME,
+    at_standstill,
     brought_to,
     choose,
     control,
@@ -34,7 +35,6 @@ from gateway.conformance.suites.cia402.drive import (
     plan,
     position,
     reaches,
-    standing,
     state_of,
     status,
     stays,
@@ -108,7 +108,7 @@ def lagging(t: NodeTester, word: int) -> Iterator[None]:
             t.download(TARGET, position(t) + 4 * way, 4)
             for _ in range(100):
                 t.on_grid()
-                if state_of(status(t)) == FAULT and standing(t):
+                if state_of(status(t)) == FAULT and at_standstill(t):
                     break
             reaches(t, FAULT, "a jump of the set value far beyond 6065h")
         yield

@@ -123,7 +123,7 @@ def fed(name: str, text: str, ahead: int = 12) -> tuple[float, float]:
         tau = min(tau + 5e-3, planner.end)
     while not (progress := follower.step(1.0)).at_end:
         rows.append(tuple(progress.q[axis][0] for axis in range(machine.axes)))
-    return planner.end, shares(machine, np.array([*rows, planner.standing]), MS)[2]
+    return planner.end, shares(machine, np.array([*rows, planner.position]), MS)[2]
 
 
 @pytest.mark.parametrize(
