@@ -268,9 +268,9 @@ class Planner:
             return None
         known = self._fresh[ready - 1].stop or ready >= self.window
         horizon = self.ahead_s if hurry else self.horizon_s
-        if self._planned and self._planned[-1].led:
+        if self._planned and self._planned[-1].led and not known:
             horizon = min(horizon, LED_S)
-            if ahead > FEW_LEADS * self.lead_s and not known and FEW * ready < len(self._planned[-1].run.stretches):
+            if ahead > FEW_LEADS * self.lead_s and FEW * ready < len(self._planned[-1].run.stretches):
                 return None
         if ahead > max(horizon, 2.0 * self.lead_s * self._patience + self._carried()):
             return None

@@ -121,9 +121,12 @@ def fed(name: str, text: str, ahead: int = 12) -> tuple[float, float]:
         for piece in planner.plan(tau, hurry=quiet > 6):
             follower.load(piece)
         tau = min(tau + 5e-3, planner.end)
-    while not (progress := follower.step(1.0)).at_end:
+    at_end = False
+    while not at_end:
+        progress = follower.step(1.0)
+        at_end = progress.at_end
         rows.append(tuple(progress.q[axis][0] for axis in range(machine.axes)))
-    return planner.end, shares(machine, np.array([*rows, planner.position]), MS)[2]
+    return planner.end, shares(machine, np.array(rows), MS)[2]
 
 
 @pytest.mark.parametrize(
