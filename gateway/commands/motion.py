@@ -233,8 +233,8 @@ def check(program: Program | TeamProgram, faults: Sequence[BlockError], slowed: 
             print(f"line {_line(program, fault.block)}: {fault}")
         for number, each in slowed.items():
             print(f"line {_line(program, number)}: warning: {each.of(number)}")
-        count = len(faults)
-        print(f"{len(program.blocks)} blocks: " + ("all can be run" if not count else f"{count} cannot be run"))
+        count, blocks = len(faults), len(program.blocks)
+        print(f"{blocks} block{'s' * (blocks != 1)}: " + ("all can be run" if not count else f"{count} cannot be run"))
     return Exit.FINDING if faults else Exit.OK
 
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from motion.errors import MotionError
 from motion.geometry.frames import Pose
 from motion.geometry.limits import AxisLimits
-from motion.kinematics.base import Branch, Configuration, Elbow, Joints, Shoulder, Unreachable, Wrist
+from motion.kinematics.base import Branch, Configuration, Elbow, Joints, Shoulder, Unreachable, Wrist, beyond
 from motion.kinematics.choice import Chooser, wrapped
 
 POLE = 5e-10  # sine of j5 below which axes 4 and 6 turn about one line
@@ -281,7 +281,7 @@ class Arm6:
             return f"the wrist centre is {math.hypot(x, y) * 1e3:.3f} mm from axis 1, nearer than {abs(g.side) * 1e3:.3f} mm"
         far = math.hypot(math.sqrt(sideways) - g.delta, z)
         least, most = abs(g.arm - self._fixed[5]) * 1e3, (g.arm + self._fixed[5]) * 1e3
-        return f"the wrist centre is {far * 1e3:.3f} mm from axis 2, possible are {least:.3f} .. {most:.3f} mm"
+        return f"the wrist centre is {beyond(far * 1e3, least, most)} mm from axis 2, possible are {least:.3f} .. {most:.3f} mm"
 
 
 def _at_the_pole(turn: float, cosine: float, hold4: float, hold6: float | None) -> tuple[float, float, float]:

@@ -20,6 +20,12 @@ Joints = tuple[float, ...]  # m or rad, one an axis
 RHO3_TEXT = "point not reachable"
 
 
+def beyond(value: float, least: float, most: float) -> str:
+    """A value outside, with as many digits as show that it is: at least three."""
+    digits = next((n for n in range(3, 9) if not round(least, 3) <= round(value, n) <= round(most, 3)), 3)
+    return f"{value:.{digits}f}"
+
+
 class Shoulder(Enum):
     RIGHTY, LEFTY, SAME, FREE = "righty", "lefty", "ssame", "sfree"
 

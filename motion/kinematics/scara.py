@@ -15,7 +15,7 @@ from motion.errors import MotionError
 from motion.geometry.frames import Pose
 from motion.geometry.limits import AxisLimits
 from motion.geometry.units import Kind, kind_of
-from motion.kinematics.base import Branch, Configuration, Joints, Shoulder, Unreachable
+from motion.kinematics.base import Branch, Configuration, Joints, Shoulder, Unreachable, beyond
 from motion.kinematics.choice import Chooser, wrapped
 
 STRAY = 1e-9  # how far the flange's z may be from the vertical
@@ -107,4 +107,4 @@ class Scara:
         if abs(rotation[2]) > STRAY or abs(rotation[5]) > STRAY or (rotation[8] > 0.0) is self.down:
             return Unreachable("a SCARA cannot tilt its flange", number=534)
         least, most = abs(self.arm - self.forearm) * 1e3, (self.arm + self.forearm) * 1e3
-        return Unreachable(f"{far * 1e3:.3f} mm from axis 1, possible are {least:.3f} .. {most:.3f} mm")
+        return Unreachable(f"{beyond(far * 1e3, least, most)} mm from axis 1, possible are {least:.3f} .. {most:.3f} mm")

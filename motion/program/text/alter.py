@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from motion.program.blocks import Alteration, Frame, Tool, Until
-from motion.program.text.words import Fault, key, number, yes
+from motion.program.text.words import Fault, keys, number, yes
 from motion.val3.errors import RuntimeFault
 from motion.val3.mdesc import Mdesc
 
@@ -40,7 +40,7 @@ class AlterParts:
         if rest[1] not in known:
             raise Fault("alter", f"{rest[0]} {rest[1]!r} is unknown; {', '.join(known)} are known")
         self.count += 1
-        self.part = _limited(known[rest[1]], dict(key(word) for word in rest[2:]), self.count)
+        self.part = _limited(known[rest[1]], keys(rest[2:]), self.count)
 
     def end(self, rest: list[str]) -> None:
         """`alter_end`."""

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 from motion.files.bnr import HEADER, INTERPOLATION
 from motion.program.blocks import FileCall
-from motion.program.text.words import Fault, key, name, number, one
+from motion.program.text.words import Fault, name, number, one
+from motion.program.text.words import keys as keys_of
 
 HEADS = ("read_begin", "move_file", "close")
 BIG = 1e6
@@ -35,7 +36,7 @@ class OpenFiles:
     def call(self, rest: list[str]) -> FileCall:
         """FILE base= modulo=."""
         named = name("move_file", rest[0] if rest else "")
-        keys = dict(key(word) for word in rest[1:])
+        keys = keys_of(rest[1:])
         if unknown := set(keys) - {"base", "modulo"}:
             raise Fault(min(unknown), "move_file takes base= and modulo= alone")
         base = number("base", keys.get("base", str(INTERPOLATION)), -BIG, BIG, "")

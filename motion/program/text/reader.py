@@ -59,7 +59,7 @@ from motion.program.text.values import (
     until_of,
 )
 from motion.program.text.words import Fault as _Fault
-from motion.program.text.words import key as _key
+from motion.program.text.words import keys as _keys
 from motion.program.text.words import name as _name
 from motion.program.text.words import number as _number
 from motion.program.text.words import one as _one
@@ -203,7 +203,7 @@ class Reader:
         if self.part is not None:
             raise _Fault("synchron", f"the part on belt {self.part.belt} is not ended: synchron_end")
         name = _name("synchron", rest[0] if rest else "")
-        keys = dict(_key(word) for word in rest[1:])
+        keys = _keys(rest[1:])
         if unknown := set(keys) - {"at"}:
             raise _Fault(min(unknown), "synchron takes at= alone")
         self.parts += 1
@@ -219,7 +219,7 @@ class Reader:
 
     def point(self, rest: list[str]) -> None:
         name = _name("point", rest[0] if rest else "")
-        keys = dict(_key(word) for word in rest[1:] if "=" in word)
+        keys = _keys(word for word in rest[1:] if "=" in word)
         if unknown := set(keys) - {"config", "extra"}:
             raise _Fault(min(unknown), "a point takes config= and extra= alone")
         target, left = self.target([word for word in rest[1:] if "=" not in word])
@@ -228,7 +228,7 @@ class Reader:
         self.points[name] = placed(target, keys)
 
     def set(self, rest: list[str]) -> None:
-        keys = dict(_key(word) for word in rest)
+        keys = _keys(rest)
         for name in keys:
             if name in ONCE:
                 raise _Fault(name, "acts on one block alone and is written there")
@@ -239,7 +239,7 @@ class Reader:
         self.modal.update(keys)
 
     def move(self, kind: Interpolation, rest: list[str], number: int) -> None:
-        keys = dict(_key(word) for word in rest if "=" in word)
+        keys = _keys(word for word in rest if "=" in word)
         words = [word for word in rest if "=" not in word]
         via: PoseTarget | None = None
         if kind is Interpolation.CIRCULAR:

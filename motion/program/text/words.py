@@ -1,7 +1,7 @@
 """Words of the text form: one, a name, KEY=VALUE, a number in its range, one of several, yes or no.  Each raises Fault."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from enum import Enum
 
 from motion.errors import MotionError
@@ -52,6 +52,17 @@ def key(text: str) -> tuple[str, str]:
     if not sign or not value:
         raise Fault(found, f"{text!r}: KEY=VALUE without blanks is needed")
     return found, value
+
+
+def keys(words: Iterable[str]) -> dict[str, str]:
+    """KEY=VALUE of each; a key given twice is a slip: one of both would act on nothing."""
+    found: dict[str, str] = {}
+    for each in words:
+        head, value = key(each)
+        if head in found:
+            raise Fault(head, f"is given twice: {head}={found[head]} and {head}={value}")
+        found[head] = value
+    return found
 
 
 def number(where: str, text: str, low: float, high: float, unit: str) -> float:

@@ -10,7 +10,7 @@ from hil_tests.unit.motion.kinematics.robots import apart, scara, sliding, sprea
 from hil_tests.unit.motion.kinematics.test_arm import by_differences
 from motion.errors import MotionError
 from motion.geometry.frames import IDENTITY, Pose, translation
-from motion.kinematics.base import FREE, SAME, Configuration, OutOfLimits, Shoulder, Unreachable, WrongConfiguration
+from motion.kinematics.base import FREE, SAME, Configuration, OutOfLimits, Shoulder, Unreachable, WrongConfiguration, beyond
 from motion.kinematics.identity import Identity
 from motion.kinematics.portal import Portal, about
 
@@ -146,3 +146,11 @@ def test_without_transformation_points_are_positions_of_axes() -> None:
     assert fault.value.number == 532
     with pytest.raises(MotionError, match="25 axes"):
         Identity([turning("t")] * 25)
+
+
+@pytest.mark.parametrize(
+    ("value", "words"), [(600.001, "600.001"), (600.00004, "600.00004"), (99.9999996, "99.9999996"), (712.3, "712.300"), (300.0, "300.000")]
+)
+def test_a_distance_out_of_reach_shows_that_it_is(value: float, words: str) -> None:
+    """It said: 600.000 mm, possible are 100.000 .. 600.000 mm."""
+    assert beyond(value, 100.0, 600.0) == words

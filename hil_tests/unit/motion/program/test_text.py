@@ -122,7 +122,8 @@ def test_each_fault_has_its_line_its_key_and_the_range_and_all_are_told() -> Non
 
 @pytest.mark.parametrize("key", textkeys.KEYS, ids=lambda key: str(key.name))
 def test_both_ends_of_every_range_are_legal_and_one_step_beyond_is_not(key: textkeys.Key) -> None:
-    move = "circular via pose 1 0 0 0 0 0 to pose 0 1 0 0 0 0 angle=90" if key.name in ("angle", "rise") else "linear pose 0 0 0 0 0 0"
+    circle = "circular via pose 1 0 0 0 0 0 to pose 0 1 0 0 0 0"
+    move = {"angle": circle, "rise": f"{circle} angle=90"}.get(key.name, "linear pose 0 0 0 0 0 0")
     for value in (key.low, key.high):
         read(f"start 0\n{move} {key.name}={value!r}")
     for value in (key.low - 1e-6 - abs(key.low) * 1e-9, key.high * (1 + 1e-9) + 1e-6, math.nan, math.inf):
@@ -133,6 +134,21 @@ def test_angle_and_rise_stand_in_a_circular_block_alone() -> None:
     assert faults("start 0\nlinear pose 0 0 0 0 0 0 angle=90")[0][:2] == (2, "angle")
     assert faults("start 0\ncircular via pose 1 0 0 0 0 0 to pose 0 1 0 0 0 0 rise=90")[0][:2] == (2, "rise")
     assert faults("start 0\nset angle=90")[0][:2] == (2, "angle")
+
+
+@pytest.mark.parametrize(
+    ("line", "key"),
+    [
+        ("linear pose 0 0 0 0 0 0 radius=5 radius=6", "radius"),
+        ("set path=5 path=6", "path"),
+        ("point A pose 0 0 0 0 0 0 config=righty config=lefty", "config"),
+        ("linear pose 0 0 0 0 0 0 out=1:1 out=2:0", "out"),
+    ],
+)
+def test_a_key_given_twice_is_a_slip(line: str, key: str) -> None:
+    """The first one was lost: an output that was never set."""
+    ((number, where, what),) = faults(f"start 0\n{line}")
+    assert (number, where) == (2, key) and what.startswith("is given twice: ")
 
 
 def test_a_text_without_a_start_or_empty_says_so() -> None:
