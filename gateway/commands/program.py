@@ -150,7 +150,7 @@ def _trace(options: argparse.Namespace) -> int:
 def _faulty(name: str, faults: Faults) -> int:
     for fault in faults:
         print(fault, file=sys.stderr)
-    complain("program", f"{name} has {faults.errors} errors and does not run")
+    complain("program", f"{name} has errors and does not run")
     return Exit.FINDING
 
 

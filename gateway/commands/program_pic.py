@@ -30,7 +30,7 @@ def pic_trace(folder: pathlib.Path, name: str, feed: pathlib.Path | None) -> Vir
     memory, listed, faults = folder_memory(folder), signal_list(), Faults()
     program = read_pic(memory, name, named_in(listed), faults)
     if program is None:
-        raise PicTraceFault(f"{name}.QLS has {faults.errors} errors and does not run", faults)
+        raise PicTraceFault(f"{name}.QLS has errors and does not run", faults)
     symbols = symbols_of(memory.text(f"{name}.SYM") or "", f"{name}.SYM", named_in(listed), Faults())
     try:
         given = pic_feed_of(tomllib.loads(read_text(feed)) if feed else {}, symbols, program)

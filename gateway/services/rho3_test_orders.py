@@ -22,7 +22,7 @@ def start_program(rho: RhoControl, hosted: HostedPrograms, name: str, source: in
         why = f"the memory has {known}" if hosted.language_id else "the interpreter does not run"
         return {"error": f"{name}: no such program; {why}"}
     if row["fault"]:
-        return {"error": f"{name} has {row['errors']} errors and does not run; the first: {row['fault']}"}
+        return {"error": f"{name} has errors and does not run; the first: {row['fault']}"}
     hosted.starter = source
     try:
         return {"run": hosted.run_of(rho.start(name))}

@@ -18,7 +18,7 @@ from gateway.tools.help_language import german_help, in_german_usage
 INVALID = 2  # as argparse ends
 FAULTS = ("usage", "command-faults")  # of configs/texts
 REPORTS = ("robotstar-words", "robotstar-check", "plc-import", "robotstar", "refusals")
-BAPS2 = ("baps2-check",)
+RHO3 = ("baps2-check", "pic-check")
 PLACE = re.compile(r"(?:step (\d+)|([A-Z]\w*(?:\[\w*\])?(?:\(\w*\))?)): ")  # step, command or operand in front of a sentence
 WRITTEN_OUT = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})  # for every code page (AX-253)
 
@@ -45,8 +45,8 @@ def report_text(sentence: str) -> str:
 
 
 def baps2_text(sentence: str) -> str:
-    """A sentence about a BAPS2 program, in the user's language."""
-    return spoken(*BAPS2).german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
+    """A sentence about a BAPS2 or PIC program, in the user's language."""
+    return spoken(*RHO3).german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
 
 
 def fault_text(fault: SourceFault, said: Callable[[str], str] = report_text) -> str:

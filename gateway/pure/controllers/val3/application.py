@@ -266,7 +266,7 @@ class HostedApplication:
             known = ", ".join(str(each["name"]) for each in self.programs)
             return {"error": f"{name}: no such application; " + (f"the cell has {known}" if known else "the interpreter does not run")}
         if row["fault"]:
-            return {"error": f"{row['name']} has {row['errors']} errors and does not run; the first: {row['fault']}"}
+            return {"error": f"{row['name']} has errors and does not run; the first: {row['fault']}"}
         if self.run:
             return {"error": f"{row['name']} runs already"}
         self._runs += 1

@@ -333,7 +333,7 @@ class Bodies:
         else:
             self._loops += 1
             if self._loops > MOST_LOOPS:
-                self.names.once("nesting-too-deep", "(REPEAT)", statement.at, f"more than {MOST_LOOPS} REPEAT one in the other")
+                self.names.once("nesting-too-deep", "(REPEAT)", statement.at, f"more than {MOST_LOOPS} nested REPEAT")
             self.out.add(f"for _ in range({times}):")
             self._nested(*statement.body)
             self.out.indent += 1

@@ -4,8 +4,9 @@ import re
 from collections.abc import Collection
 from typing import NoReturn
 
+from gateway.pure.languages.baps2.expansion import expanded
 from gateway.pure.languages.baps2.homonyms import called, is_foreign, labels_among, language_of, named, no_subroutines
-from gateway.pure.languages.baps2.lexer import Kind, Token, tokens_of
+from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.slips import meant
 from gateway.pure.languages.baps2.words import Words
 from gateway.pure.languages.base.faults import Faults
@@ -16,8 +17,6 @@ _NAME = re.compile(r"@?[^\W\d]\w*")
 _ITEM = r"(?:\d+\s*=\s*)?@?[^\W\d]\w*(?:\s*=\s*-?[\d.]+)?"  # of a list of names, channels or constants
 _LIST = re.compile(rf";\s*{_ITEM}(?:\s*,\s*{_ITEM})*\s*")
 LONG_NAME = 12  # characters that count (L5677, L8837); longer names are printed (L6914)
-MOST_INCLUDED = 16  # files one in the other
-MOST_FILES = 500  # included in all: files that include others several times grow without end
 MOST_NESTED = 60  # statements and brackets one in the other
 
 
@@ -29,12 +28,8 @@ class Stream:
     """Tokens, and the places in which names are declared as far as the grammar needs them."""
 
     def __init__(self, source: SourceFile, words: Words, store: ProgramStore, faults: Faults) -> None:
-        self.faults, self._words, self._store = faults, words, store
-        self._tokens: list[Token] = []
-        self._files = 0  # included
-        self._absent: set[str] = set()  # to be included
-        self._rows: dict[str, list[str]] = {}  # of each file
-        self._expand(source)
+        self.faults, self._words = faults, words
+        self._tokens, self._rows = expanded(source, words, store, faults)
         for place in no_subroutines(self._tokens, words):
             self._tokens[place] = self._tokens[place]._replace(word="")
         self._next = 0
@@ -45,39 +40,6 @@ class Stream:
         self._marked: set[str] | None = None  # names with a colon behind them
         self._labels: set[str] | None = None  # that are words of the language
         self.token = self._tokens[0]  # the token that is next
-
-    def _expand(self, source: SourceFile) -> None:
-        """Adds the tokens of a file; an included file in the place of its instruction, without its END token."""
-        self._rows[source.name] = source.text.splitlines()
-        add = self._tokens.append
-        for token in tokens_of(source, self._words, self.faults):
-            if token.kind is Kind.INSTRUCTION:
-                word, _, name = token.text.partition(" ")
-                if word.upper() == "INCLUDE":
-                    self._include(source, name.strip(" =:"), token.position)
-                    continue
-            add(token)
-        if source.included_from is not None:
-            self._tokens.pop()
-
-    def _include(self, source: SourceFile, name: str, at: Position) -> None:
-        file = name.upper() if "." in name else f"{name.upper()}.QLL"
-        text = self._store.text(file)
-        if not name or text is None:
-            if file not in self._absent:
-                self.faults.error("include-missing", at, f"file {file} is not there" if name else "INCLUDE names no file")
-            self._absent.add(file)
-        elif source.includes_itself(file):
-            self.faults.error("include-loop", at, f"{file} includes itself")
-        elif source.depth() >= MOST_INCLUDED:
-            self.faults.error("include-too-deep", at, f"more than {MOST_INCLUDED} nested include files")
-        elif self._files >= MOST_FILES:
-            if self._files == MOST_FILES:
-                self.faults.error("include-too-deep", at, f"more than {MOST_FILES} include files")
-            self._files = MOST_FILES + 1
-        else:
-            self._files += 1
-            self._expand(SourceFile(file, text, at))
 
     def ahead(self, count: int = 1) -> Token:
         """A token further on."""

@@ -149,7 +149,7 @@ class Reader:
     def _statement(self) -> None:
         self._depth += 1
         if self._depth > DEEPEST:
-            raise self._fail("nesting", self.token.at, f"more than {DEEPEST} statements one in the other")
+            raise self._fail("nesting", self.token.at, f"more than {DEEPEST} nested statements")
         token = self.token
         if self._sign("=") or self._sign(")"):
             self._list_sign()
@@ -330,7 +330,7 @@ class Reader:
             opened = self._take()
             self._depth += 1
             if self._depth > DEEPEST:
-                raise self._fail("nesting", opened.at, f"more than {DEEPEST} brackets one in the other")
+                raise self._fail("nesting", opened.at, f"more than {DEEPEST} nested brackets")
             found = self._expression(compares=compares)
             if not self._sign(")"):
                 raise self._fail("bracket", opened.at, "this bracket is not closed")
@@ -418,7 +418,7 @@ class Reader:
         if word in OPENS and self._sign("("):
             self._take()
             if len(self._brackets) >= DEEPEST:
-                raise self._fail("nesting", token.at, f"more than {DEEPEST} brackets one in the other")
+                raise self._fail("nesting", token.at, f"more than {DEEPEST} nested brackets")
             self._brackets.append(token.at)
             self._emit(OPENS[word], line)
             self._begins_bracket(word)

@@ -54,7 +54,7 @@ class _Builder:
         elif self.root is None:
             self.root = element
         if len(self.open) >= DEEPEST:
-            raise XmlFault(element.line, f"more than {DEEPEST} elements one in the other")
+            raise XmlFault(element.line, f"more than {DEEPEST} nested elements")
         self.open.append(element)
 
     def end(self, _: str) -> None:

@@ -1,14 +1,16 @@
-"""`axisgate program check` reports faults of BAPS2 programs in the user's language."""
+"""`axisgate program check` reports faults of BAPS2 and PIC programs in the user's language."""
 
 import ast
 import pathlib
+from types import ModuleType
 
 import pytest
 
 from gateway.__main__ import main
 from gateway.files.texts import read_texts, spoken
-from gateway.pure.languages import baps2
+from gateway.pure.languages import baps2, pic
 from gateway.pure.reports.spoken import FIELD
+from gateway.tools.usage_language import RHO3
 from hil_tests.house.sentences import written
 
 PROGRAM = """PROGRAMM P
@@ -24,14 +26,13 @@ FOO
 WENN I DANN I = 2
 PROGRAMM_ENDE
 """
-LANGUAGE = pathlib.Path(baps2.__file__).parent
-REPORTS = {"error": 2, "warning": 2, "fault": 2, "wrong": 0}  # method -> place of the text among its arguments
+REPORTS = {"error": 2, "warning": 2, "fault": 2, "fail": 2, "wrong": 0}  # method -> place of the text among its arguments
 
 
-def templates() -> set[str]:
+def templates(language: ModuleType) -> set[str]:
     """Every sentence that the reader and the checker report, with X for what it names."""
     found = set()
-    for path in LANGUAGE.glob("*.py"):
+    for path in pathlib.Path(str(language.__file__)).parent.glob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr.lstrip("_") in REPORTS:
                 place = REPORTS[node.func.attr.lstrip("_")]
@@ -39,15 +40,17 @@ def templates() -> set[str]:
     return {text for text in found if " " in text.replace("X", "").strip() and not text.endswith(" = X")}
 
 
-def test_each_sentence_of_the_checker_has_its_german() -> None:
-    sentences = templates()
-    assert len(sentences) >= 80
-    german = spoken("baps2-check").german
-    assert sorted(each for each in sentences if german(each) == each) == [], "give them a line in configs/texts/baps2-check.toml"
+@pytest.mark.parametrize(("language", "least"), [(baps2, 80), (pic, 20)])
+def test_each_sentence_of_the_checker_has_its_german(language: ModuleType, least: int) -> None:
+    sentences = templates(language)
+    assert len(sentences) >= least
+    german = spoken(*RHO3).german
+    assert sorted(each for each in sentences if german(each) == each) == [], "give them a line in configs/texts"
 
 
-def test_both_languages_name_the_same_things() -> None:
-    for english, german in read_texts("baps2-check").pairs():
+@pytest.mark.parametrize("name", RHO3)
+def test_both_languages_name_the_same_things(name: str) -> None:
+    for english, german in read_texts(name).pairs():
         assert set(FIELD.findall(german)) == set(FIELD.findall(english)), english
 
 

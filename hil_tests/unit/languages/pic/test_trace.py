@@ -84,4 +84,4 @@ def test_a_scan_that_does_not_end_stops_the_pic_with_its_outputs_0(tmp_path: pat
 def test_a_source_with_errors_is_not_run(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "BAD.QLS").write_text("O10.0 = NOBODY\n")
     assert main(["trace", str(tmp_path), "BAD"]) == 1
-    assert "BAD.QLS has 1 errors and does not run" in capsys.readouterr().err
+    assert "BAD.QLS has errors and does not run" in capsys.readouterr().err
