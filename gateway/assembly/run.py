@@ -90,10 +90,8 @@ class RunPlan:
     zeros: Mapping[str, float] = field(default_factory=dict)  # of absolute axes: increments at which they read 0
     web: Web | None = None  # the page, where the cell or the command line asks for it
     programs: Mapping[int, ProgramPlan] = field(default_factory=dict)
-    taps: Mapping[str, tuple[str, str]] = field(
-        default_factory=dict
-    )  # of a shadow: line -> ports that hear the PLC and the old controller;
-    # Modbus server -> capture, address of the old controller
+    # Of a shadow: line -> ports that hear the PLC and the old controller; Modbus server -> capture, address of the old controller.
+    taps: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     stretched: bool = False  # simulated time waits for a machine that is late (AX-681)
     tolerances: Mapping[str, float] = field(default_factory=dict)  # of a shadow: positions of an axis so near to one another are equal
 
