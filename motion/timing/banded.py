@@ -59,7 +59,7 @@ class Banded:
         return kept, -_product(to_behind[:, :, :-1], behind[:, :, 1:])
 
     def solve(self, right: Array) -> Array:
-        """x of A x = right."""
+        """x of A x = right; of a singular system not all are finite."""
         b = np.zeros(2 * self._blocks)
         b[: self._count] = right
         now, out = b.reshape(-1, 2).T, []
@@ -67,7 +67,10 @@ class Banded:
             taken = now[:, ::2]
             out.append(taken)
             now = now[:, 1::2] - _applied(behind.swapaxes(0, 1), taken[:, :-1]) - _applied(before.swapaxes(0, 1), taken[:, 1:])
-        x = np.asarray(np.linalg.solve(self._dense, now.T.ravel()), dtype=np.float64).reshape(-1, 2).T
+        try:
+            x = np.asarray(np.linalg.solve(self._dense, now.T.ravel()), dtype=np.float64).reshape(-1, 2).T
+        except np.linalg.LinAlgError:
+            return np.full(self._count, np.nan)
         for (inverse, behind, before), taken in zip(reversed(self._halvings), reversed(out), strict=True):
             found = np.empty((2, 2 * x.shape[1] + 1))
             found[:, 1::2], missing = x, _applied(inverse, taken)

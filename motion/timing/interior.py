@@ -88,15 +88,18 @@ def fastest(rows: Rows, share: Array, begin: Array, held: int = 0, ending: int =
         diagonal[fixed] = 1.0
         for band, apart in ((near, 1), (far, 2)):
             band[stay[apart:] | stay[:-apart]] = 0.0
-        system = Banded(diagonal, near, far)
-        target = weight * lack
+        with np.errstate(all="ignore"):  # of rows that contradict each other: their search goes to infinity
+            system = Banded(diagonal, near, far)
+            target = weight * lack
 
-        base = _Base(rows, system, gradient, lack, target, weight, z, fixed)
-        _, dy, dz = base.directions(np.zeros_like(y))
-        far_y, far_z = _room(y, dy, 1.0), _room(z, dz, 1.0)
-        after = _sum(y + far_y * dy, z + far_z * dz) / y.size
-        sigma = min((after / mu) ** 3, 1.0)
-        dx, dy, dz = base.directions((sigma * mu - dy * dz) / y)
+            base = _Base(rows, system, gradient, lack, target, weight, z, fixed)
+            _, dy, dz = base.directions(np.zeros_like(y))
+            far_y, far_z = _room(y, dy, 1.0), _room(z, dz, 1.0)
+            after = _sum(y + far_y * dy, z + far_z * dz) / y.size
+            sigma = min((after / mu) ** 3, 1.0)
+            dx, dy, dz = base.directions((sigma * mu - dy * dz) / y)
+        if not np.isfinite(dx).all():
+            break
         go, go_z = min(_room(y, dy, BACK), _room(x, dx, 0.9)), _room(z, dz, BACK)
         x, y, z = x + go * dx, y + go * dy, z + go_z * dz
     return x

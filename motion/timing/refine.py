@@ -25,6 +25,7 @@ NEAR, HAIR, MORE = 30, 1.002, 1.03  # so many points behind a moving start it ma
 ROUNDS = 4
 USED, LESS = 0.975, 0.99  # of the jerk in the rows; and of what is left of it where it came out too high
 FAIR = 1.005  # times too much that is left as it is
+FASTER = 10  # times as much counts what is beyond a speed
 PHASE = len(PHASES)
 PAST = 3 * PHASE  # samples before the start that are judged with it
 LONGER = 1.1  # times as long as before: the rows contradict each other
@@ -108,5 +109,6 @@ def _judged(path: JointPath, limits: LawLimits, law: Law, past: Array, open_end:
         index = np.arange(len(jerk)) + 2
         begins.append(s[np.maximum(index - AROUND, 0)])
         ends.append(s[np.minimum(index + AROUND, len(s) - 1)])
-        much.append(np.max([jerk / JERK_GOOD, accel[1:] / ACCEL_GOOD, speed[2:]], axis=0))
+        fast = speed[2:] + (FASTER - 1) * np.maximum(speed[2:] - 1.0, 0.0)
+        much.append(np.max([jerk / JERK_GOOD, accel[1:] / ACCEL_GOOD, fast], axis=0))
     return (np.concatenate(begins), np.concatenate(ends)), np.concatenate(much)

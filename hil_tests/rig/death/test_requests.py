@@ -106,8 +106,8 @@ def test_a_second_run_of_that_name_is_refused_in_one_line(run: CellRun) -> None:
     "arguments, code, says",
     [
         (("no-such-cell",), 2, "no-such-cell: no such file; looked for"),
-        (("demo", "--sim", "--p5", "99"), 2, "--p5 99: the clock is 2..32 ms"),
-        (("demo", "--sim", "--p5", "1"), 2, "--p5 1: the clock is 2..32 ms"),
+        (("demo", "--sim", "--p5", "99"), 2, "--p5 99: the cycle is 2..32 ms"),
+        (("demo", "--sim", "--p5", "1"), 2, "--p5 1: the cycle is 2..32 ms"),
     ],
 )
 def test_run_refuses_in_words(arguments: tuple[str, ...], code: int, says: str) -> None:

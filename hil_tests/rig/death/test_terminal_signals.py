@@ -121,7 +121,7 @@ def test_ctrl_z_leaves_no_process_unwatched_and_says_so_once() -> None:
         back("line-plc1", killed("line-plc1"))
         assert [words for words in journal() if "SIGTSTP" in words] == [
             "Ctrl-Z (SIGTSTP) does not suspend a run, because its processes would go on unwatched; the run continues; "
-            f"it ends with: axisgate stop {SLUG}, or Ctrl-C"
+            f"to end it: axisgate stop {SLUG}, or Ctrl-C"
         ]
         assert b"Ctrl-Z (SIGTSTP) does not suspend a run" in terminal.screen
         terminal.type(b"\x03")

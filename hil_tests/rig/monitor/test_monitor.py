@@ -252,7 +252,7 @@ def test_through_a_pipe_it_is_plain_text_without_colours_or_one_object(run: Cell
     assert "│Basic level         │" in said("--press", "MODE 0 ENTER")[0]
     assert "'+'" in said("--press", "7+", code=2)[1]
     assert main(["nobody"]) == 3
-    assert "running: see" in capsys.readouterr().err
+    assert "active: see" in capsys.readouterr().err
 
 
 def screen_of(keys: str, run: str, *options: str) -> Iterator[str]:

@@ -158,4 +158,4 @@ def test_a_recording_of_another_version_names_it(tmp_path: pathlib.Path) -> None
     head = {"format": FORMAT, "version": "0.0.9", "state": "cell-state/1 otherwise"}
     file.write_bytes(MAGIC + encode(Kind.HEAD, json.dumps(head).encode()))
     code, words = replayed(file)
-    assert code == 2 and "recorded by axisgate 0.0.9" in words and "record it anew" in words
+    assert code == 2 and "recorded by axisgate 0.0.9" in words and "record it again" in words

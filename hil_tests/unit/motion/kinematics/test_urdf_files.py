@@ -140,7 +140,7 @@ FAULTS = {
     CHAIN.replace("revolute", "planar"): "joint 'one' of the URDF is planar",
     CHAIN.replace('type="revolute"', ""): "joint 'one' of the URDF is of no type",
     CHAIN.replace('<child link="b"/>', ""): "joint 'one' of the URDF names no child link",
-    CHAIN.replace('parent link="a"', 'parent link="x"'): "hangs on the link 'x'",
+    CHAIN.replace('parent link="a"', 'parent link="x"'): "is attached to the link 'x'",
     CHAIN.replace('parent link="a"', 'parent link="c"'): "form a loop",
     CHAIN.replace('"two"', '"one"'): "two joints named 'one'",
     CHAIN.replace('child link="c"', 'child link="b"'): "two joints that carry the link 'b'",
