@@ -45,7 +45,7 @@ def test_what_is_no_fault_is_refused_in_words(rig: Rig, capsys: pytest.CaptureFi
         ("delay", "ms=0"): (1, "expected more than 0"),
         ("drop", "count=0"): (1, "count: 0; expected a whole number 1..1000000"),
         ("drop", "count"): (2, "KEY=VALUE"),
-        ("--emulator", "other", "state"): (3, "running: rig"),
+        ("--emulator", "other", "state"): (3, "active: rig"),
     }
     for arguments, (code, words) in cases.items():
         assert main(list(arguments)) == code, arguments

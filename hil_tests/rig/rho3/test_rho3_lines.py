@@ -100,7 +100,7 @@ def test_protocol_2_echoes_over_the_line(line: LineStarter) -> None:
                 assert await heard(port, 6) == b"12,-7\r"
                 assert await asyncio.wait_for(call, 5) == Finished(1, Condition.NO_ERROR, (12, -7))
                 assert (await lines.write(ONE, "V24_1", (TEXT, b"done"), (REAL, 1.5))).condition == Condition.NO_ERROR
-                assert await heard(port, 12) == b"done   1.500"
+                assert await heard(port, 12) == b"done     1.5"
 
     asyncio.run(play(line("--baud", "9600")))
 
