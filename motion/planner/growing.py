@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 WORTH = 0.75  # of the time of passing: stops in a row that still grows take less than this, or it is passed (AX-661)
 SLOW = 1.25  # of it: where stops take less than this, the law is refined
 REFINED_S = 2.0  # of a law at most, from where it begins
-LONG_S = 0.6  # a shorter one stays quick: a refined law cannot be led over just before its end, where a quick one still goes on
+LONG_S = 0.4  # a shorter one stays quick: a refined law cannot be led over just before its end, where a quick one still goes on
 SMALLEST = 1e-9
 BEHIND_S = 0.1  # behind the place where one law has become the other
 NOTHING = "nothing goes on with the law under way and keeps acceleration and jerk"
@@ -73,7 +73,7 @@ class Growing:
         found = yield from self._along(last, at, row)
         before = last.end - at
         stops, seconds = yield from stopping(row, self._machine, SLOW * (found.law.duration - before), self._factors, moving=True)
-        slow = bool(stops) and found.law.duration >= LONG_S
+        slow = bool(stops)
         found = (yield from self._refined(found, slow)).paused(at)
         if stops and seconds < WORTH * (found.law.duration - before):
             first = yield from self._along(last, at, stops[0])

@@ -43,6 +43,7 @@ LEAD_S = 0.15  # a tail that begins sooner is not replaced any more: its replace
 AHEAD_S = 2.0  # with more than this ahead nothing is handed on, hurry or not: the axes would go on for it without their planner
 HORIZON_S = 0.6  # with more than this ahead (at full speed) the tail is left alone; laws: AX-421
 LED_S = 0.42  # the same for a law that is refined each time (AX-961)
+LED_PIECES = 1.15  # times as many pieces: such a tail has more than the one before it
 FEW, FEW_LEADS = 4, 1.6  # and where not every fourth stretch is new, with more than so many leads ahead
 NAMED = 32  # stretches in a run up to which its pieces end where blocks end
 SMALLEST = 1e-9
@@ -308,7 +309,10 @@ class Planner:
 
     def _carried(self) -> float:
         """s until all pieces of a tail are with the axes: about as many as the law it replaces has, and one for each new stretch."""
-        return self.carried_s * (len(self._planned[-1].cuts) + len(self._fresh)) if self._planned else 0.0
+        if not self._planned:
+            return 0.0
+        share = LED_PIECES if self._planned[-1].led else 1.0
+        return self.carried_s * share * (len(self._planned[-1].cuts) + len(self._fresh))
 
     def _from_rest(self, row: list[Stretch]) -> Work[list[TimedPiece]]:
         """A law of its own: near the optimum where the path ends at rest by itself, a quick one where it will go on."""

@@ -137,6 +137,28 @@ def test_a_program_said_in_two_halves_runs_through_without_a_stop_in_between() -
         os.close(fd)
 
 
+def test_a_row_with_slow_corners_goes_on_without_a_stop() -> None:
+    """Its law is refined, and such a tail has more pieces than the one it replaces: it has to be with the axes in time (AX-961)."""
+    places = [(20 + 20 * (n // 2), (0, 20, 20, 0, 0, 20)[n % 6]) for n in range(12)]
+    lines = [f"linear pose {x} {y} 40 0 0 0 radius=2" for x, y in places]
+    lines[-1] = lines[-1].replace("radius=2", "blend=off")
+    fd = ring()
+    try:
+        both = Both(RingWriter(fd, "pieces"), RingReader(fd, "pieces"))
+        both.turn([BlockRecord(Say.BEGIN, 1, "robot portal"), *said([HEAD, *lines[:6]])])
+        while len(both.rows) <= 0.1 / P + 1:
+            both.turn([])
+        both.turn(said(lines[6:], Say.END))
+        while both.stepper.state is not State.IDLE or not both.programs.state.ended:
+            both.turn([])
+            assert len(both.rows) < 1500
+        speed = np.linalg.norm(np.diff(np.array(both.rows), axis=0), axis=1) / P
+        running = np.nonzero(speed > 1e-6)[0]
+        assert float(speed[running[0] + 12 : running[-1] - 12].min()) > 0.02, "stopped where the second half began"
+    finally:
+        os.close(fd)
+
+
 @pytest.mark.parametrize("half", [False, True])
 def test_killed_at_any_write_of_the_ring_the_axes_end_at_rest_on_the_path(half: bool) -> None:
     """The child says both halves of the program at once, so that every piece there is comes through the dying ring."""
