@@ -1,7 +1,7 @@
 """CiA 402, faults: the master is lost, the reset of a fault, following error, option codes (CiA 402-2)."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 
 from gateway.conformance.suites.can.node import NodeTester
@@ -45,6 +45,7 @@ from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive
 from protocols.base.machine import Ns, ms
 from protocols.canopen import cob_id as cobid
+from protocols.canopen.dictionary import Key
 from protocols.canopen.emcy import decode
 from protocols.canopen.nmt import State
 
@@ -100,10 +101,10 @@ def faulty(t: NodeTester, word: int = 0x0F) -> Iterator[None]:
 @contextmanager
 def lagging(t: NodeTester, word: int) -> Iterator[None]:
     """In fault and at rest, because a set value jumped."""
-    way = plan(t)[1]
-    with t.kept(WINDOW, *there(t, WINDOW_TIME), TARGET), cyclic(t):
+    way, times = plan(t)[1], there(t, WINDOW_TIME)
+    with t.kept(WINDOW, *times, TARGET), cyclic(t):
         with t.given():
-            narrow(t, way)
+            narrow(t, way, times)
             control(t, word)
             t.download(TARGET, position(t) + 4 * way, 4)
             for _ in range(100):
@@ -114,10 +115,10 @@ def lagging(t: NodeTester, word: int) -> Iterator[None]:
         yield
 
 
-def narrow(t: NodeTester, way: int) -> None:
-    """A small window of the following error, for a short time where the drive has one."""
+def narrow(t: NodeTester, way: int, times: Sequence[Key]) -> None:
+    """A small window of the following error, for a short time where the drive has one (`times`); it asks nothing, as SYNC goes on."""
     t.download(WINDOW, max(way // 20, 1), 4)
-    for key in there(t, WINDOW_TIME):
+    for key in times:
         t.download(key, 10, 2)
 
 
@@ -246,10 +247,10 @@ def supervised_well(t: NodeTester) -> None:
     preamble=(*POWER, "CIA402_CSP_BV_01"),
 )
 def following(t: NodeTester) -> None:
-    way = plan(t)[1]
-    with t.kept(WINDOW, *there(t, WINDOW_TIME), TARGET), cyclic(t):
+    way, times = plan(t)[1], there(t, WINDOW_TIME)
+    with t.kept(WINDOW, *times, TARGET), cyclic(t):
         with t.given():
-            narrow(t, way)
+            narrow(t, way, times)
         goal = position(t) + 4 * way
         t.download(TARGET, goal, 4)
         t.on_grid(2)

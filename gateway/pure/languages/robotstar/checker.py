@@ -33,7 +33,8 @@ from gateway.pure.languages.robotstar.values import Array, Names, Structure, Sys
 POSITIONS = ("POSITION", "VAR_POS")
 WRITTEN = ("destination", "control")  # places a step writes to
 TAKE_PROGRAMS = ("CALL", "PROGRAM", "PALLET", "TRAFO_6D")
-PARTS = {"V": "Frame X Y Z A B C A1..A24", "P": "MA AA PT Frame X Y Z A B C A1..A24", "T": "X Y Z RX RY RZ"}
+CARTESIAN_PARTS = ("Frame", "X", "Y", "Z", "A", "B", "C", "A1..A24")
+PARTS = {"V": CARTESIAN_PARTS, "P": ("MA", "AA", "PT", *CARTESIAN_PARTS), "T": ("X", "Y", "Z", "RX", "RY", "RZ")}
 NAMES_OF_PROGRAMS = frozenset(("program", "ref_source", "ref_destination", "source", "destination"))
 
 
@@ -80,7 +81,7 @@ def check(memory: Memory, faults: Faults, system: Names) -> None:
     definitions = [spelling for spelling, word in memory.words.words.items() if word in DEFINITIONS]
     for program in memory.all():
         checking.made.update(_destinations(program))
-        checking.intended.update(_intended(program, definitions))
+        checking.intended.update(name for name in _intended(program, definitions) if name not in checking.known)
     for program in memory.all():
         if program.kind != "PLC":
             _program(checking, program)
@@ -289,7 +290,7 @@ def _elements(checking: _Check, ref: Ref, wrong: str) -> str:
     """The elements an array or a structure has, where one of them is needed; "" for other faults."""
     found = _meant(checking, ref)
     if wrong == WRONG_TYPES and len(found) == 1 and isinstance(found[0], Structure) and ref.element not in found[0].parts:
-        return f"elements: {PARTS[found[0].kind]}"
+        return f"elements: {' '.join(PARTS[found[0].kind])}"
     if wrong not in (IS_ARRAY, INDEX_RANGE) or len(found) != 1 or not isinstance(found[0], Array):
         return ""
     return f"{ref.name}[1] .. {ref.name}[{len(found[0].items)}]"

@@ -272,7 +272,7 @@ def test_a_station_that_never_doubles_dle_fails_once_10h_is_planted() -> None:
         (
             "never-doubles",
             ("rk512.fetch", "rk512.send-10h"),
-            "not keep to 3964R and RK512: 1 of 2 tests fail, the first is rk512.send-10h",
+            "not comply with 3964R and RK512: 1 of 2 tests fail, the first is rk512.send-10h",
         ),
         ("silent", ("rk512.fetch",), "the station does not speak 3964R and RK512 here: the one test did not pass"),
         ("good", ("rk512.follow-on-258",), "no statement about the station"),
