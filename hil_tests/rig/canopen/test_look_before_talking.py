@@ -163,23 +163,28 @@ class talking:  # reads as a verb where it is used
         self._bus.shutdown()
 
 
-def cycles(link: BusLink, count: int, other: BrokerPort, says: list[Frame]) -> list[bool]:
-    """Turns of 10 ms: what the other one says, then the burst and what came."""
+def cycles(link: BusLink, count: int, other: BrokerPort, says: list[Frame], *, behind: bool = False) -> list[bool]:
+    """Turns of 10 ms: what the other one says, before the moment of the burst or `behind` it, and what was received."""
     sent = []
     for _ in range(count):
-        other.send(says)
+        if not behind:
+            other.send(says)
+            time.sleep(0.001)
         link.prepare([Cia402Set()])
         sent.append(link.send(time.monotonic_ns()))
+        if behind:
+            other.send(says)
         time.sleep(0.01)
         actuals: list[Actual | None] = [None]
         link.receive(actuals)
     return sent
 
 
-def test_a_cycle_holds_its_burst_until_the_other_master_is_silent(bus: Bus, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("behind", [False, True])
+def test_a_cycle_holds_its_burst_until_the_other_master_is_silent(bus: Bus, capsys: pytest.CaptureFixture[str], behind: bool) -> None:
     other = bus.port()
     link = BusLink("broker:look", Cia402Family([(0, 2)], 5, 1), protocol="canopen", listens=True)
-    assert not any(cycles(link, 50, other, [Frame(0x080)])), "half a second beside a SYNC"
+    assert not any(cycles(link, 50, other, [Frame(0x080)], behind=behind)), "half a second beside a SYNC"
     assert {frame.identifier for frame in other.receive()} == set(), "not one frame"
     told = capsys.readouterr().out
     assert told.count("another master is active on this bus: SYNC (080h)") == 1 and "nothing is sent while it is active" in told
