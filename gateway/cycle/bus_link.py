@@ -173,7 +173,7 @@ class BusLink:
         fresh, hear, sent_ns, masters = 0, self.family.hear, self.sent_ns, self._other.names
         for frame in frames:
             if frame.identifier in masters:
-                if self._quiet_from:  # the burst is held back: it waits on
+                if self._quiet_from:  # the burst is held back and keeps waiting
                     self._quiet_from = max(self._quiet_from, frame.stamp_ns)
                 self._foreign(frame.identifier, sent_ns)
             try:

@@ -17,7 +17,7 @@ from gateway.pure.image.signals import SignalList
 AXIS_FIELDS = ("actual", "set", "lag", "speed", "torque", "enabled", "referenced", "in_position", "fault")
 CELL_FIELDS = ("ready", "drives_on", "emergency_stop", "error", "life", "override", "motion")
 MOST = 200  # rows of one answer
-MOST_USED = 16  # places of use told in a row, and searched by
+MOST_USED = 16  # places of use listed in a row, and searched by
 
 
 @dataclass(frozen=True, slots=True)

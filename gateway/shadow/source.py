@@ -108,7 +108,7 @@ class ShadowSource(Rk512Source):
         self._said(answered.job, answered.at, answered.data[REACTION_BYTES:], answered.asked, answered.stamp)
 
     def _old_sends(self, asked: Asked) -> None:
-        """A SEND of the old controller says how its block stands."""
+        """A SEND of the old controller reports the state of its block."""
         telegram = telegram_of(asked.data)
         if telegram is not None and telegram.job == "SEND" and self._settled:
             self._known(telegram.kind, telegram.db, asked.stamp)

@@ -31,7 +31,7 @@ REFINED_S = 2.0  # of a law at most, from where it begins
 LONG_S = 0.4  # a shorter one stays quick: a refined law cannot be led over just before its end, where a quick one still goes on
 SMALLEST = 1e-9
 BEHIND_S = 0.1  # behind the place where one law has become the other
-NOTHING = "nothing goes on with the law under way and keeps acceleration and jerk"
+NOTHING = "no law continues the present one within its acceleration and jerk"
 
 
 class Grown(NamedTuple):

@@ -73,7 +73,7 @@ _SUPERVISED = _POWER | {State.CHARGING}
 _BLIND = frozenset(
     (Fault.FOLLOWING_ERROR, Fault.OVERSPEED, Fault.STOP_TIMEOUT, Fault.UNDERVOLTAGE, Fault.PHASE_LOSS, Fault.ENCODER, Fault.BRAKE)
 )
-_AT_POWER_UP = SetValue(drive_on=True, limit_switch=True, fault_reset=True)  # what stands at power-up is no edge
+_AT_POWER_UP = SetValue(drive_on=True, limit_switch=True, fault_reset=True)  # a bit that is set at power-up is no edge
 _TRIPS = {Trip.FOLLOWING: Fault.FOLLOWING_ERROR, Trip.OVERSPEED: Fault.OVERSPEED, Trip.I2T: Fault.I2T, Trip.WINDING: Fault.WINDING}
 
 

@@ -42,7 +42,7 @@ SDO_TRIES = 3
 BOOT_UP_S = 2.0  # patience with a boot-up message or a state of the heartbeat
 WAITS_S = (1.0, 2.0, 5.0)  # before the next attempt with a node that does not answer
 REFUSED_S = 10.0  # before the next attempt with one that was refused
-REPORT_S = 1.0  # at most one emergency message of a node is told in this time
+REPORT_S = 1.0  # at most one emergency message of a node is reported in this time
 ANSWERS, SDO_BYTES = 256, 8  # of a node that may wait unread, more than a block transfer has (127); bytes of one
 LATE = 2  # heartbeats more than the drive's own patience with us before the node counts as lost
 
@@ -75,7 +75,7 @@ class Node:
     booted: Booted | None = None
     emergency: int = 0  # code of the last EMCY, 0: none or gone
     emergencies: int = 0
-    unreported: int = 0  # of them not told one by one
+    unreported: int = 0  # of them not reported one by one
     quiet_until: float = 0.0
     adopted: bool = False  # the next attempt only looks: a predecessor has configured it
     asked: int = 0  # how often somebody wanted it started up once more

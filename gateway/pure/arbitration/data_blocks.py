@@ -195,7 +195,7 @@ class DataBlocks:
         self._host = host
         self._pattern, self._positions, self._programs, self._asked = selected.pattern, selected.positions, selected.programs, Asked()
         self._levels: dict[str, float] = {}
-        self._reported: dict[Slot, str] = {}  # what was said of a bad number that still stands
+        self._reported: dict[Slot, str] = {}  # what was reported of a bad number that is still there
         self._primed: set[str] = set()
         self._numbers = MoveNumbers({slot.name for block in blocks if block.from_plc for slot in block.slots})
         self._since = {block.number: bytearray(2 * block.words) for block in blocks}  # 1: written since the link began

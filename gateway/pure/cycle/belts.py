@@ -79,7 +79,7 @@ class CoreBelts:
         self._encoders = [False] * len(self.facts)
         self._zeros: list[Zero | None] = [None] * len(self.facts)  # of encoders that have spoken
         self._kept: dict[int, float] = {}  # offsets as they were kept, until their encoder speaks
-        self._restored = [False] * len(self.facts)  # the counter stands as it was kept, or nothing was
+        self._restored = [False] * len(self.facts)  # the counter has its retained value, or none was retained
         self._silent = [0] * len(self.facts)
         self._trackers = [Tracker(period_s, DELAY * period_s) for _ in self.facts]
         self._rig: SyncStepper | None = None

@@ -12,7 +12,7 @@ class Slowing:
 
     heard: list[str] = field(default_factory=list)
     _passed: int = 0  # blocks of the program that were looked at
-    _reported: int = 0  # the last block that was told of
+    _reported: int = 0  # the last block that was reported
 
     def begin(self) -> None:
         """Another program."""

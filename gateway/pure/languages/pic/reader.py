@@ -129,7 +129,7 @@ class Reader:
             self.faults.error("bracket", where, "this bracket is not closed")
         for name, where in self._jumps:
             if name not in self._labels:
-                hint = hint_of(name, self._labels) or f"write {name}: where it goes on"
+                hint = hint_of(name, self._labels) or f"put {name}: in front of the statement to continue with"
                 self.faults.error("label", where, f"there is no label {name}", hint)
         self._emit(Code.LABEL, self.token.at.line, name=END_LABEL)
 
@@ -183,7 +183,7 @@ class Reader:
 
     def _label(self, token: Token) -> None:
         if token.word in self._labels:
-            raise self._fail("label-twice", token.at, f"the label {token.text} is there twice")
+            raise self._fail("label-twice", token.at, f"the label {token.text} is defined twice")
         self._labels[token.word] = token.at
         self._emit(Code.LABEL, token.at.line, name=token.word)
 

@@ -111,7 +111,7 @@ def symbols_of(text: str, file: str, signals: Signals, faults: Faults) -> Symbol
         if isinstance(place, str):
             faults.error("symbol-line", here, place, "the form is NAME = I88.0")
         elif name in own:
-            faults.error("symbol-twice", here, f"{name} is there twice")
+            faults.error("symbol-twice", here, f"{name} is defined twice")
         else:
             own[name] = place
     return known

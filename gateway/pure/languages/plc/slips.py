@@ -43,7 +43,7 @@ def meant(text: str) -> str:
 
 
 def of_step5(text: str) -> str:
-    """The step that stands for one of STEP 5; "" for none."""
+    """The step that replaces one of STEP 5; "" where there is none."""
     body = " ".join(text.split(";", maxsplit=1)[0].upper().split())
     if time := TIME5.match(body):
         return f"L {int(time[1]) * 10 ** int(time[2])}"

@@ -19,7 +19,7 @@ _TEXT = re.compile(r'("[^"]*")')
 _NUMBER = re.compile(r"(?<![\w#.])[+-]?(?=[\w.|]*\d)(?![IRVPTS_])[\dOoQl|IBSZ]+(?:\.[\dOoQlI|BSZ]+)?(?![\w.])")
 _HEX = re.compile(r"(?<![\w#])(?=[\dO])[\dA-FOo]+H(?!\w)")
 _BINARY = re.compile(r"[01]+B")
-_NAME = re.compile(  # what stands in front, and a name whose first letter, that of its type, was read as a digit
+_NAME = re.compile(  # what is in front, and a name whose first letter, that of its type, was read as a digit
     r"(?:(?P<descriptor>[A-Za-z][\w-]*)\s*:?\s*|(?<=,)\s*|(?<=^)\s*|(?<=\[)\s*)(?<![\w.#])(?P<first>[1l|!5])(?=_?[A-Z]{2}|_[A-Z])(?P<rest>\w+)"
 )
 VARIABLES = ("OP_1", "OP_2", "VARIABLE", "SOURCE", "DESTINATION", "VECTOR")

@@ -38,7 +38,7 @@ class ProgramTranslator:
         self.temps = 0
         self.blocks: list[Block] = []
         self.line = 0
-        self.crossed: Block | None = None  # what closes another block stood in it
+        self.crossed: Block | None = None  # a word in it closes another block
         self.spoilt = False  # a line uses what cannot be read
 
     # ---- the whole -------------------------------------------------------------------------------------------------------

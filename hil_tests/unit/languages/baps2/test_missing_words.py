@@ -2,7 +2,17 @@
 
 import pytest
 
+from gateway.pure.languages.base.faults import SourceFault
 from hil_tests.unit.languages.baps2.test_one_mistake import DECLARED, FIRST, HEAD, check
+
+
+def faults_of(statements: str) -> list[SourceFault]:
+    return list(check(f"{HEAD}PROGRAM P\n{DECLARED}\nBEGIN\n{statements}\nPROGRAM_END\n"))
+
+
+def places(found: list[SourceFault]) -> list[tuple[int, int]]:
+    """Line behind the first statement, and column, of each."""
+    return [(each.position.line - FIRST, each.position.column) for each in found]
 
 
 @pytest.mark.parametrize(
@@ -44,8 +54,8 @@ from hil_tests.unit.languages.baps2.test_one_mistake import DECLARED, FIRST, HEA
     ],
 )  # fmt: skip
 def test_a_missing_word_is_one_fault(statements: str, line: int, column: int, word: str) -> None:
-    found = list(check(f"{HEAD}PROGRAM P\n{DECLARED}\nBEGIN\n{statements}\nPROGRAM_END\n"))
-    assert [(each.position.line, each.position.column) for each in found] == [(FIRST + line, column)]
+    found = faults_of(statements)
+    assert places(found) == [(line, column)]
     assert word in f"{found[0].text} {found[0].hint}"
 
 
@@ -106,8 +116,8 @@ def test_sound_statements_stay_sound(statements: str) -> None:
     ],
 )  # fmt: skip
 def test_a_habit_of_another_language_is_one_fault(statements: str, line: int, column: int, text: str) -> None:
-    found = list(check(f"{HEAD}PROGRAM P\n{DECLARED}\nBEGIN\n{statements}\nPROGRAM_END\n"))
-    assert [(each.position.line, each.position.column) for each in found] == [(FIRST + line, column)]
+    found = faults_of(statements)
+    assert places(found) == [(line, column)]
     assert text in found[0].hint
 
 
