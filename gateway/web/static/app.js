@@ -9,7 +9,7 @@ const PAGES = [
   ["events", "Events"], ["cell", "Cell"], ["emulator", "Emulator"], ["access", "Access"],
 ];
 const MOTION = ["at rest", "moving", "stopping", "stopped on the path", "referencing"];
-const ctx = { cell: null, head: null, t, get, post: order, may, unable, me, live: null, toast, login, refresh };
+const ctx = { cell: null, head: null, t, get, post: order, may, unable, me, changeControl, live: null, toast, login, refresh };
 const FIRST = /^\/api\/(command|program|force|unforce|set|users|tokens)/;
 let view = null;
 let name = "";
@@ -27,6 +27,12 @@ async function order(path, body, done) {
     if (error.status === 401) login();
     return null;
   }
+}
+
+// Requests control, or releases it; only a page that knows it is in control reports that it is alive.
+async function changeControl() {
+  await order("/api/command", { code: me.holds ? "release_control" : "request_control" });
+  await whoami();
 }
 
 // A refusal in the words of the page's language.
@@ -112,6 +118,7 @@ function badge(id, count) {
 function take(message) {
   if (message.t === "live") {
     if (message.head) head(message.head);
+    if (me.holds && message.head && message.head.holder !== me.name) whoami().catch(() => {});
     if (message.name === name) view?.update?.(message.page, message.head, message.values);
   } else if (message.t === "answer") {
     const refused = message.error ? say(message.say) || t(message.error) : ["REFUSED", "ABORTED", "ENDED"].includes(message.held?.state) ? said(message.held) : "";

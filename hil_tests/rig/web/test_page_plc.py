@@ -90,6 +90,11 @@ def test_the_pendant_has_its_display_and_its_keys(web: WebRun, boss: Page) -> No
     boss.mouse.up()
     said = [each["say"] for each in web.ask("GET", "/api/audit", **web.headers())[1]["entries"]]
     assert ["pressed 1+ at the pendant", "1+ am Handgerät gedrückt"] in said
+    boss.click("#phg-control")
+    boss.wait_for_timeout(3500)  # longer than a page that shows no life keeps control
+    assert boss.inner_text("#phg-control") == "Steuerung abgeben"
+    boss.click("#phg-control")
+    until(lambda: boss.inner_text("#phg-control") == "Steuerung anfordern", "control is released")
     context = web.context()
     viewer = web.page(context, "pendant")
     until(lambda: viewer.locator("#phg-keys [data-key=RUN]").is_disabled(), "a viewer looks only")

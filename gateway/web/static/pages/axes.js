@@ -5,7 +5,7 @@ import { Trend } from "../trend.js";
 
 const FROZEN_MS = 600;
 
-export function mount(root, { t, cell, live, login, may, me, post, unable }) {
+export function mount(root, { t, cell, live, login, may, me, post, changeControl, unable }) {
   const info = new Map(cell.axes.map((axis, n) => [axis.name, { ...axis, n }]));
   const everything = 2 ** cell.axes.length - 1;
   let chosen = cell.axes[0]?.name;
@@ -79,13 +79,11 @@ export function mount(root, { t, cell, live, login, may, me, post, unable }) {
   const trend = new Trend(t);
   const control = h("button", { type: "button", id: "control", class: "main", onclick: async () => {
     if (!may("operator") && guest()) { login(); return; }
-    await post("/api/command", { code: me.holds ? "release_control" : "request_control" });
-    await refreshMe();
+    await changeControl();
   } });
   const guest = () => !me.read_only && (me.name === "local" || me.name === "nobody");
   const next = h("p", { class: "next", id: "next", role: "status" });
   const holder = h("span", { class: "soft", id: "holder" });
-  async function refreshMe() { Object.assign(me, await (await fetch("/api/me")).json()); }
   const buttons = [
     ["enable", "Drives on"], ["disable", "Drives off"], ["fault_reset", "Reset faults"], ["resume", "Resume"], ["abandon", "Abandon rest"],
   ].map(([code, title]) => h("button", { type: "button", "data-code": code, onclick: () => order(code) }, t(title)));
@@ -118,7 +116,6 @@ export function mount(root, { t, cell, live, login, may, me, post, unable }) {
       if (page && !page.gone) table.update(page.axes); // first: its keys are greyed below
       put(control, me.holds ? t("Release control") : t("Request control"));
       put(holder, head.holder ? `${t("in control")}: ${head.holder}` : head.owner ? `${t("in control")}: ${t("command source")} ${head.owner}` : t("control is free"));
-      if (me.holds && head.holder !== me.name) refreshMe();
       const why = unable("operator") || (me.holds ? "" : step(head));
       const words = step(head);
       put(next, words ? `${t("Next step")}: ${words}` : t("Ready: hold a jog key to move its axis."));

@@ -4,14 +4,14 @@ import { say } from "../texts.js";
 
 const TRAIL = 600;
 
-export function mount(root, { t, cell, me, post, unable }) {
+export function mount(root, { t, cell, me, post, changeControl, unable }) {
   const canvas = h("div", { class: "canvas", id: "robot", role: "img", "aria-label": t("robot and path") });
   const order = (code, more = {}) => post("/api/command", { code, mask: 2 ** cell.axes.length - 1, ...more });
   const override = h("input", { type: "range", min: "0", max: "100", step: "1", value: "100", style: "width:14rem", "aria-label": t("override"), oninput: () => { turning = Date.now() + 1500; }, onchange: () => order("override", { velocity: Number(override.value) / 100 }) });
   const hold = h("button", { type: "button", id: "hold", onclick: () => post("/api/stop", undefined, "Stop is ordered") }, t("Feed hold"));
   const resume = h("button", { type: "button", onclick: () => order("resume") }, t("Resume"));
   const abandon = h("button", { type: "button", onclick: () => order("abandon") }, t("Abandon rest"));
-  const control = h("button", { type: "button", class: "main", onclick: async () => { await post("/api/command", { code: me.holds ? "release_control" : "request_control" }); Object.assign(me, await (await fetch("/api/me")).json()); } });
+  const control = h("button", { type: "button", class: "main", onclick: changeControl });
   const wipe = h("button", { type: "button", onclick: () => { trail.length = 0; } }, t("Clear the trace"));
   const names = h("button", { type: "button", id: "names", "aria-pressed": "true", onclick: () => { named = !named; names.setAttribute("aria-pressed", String(named)); scene?.name(named); } }, t("Names and frames"));
   let named = true;

@@ -7,14 +7,14 @@ const ARROWS = { UP: "\u2191", DOWN: "\u2193", LEFT: "\u2190", RIGHT: "\u2192" }
 const NAMES = { Enter: "enter", Backspace: "backspace", Delete: "delete", Escape: "escape", ArrowUp: "up", ArrowDown: "down", ArrowLeft: "left", ArrowRight: "right", PageUp: "pageup", PageDown: "pagedown",
   ".": "full_stop", ",": "comma", "-": "minus", "/": "slash", _: "underscore", $: "dollar_sign", "[": "left_square_bracket", "]": "right_square_bracket", ":": "colon" };
 
-export function mount(root, { t, live, may, post, unable }) {
+export function mount(root, { t, live, may, me, changeControl, unable }) {
   let unit = null;
   const held = new Map();
   const screen = h("pre", { class: "phg", id: "phg-screen", tabindex: "0", "aria-label": t("Display of the pendant") });
   const state = h("p", { class: "soft small", id: "phg-state", role: "status" });
   const keys = h("div", { class: "phg-keys", id: "phg-keys", role: "group", "aria-label": t("Keys of the pendant") });
   const typed = h("input", { id: "phg-typed", size: "12", autocomplete: "off", autocapitalize: "characters", placeholder: t("Type here"), "aria-label": t("Type here") });
-  const control = h("button", { type: "button", id: "phg-control", onclick: () => post("/api/command", { code: "request_control", mask: 0 }) }, t("Take control"));
+  const control = h("button", { type: "button", id: "phg-control", onclick: changeControl }, t("Request control"));
 
   function press(name) {
     if (may("operator")) live.send({ t: "panel", act: "key", key: name });
@@ -77,6 +77,7 @@ export function mount(root, { t, live, may, post, unable }) {
     h("p", { class: "soft small", id: "phg-held" }, t("Keys with a thick frame act while they are held; movement keys need control. This is no enabling device.")))));
   return {
     update(reply) {
+      put(control, me.holds ? t("Release control") : t("Request control"));
       if (!reply) return;
       if (reply.gone || !reply.unit) { put(state, reply.gone || ""); return; }
       if (!unit) layOut(reply.unit);
