@@ -1,7 +1,7 @@
 """The robot moved by hand in a cell: movement keys, Position Control, 6D mouse.  Pure.  Source: robotstar 8.2, 8.4; AX-1050.
 
-It is a user of the path beside the program: a key gives one straight movement up to where the robot still reaches, which the control stops
-when the key is released; the wheel and the mouse give short movements one by one.
+It is a user of the path beside the program.  A key gives a straight movement up to where the robot still reaches, which the control stops
+when the key is released: short pieces first, so that it begins at once.  The wheel and the mouse give short movements one by one.
 """
 
 import math
@@ -28,6 +28,8 @@ WHEEL = 1.0  # mm or degrees the wheel gives at least while it is turned
 LEAST = 1e-3  # mm or degrees
 ROOM = 0.5  # mm or degrees a key keeps from the travel of an axis
 SMALLEST = 0.01  # share of a way that is tried
+ALIGNED = 5  # mm: pieces of one straight way need no more to follow each other at full speed
+FIRST_S, LONGEST_S, PIECES = 0.2, 1.6, 3  # of a straight way: how long its first and its longest piece take, how many are handed on
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +63,8 @@ class Hand:
     _given: float = 0.0  # of the wheel
     _added: Ns = 0  # when the wheel gave something last
     _share: float = 1.0  # of the way a key gives, where the planner has refused the whole of it
+    _led: float = 0.0  # mm or degrees of the straight way that are handed on
+    _piece_s: float = FIRST_S  # how long its next piece takes at the highest speed
     _refused: bool = False
 
     def hear(self, push: Push) -> None:
@@ -104,20 +108,23 @@ class Hand:
         self.say(f"the robot cannot be moved by hand: {words}")
 
     def _begin(self, stretch: Stretch, places: Sequence[float]) -> None:
-        self._stretch, self._run, self._given = stretch, self.wanted, 0.0
+        self._stretch, self._run, self._given, self._led, self._piece_s = stretch, self.wanted, 0.0, 0.0, FIRST_S
         self._at = self.arm.actual(self.arm.own(places), self.tool())
         if self.wanted.frame in ("XYZ", "UVW"):
             if self.arm.plain:
                 raise StepFault("Cartesian movements need the geometry of the robot")
             self.path.hand_on(stretch, tool_line("T1", tool_values(self.tool())), block=False)
-        if self.wanted.kind == "keys":
-            text = self._axes_way(places) if self.wanted.frame.startswith("AXIS") else self._straight_way(places)
+        if self.wanted.kind == "keys" and self.wanted.frame.startswith("AXIS"):
+            text = self._axes_way(places)
             if text:
                 self.path.hand_on(stretch, text)
             self.path.finish(stretch)
 
     def _go_on(self, stretch: Stretch, places: Sequence[float], now: Ns) -> None:
         match self.wanted.kind:
+            case "keys" if self.wanted.frame in ("XYZ", "UVW"):
+                if self._led < math.inf and stretch.count - stretch.passed < PIECES:
+                    self._lead(stretch, places)
             case "wheel":
                 due = self.wanted.turned - self._given
                 if abs(due) > WHEEL or (abs(due) > LEAST and now - self._added > STILL_NS):
@@ -151,21 +158,27 @@ class Hand:
         joints = " ".join(f"{value:.10g}" for value in here)
         return f"ptp joints {joints} speed={AXIS_SHARE:g} accel=50 decel=50"
 
-    def _straight_way(self, places: Sequence[float]) -> str:
-        """The longest way along the keys that the robot reaches; "": none."""
+    def _lead(self, stretch: Stretch, places: Sequence[float]) -> None:
+        """The next piece of the straight way along the keys, twice as long as the one before; the last one ends where the reach ends."""
         ways, tool, axes = self.wanted.ways, self.tool(), self.arm.own(places)
-        step, most = (STEP, LONGEST) if any(ways[:3]) else (TURN_STEP, TURN)
-        reached = 0.0
-        while reached < most * self._share:
-            further = self._moved(self._at, ways, reached + step)
-            if self.arm.unreachable(further, self._at, tool, axes):
+        along = any(ways[:3])
+        step, most = (STEP, LONGEST) if along else (TURN_STEP, TURN)
+        end = min(self._led + self.speeds()[0 if along else 1] * self._piece_s * self._share, most)
+        start, reached = self._at, 0.0
+        while reached < end - self._led:
+            further = min(step, end - self._led - reached)
+            if not self.arm.unreachable(self._moved(start, ways, reached + further), start, tool, axes):
+                reached += further
+            elif step < LEAST:
                 break
-            reached += step
-        while step > LEAST and reached < most * self._share:  # what is left of the last step
-            step /= 2
-            if not self.arm.unreachable(self._moved(self._at, ways, reached + step), self._at, tool, axes):
-                reached += step
-        return self._line(self._moved(self._at, ways, reached)) if reached > LEAST else ""
+            else:
+                step /= 2  # what is left of the last step
+        self._led = self._led + reached if reached >= end - self._led and end < most else math.inf
+        self._piece_s = min(2 * self._piece_s, LONGEST_S)
+        if reached > LEAST:
+            self._add(stretch, self._moved(start, ways, reached), places, radius=ALIGNED)
+        if self._led == math.inf:
+            self.path.finish(stretch)
 
     def _slice(self, stretch: Stretch, push: Sequence[float], places: Sequence[float]) -> None:
         speed, turning = self.speeds()
@@ -178,13 +191,15 @@ class Hand:
         length = math.hypot(*ways[:3]) or 1.0  # two keys together are no faster than one
         return moved(start, self.wanted.frame, [way * amount / length for way in ways])
 
-    def _add(self, stretch: Stretch, target: Target, places: Sequence[float], path: float = 0.0, turn: float = 0.0) -> None:
+    def _add(
+        self, stretch: Stretch, target: Target, places: Sequence[float], path: float = 0.0, turn: float = 0.0, *, radius: int = 10000
+    ) -> None:
         wrong = self.arm.unreachable(target, self._at, self.tool(), self.arm.own(places))
         if wrong:
             raise StepFault(wrong)
         text = self._line(target, path, turn)
         self._at = target
-        self.path.hand_on(stretch, f"{text} radius=10000 share=40 flyby=100 arcs=yes")
+        self.path.hand_on(stretch, f"{text} radius={radius} share=40 flyby=100 arcs=yes")
 
     def _line(self, target: Target, path: float = 0.0, turn: float = 0.0) -> str:
         speed, turning = self.speeds()

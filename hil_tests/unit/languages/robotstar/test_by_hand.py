@@ -157,10 +157,16 @@ def test_axis_keys_move_their_axes_together_and_stop_in_front_of_the_limit() -> 
     assert cell.told[-1] == "the robot cannot be moved by hand: this robot has 6 axes"
 
 
-def test_a_key_leads_as_far_as_the_robot_reaches() -> None:
+def test_a_key_leads_as_far_as_the_robot_reaches_and_its_first_piece_is_planned_at_once() -> None:
     cell = in_hand()
-    x, y, z, *_ = pressed(cell, 6.0, jog_1=1)
-    assert x > 1100 and (y, z) == pytest.approx(HERE[1:], abs=0.05)
+    began, handed_on = len(cell.places), len(cell.lines)
+    x, y, z, *_ = pressed(cell, 6.0, jog_3=-1)
+    assert z < -480 and (x, y) == pytest.approx(HERE[:2], abs=0.05)
+    pieces = [line for line in cell.lines[handed_on:] if line.startswith("linear")]
+    assert HERE[2] - float(pieces[0].split()[4]) <= 50 and len(pieces) > 3, "a second of planning is a second without movement"
+    speeds = [math.dist(a[:3], b[:3]) / 0.004 for a, b in itertools.pairwise(cell.places[began:])]
+    fast = [number for number, each in enumerate(speeds) if each > 249]
+    assert len(fast) == fast[-1] - fast[0] + 1, "one movement: no piece of it slows down"
 
 
 @pytest.mark.requirement("RSV-UI-02", by=(HAND + "_go_on", REIS + "hand_keys:HandKeys.push"))
