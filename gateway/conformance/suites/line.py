@@ -1,7 +1,8 @@
 """The tester's side of a 3964R line: sends, expects, measures; unsolicited blocks of the station are served and noted."""
 
+import contextlib
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from gateway.conformance.framework.base import TOLERANCE, Seen, Tester, hexed
@@ -54,6 +55,7 @@ class LineSetup:
     size: int | None = None  # of the block that is read, where it was found out
     seed: int = 1
     form_fault: str = ""  # the case that found blocks of reactions in a wrong form
+    misleading: dict[int, str] = field(default_factory=dict)  # error numbers, and the case that found each
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +81,7 @@ class LineTester(Tester):
         self.unanswered = b""  # the station's last block, until a telegram of ours follows it
         self.on_unanswered: Callable[[bytes], bool] | None = None  # gives what the station waits for before its next job; whether it does
         self._answering = False
+        self._judges_stx = False
 
     @property
     def profile(self) -> Profile:
@@ -326,9 +329,21 @@ class LineTester(Tester):
             if got == Char.STX:
                 self.serve()
 
+    @contextlib.contextmanager
+    def each_stx(self) -> Iterator[None]:
+        """Meanwhile the answer to STX is judged with each block: in a long run no other case finds the one that is missing."""
+        self._judges_stx = True
+        try:
+            yield
+        finally:
+            self._judges_stx = False
+
     def block(self, wire: bytes, what: str) -> int | Damage | None:
         """Connects and sends these characters after the DLE; returns the answer."""
-        self.connect()
+        if self._judges_stx:
+            self.open()
+        else:
+            self.connect()
         self.say(wire)
         start = self.mark
         got = self.awaited(self.profile.ack_delay + self.tolerance)

@@ -23,7 +23,8 @@ class Purpose(Generic[T]):
 
     condition: keys of the PICS that must be true, else N/A before anything is sent.  preamble: purposes of the same suite from whose
     behaviour this one starts; where one of them failed this one is INCONC and names it.  body: ends quietly (PASS) or by an Ended.
-    postamble: whether the suite's own postamble (the device is idle and works) follows.
+    postamble: whether the suite's own postamble (the device is idle and works) follows.  early: runs before the shuffled ones, in the
+    order of the suite: of several cases that meet the same fault the same one has the FAIL in each run.
     """
 
     id: str
@@ -38,6 +39,7 @@ class Purpose(Generic[T]):
     preamble: tuple[str, ...] = ()
     postamble: bool = True
     limits: str = ""
+    early: bool = False
 
     @property
     def group(self) -> str:
@@ -47,11 +49,13 @@ class Purpose(Generic[T]):
 
 @dataclass(frozen=True, slots=True)
 class Particulars:
-    """What few cases have: a reference beside the clause, limits in words, an end of their own instead of the suite's postamble."""
+    """What few cases have: a reference beside the clause, limits in words, an end of their own instead of the suite's postamble, an early
+    turn."""
 
     cross: str = ""
     limits: str = ""
     postamble: bool = True
+    early: bool = False
 
 
 USUAL = Particulars()
@@ -95,6 +99,7 @@ class Purposes(Generic[T]):
                     before,
                     beside.postamble,
                     beside.limits,
+                    beside.early,
                 )
             )
             return body

@@ -161,11 +161,12 @@ def garbage(t: LineTester) -> None:
 )
 def long_run(t: LineTester) -> None:
     chosen = random.Random(t.setup.seed)
-    for count in range(LONG_RUN):
-        data = b"U" + bytes(chosen.randrange(256) for _ in range(chosen.randrange(1, 24)))
-        t.good(data, f"block {count + 1} ({data.hex(' ')})")
-        if count % 5 == 4:
-            t.settle(ms(60))  # to RK512 each one was a wrong command, whose reaction waits
+    with t.each_stx():
+        for count in range(LONG_RUN):
+            data = b"U" + bytes(chosen.randrange(256) for _ in range(chosen.randrange(1, 24)))
+            t.good(data, f"block {count + 1} ({data.hex(' ')})")
+            if count % 5 == 4:
+                t.settle(ms(60))  # to RK512 each one was a wrong command, whose reaction waits
 
 
 @RCV.case(
@@ -176,8 +177,9 @@ def long_run(t: LineTester) -> None:
     preamble=BAD,
 )
 def in_turn(t: LineTester) -> None:
-    for count in range(12):
-        if count % 3 == 1:
-            t.refused(with_wrong_check(PAYLOAD, 1 << count % 8), f"bad block {count + 1}")
-        else:
-            t.good(PAYLOAD, f"good block {count + 1}")
+    with t.each_stx():
+        for count in range(12):
+            if count % 3 == 1:
+                t.refused(with_wrong_check(PAYLOAD, 1 << count % 8), f"bad block {count + 1}")
+            else:
+                t.good(PAYLOAD, f"good block {count + 1}")

@@ -9,10 +9,12 @@ from gateway.conformance.suites.rk512.telegrams import (
     DB,
     FETCH,
     SEND,
+    Reaction,
     ask,
     db_of,
     fetch,
     header,
+    misleading,
     number_words,
     read,
     restored,
@@ -20,7 +22,7 @@ from gateway.conformance.suites.rk512.telegrams import (
     saved,
     write,
 )
-from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable, Warn
 from protocols.p3964r.characters import Char
 
@@ -278,6 +280,7 @@ def _type(number: int, kind: int) -> None:
         f"FETCH vom Typ {what}: bedient mit der verlangten Länge, oder mit Nummer abgelehnt",
         clause="serial-protocols 2.1",
         preamble=(BASIC, REFUSES),
+        beside=Particulars(early=True),  # it judges an error number
     )
     def body(t: LineTester) -> None:
         unit = 2 if kind in b"TZX" else 1
@@ -291,16 +294,18 @@ def _type(number: int, kind: int) -> None:
             if found.number == 0 and t.setup.pics.get(f"type_{what}") is False:
                 raise Fail(f"type {what} is served although the PICS excludes it", "a refusal", found.words())
             if found.number:
-                _number_of_type(t, found.number, what, len(found.data), found.words())
+                _number_of_type(t, f"RK512_PAS_CA_{number:02}", what, found)
 
 
-def _number_of_type(t: LineTester, number: int, what: str, size: int, words: str) -> None:
+def _number_of_type(t: LineTester, case: str, what: str, found: Reaction) -> None:
+    number, size, words = found.number, len(found.data), found.words()
     if size:
         raise Fail(f"{size} data bytes behind error {number:02X}h", "4 bytes", words)
     if t.setup.pics.get(f"type_{what}") is True:
         raise Fail(f"type {what} is refused with {number_words(number)} although the PICS lists it as served", "00h: no error", words)
     if number not in (0x0A, 0x0C, 0x10, 0x12, 0x14) and not _own_number(t, "type", number):
-        raise Fail(f"type {what} is refused with a misleading number: {number_words(number)}", "12h: type not supported", words)
+        reason = f"type {what} is refused with a misleading number: {number_words(number)}"
+        raise misleading(t, case, number, reason, "12h: type not supported", words)
     t.remark(f"not served: {number_words(number)}")
 
 

@@ -30,7 +30,7 @@ from gateway.conformance.suites.rk512.telegrams import (
     saved,
     write,
 )
-from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable
 from protocols.base.machine import ms
 from protocols.p3964r.characters import Char, wire_block
@@ -294,10 +294,11 @@ def locked_send(t: LineTester) -> None:
     "Byte 3 ist e, F oder 7Fh: mit 16h abgelehnt",
     clause="serial-protocols 2.4",
     preamble=(BASIC, "RK512_PAS_BI_05"),
+    beside=Particulars(early=True),
 )
 def near_commands(t: LineTester) -> None:
     for command in (0x65, 0x46, 0x7F):
-        refused(t, "wrong_command", header(command, DB, t.setup.db, 0, 1), 0x16, (0x10,))
+        refused(t, "RK512_PAS_BI_20", "wrong_command", header(command, DB, t.setup.db, 0, 1), 0x16, (0x10,))
 
 
 @PAS.case("BV_12", "a header that holds 10h three times", "ein Kopf, der dreimal 10h enthält", clause="serial-protocols 1.2, vector 9")

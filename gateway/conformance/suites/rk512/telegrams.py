@@ -190,7 +190,13 @@ def own_numbers(t: LineTester) -> set[int]:
     return set(stated_numbers(t).values())
 
 
-def refused(t: LineTester, name: str, telegram: bytes, number: int, others: tuple[int, ...] = ()) -> None:
+def misleading(t: LineTester, case: str, number: int, reason: str, wanted: str, got: str) -> Ended:
+    """One misleading number is one FAIL, in the first case that meets it; the others name that case."""
+    first = t.setup.misleading.setdefault(number, case)
+    return Fail(reason, wanted, got) if first == case else Inconclusive(reason, wanted, got, first)
+
+
+def refused(t: LineTester, case: str, name: str, telegram: bytes, number: int, others: tuple[int, ...] = ()) -> None:
     """The command is refused; another number of the same meaning is WARN, a misleading one FAIL unless the PICS names it."""
     found = ask(t, telegram)
     own = stated_numbers(t).get(name)
@@ -203,7 +209,7 @@ def refused(t: LineTester, name: str, telegram: bytes, number: int, others: tupl
         return
     if found.number in others:
         raise Warn(f"refused with {number_words(found.number)}; the tables of the makers differ", wanted, found.words())
-    raise Fail(f"refused with a misleading number: {number_words(found.number)}", wanted, found.words())
+    raise misleading(t, case, found.number, f"refused with a misleading number: {number_words(found.number)}", wanted, found.words())
 
 
 def db_of(t: LineTester) -> int:

@@ -83,3 +83,17 @@ def test_a_relay_of_the_bench_that_fails_has_no_case_behind_it() -> None:
 def test_what_follows_an_unplugged_device_names_the_case_in_which_it_went() -> None:
     found = played(case("A_ERR_BI_01", OTHER), case("A_RCV_BV_01", dies), case("A_RCV_BV_02", good))
     assert (found["A_RCV_BV_02"].verdict, found["A_RCV_BV_02"].caused_by) == (Verdict.INCONC, "A_RCV_BV_01")
+
+
+@pytest.mark.parametrize(("stumbles", "verdict"), [(1, Verdict.WARN), (99, Verdict.INCONC)])
+def test_a_preparing_step_that_failed_once_hides_no_other_case(stumbles: int, verdict: Verdict) -> None:
+    left = [prepares(*STEP)] * stumbles
+
+    def body(t: base.Tester) -> None:
+        if left:
+            left.pop()(t)
+
+    found = played(case("A_RCV_BV_01", good), case("A_RCV_BV_02", body), case("A_RCV_BV_03", good, "A_RCV_BV_02"))
+    assert found["A_RCV_BV_02"].verdict is verdict and STEP[0] in found["A_RCV_BV_02"].reason
+    assert found["A_RCV_BV_03"].verdict is (Verdict.PASS if verdict is Verdict.WARN else Verdict.INCONC)
+    assert stumbles == 1 or len(left) == stumbles - 2
