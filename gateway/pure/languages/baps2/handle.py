@@ -1,6 +1,6 @@
 """What a translated program calls directly: things that are only looked up or set, and take no time."""
 
-from collections.abc import Generator
+from collections.abc import Generator, MutableMapping
 
 from gateway.pure.languages.baps2.demands import Condition
 from gateway.pure.languages.baps2.errors import fault
@@ -116,10 +116,15 @@ class Handle:
         """PUBLIC variables."""
         return self._machine.shared(program)
 
-    def stops(self, process: Process, program: str, line: int) -> bool:
-        """Whether the debugger holds the process in front of this line."""
+    def stops(self, process: Process, program: str, line: int, flags: MutableMapping[str, object]) -> bool:
+        """Whether the debugger holds the process in front of this line.  `flags`: b<line> of the program, see Debugger."""
         debugger = self._machine.scheduler.debugger
-        return debugger is not None and debugger.stops(process, program, line, self._machine.tasks[process.number].depth)
+        if debugger is None:
+            return False
+        if debugger.stops(process, program, line, self._machine.tasks[process.number].depth):
+            return True
+        debugger.passes(flags, f"b{line}")
+        return False
 
     def watched(self, program: str, peek: Peek, poke: Poke) -> None:
         """Access of a debugger to the variables of a program that runs."""

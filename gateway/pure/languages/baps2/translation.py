@@ -66,8 +66,9 @@ class Unit:
 
 
 def _watched(text: str, name: str) -> str:
-    """The debugger is asked before each line; the variables of the whole program can be looked at and set while it is held."""
-    text = LINE.sub(rf"\g<0>\n\1if h.stops(p, {name!r}, \2): yield Stopped(\2)", text)
+    """The debugger is asked before each line whose flag is set; a process that is held shows the variables of the whole program."""
+    flags = [f"b{number} = True" for number in dict.fromkeys(number for _, number in LINE.findall(text))]
+    text = LINE.sub(rf"\g<0>\n\1if b\2 and h.stops(p, {name!r}, \2, globals()): yield Stopped(\2)", "\n".join([*flags, text]))
     body, found, rest = text.partition("    return main\n")
     names = list(dict.fromkeys(WIDE.findall(body.partition("    def ")[0])))
     if not found or not names:

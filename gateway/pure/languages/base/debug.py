@@ -1,6 +1,10 @@
-"""Breakpoints and single step, the same for all languages.  A translated program asks `stops` in front of a line that it has to watch."""
+"""Breakpoints and single step, the same for all languages.  A translated program asks `stops` in front of a line that it has to watch.
 
-from collections.abc import Iterable
+A program asks only at lines whose flag is set.  The flag of a line that holds nobody is cleared, so that the line costs no call from then
+on; all flags are set again when a breakpoint or a step is.
+"""
+
+from collections.abc import Iterable, MutableMapping
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -22,10 +26,23 @@ class Debugger:
 
     breakpoints: dict[str, frozenset[int]] = field(default_factory=dict)
     _steps: dict[int, tuple[Step, int]] = field(default_factory=dict)  # process -> how, depth of calls at the order
+    _cleared: list[tuple[MutableMapping[str, object], str]] = field(default_factory=list)  # flags of programs
 
     def set_breakpoints(self, program: str, lines: Iterable[int]) -> None:
         """Replaces the breakpoints of a program."""
         self.breakpoints[program] = frozenset(lines)
+        self._ask_again()
+
+    def passes(self, flags: MutableMapping[str, object], flag: str) -> None:
+        """Nothing is held at a line: clears its flag, unless a process is stepped."""
+        if not self._steps:
+            flags[flag] = False
+            self._cleared.append((flags, flag))
+
+    def _ask_again(self) -> None:
+        for flags, flag in self._cleared:
+            flags[flag] = True
+        self._cleared.clear()
 
     def stops(self, process: Process, program: str, line: int, depth: int) -> bool:
         """Whether the process is to be held in front of this line.  `depth`: calls open."""
@@ -40,9 +57,15 @@ class Debugger:
         self._steps.pop(process.number, None)
         if step is not Step.RUN:
             self._steps[process.number] = (step, depth)
+            self._ask_again()
         if process.state is ProcessState.HELD:
             process.state = ProcessState.READY
+
+    def forget(self, process: Process) -> None:
+        """The process is over."""
+        self._steps.pop(process.number, None)
 
     def hold(self, process: Process) -> None:
         """Holds a running process in front of its next line."""
         self._steps[process.number] = (Step.INTO, 0)
+        self._ask_again()

@@ -140,4 +140,6 @@ class Scheduler:
         self.processes.remove(process)
         if process.parent is not None and process in process.parent.children:
             process.parent.children.remove(process)
+        if self.debugger is not None:
+            self.debugger.forget(process)
         self.host.ended(process, now)
