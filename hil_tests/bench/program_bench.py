@@ -1,5 +1,5 @@
 """BAPS2 programs: statements a second in a dry run, how long 100,000 lines take to be read and checked; in a cell, the processor time of
-permanent loops and how many blocks the interpreter hands on.
+permanent loops, how many blocks the interpreter hands on, and the figures of program_cell_figures.
 """
 
 import pathlib
@@ -14,6 +14,7 @@ from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.words import Words, words_of
 from gateway.pure.languages.base.hosting import PathState, View
+from hil_tests.bench import program_cell_figures
 from hil_tests.bench.figure_row import EMPTY_LOOP, Figure, loop_turns, row
 from hil_tests.lab.virtual.baps2_bench import CELL, HEAD, VirtualPort
 
@@ -138,12 +139,13 @@ def blocks_s() -> float:
     return port.blocks / max(time.process_time() - began, CYCLES * P5 / 1e9)
 
 
-def run() -> list[Figure]:
-    """All figures; the anchor is an empty loop of Python in the same run."""
+def run(*, short: bool = False) -> list[Figure]:
+    """All figures; the anchor is an empty loop of Python in the same run.  `short`: fewer repetitions in cell and editor."""
     anchor = loop_turns()
     return [
         row("program.statements_s", statements_s(), "1/s", FAST, EMPTY_LOOP, anchor, at_least=True),
         row("program.loops_cpu", loops_cpu(), "of a core", LOOPS_CPU, EMPTY_LOOP, anchor),
         row("program.blocks_s", blocks_s(), "1/s", BLOCKS_S, EMPTY_LOOP, anchor, at_least=True),
         row("program.parse_s", parse_s(), "s", QUICK_S, EMPTY_LOOP, anchor),
+        *program_cell_figures.run(words(), LOOP, EMPTY_LOOP, anchor, short=short),
     ]

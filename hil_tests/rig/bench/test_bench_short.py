@@ -15,8 +15,12 @@ FIGURES = {
     "3964r": {"wire_ratio", "blocks_per_s", "decode_MBps", "sim_telegrams_per_s"},
     "route": {"one_way", "both_ways", "one_way_io", "both_ways_io"},
     "emulator": {"six_axes_cpu"},
+    "program": {
+        "statements_s", "loops_cpu", "blocks_s", "parse_s", "breakpoints_ratio", "input_statement_ms", "input_output_ms", "start_ms",
+        "lanes_ratio", "editor_ms",
+    },
     "drives": {"skipped_2ms", "incomplete_2ms", "cycle_cpu", "skipped_2ms_12", "incomplete_2ms_12", "emulated_24"},
-}
+}  # fmt: skip
 
 
 @pytest.mark.cref
