@@ -1,7 +1,7 @@
 """Breakpoints and single step, the same for all languages.  A translated program asks `stops` in front of a line that it has to watch.
 
-A program asks only at lines whose flag is set.  The flag of a line that holds nobody is cleared, so that the line costs no call from then
-on; all flags are set again when a breakpoint or a step is.
+A program asks only at lines whose flag is set.  The flag of a line where nothing is held is cleared, so that the line costs no call from
+then on; all flags are set again when a breakpoint or a step is.
 """
 
 from collections.abc import Iterable, MutableMapping
