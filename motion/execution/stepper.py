@@ -161,7 +161,7 @@ class Stepper:
             raise PieceError(f"piece {piece.id}: a chain of timed pieces is under way, load it at rest")
         self._follower = None
         if not piece.ends_at_rest:
-            raise PieceError(f"piece {piece.id}: does not end at rest, and joining moving pieces is not built yet (AX-103)")
+            raise PieceError(f"piece {piece.id}: does not end at rest; only timed pieces may join while moving (AX-103)")
         if self._abandon:
             raise PieceError(f"piece {piece.id}: the path is being abandoned, load again at rest")
         if len(self._queue) >= QUEUE:

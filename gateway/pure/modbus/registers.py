@@ -1,4 +1,4 @@
-"""Values of the cell in registers beside a view: [[modbus.registers]], readable as holding and as input registers (AX-347)."""
+"""Values of the cell in additional registers: [[modbus.registers]], readable as holding and as input registers (AX-347)."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
