@@ -356,7 +356,7 @@ class DeclarationReader:
                 if not (self._stream.sign(",") or self._no_comma_here(token)) or self._group():
                     break
             if not (self._group() or self._stream.is_sign(")")):
-                self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}")
+                self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}", at=self._stream.bracket_place())
 
     def _no_comma_here(self, before: Token) -> bool:
         """Whether another parameter of the group follows without its comma; it is reported."""

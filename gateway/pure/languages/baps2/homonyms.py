@@ -8,6 +8,7 @@ from gateway.pure.languages.baps2.words import Words
 
 ASSIGNED = ("=", ".", "[")  # behind a name that is assigned to
 CALLING = ("JUMP", "SUBROUTINE")
+IN_FRONT = "TO VIA AND OR NOT IF UNTIL WAIT WRITE READ JUMP CASE REPEAT".split()  # of a name
 ENGLISH = "en"
 ENDS = ("PROGRAM_END", "SUB_END", "END")
 DECLARES = "INTEGER REAL BINARY CHAR TEXT POINT JC_POINT WC_FRAME ARRAY INPUT OUTPUT FILE BNR_FILE SEMAPHORE CONST EXTERNAL SPC_FCT"
@@ -28,12 +29,27 @@ def is_foreign(token: Token, language: str, words: Words) -> bool:
 
 
 def no_subroutines(tokens: list[Token], words: Words) -> Iterator[int]:
-    """Places of an English text where the German word UP begins no subroutine: it is a name (an output UP beside one DOWN)."""
+    """Places where the word UP begins no subroutine: it is a name (an output UP beside one DOWN)."""
     places = [place for place, token in enumerate(tokens) if token.word == "SUBROUTINE"]
     language = language_of(tokens, words) if places else ""
     for place in places:
-        if is_foreign(tokens[place], language, words) and not _begins_routine(tokens, place):
+        if is_foreign(tokens[place], language, words):
+            begins = _begins_routine(tokens, place)
+        else:
+            begins = not _is_operand(tokens, place)
+        if not begins:
             yield place
+
+
+def _is_operand(tokens: list[Token], place: int) -> bool:
+    """Whether a word of the own language that begins a subroutine is a name: the signs and words beside it allow nothing else."""
+    before, behind = tokens[max(place - 1, 0)], tokens[min(place + 1, len(tokens) - 1)]
+    if behind.kind is Kind.SIGN and behind.text != "(":
+        return True
+    if not place or before.word in ENDS:
+        return False
+    operand = (before.kind is Kind.SIGN and before.text not in (")", "]")) or before.word in IN_FRONT
+    return operand or bool(behind.word and behind.word not in BEGINS)
 
 
 def _begins_routine(tokens: list[Token], place: int) -> bool:

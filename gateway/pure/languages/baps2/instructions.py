@@ -31,7 +31,7 @@ def take(text: str, at: Position, head: Head, faults: Faults, *, begun: bool) ->
     """Enters an instruction in the head; one that acts among the statements is returned (`begun`: behind BEGIN)."""
     match = _FORM.fullmatch(text)
     if match is None:
-        faults.error("instruction-unknown", at, f"';;{text}' is no compiler instruction")
+        _none(text, at, head, faults)
         return None
     word = match["word"].upper()
     word, value, kinematic = ALIASES.get(word, word), match["value"].strip(), (match["kinematic"] or "").upper()
@@ -62,8 +62,15 @@ def take(text: str, at: Position, head: Head, faults: Faults, *, begun: bool) ->
             else:
                 faults.error("instruction-value", at, f"ERROR = {value}", "a number of errors from 1 is expected")
         case _:
-            faults.error("instruction-unknown", at, f"';;{text}' is no compiler instruction")
+            _none(text, at, head, faults)
     return None
+
+
+def _none(text: str, at: Position, head: Head, faults: Faults) -> None:
+    """No instruction; one with numbers of kinematics counts as KINEMATICS."""
+    faults.error("instruction-unknown", at, f"';;{text}' is no compiler instruction")
+    if _PAIR.search(text):
+        head.faulty.add("KINEMATICS")
 
 
 def _kinematics(value: str, at: Position, head: Head, faults: Faults) -> None:
@@ -71,6 +78,7 @@ def _kinematics(value: str, at: Position, head: Head, faults: Faults) -> None:
     rest = _PAIR.sub("", value).translate(str.maketrans("", "", "(), \t"))
     if rest or not pairs:
         faults.error("kinematics", at, f"kinematics {value}", "the form is ;;KINEMATICS : ( 1 = NAME , 2 = NAME2 )")
+        head.faulty.add("KINEMATICS")
     for number, name in pairs:
         if not 1 <= int(number) <= MOST_KINEMATICS:
             faults.error("kinematics", at, f"kinematic number {number}", f"1..{MOST_KINEMATICS} are there")
@@ -80,6 +88,14 @@ def _kinematics(value: str, at: Position, head: Head, faults: Faults) -> None:
             head.kinematics[name.upper()] = int(number)
 
 
+def _unknown(name: str, at: Position, head: Head, faults: Faults) -> None:
+    """A kinematic without its number: reported once, and not at all where the instruction that numbers them is faulty."""
+    if "KINEMATICS" not in head.faulty:
+        faults.error("kinematic-unknown", at, f"kinematic {name} is not declared")
+    free = (number for number in range(1, MOST_KINEMATICS + 1) if number not in head.kinematics.values())
+    head.kinematics[name.upper()] = next(free, MOST_KINEMATICS)
+
+
 def _default(word: str, value: str, at: Position, head: Head, faults: Faults, *, begun: bool) -> Instruction | None:
     """Default kinematic or interpolation, from here on."""
     name = value.upper()
@@ -87,7 +103,7 @@ def _default(word: str, value: str, at: Position, head: Head, faults: Faults, *,
         faults.error("instruction-value", at, f"INT = {value}", "LINEAR, PTP or CIRCULAR is expected")
         return None
     if word == "KINEMATICS" and name not in head.kinematics:
-        faults.error("kinematic-unknown", at, f"kinematic {value} is not declared")
+        _unknown(value, at, head, faults)
         return None
     name = WAYS.get(name, name) if word == "INT" else name
     if begun:
@@ -102,10 +118,9 @@ def _default(word: str, value: str, at: Position, head: Head, faults: Faults, *,
 def _components(word: str, kinematic: str, value: str, at: Position, head: Head, faults: Faults) -> None:
     names = tuple(part.strip().upper() for part in value.split(","))
     if kinematic and kinematic not in head.kinematics:
-        faults.error("kinematic-unknown", at, f"kinematic {kinematic} is not declared")
+        _unknown(kinematic, at, head, faults)
     if any(_NAME.fullmatch(name) is None for name in names):
         faults.error("instruction-value", at, f"{word} = {value}", "names separated by commas are expected")
-        return
     for name in {name for name in names if names.count(name) > 1}:
         faults.error("declared-twice", at, f"component {name} is named twice")
     (head.joint_names if word == "JC_NAMES" else head.world_names)[kinematic] = names

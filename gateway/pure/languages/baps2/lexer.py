@@ -38,6 +38,12 @@ class Token(NamedTuple):
         """The name as names are compared."""
         return self.text.upper()
 
+    @property
+    def end(self) -> Position:
+        """The place right behind it."""
+        quotes = 2 if self.kind is Kind.TEXT else 0
+        return self.position._replace(column=self.position.column + len(self.text) + quotes)
+
     def touches(self, behind: "Token") -> bool:
         """Whether the other one is right behind it, without a blank."""
         here, there = self.position, behind.position

@@ -1,8 +1,10 @@
 """The programs of a user memory: read and checked when first asked for."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
+from gateway.pure.languages.baps2.expansion import expanded
 from gateway.pure.languages.baps2.reader import read
+from gateway.pure.languages.baps2.repair import Repair, repairs_of
 from gateway.pure.languages.baps2.translation import Unit, check
 from gateway.pure.languages.baps2.tree import Program
 from gateway.pure.languages.baps2.words import Words
@@ -67,9 +69,12 @@ class Library:
             self._trees[name] = None if text is None else self._read(SourceFile(f"{name}.QLL", text), Faults(), uses)
         return self._trees[name]
 
-    def _read(self, source: SourceFile, faults: Faults, uses: set[str]) -> Program | None:
+    def _read(self, source: SourceFile, faults: Faults, uses: set[str], repairs: Sequence[Repair] = ()) -> Program | None:
+        for each in repairs:
+            faults.error("syntax", each.token.position, each.text, each.hint)
+        inserted = [(each.place, each.token) for each in repairs]
         try:
-            return read(source, self._words, _Noted(self._store, uses), faults)
+            return read(source, self._words, _Noted(self._store, uses), faults, inserted)
         except RecursionError:
             faults.error("too-complex", source.at(1), f"{source.name} is nested too deeply")
             return None
@@ -103,17 +108,39 @@ class Library:
         return self._examined(file, text, set())
 
     def _examined(self, file: str, text: str, uses: set[str]) -> tuple[Program | None, Unit | None, Faults]:
+        source = SourceFile(file, text)
+        with uncollected():
+            found = self._checked(source, uses)
+            if found[2].errors > 1:
+                found = self._repaired(source, uses, found)
+        return found
+
+    def _checked(self, source: SourceFile, uses: set[str], repairs: Sequence[Repair] = ()) -> tuple[Program | None, Unit | None, Faults]:
         def other(name: str) -> Program | None:
             uses.add(name.upper())
             return self.tree(name)
 
         faults = Faults()
-        with uncollected():
-            program = self._read(SourceFile(file, text), faults, uses)
-            if program is None:
-                return None, None, faults
-            unit = check(program, faults, other)
+        program = self._read(source, faults, uses, repairs)
+        if program is None:
+            return None, None, faults
+        unit = check(program, faults, other)
         return program, (unit if not faults.errors else None), faults
+
+    def _repaired(
+        self, source: SourceFile, uses: set[str], found: tuple[Program | None, Unit | None, Faults]
+    ) -> tuple[Program | None, Unit | None, Faults]:
+        """The same with what is missing in its place, if it has fewer faults."""
+        results: dict[tuple[Repair, ...], tuple[Program | None, Unit | None, Faults]] = {(): found}
+
+        def trial(repairs: Sequence[Repair]) -> Faults:
+            key = tuple(repairs)
+            if key not in results:
+                results[key] = self._checked(source, uses, key)
+            return results[key][2]
+
+        tokens, _ = expanded(source, self._words, self._store, Faults())
+        return results[repairs_of(tokens, trial)]
 
     def unit(self, name: str) -> tuple[Unit | None, Faults]:
         """A program that can run, or None with its faults; without faults there is no source."""

@@ -1,9 +1,11 @@
 """Reads a whole source: head, declarations, main part, subroutines.  All faults of the file in one run, never an exception."""
 
+from collections.abc import Iterable
+
 from gateway.pure.languages.baps2 import instructions
 from gateway.pure.languages.baps2.declarations import STARTERS, DeclarationReader
 from gateway.pure.languages.baps2.expressions import ExpressionReader
-from gateway.pure.languages.baps2.lexer import Kind
+from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.statements import ROUTINE_ENDS, StatementReader
 from gateway.pure.languages.baps2.stream import Misread, Stream
 from gateway.pure.languages.baps2.tree import Declaration, Head, Parameter, Program, Routine, Statement
@@ -17,9 +19,11 @@ MOST_GARBLED = 20  # then the declarations are left for the body
 ENDS = {"PROGRAM": ("PROGRAM_END", "END"), "SUBROUTINE": ("SUB_END", "END")}
 
 
-def read(source: SourceFile, words: Words, store: ProgramStore, faults: Faults) -> Program | None:
-    """The tree; None where not even a program begins in it."""
-    return _Reader(Stream(source, words, store, faults), faults).program()
+def read(
+    source: SourceFile, words: Words, store: ProgramStore, faults: Faults, inserted: Iterable[tuple[int, Token]] = ()
+) -> Program | None:
+    """The tree; None where not even a program begins in it.  `inserted`: tokens that the text lacks, and their places."""
+    return _Reader(Stream(source, words, store, faults, inserted), faults).program()
 
 
 class _Reader:

@@ -222,7 +222,7 @@ class StatementReader:
         while not self._stream.sign(")"):
             found.append(self._expressions.read())
             if not self._stream.comma() and not self._stream.is_sign(")"):
-                self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}")
+                self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}", at=self._stream.bracket_place())
         return tuple(found)
 
     # ---- motion

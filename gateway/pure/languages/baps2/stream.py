@@ -1,7 +1,7 @@
 """The tokens of a program with its included files in their place, read with one token of look-ahead and recovery after faults."""
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from typing import NoReturn
 
 from gateway.pure.languages.baps2.expansion import expanded
@@ -27,9 +27,14 @@ class Misread(Exception):
 class Stream:
     """Tokens, and the places in which names are declared as far as the grammar needs them."""
 
-    def __init__(self, source: SourceFile, words: Words, store: ProgramStore, faults: Faults) -> None:
+    def __init__(
+        self, source: SourceFile, words: Words, store: ProgramStore, faults: Faults, inserted: Iterable[tuple[int, Token]] = ()
+    ) -> None:
+        """`inserted`: tokens that the text lacks, and their places."""
         self.faults, self._words = faults, words
         self._tokens, self._rows = expanded(source, words, store, faults)
+        for place, token in inserted:
+            self._tokens.insert(place, token)
         for place in no_subroutines(self._tokens, words):
             self._tokens[place] = self._tokens[place]._replace(word="")
         self._next = 0
@@ -88,11 +93,16 @@ class Stream:
 
     def missing(self, what: str, where: str) -> None:
         """Reports what is not there, at a semicolon in its place, which begins a comment; reading may go on without it."""
-        at, hint = self.token.position, ""
+        at, hint = self.bracket_place() if what in ("')'", "']'") else self.token.position, ""
         comment, column = self._comment()
         if comment:
             at, hint = self.ahead(-1).position._replace(column=column), "a semicolon begins a comment"
         self.faults.error("syntax", at, f"{what} is expected {where}, not {self.token}", hint)
+
+    def bracket_place(self) -> Position:
+        """Where a closing bracket is missing: in front of the next token, or behind the one that was taken if that ends its line."""
+        before = self.ahead(-1)
+        return self.token.position if before.position.line == self.token.position.line else before.end
 
     def _comment(self) -> tuple[str, int]:
         """What follows the token that was taken in its line, if it begins with a semicolon, and the column; else "" and 0."""

@@ -384,6 +384,7 @@ class Head:
     default_kinematic: str = ""
     default_way: str = ""
     said: set[str] = field(default_factory=set)  # instructions that may occur once
+    faulty: set[str] = field(default_factory=set)  # instructions that are read in part
     over: bool = False  # the main part has been read
     commented: dict[str, int] = field(default_factory=dict)  # names in a comment right behind declared ones -> line
 

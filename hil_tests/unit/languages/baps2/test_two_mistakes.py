@@ -126,3 +126,10 @@ def test_english_words_are_names_in_a_german_program() -> None:
 def test_words_of_the_program_s_own_language_stay_words() -> None:
     assert faults_of("PROGRAM P\nBEGIN\nMOVE TO END\nPROGRAM_END\n") == [("syntax", 3)]
     assert faults_of("PROGRAMM P\nANFANG\nSPRUNG ENDE\nPROGRAMM_ENDE\n") == [("syntax", 3)]
+
+
+def test_up_is_a_name_in_a_german_program_too() -> None:
+    text = ";;KINEMATIK : (1 = ROB)\n;;ROB.WK_NAMEN = X\nPROGRAMM P\nAUSGANG : 1 = UP, 2 = DOWN\nGANZ : N\nANFANG\nUP = 1\nN = 3\n"
+    text += "WENN UP = 1 UND N > 2 DANN ANFANG\nSCHREIBE N\nENDE\nUP = 0\nMELDE\nDOWN = UP\nSCHREIBE UP\nPROGRAMM_ENDE\n"
+    text += "UP MELDE\nANFANG\nSCHREIBE 'hier'\nUP_ENDE\n"
+    assert written(run(text)) == ["3", "hier", "0"]

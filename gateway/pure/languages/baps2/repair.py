@@ -1,0 +1,250 @@
+"""One sign or name that is missing causes several faults: it is put in its place, and the program is read again (AX-1822)."""
+
+import re
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+from gateway.pure.languages.baps2.declarations import KINEMATIC, STARTERS
+from gateway.pure.languages.baps2.lexer import Kind, Token
+from gateway.pure.languages.baps2.mistakes import CLOSERS, WITH_OPERAND
+from gateway.pure.languages.base.faults import Faults, Severity
+from gateway.pure.languages.base.source import base_name
+
+MOST_TOKENS = 15_000  # that are read again in all
+MOST_REPAIRS = 3  # of one program
+MOST_NAMES = 4  # that are tried in one place
+MOST_GAPS = 12  # between which a bracket may be missing
+PAIRS = {")": "(", "]": "["}
+CLOSING = {"(": ")", "[": "]"}
+STATEMENTS = (CLOSERS | WITH_OPERAND | {"BEGIN", "PARALLEL", "HALT", "BREAK", "SPC_FCT", "CONST"}) - {"STOP", "START"}
+BEHIND = ("TO", "VIA", "THEN", "AND", "OR", "MAX_TIME", "ERROR", "TIMES", "EQUAL")  # what is in brackets ends in front of these
+OPERANDS = (Kind.NAME, Kind.NUMBER, Kind.TEXT)
+BEGINS = ("BEGIN", "START")
+NAMED_BY = ("PROGRAM", "SUBROUTINE")  # a name follows
+_NUMBERED = re.compile(r"\d\s*=\s*([^\W\d]\w*)")
+_NAME = re.compile(r"@?[^\W\d]\w*")
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """A token that is missing.  `place`: its index, with those of the repairs before it in the text."""
+
+    place: int
+    token: Token
+    text: str
+    hint: str = ""
+
+
+Trial = Callable[[Sequence[Repair]], Faults]  # the faults of the program with these repairs
+
+
+def repairs_of(tokens: list[Token], trial: Trial) -> tuple[Repair, ...]:
+    """The repairs that leave the fewest errors, each of which counts as one; () where none helps.  `tokens`: all of the program."""
+    chosen: tuple[Repair, ...] = ()
+    faults = trial(())
+    left = MOST_TOKENS // len(tokens)  # trials
+    while faults.errors > len(chosen) + 1 and len(chosen) < MOST_REPAIRS:
+        best: Repair | None = None
+        fewest = faults.errors
+        for each in _nearest([*_brackets(tokens, faults), *_names(tokens, faults)], faults)[:left]:
+            left -= 1
+            errors = trial((*chosen, each)).errors
+            if errors < fewest:
+                best, fewest = each, errors
+            if errors <= len(chosen) + 1:
+                break
+        if best is None:
+            break
+        tokens.insert(best.place, best.token)
+        chosen = (*chosen, best)
+        faults = trial(chosen)
+    return chosen
+
+
+def _nearest(repairs: Sequence[Repair], faults: Faults) -> list[Repair]:
+    """Those nearest to an error first."""
+    lines = [each.position.line for each in faults if each.severity is Severity.ERROR]
+    return sorted(repairs, key=lambda each: min(abs(each.token.position.line - line) for line in lines))
+
+
+# ---- brackets
+
+
+def _brackets(tokens: Sequence[Token], faults: Faults) -> Iterator[Repair]:
+    """Places for brackets without their other half, in lines near a fault."""
+    lines = {(each.position.file, each.position.line) for each in faults if each.severity is Severity.ERROR}
+    opened: list[int] = []
+    for place, token in enumerate(tokens):
+        if token.word in NAMED_BY or token.word == "SPC_FCT":
+            yield from _parameters(tokens, place, lines)
+        if opened and _begins(tokens, place):
+            yield from _closers(tokens, opened, place)
+            opened.clear()
+        if token.kind is not Kind.SIGN:
+            continue
+        if token.text in CLOSING:
+            opened.append(place)
+        elif token.text in PAIRS and opened and tokens[opened[-1]].text == PAIRS[token.text]:
+            opened.pop()
+        elif token.text in PAIRS and (token.position.file, token.position.line) in lines:
+            yield from _openers(tokens, place)
+
+
+def _parameters(tokens: Sequence[Token], place: int, lines: Collection[tuple[str, int]]) -> Iterator[Repair]:
+    """Where the opening bracket of parameters is missing: between a name and the first type."""
+    for at in range(place + 1, min(place + 6, len(tokens))):
+        before, token = tokens[at - 1], tokens[at]
+        listed = token.word == "VALUE" or (token.word in STARTERS and at + 1 < len(tokens) and tokens[at + 1].text == ":")
+        if listed and before.kind is Kind.NAME and before.position.line == token.position.line and (token.position[:2] in lines):
+            yield _sign("(", at, tokens)
+            return
+
+
+def _sign(sign: str, place: int, tokens: Sequence[Token]) -> Repair:
+    """An opening bracket that is missing in front of the token there."""
+    return Repair(place, Token(Kind.SIGN, sign, tokens[place - 1].end), f"'{sign}' is missing in front of {tokens[place]}")
+
+
+def _begins(tokens: Sequence[Token], place: int) -> bool:
+    """Whether another statement or declaration begins, which no bracket encloses."""
+    token = tokens[place]
+    if token.kind in (Kind.END, Kind.INSTRUCTION) or token.word in STATEMENTS:
+        return True
+    fresh = place > 0 and tokens[place - 1].position.line != token.position.line
+    return fresh and token.kind is Kind.NAME and place + 1 < len(tokens) and tokens[place + 1].text in ("=", ":")
+
+
+def _openers(tokens: Sequence[Token], place: int) -> Iterator[Repair]:
+    """Where the opening bracket of this closing one may be missing: the likeliest place first."""
+    gaps, depth, at = list[int](), 0, place
+    while at > 0 and len(gaps) < MOST_GAPS and tokens[at - 1].position.line == tokens[place].position.line:
+        at -= 1
+        token = tokens[at]
+        depth += (token.text in PAIRS) - (token.text in CLOSING)
+        if depth < 0:
+            break
+        if not depth and token.text not in PAIRS:
+            gaps.append(at)
+    gaps.sort(key=lambda gap: (_unlikely(tokens[gap - 1], tokens[gap]), -gap))
+    for gap in gaps:
+        if gap:
+            yield _sign(PAIRS[tokens[place].text], gap, tokens)
+
+
+def _unlikely(before: Token, behind: Token) -> int:
+    """How unlikely a missing opening bracket is between these."""
+    if before.kind is Kind.NAME and behind.kind in OPERANDS and behind.word not in BEHIND:
+        return 0 if not before.word else 1
+    if before.word or before.text in ("=", ","):
+        return 1 if before.text != "," else 3
+    return 2
+
+
+def _closers(tokens: Sequence[Token], opened: Sequence[int], end: int) -> Iterator[Repair]:
+    """Where the closing bracket of an open one may be missing, in front of what begins at `end`."""
+    for place in reversed(opened):
+        sign, depth, gaps = CLOSING[tokens[place].text], 0, list[int]()
+        for at in range(place + 2, end + 1):
+            before = tokens[at - 1]
+            depth += (before.text in CLOSING) - (before.text in PAIRS)
+            if depth < 0:
+                break
+            if not depth and (before.kind in OPERANDS or before.text in PAIRS):
+                gaps.append(at)
+        gaps.sort(key=lambda gap: (_early(tokens[gap - 1], tokens[gap], sign), gap))
+        for gap in gaps[:MOST_GAPS]:
+            before = tokens[gap - 1]
+            yield Repair(gap, Token(Kind.SIGN, sign, before.end), f"'{sign}' is missing behind {before}")
+
+
+def _early(before: Token, behind: Token, sign: str) -> int:
+    """How unlikely a missing closing bracket is between these."""
+    if behind.word in BEHIND or (sign == "]" and behind.text in ("=", ".", "]", ")")):
+        return 0
+    if behind.position.line != before.position.line or sign == "]":
+        return 1
+    return 2 if behind.text == "," else 3
+
+
+# ---- names of declarations
+
+
+def _names(tokens: Sequence[Token], faults: Faults) -> Iterator[Repair]:
+    """Places of declarations that lack a name, with the names that are not known elsewhere."""
+    wanted = _wanted(tokens, faults)[:MOST_NAMES]
+    kinematics = [name for token in tokens if token.kind is Kind.INSTRUCTION for name in _kinematics(token.text)][:MOST_NAMES]
+    for place in range(1, len(tokens)):
+        before, behind = tokens[place - 1], tokens[place]
+        fresh = behind.position.line != before.position.line
+        if before.word in NAMED_BY and (fresh or behind.text == "("):
+            own = base_name(before.position.file).partition(".")[0]
+            for name in [own] if before.word == "PROGRAM" else [each.text for each in wanted]:
+                yield _named(place, name, tokens)
+        elif (
+            behind.text == "."
+            and (fresh or before.kind is not Kind.NAME)
+            and place + 1 < len(tokens)
+            and tokens[place + 1].word in KINEMATIC
+        ):
+            for name in kinematics:
+                yield _named(place, name, tokens)
+        elif _lacks_name(tokens, place):
+            for token in wanted:
+                yield _named(place, token.text, tokens, f"{token.text} of line {token.position.line} is not declared")
+            yield _named(place, "@_" if tokens[place - 2].word == "JC_POINT" else "_", tokens)
+
+
+def _kinematics(instruction: str) -> list[str]:
+    """The names that an instruction gives to kinematics."""
+    return _NUMBERED.findall(instruction) if "KINEMATI" in instruction.upper() else []
+
+
+def _named(place: int, name: str, tokens: Sequence[Token], hint: str = "") -> Repair:
+    """A name that is missing there."""
+    before, behind = tokens[place - 1 : place + 1]
+    at = behind.position if behind.text == "=" else before.end
+    return Repair(place, Token(Kind.NAME, name, at), f"a name is expected behind {before}, not {behind}", hint)
+
+
+def _wanted(tokens: Sequence[Token], faults: Faults) -> list[Token]:
+    """Names that faults find unknown or of no use, in the order of the text."""
+    lines: dict[tuple[str, int], set[str]] = {}
+    for each in faults:
+        if each.severity is Severity.ERROR and each.id not in ("syntax", "no-begin"):
+            lines.setdefault(each.position[:2], set()).update(_NAME.findall(each.text.upper()))
+    places = {each.position for each in faults if each.id == "type"}
+    found, declared, body = list[tuple[Token, set[str]]](), [set[str]()], False  # the names of the program, and of each subroutine
+    for token in tokens:
+        if token.word == "SUBROUTINE":
+            declared.append(set())
+        if token.word in (*NAMED_BY, *BEGINS):
+            body = token.word in BEGINS
+        if token.kind is not Kind.NAME or token.word:
+            continue
+        if not body:
+            declared[-1].add(token.key)
+        elif token.key in lines.get(token.position[:2], ()) or token.position in places:
+            found.append((token, declared[-1]))
+    return list({token.key: token for token, own in reversed(found) if token.key not in own | declared[0]}.values())[::-1]
+
+
+def _lacks_name(tokens: Sequence[Token], place: int) -> bool:
+    """Whether a name may be missing here, in a declaration."""
+    before, behind = tokens[place - 1], tokens[place]
+    if before.text not in (":", ",", "=") or not _declares(tokens, place - 1):
+        return False
+    if behind.text == "=":
+        return before.text != "="
+    if behind.kind is Kind.NAME and not behind.word:
+        return behind.position.line != before.position.line and tokens[place + 1].text == "."
+    listed: Collection[str] = (*STARTERS, "BEGIN", "START")
+    number = behind.kind is Kind.NUMBER and before.text == "=" and tokens[place + 1].text == "="
+    return behind.text in (",", ")", "(") or behind.kind in (Kind.END, Kind.INSTRUCTION) or behind.word in listed or number
+
+
+def _declares(tokens: Sequence[Token], place: int) -> bool:
+    """Whether this colon, comma or = is one of a declaration: a type is in front of its list."""
+    for at in range(place, max(place - 200, -1), -1):
+        if tokens[at].word:
+            return tokens[at].word in STARTERS
+    return False
