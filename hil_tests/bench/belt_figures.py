@@ -123,7 +123,7 @@ def belt_cam() -> Figure:
 def step_costs(rounds: int = 8, repeats: int = 3) -> list[Figure]:
     """A whole period of the six-axis arm on LIN on a running belt: belt, filter, stepper with override changes, frame, inverse, scout.
 
-    Each round is run `repeats` times and the least of each period counts: what else the machine does is no part of it.
+    Each round is run `repeats` times and the median of each period counts.
     """
     robot, limits = lab.arm()
     start, end = lab.point(0.35, -0.25, 0.3, lab.POINTING_DOWN), lab.point(0.4, 0.0, 0.3, lab.POINTING_DOWN)

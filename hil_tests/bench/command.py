@@ -63,9 +63,12 @@ def motion(arguments: argparse.Namespace) -> list[Figure]:
 
 
 def lanes(arguments: argparse.Namespace) -> list[Figure]:
+    from hil_tests.bench import lanes_cell
+    from hil_tests.bench.drives_bench import BLOCK_S
     from hil_tests.bench.lanes_bench import run
 
-    return [dict(figure) for figure in run()]
+    pure: list[Figure] = [dict(figure) for figure in run()]
+    return [*pure, *lanes_cell.figures(arguments.blocks, arguments.seconds or BLOCK_S)]
 
 
 def route(arguments: argparse.Namespace) -> list[Figure]:
@@ -135,12 +138,12 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("name", choices=[*BENCHES, "all"])
     parser.add_argument("--json", action="store_true", help="list of {figure, value, unit, reference, reference_value, ratio, goal, met}")
-    parser.add_argument("--blocks", type=int, default=6, help="of each side in bench cycle, planner and drives (default 6)")
+    parser.add_argument("--blocks", type=int, default=6, help="of each side in bench cycle, planner, drives and lanes (default 6)")
     parser.add_argument(
         "--seconds",
         type=float,
-        help="of each block in bench cycle and planner (default 10) and drives (5, at half the period); of the scope in bench web (600); "
-        "of the synchronous task in bench val3 (60); bench program: any makes it short",
+        help="of each block in bench cycle and planner (default 10), drives (5, at half the period) and lanes (5); of the scope in "
+        "bench web (600); of the synchronous task in bench val3 (60); bench program: any makes it short",
     )
     arguments = parser.parse_args(argv)
     missing = [name for name in REFERENCES if not (ROOT / "build" / name).exists()]

@@ -66,15 +66,15 @@ def compared(ours: Side, theirs: Side, repeated: int, moves: int, name_of: str) 
 
 def twelve_axes(text: str) -> str:
     """The demo's cell with its bus, axes and plant once more: A7 .. A12 on bus drives2."""
-    buses = _tables(text, r"\[\[bus\]\]")
-    axes = _tables(text, r"\[\[axis\]\]")
-    plant = _tables(text, r"\[plant\.axis\.A\d\]")
+    buses = tables(text, r"\[\[bus\]\]")
+    axes = tables(text, r"\[\[axis\]\]")
+    plant = tables(text, r"\[plant\.axis\.A\d\]")
     second = "\n".join([*buses, *axes]).replace('"drives"', '"drives2"')
     second = re.sub(r'"A(\d)"', lambda found: f'"A{int(found[1]) + 6}"', second)
     moved = re.sub(r"\[plant\.axis\.A(\d)\]", lambda found: f"[plant.axis.A{int(found[1]) + 6}]", "\n".join(plant))
     return text + "\n" + second + "\n" + moved
 
 
-def _tables(text: str, head: str) -> list[str]:
+def tables(text: str, head: str) -> list[str]:
     """Every table that begins with this head, up to the next one."""
     return [found[0] for found in re.finditer(rf"^{head}.*?(?=^\[|\Z)", text, re.MULTILINE | re.DOTALL)]

@@ -14,7 +14,7 @@ import ruckig
 
 from gateway.tools.progress import steps as shown
 from hil_tests.bench import belt_figures, kinematics_bench, motion_figures
-from hil_tests.bench.step_costs import cost_rows, least_of, percentile, uncollected
+from hil_tests.bench.step_costs import cost_rows, median_of, percentile, uncollected
 from hil_tests.lab.cells import arms
 from hil_tests.lab.judges.tool_speed import random_blocks, streamed
 from hil_tests.lab.virtual.contour import SPEED, stream
@@ -158,7 +158,7 @@ def cycle_costs(steps: int = 20_000, repeats: int = 3) -> list[Figure]:
     pieces = planner.plan(0.0, hurry=True)
     rounds = math.ceil(steps / len(driven(machine, start, pieces, 0, Foresight)))
     with uncollected():
-        bare = least_of(repeats, lambda: bare_cycle(machine, start))
+        bare = median_of(repeats, lambda: bare_cycle(machine, start))
     reference = "ruckig along a line, frame, inverse, same run", percentile(bare, 0.5), percentile(bare, 0.99)
     return cost_rows("motion.step", reference, rounds, repeats, lambda seed, foresight: driven(machine, start, pieces, seed, foresight))
 

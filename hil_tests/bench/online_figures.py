@@ -199,7 +199,7 @@ def _from_polyline(q: Array, line_points: Array) -> float:
 def step_costs(rounds: int = 12, repeats: int = 3) -> list[Figure]:
     """1 ms steps of the six-axis arm on LIN and corners, override changed every 400 ms.
 
-    Each round is run `repeats` times and the least of each period counts: what else the machine does is no part of it.
+    Each round is run `repeats` times and the median of each period counts.
     """
     legs, corners, limits = lab.u_arm(0.0125)
     path = assembled(legs, corners)

@@ -1,6 +1,7 @@
 """What a period costs, with what a cell of this machine looks ahead with (C, where it was built) and with its twin in Python, in turn."""
 
 import gc
+import statistics
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -14,7 +15,7 @@ MEDIAN, MOST = 60.0, 150.0  # us
 
 @contextmanager
 def uncollected() -> Iterator[None]:
-    """No garbage is collected meanwhile."""
+    """No garbage is collected meanwhile, as in the cycle's process."""
     gc.collect()
     gc.disable()
     try:
@@ -28,9 +29,9 @@ def percentile(values: list[int], share: float) -> float:
     return sorted(values)[min(int(len(values) * share), len(values) - 1)] / 1000
 
 
-def least_of(repeats: int, run: Callable[[], list[int]]) -> list[int]:
-    """The least of each of the same periods, run so often: what else the machine does is no part of them."""
-    return [min(same) for same in zip(*(run() for _ in range(repeats)), strict=True)]
+def median_of(repeats: int, run: Callable[[], list[int]]) -> list[int]:
+    """The median of each of the same periods, run so often: what interrupts one of them does not count, what each of them costs does."""
+    return [round(statistics.median(same)) for same in zip(*(run() for _ in range(repeats)), strict=True)]
 
 
 def cost_rows(
@@ -45,8 +46,8 @@ def cost_rows(
     with uncollected():
         for n in range(rounds):
             for name, kind in kinds.items():
-                costs[name] += least_of(repeats, partial(run, n, kind))
-    unit, (words, median, most) = f"us of processor time, least of {repeats} same runs", reference
+                costs[name] += median_of(repeats, partial(run, n, kind))
+    unit, (words, median, most) = f"us of processor time, median of {repeats} same runs", reference
     rows = []
     for name, all_costs in costs.items():
         rows += [
