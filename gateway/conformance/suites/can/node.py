@@ -32,6 +32,7 @@ class NodeSetup:
     dictionary: ObjectDictionary | None = None
     touch: frozenset[Key] = frozenset()
     text: Key = (0x1008, 0)  # an object longer than four bytes
+    long: Key = (0x1008, 0)  # the longest of those that were looked at
     remotes: bool = True  # the port sends remote frames
     emcy: int = 0  # identifier of emergencies; 0: the default
     took: Ns = 0  # an SDO upload of this device

@@ -5,7 +5,7 @@ from contextlib import suppress
 
 from gateway.conformance.framework.bench_file import BadFile, Bench
 from gateway.conformance.suites.can.blocks import block_upload
-from gateway.conformance.suites.can.node import DEVICE_TYPE, HEARTBEAT, NodeSetup, NodeTester
+from gateway.conformance.suites.can.node import DEVICE_TYPE, HEARTBEAT, NodeSetup, NodeTester, named
 from gateway.conformance.suites.opening import Opened
 from gateway.conformance.suites.supply import frame_supply
 from gateway.pure.conformance.verdict import Ended
@@ -47,6 +47,10 @@ ALL = (
     "rpdo_setup",
 )
 
+TEXTS = ((0x1008, 0), (0x1009, 0), (0x100A, 0), (0x1021, 0), (0x6403, 0), (0x6404, 0), (0x6503, 0), (0x6505, 0))
+EXPEDITED = 4  # bytes, at most
+MOST_LISTED = 12  # of an EDS are looked at
+MOST_BYTES = 2000  # of a block transfer
 BOOTS = ms(3000)  # how long a device may take to answer for the first time
 
 
@@ -181,20 +185,37 @@ class NodeSession:
         self.assumed.append(f"node {self.setup.node}: {'the first that answers' if found is not None else 'none answers'}")
 
     def _long_object(self) -> None:
-        """For segmented and block transfers: an object of more than four bytes."""
+        """For segmented and block transfers: the first object of more than four bytes, and the longest that is not too long."""
         tester, pics = self.tester, self.pics
-        for key in ((0x1008, 0), (0x1009, 0), (0x100A, 0)):
-            got = tester.ask(sdo.initiate(Request.INITIATE_UPLOAD, key))
-            if len(got) == 8 and got[0] >> 5 == sdo.Answer.INITIATE_UPLOAD and not got[0] & sdo.EXPEDITED:
-                self.setup.text = key
-                pics.setdefault("segmented", True)
-                self._give_up(key)
-                break
+        found = {key: size for key in self._perhaps_long() if (size := self._length(key)) > EXPEDITED}
+        if found:
+            self.setup.text = next(iter(found))
+            self.setup.long = max((key for key in found if found[key] <= MOST_BYTES), key=found.__getitem__, default=self.setup.text)
+            pics.setdefault("segmented", True)
+            self.assumed.append(f"block transfers read {named(self.setup.long)}, {found[self.setup.long]} bytes")
         self._set("segmented", False)
         if "block" not in pics:
-            got = tester.ask(block_upload(self.setup.text))
+            got = tester.ask(block_upload(self.setup.long))
             self._set("block", bool(got) and got[0] >> 5 == sdo.Answer.BLOCK_UPLOAD)
-            self._give_up(self.setup.text)
+            self._give_up(self.setup.long)
+
+    def _perhaps_long(self) -> list[tuple[int, int]]:
+        """Those that CiA 301 and 402 know, then those of the EDS."""
+        entries = self.setup.dictionary.entries.values() if self.setup.dictionary is not None else ()
+        listed = [entry.key for entry in entries if entry.access.readable and (not entry.type.size or entry.type.size > EXPEDITED)]
+        return list(dict.fromkeys((*TEXTS, *[key for key in listed if key not in TEXTS][:MOST_LISTED])))
+
+    def _length(self, key: tuple[int, int]) -> int:
+        """Bytes of an upload in segments; one that does not give its size is read; 0: there is none."""
+        got = self.tester.ask(sdo.initiate(Request.INITIATE_UPLOAD, key))
+        if len(got) != 8 or got[0] >> 5 != sdo.Answer.INITIATE_UPLOAD or got[0] & sdo.EXPEDITED:
+            return 0
+        size = sdo.size_of(got) if got[0] & sdo.SIZED else 0
+        self._give_up(key)
+        if not size:
+            with suppress(Ended):
+                size = len(self.tester.upload(key))
+        return max(size, EXPEDITED + 1)  # a device that offers it in segments has segments
 
     def _give_up(self, key: tuple[int, int]) -> None:
         """Ends a transfer begun."""

@@ -4,7 +4,7 @@ from gateway.conformance.framework.base import hexed
 from gateway.conformance.suites.can.blocks import Upload, write_block
 from gateway.conformance.suites.can.node import DEVICE_TYPE, HEARTBEAT, NodeTester, named
 from gateway.pure.conformance.purpose import Particulars, Purposes
-from gateway.pure.conformance.verdict import Fail, Warn
+from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
 from protocols.base.machine import ms
 from protocols.canopen import cob_id as cobid
 from protocols.canopen import sdo
@@ -136,12 +136,14 @@ def segmented(t: NodeTester, data: bytes, announced: int, toggle: bool = False) 
 
 @SDO.case("BV_06", "a block upload: size, order, CRC, same bytes", "ein Block-Upload: Länge, Folge, CRC, gleiche Bytes", condition=BLOCKS)
 def block_upload(t: NodeTester) -> None:
-    _same(t, Upload(t, t.setup.text, sdo.MOST_BLOCK).run())
+    _same(t, Upload(t, t.setup.long, sdo.MOST_BLOCK).run())
 
 
 def _same(t: NodeTester, got: bytes) -> None:
     with t.given():
-        wanted = t.upload(t.setup.text)
+        wanted = t.upload(t.setup.long)
+        if got != wanted and t.upload(t.setup.long) != wanted:
+            raise NotApplicable(f"what {named(t.setup.long)} holds changes by itself")
     if got != wanted:
         raise Fail("a block upload gives other bytes than a segmented one", hexed(wanted), hexed(got))
 
@@ -155,7 +157,7 @@ def _same(t: NodeTester, got: bytes) -> None:
 )
 def small_blocks(t: NodeTester) -> None:
     for size in (1, 2):
-        _same(t, Upload(t, t.setup.text, size).run())
+        _same(t, Upload(t, t.setup.long, size).run())
 
 
 @SDO.case(
@@ -166,7 +168,7 @@ def small_blocks(t: NodeTester) -> None:
     preamble=BLOCKED,
 )
 def again(t: NodeTester) -> None:
-    _same(t, Upload(t, t.setup.text, 2, resend=True).run())
+    _same(t, Upload(t, t.setup.long, 2, resend=True).run())
 
 
 def block_ended(t: NodeTester, got: bytes, what: str) -> None:
@@ -259,8 +261,8 @@ def given_up(t: NodeTester) -> None:
     from gateway.conformance.suites.can.blocks import block_upload as initiate
 
     with t.given():
-        t.asked(initiate(t.setup.text), "block upload", t.setup.text)
-    t.say(cobid.sdo_request(t.setup.node), sdo.abort(t.setup.text, Abort.GENERAL))
+        t.asked(initiate(t.setup.long), "block upload", t.setup.long)
+    t.say(cobid.sdo_request(t.setup.node), sdo.abort(t.setup.long, Abort.GENERAL))
     t.pause(ms(20))
     if len(t.upload(DEVICE_TYPE)) != 4:
         raise Fail("1000h after a block upload that was given up", "four bytes", "another length")

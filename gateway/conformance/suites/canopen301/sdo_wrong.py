@@ -122,7 +122,7 @@ def segment_alone(t: NodeTester) -> None:
 )
 def block_size(t: NodeTester) -> None:
     for size in (0, 128):
-        t.refused(block_upload(t.setup.text, size), (Abort.BLOCK_SIZE,), f"a block size of {size}", (Abort.COMMAND, Abort.GENERAL))
+        t.refused(block_upload(t.setup.long, size), (Abort.BLOCK_SIZE,), f"a block size of {size}", (Abort.COMMAND, Abort.GENERAL))
 
 
 @REFUSED.case(
