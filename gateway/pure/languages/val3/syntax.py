@@ -132,6 +132,8 @@ def tokens(line: str) -> list[Token]:
         if kind == "num" and end < len(line) and (line[end].isalnum() or line[end] == "_"):
             wrong = re.match(r"\w+", line[start:])
             raise CompileFault(f"'{wrong.group() if wrong else line[start:end]}' : invalid name", start + 1)
+        if kind == "op" and line.startswith("//", start):
+            raise CompileFault(f"'{line[start:].strip()[:40]}' : comment not at the begin of the line", start + 1)
         found.append(Token(kind, line[start:end], start, end))
         at = end
     found.append(Token("end", "", len(line), len(line)))
@@ -260,15 +262,15 @@ class Expressions:
 
     def _named(self, program: bool = False) -> Node:
         token = self._name(program)
-        library = ""
+        library, start = "", token.start
         if self.next.text == ":":
             self.take()
             library, token = token.text, self._name(program)
         if self.next.kind == "op" and self.next.text == "(":
             self.take()
             arguments = self._list(")")
-            return Invoke(token.start, self.tokens[self.at - 1].end, library, token.text, arguments)
-        return Name(token.start, token.end, library, token.text)
+            return Invoke(start, self.tokens[self.at - 1].end, library, token.text, arguments)
+        return Name(start, token.end, library, token.text)
 
     def _name(self, program: bool = False) -> Token:
         token = self.next
@@ -286,7 +288,7 @@ class Expressions:
             found.append(self.expression())
             if self.meets(closing):
                 return found
-            self.demand(",")
+            self.demand("," if self.next.kind != "end" else closing)
 
     def _literal(self) -> Node:
         start = self.take().start
@@ -296,4 +298,4 @@ class Expressions:
             parts.append(None if empty else self.expression())
             if self.meets("}"):
                 return Literal(start, self.tokens[self.at - 1].end, parts)
-            self.demand(",")
+            self.demand("," if self.next.kind != "end" else "}")

@@ -362,7 +362,7 @@ class ProgramTranslator:
     def _program_call(self, parser: Expressions, translator: Translator) -> Invoke:
         node = parser._named(program=True)
         if not isinstance(node, Invoke):
-            raise translator.fault(node, "undefined program")
+            raise parser.fault("'(' expected")
         return node
 
     def _target(self, node: Invoke) -> tuple[str, list[Parameter]]:

@@ -37,7 +37,7 @@ endSwitch"""
 @pytest.mark.requirement("VAL-LANG-01", by=T + "translate")
 def test_comments_stand_at_the_begin_of_a_line() -> None:
     assert globals_of("// This is an example of a comment\n  // n=7\nn=1", NUMS)["n"] == 1
-    assert faults_of("n=1 // x", NUMS) == [(2, "'/' : data expected")]
+    assert faults_of('n=len("//")\nn=1 // x', NUMS) == [(3, "'// x' : comment not at the begin of the line")]
 
 
 @pytest.mark.requirement("VAL-LANG-02", by=X + "parameters")
@@ -320,6 +320,9 @@ def test_is_defined_asks_without_an_error() -> None:
     [
         ("jA[1]=3", "'jA' : data expected"),
         ("call nothing()", "'nothing' : undefined program"),
+        ("call start", "'(' expected"),
+        ("n=max(1,2", "')' expected"),
+        ("n=m[1", "']' expected"),
         ("n=s", "'n=s' : Invalid binary operator for these types"),
         ('n=1+"a"', "'1+\"a\"' : Invalid binary operator for these types"),
         ("if n\nendIf", "'n' : invalid type"),
