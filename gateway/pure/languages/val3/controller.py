@@ -80,6 +80,7 @@ class Controller:
         self.loader = Loader(self.disk, self.axes, family=self.family, strict=self.strict)
         self.arm: Arm | None = self.moves_or_none.geometry if self.moves_or_none is not None else None
         self.world, self.flange = FrameV(root=True), ToolV(root=True)
+        self.flange.gripper.link = "valve1"  # as of every tool (L4923)
         self.io, self.sio, self.screen, self.latch = VirtualIo(), VirtualSio(), Screen(), Latch()
         self.pages = PageBoard(self.io)
         self.operator = False  # prompts wait for an answer; without an operator they are answered at once

@@ -194,8 +194,9 @@ def test_linear_axes_are_in_the_length_unit_of_the_application(millimetres: bool
     assert found["b"] == [True, True, millimetres]
 
 
-def test_a_local_tool_has_the_output_valve1() -> None:
-    """L4921-4923: it lacks its base tool alone."""
-    app = App(data=DATA, programs={"start": (["tool l_t"], "link(l_t,flange)\nopen(l_t)\nb=valve")})
+@pytest.mark.parametrize("code", ["link(l_t,flange)\nopen(l_t)", "open(flange)"])
+def test_a_local_tool_and_flange_have_the_output_valve1(code: str) -> None:
+    """L4921-4923: a local one lacks its base tool alone."""
+    app = App(data=DATA, programs={"start": (["tool l_t"], f"{code}\nb=valve")})
     found = run(app, arm=True)["globals"]
     assert isinstance(found, dict) and found["b"] is True
