@@ -232,9 +232,11 @@ def f_screen_put_of(own: Instance, screen: ScreenV, value: str | float) -> None:
 
 def f_screen_putln(own: Instance, value: str | float) -> None:
     """And a new line."""
-    own.machine.screen.put(_text(value))
-    own.machine.note(_text(value), "SCREEN")
-    own.machine.screen.newline()
+    screen = own.machine.screen
+    screen.put(_text(value))
+    own.machine.note(screen.said, "SCREEN")
+    screen.newline()
+    screen.said = ""
 
 
 def f_screen_putln_of(own: Instance, screen: ScreenV, value: str | float) -> None:

@@ -18,6 +18,7 @@ class Screen:
     column: int = 0
     line: int = 0
     title: str = ""
+    said: str = ""  # written since the last line began
     keys: "deque[float]" = field(default_factory=lambda: deque(maxlen=MOST_KEYS))
 
     def press(self, key: str) -> bool:
@@ -30,16 +31,17 @@ class Screen:
 
     def clear(self) -> None:
         """cls."""
-        self.lines, self.column, self.line = [" " * COLUMNS] * LINES, 0, 0
+        self.lines, self.column, self.line, self.said = [" " * COLUMNS] * LINES, 0, 0, ""
 
     def go(self, column: int, line: int) -> None:
         """gotoxy; 70 outside."""
         if not (0 <= column < COLUMNS and 0 <= line < LINES):
             raise Rte(70, f"gotoxy({column}, {line}): {COLUMNS} columns, {LINES} lines")
-        self.column, self.line = column, line
+        self.column, self.line, self.said = column, line, ""
 
     def put(self, text: str) -> None:
         """At the cursor; what is too long runs on into the next line."""
+        self.said = (self.said + text)[-COLUMNS * LINES :]
         for letter in text:
             if self.column >= COLUMNS:
                 self.newline()

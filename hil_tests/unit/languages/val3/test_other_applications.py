@@ -139,6 +139,16 @@ def test_text_page_of_s7_with_entries() -> None:
     assert isinstance(values, dict) and (values["nKey"], values["sName"]) == ([255, 255, 255], ""), "without an operator: Esc"
 
 
+def test_the_log_has_a_line_of_the_text_page_as_a_whole() -> None:
+    files = project(
+        "app",
+        {"start.pgx": pgx("start", '  put("old")\n  gotoxy(0,3)\n  put("n=")\n  putln(7)\n  putln("end")'), "stop.pgx": pgx("stop", "")},
+        "",
+    )
+    log = played(files, "app")["log"]
+    assert isinstance(log, list) and [line.partition("SCREEN:")[2] for line in log] == ["n=7", "end"]
+
+
 def test_keys_of_the_pendant() -> None:
     parts = data("nKey", "num", size="5") + data("bDown", "bool") + data("n", "num") + data("sc", "screen") + data("nNone", "num")
     code = """  setTextMode(1)
