@@ -65,6 +65,11 @@ def f_es_status(own: Instance) -> float:
     return float(own.machine.robot.estop)
 
 
+def f_set_safety_restart(own: Instance) -> None:
+    """Ends the wait for a safe restart (AX-1841)."""
+    own.machine.robot.restart()
+
+
 def f_get_monitor_speed(own: Instance) -> float:
     """0 .. 100."""
     return own.machine.robot.speed

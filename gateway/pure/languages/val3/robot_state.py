@@ -57,6 +57,11 @@ class RobotState:
         if self.estop == SS1:
             self.powered = False
 
+    def restart(self) -> None:
+        """setSafetyRestart: a safe restart is no longer waited for."""
+        if self.estop == SAFE_RESTART:
+            self.estop = 0
+
     def overrun(self) -> None:
         """The synchro task was late: the robot stops, and has no power until the controller begins anew (L3460)."""
         self.reboot, self.powered = True, False

@@ -86,6 +86,11 @@ def test_es_status_is_the_state_of_the_safety_chain() -> None:
     assert after(steps, *events)["n"] == [0, 3, 0, 2, 1, 0, 0, 0]
 
 
+def test_a_program_gives_the_safe_restart() -> None:
+    code = "setSafetyRestart()\nn[0]=esStatus()\nwait(esStatus()==1)\nsetSafetyRestart()\nn[1]=esStatus()\nn[2]=sel(isPowered(),1,0)"
+    assert after(code, (0.0, "estop=1"), (0.5, "estop=0"))["n"][:3] == [2, 0, 0]
+
+
 @pytest.mark.requirement("VAL-ROB-03", by="gateway.pure.languages.val3.builtin_robot:f_es_status")
 def test_an_ss1_takes_the_power_an_ss2_holds_the_arm() -> None:
     code = "n[0]=sel(isPowered(),1,0)\nmovej(jTo,flange,mSlow)\ndelay(0.5)\nnAt[0]=herej()\ndelay(0.5)\nn[1]=esStatus()\n"
