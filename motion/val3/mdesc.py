@@ -18,8 +18,8 @@ class BlendKind(Enum):
     CARTESIAN = "Cartesian"
 
 
-TOO_LARGE = 500.0  # % (AX-411)
-_PERCENT = (("vel", 100), ("accel", 101), ("decel", 102))
+TOO_LARGE, STEEPEST = 500.0, 9999.0  # %: of vel; of accel and decel (AX-411)
+_PERCENT = (("vel", 100, TOO_LARGE), ("accel", 101, STEEPEST), ("decel", 102, STEEPEST))
 _TOOL = (("tvel", 103), ("rvel", 104))
 _LENGTHS = (("leave", 106), ("reach", 105))
 
@@ -39,10 +39,10 @@ class Mdesc:
 
     def check(self) -> None:
         """Raises RuntimeFault 100 .. 106 for the first field that is invalid: speeds > 0, distances >= 0."""
-        for name, code in _PERCENT:
+        for name, code, most in _PERCENT:
             value = getattr(self, name)
-            if not 0.0 < value <= TOO_LARGE:
-                raise RuntimeFault(code, f"{name} {value:g} %, 0 < {name} <= {TOO_LARGE:g}")
+            if not 0.0 < value <= most:
+                raise RuntimeFault(code, f"{name} {value:g} %, 0 < {name} <= {most:g}")
         for name, code in _TOOL:
             if not 0.0 < getattr(self, name) < math.inf:
                 raise RuntimeFault(code, f"{name} {getattr(self, name):g}, must be above 0")

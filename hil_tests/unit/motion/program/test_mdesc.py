@@ -27,7 +27,8 @@ def test_the_default_and_the_error_of_each_field() -> None:
         for value in (-1.0, float("nan")):
             assert code_of(changed(default, {name: value})) == code, name
     assert code_of(Mdesc(leave=0.0, reach=0.0)) == 0
-    assert code_of(Mdesc(vel=0.0)) == 100 and code_of(Mdesc(accel=501.0)) == 101
+    assert code_of(Mdesc(vel=0.0)) == code_of(Mdesc(vel=501.0)) == 100 and code_of(Mdesc(accel=10000.0)) == 101
+    assert code_of(Mdesc(accel=9999.0, decel=9999.0)) == 0, "as applications of s7 set them"
 
 
 @pytest.mark.requirement("VAL-MOV-12", by="motion.val3.mdesc:matching")
