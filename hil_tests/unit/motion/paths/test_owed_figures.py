@@ -1,4 +1,4 @@
-"""Figures of the bench that no clock has a part in: owed on any machine, so a change that loses one is reported here, before the next bench."""
+"""Figures of the bench that no clock has a part in: owed on any machine, so a change that loses one fails here, before the next bench."""
 
 import math
 from collections.abc import Callable
