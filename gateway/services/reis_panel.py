@@ -42,6 +42,7 @@ class ReisPanel:
         self.phg = Phg(codes, language)
         self._spoken = Spoken(read_texts("robotstar").pairs() if language == "de" else ())
         self._held: dict[str, Ns] = {}  # key -> when it is released
+        self._unseen: set[str] = set()  # pressed since the last step of the control: released only after it (a short click counts)
         self._source = 0  # who pressed last
 
     def _says(self, words: str) -> None:
@@ -51,8 +52,9 @@ class ReisPanel:
     # ---- one cycle ---------------------------------------------------------------------------------------------------------
     def look(self, now: Ns) -> None:
         """Before a step of the control: keys that are not held any more, a START that was refused, answers of the memory."""
-        for key in [key for key, end in self._held.items() if now >= end]:
+        for key in [key for key, end in self._held.items() if now >= end and key not in self._unseen]:
             self._release(key)
+        self._unseen.clear()
         programs = self._control.robot.programs
         if programs is not None and programs.refused:
             self._says(programs.refused)
@@ -75,7 +77,9 @@ class ReisPanel:
         key = str(request.get("key") or request.get("hold") or request.get("release") or "").upper()
         if key and key not in UNIT.names:
             return {"error": f"{key}: no key of the pendant"}
-        if "release" in request:
+        if "release" in request and key in self._unseen:
+            self._held[key] = now
+        elif "release" in request:
             self._release(key)
         elif key:
             self._source = source
@@ -97,6 +101,7 @@ class ReisPanel:
             self.phg.press(key)
             if self._obeyed(now) and key in LEVELS:
                 self._control.robot.keys.put(f"key.{LEVELS[key]}", 1)
+                self._unseen.add(key)
                 self._held[key] = now + (HELD_NS if held else PULSE_NS)
 
     def _move(self, key: str, now: Ns) -> None:

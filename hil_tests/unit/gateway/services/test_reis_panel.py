@@ -70,8 +70,10 @@ def test_a_program_is_opened_and_its_steps_are_started_from_the_cursor(tmp_path:
     assert operator.cell.step() == 6, "one step, from the cursor on"
     assert ">  6 COPY 33, I_N" in operator.shows("P 6 stopped")
     operator.cycles(60)
-    operator.keys("START")
+    operator.panel.answer({"hold": "START"}, SOURCE, operator.cell.bench.now)
+    operator.asks(release="START")  # a click shorter than a step of the control counts
     operator.cell.until(lambda: operator.value() == "33")
+    assert not operator.panel._held
     operator.keys("INFO F4 I _ N ENTER")
     operator.shows("dec 33")
     operator.keys("F4 I _ X ENTER")
