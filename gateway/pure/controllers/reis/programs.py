@@ -6,14 +6,14 @@ again without a fresh START.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
 
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.controllers.reis.keys import Keys
+from gateway.pure.controllers.reis.side import ReisSide
 from gateway.pure.image.reasons import CommandState, Reason, text
-from gateway.pure.image.records.cell import AxisFlag, CellState, Motion
+from gateway.pure.image.records.cell import AxisFlag, Motion
 from gateway.pure.image.records.interpreter import Channels, Fact
 from gateway.pure.languages.robotstar.arm import TOOL, Arm
 from gateway.pure.languages.robotstar.cell_run import LEFT
@@ -31,36 +31,6 @@ AT_REST = (Motion.IDLE, Motion.STOPPED)
 CHANGE, BEGIN, END = (968, 0), (968, 1), (968, 2)  # markers: program change, Auto Start, Auto Stop (L2921-2923)
 HOLD = (1020, 7)
 Outcome = tuple[str, int, str, str]  # how, code, text, place
-
-
-class ReisSide(Protocol):
-    """What the control gives its programs."""
-
-    @property
-    def cell(self) -> CellState:
-        """As the cycle published it last."""
-
-    @property
-    def automatic(self) -> bool:
-        """RC input 23."""
-
-    def marker(self, byte: int, bit: int) -> bool:
-        """M byte.bit."""
-
-    def flag_bytes(self) -> bytes:
-        """M0..M2047."""
-
-    def robot_writes(self, first: int, data: bytes) -> str:
-        """Markers and outputs as the robot program writes them; why it may not, or ""."""
-
-    def robot_sets(self, byte: int, mask: int, bits: int) -> str:
-        """The same for single bits of a byte."""
-
-    def message(self, number: int, words: str, now: Ns) -> None:
-        """An error of the robot program."""
-
-    def acknowledged(self) -> None:
-        """It is acknowledged."""
 
 
 @dataclass(slots=True)
@@ -92,6 +62,7 @@ class ReisPrograms:
     _pushed: dict[str, Fact] = field(default_factory=dict)  # what the hand wanted last
     _mouse: str = ""  # coordinates as the interpreter knows them
     _mouse_ns: Ns = 0
+    _let_go: bool = False  # START is released where positions are approached in dead man operation
     _mover: int = 0
     _job: Job | None = None
     _ticket: int = 0
@@ -231,7 +202,7 @@ class ReisPrograms:
         in_auto = "single steps are made in Test 1 to 6, not in AUTO" if how and self.mode == "auto" else ""
         if wrong := self._refusal(name) or in_auto:
             return wrong
-        self._runs += 1
+        self._runs, self._let_go = self._runs + 1, False
         self.run, self._name = self._runs, name or self._name
         if source or not self._mover:
             self._mover = source or self.source
@@ -275,8 +246,8 @@ class ReisPrograms:
         if key == ("exec" if executer else "start"):
             if pressed:
                 self._wrong_start(self.start("", 0))
-            elif self.run and self.mode and (MODES[self.mode].single or self.keys.middle):
-                self.stop(now)  # dead man
+            else:
+                self._let_go = bool(self.run and self.mode and (MODES[self.mode].single or self.keys.middle))
         elif pressed and key == "stop":
             self.stop(now)
         elif pressed and key in ("f1", "f2"):
@@ -303,9 +274,17 @@ class ReisPrograms:
         self._look_at_mode(now)
         for key, pressed in self.keys.edges().items():
             self._key(key, now, pressed=pressed)
+        self._dead_man(now)
         self._markers(now)
         self._move_by_hand(now)
         self._follow(now)
+
+    def _dead_man(self, now: Ns) -> None:
+        """Positions move only while START is held; other steps go on without it, also one that asks for an input (L1204-1219)."""
+        ordered = self._let_go and self.run and self._job is not None and self._job.open
+        if ordered and (self._moving() or not any(row["waits"] for row in self.rows)):
+            self._let_go = False
+            self.stop(now)
 
     def _move_by_hand(self, now: Ns) -> None:
         """Keys, wheel and mouse in HAND: dead man, the axes rest once nothing is wanted (L175-193)."""

@@ -21,8 +21,8 @@ BODY = (
 class Operator:
     """A cell, its memory on disk and the pendant."""
 
-    def __init__(self, folder: pathlib.Path, language: str = "en") -> None:
-        files = {"P.MPR": f'MPR "P"\n{BODY}\nEND\n'} | main("STOP", "SUB/Q")
+    def __init__(self, folder: pathlib.Path, language: str = "en", body: str = BODY) -> None:
+        files = {"P.MPR": f'MPR "P"\n{body}\nEND\n'} | main("STOP", "SUB/Q")
         for name, text in files.items():
             (folder / name).parent.mkdir(exist_ok=True)
             (folder / name).write_text(text)
@@ -125,6 +125,24 @@ def test_start_is_held_in_single_step_and_its_release_stops_the_robot(tmp_path: 
     operator.asks(release="START")
     operator.cycles(5)
     assert operator.cell.hosted.run == 0
+
+
+def test_a_step_that_does_not_move_goes_on_after_the_release_of_start(tmp_path: pathlib.Path) -> None:
+    """L1204, L1218: dead man operation is of positions; an input is simulated with a hand that no longer presses START."""
+    operator = Operator(tmp_path, body='VAR I_N, 0\nTESTE_BIT #EINGANG, #=1, 2, 0, "L"\nWAIT 0.5\nCOPY 7, I_N\nLABEL "L"\nSTOP')
+    operator.shows("P            MPR")
+    operator.keys("DOWN ENTER")
+    operator.shows('MPR "P"')
+    operator.keys("RUN F1 STEP 3 ENTER")
+    for more, step in (("F1", 4), ("", 5), ("", 6)):
+        operator.asks(hold="START")
+        operator.asks(release="START")
+        if more:
+            operator.shows("Level Level")
+            operator.keys(more)
+        operator.cell.until(lambda: operator.cell.hosted.run == 0)
+        operator.shows(f"P {step} stopped")
+    assert operator.value() == "7"
 
 
 def test_a_start_that_is_refused_says_why_on_the_display(tmp_path: pathlib.Path) -> None:
