@@ -15,7 +15,7 @@ from gateway.pure.languages.robotstar.arm import Arm, tool_values
 from gateway.pure.languages.robotstar.cell_robot import BREAKPOINT, CellRobot, NoDrive
 from gateway.pure.languages.robotstar.cell_world import CellWorld
 from gateway.pure.languages.robotstar.checker import check
-from gateway.pure.languages.robotstar.faults import StepFault
+from gateway.pure.languages.robotstar.faults import UNSET, StepFault
 from gateway.pure.languages.robotstar.hand import Hand, Push
 from gateway.pure.languages.robotstar.lines import head
 from gateway.pure.languages.robotstar.machine import BitWait, KeyTest, Machine, NotYet, Wait
@@ -265,7 +265,10 @@ class CellRun:
         meant = operand(name)
         found = variable(self.machine, meant) if isinstance(meant, Ref) and not meant.element else None
         if isinstance(found, Structure):
-            return "  ".join(f"{key.lstrip('.')} {value:g}" for key, value in flat("", found) if isinstance(value, int | float))
+            words = "  ".join(f"{key.lstrip('.')} {value:g}" for key, value in flat("", found) if isinstance(value, int | float))
+            if not words:
+                raise StepFault(UNSET)
+            return words
         return scalar(self.machine, meant)()
 
     def _change(self) -> None:

@@ -129,12 +129,12 @@ def test_start_is_held_in_single_step_and_its_release_stops_the_robot(tmp_path: 
 
 def test_a_step_that_does_not_move_goes_on_after_the_release_of_start(tmp_path: pathlib.Path) -> None:
     """L1204, L1218: dead man operation is of positions; an input is simulated with a hand that no longer presses START."""
-    operator = Operator(tmp_path, body='VAR I_N, 0\nTESTE_BIT #EINGANG, #=1, 2, 0, "L"\nWAIT 0.5\nCOPY 7, I_N\nLABEL "L"\nSTOP')
+    operator = Operator(tmp_path, body='VAR I_N, 0\nVAR V_S\nTESTE_BIT #EINGANG, #=1, 2, 0, "L"\nWAIT 0.5\nCOPY 7, I_N\nLABEL "L"\nSTOP')
     operator.shows("P            MPR")
     operator.keys("DOWN ENTER")
     operator.shows('MPR "P"')
-    operator.keys("RUN F1 STEP 3 ENTER")
-    for more, step in (("F1", 4), ("", 5), ("", 6)):
+    operator.keys("RUN F1 STEP 4 ENTER")
+    for more, step in (("F1", 5), ("", 6), ("", 7)):
         operator.asks(hold="START")
         operator.asks(release="START")
         if more:
@@ -143,6 +143,8 @@ def test_a_step_that_does_not_move_goes_on_after_the_release_of_start(tmp_path: 
         operator.cell.until(lambda: operator.cell.hosted.run == 0)
         operator.shows(f"P {step} stopped")
     assert operator.value() == "7"
+    operator.keys("INFO F4 V _ S ENTER")
+    operator.shows("Variable not initialized!")
 
 
 def test_a_start_that_is_refused_says_why_on_the_display(tmp_path: pathlib.Path) -> None:
