@@ -121,9 +121,10 @@ def _run(options: argparse.Namespace) -> int:
     events = [event_of(seconds, what) for seconds, what in options.at]
     root, folder, name = place_of(pathlib.Path(options.app), pathlib.Path(options.disk) if options.disk else None)
     robot = _robot(options)
-    machine = Machine(
-        read_disk(root), Moves(robot, _start(options.start, robot)), round(options.line_us * 1000), strict=options.strict_priorities
-    )
+    moves = Moves(robot, start := _start(options.start, robot))
+    if start and not moves.in_range(start):
+        raise EventFault(f"--start {options.start}: outside the travel of the arm")
+    machine = Machine(read_disk(root), moves, round(options.line_us * 1000), strict=options.strict_priorities)
     own = machine.instance(folder, name, "")
     missing = [each for each in ("start", "stop") if own is not None and each not in own.programs]
     if own is None or missing:

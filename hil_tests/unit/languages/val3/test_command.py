@@ -51,6 +51,8 @@ def test_run_prints_the_same_bytes_for_the_same_input(tmp_path: pathlib.Path, ca
         (["--until", "0"], "seconds above 0"),
         (["--line-us", "0"], "0.001 to 1000000"),
         (["--start", "1,2"], "6 numbers"),
+        (["--start", "0,0,0,0,0,999"], "outside the travel"),
+        (["--start", "0,0,0,0,0,nan"], "outside the travel"),
         (["--disk", "/usr/share"], "is not on the disk"),
     ],
 )
