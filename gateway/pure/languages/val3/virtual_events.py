@@ -130,6 +130,14 @@ def speed(machine: Machine, event: Event) -> None:
     machine.robot.speed = value
 
 
+def estop(machine: Machine, event: Event) -> None:
+    """The safety chain."""
+    value = number(event)
+    if value not in (0, 1, 2, 3):
+        raise EventFault(f"estop={event.value}: 0, 1, 2, 3 are expected")
+    machine.robot.stop(round(value))
+
+
 def hold(machine: Machine, event: Event) -> None:
     """The button hold."""
     machine.robot.hold = number(event) != 0
@@ -332,7 +340,7 @@ OPERATOR: dict[str, Callable[[Machine, Event], None]] = {
     "mode": mode,
     "power": lambda machine, event: machine.robot.switch(number(event) != 0),
     "speed": speed,
-    "estop": lambda machine, event: machine.robot.stop(round(number(event))),
+    "estop": estop,
     "hold": hold,
     "answer": lambda machine, event: machine.answers.append(event.value),
     "key": key,

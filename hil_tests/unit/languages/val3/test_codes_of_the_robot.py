@@ -73,7 +73,9 @@ def test_wake_up_robot(code: int) -> None:
     assert after("n[0]=wakeUpRobot()", (0, f"wakeup={code}"))["n"][0] == code
 
 
-@pytest.mark.parametrize("text", ["brakes=0,1", "brakes=0,0,3,0,0,0", "brakes=at:1", "hibernate=-3", "wakeup=-4", "ratio=0.5"])
+@pytest.mark.parametrize(
+    "text", ["estop=7", "estop=2.5", "brakes=0,1", "brakes=0,0,3,0,0,0", "brakes=at:1", "hibernate=-3", "wakeup=-4", "ratio=0.5"]
+)
 def test_events_that_are_none(text: str) -> None:
     with pytest.raises(EventFault, match="expected"):
         after("delay(0.1)", (0, text))
