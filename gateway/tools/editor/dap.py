@@ -63,7 +63,7 @@ class Adapter:
         self._ids = itertools.count(1)  # of breakpoints
         self._run: Debugged | None = None
         self._moves = self._entry = self._over = False
-        self._why = "entry"
+        self._why, self._first = "entry", 1  # number of the first line
         self._places: list[dict[str, object]] = []  # variables by reference - 1, while everything is held
 
     def serve(self) -> None:
@@ -104,7 +104,7 @@ class Adapter:
 
     def _doing(self) -> Mapping[str, Callable[[Row], Row]]:
         return {
-            "initialize": lambda _: ABILITIES,
+            "initialize": self._initialize,
             "launch": self._launch,
             "setBreakpoints": self._breakpoints,
             "setExceptionBreakpoints": lambda _: {},
@@ -124,6 +124,10 @@ class Adapter:
         }
 
     # ---- the run ----------------------------------------------------------------------------------------------------------
+    def _initialize(self, arguments: Row) -> Row:
+        self._first = 0 if arguments.get("linesStartAt1") is False else 1
+        return ABILITIES
+
     def _launch(self, arguments: Row) -> Row:
         """`program`: a file, its suffix is the language; `stopOnEntry`; the rest is the language's."""
         path = Path(str(arguments["program"])).resolve()
@@ -131,6 +135,7 @@ class Adapter:
         if make is None or not path.is_file():
             raise AdapterFault(f"{path}: there is no such file; program is the path of a {', '.join(sorted(LANGUAGES)).upper()} file")
         self._entry = bool(arguments.get("stopOnEntry"))
+        self._why = "entry" if self._entry else "breakpoint"
         self._run = make(path, arguments)
         return {}
 
@@ -177,8 +182,10 @@ class Adapter:
         return {}
 
     def _pause(self, arguments: Row) -> Row:
-        self._why = "pause"
-        self._needed().pause()
+        run = self._needed()
+        if run.held() is None:  # else it is held already
+            self._why = "pause"
+            run.pause()
         return {}
 
     def _terminate(self, arguments: Row) -> Row:
@@ -188,9 +195,9 @@ class Adapter:
     def _breakpoints(self, arguments: Row) -> Row:
         """A line without a statement takes the next one that has one."""
         run, source = self._needed(), arguments["source"]
-        wanted = [int(each["line"]) for each in arguments.get("breakpoints") or ()]
+        wanted = [int(each["line"]) + 1 - self._first for each in arguments.get("breakpoints") or ()]
         found, why = run.breakpoints(Path(str(source.get("path") or source.get("name"))), wanted)
-        rows = ({"verified": True, "line": each} if each else {"verified": False, "message": why} for each in found)
+        rows = ({"verified": True, "line": each - 1 + self._first} if each else {"verified": False, "message": why} for each in found)
         return {"breakpoints": [{"id": next(self._ids), **row} for row in rows]}
 
     # ---- looking ----------------------------------------------------------------------------------------------------------
@@ -203,7 +210,7 @@ class Adapter:
             {
                 "id": call.number,
                 "name": call.name,
-                "line": call.line,
+                "line": call.line - 1 + self._first,
                 "column": 1,
                 "source": {"name": call.source.name, "path": str(call.source)},
             }

@@ -7,8 +7,11 @@ from pathlib import Path
 from gateway.files.program_memory import baps2_words, folder_memory, read_feed
 from gateway.pure.languages.baps2.debugging import DebugRun
 from gateway.pure.languages.baps2.feed import Feed
+from gateway.pure.languages.baps2.values import Array
 from gateway.pure.languages.base.debug import Step
 from gateway.tools.editor.debugged import AdapterFault, Call, Row, next_lines
+
+MOST_ELEMENTS = 200  # of one array
 
 
 class Baps2Debugged:
@@ -55,7 +58,8 @@ class Baps2Debugged:
         for task in self._run.tasks():
             thread = task.process.number
             for depth, frame in enumerate(self._run.frames(thread)):
-                scopes = {"Routine": frame.own, "Program": frame.program_wide, "Channels": self._run.channels(frame.program)}
+                own, wide = _elements(frame.own), _elements(frame.program_wide)
+                scopes = {"Routine": own, "Program": wide, "Channels": self._run.channels(frame.program)}
                 yield Call(thread * 1000 + depth, thread, frame.routine, frame.line, self._source(frame.program), scopes)
 
     def _source(self, program: str) -> Path:
@@ -70,3 +74,14 @@ class Baps2Debugged:
             found.append(f"{event['t']:>8} s {event['process']}:{event['line']} {event['event']} {facts}".rstrip())
         self._shown = len(self._run.run.trace)
         return found
+
+
+def _elements(values: dict[str, object]) -> dict[str, object]:
+    """The same with the first elements of arrays one by one."""
+    found: dict[str, object] = {}
+    for name, value in values.items():
+        if isinstance(value, Array):
+            found |= {f"{name}[{at}]": each for at, each in enumerate(value.items[:MOST_ELEMENTS], value.low)}
+        else:
+            found[name] = value
+    return found

@@ -1,6 +1,7 @@
 """The language server of `axisgate lsp`: faults while typing, outline, hover, definition.  Source: LSP 3.17, by pygls."""
 
 import time
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from urllib.parse import unquote, urlparse
@@ -75,8 +76,7 @@ def made_server() -> LanguageServer:
     def publish(uri: str) -> None:
         document = server.workspace.get_text_document(uri)
         path = path_of(uri).resolve()
-        rows = document.source.splitlines()
-        found = [_diagnostic(each.line, each.column, rows, each.fault) for each in looks.of(uri).faults if each.path.resolve() == path]
+        found = [_diagnostic(each.line, each.column, document, each.fault) for each in looks.of(uri).faults if each.path.resolve() == path]
         server.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(uri, found, version=document.version))
 
     @server.feature(lsp.TEXT_DOCUMENT_DID_OPEN)
@@ -97,10 +97,15 @@ def made_server() -> LanguageServer:
     @server.feature(lsp.TEXT_DOCUMENT_DID_CLOSE)
     def closed(params: lsp.DidCloseTextDocumentParams) -> None:
         server.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(params.text_document.uri, []))
+        looks.forget_others("")  # what is on the disk counts again
+        for uri in server.workspace.text_documents:
+            publish(uri)
 
     @server.feature(lsp.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
     def outline(params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
-        return _outline(looks.of(params.text_document.uri).symbols)
+        uri = params.text_document.uri
+        own = [each for each in looks.of(uri).symbols if each.path.resolve() == path_of(uri).resolve()]
+        return _outline(own, server.workspace.get_text_document(uri))
 
     @server.feature(lsp.TEXT_DOCUMENT_HOVER)
     def hover(params: lsp.HoverParams) -> lsp.Hover | None:
@@ -112,7 +117,12 @@ def made_server() -> LanguageServer:
     def definition(params: lsp.DefinitionParams) -> lsp.Location | None:
         name, line = _asked(server, params)
         symbol = looks.of(params.text_document.uri).named(name, line) if name else None
-        return None if symbol is None else lsp.Location(symbol.path.as_uri(), _range(symbol.line, symbol.column, len(symbol.name)))
+        if symbol is None:
+            return None
+        uri = symbol.path.resolve().as_uri()
+        opened = next((each for each in server.workspace.text_documents if path_of(each).resolve() == symbol.path.resolve()), uri)
+        document = server.workspace.get_text_document(opened)
+        return lsp.Location(document.uri, _range(document, symbol.line, symbol.column, len(symbol.name)))
 
     return server
 
@@ -123,31 +133,49 @@ def path_of(uri: str) -> Path:
 
 
 def _asked(server: LanguageServer, params: lsp.HoverParams | lsp.DefinitionParams) -> tuple[str, int]:
-    """The name at a place, and its line from 1."""
-    source = server.workspace.get_text_document(params.text_document.uri).source
+    """The name at a place, and its line from 1; "" where the document is neither open nor on the disk."""
+    document = server.workspace.get_text_document(params.text_document.uri)
     line = params.position.line + 1
-    return name_at(source, line, params.position.character + 1), line
+    rows = _rows(document)
+    if line > len(rows):
+        return "", line
+    column = document.position_codec.position_from_client_units(rows, params.position).character + 1
+    return name_at(rows[line - 1], 1, column), line
 
 
-def _range(line: int, column: int, length: int) -> lsp.Range:
+def _rows(document: TextDocument) -> Sequence[str]:
+    """The lines of a document; none where it cannot be read."""
+    try:
+        return document.lines
+    except (OSError, ValueError):
+        return []
+
+
+def _range(document: TextDocument, line: int, column: int, length: int) -> lsp.Range:
+    """A range in the units of the editor: a character beyond 16 bits counts as two."""
     start = lsp.Position(max(line - 1, 0), max(column - 1, 0))
-    return lsp.Range(start, lsp.Position(start.line, start.character + length))
+    whole = lsp.Range(start, lsp.Position(start.line, start.character + length))
+    rows = _rows(document)
+    return document.position_codec.range_to_client_units(rows, whole) if start.line < len(rows) else whole
 
 
-def _diagnostic(line: int, column: int, rows: list[str], fault: SourceFault) -> lsp.Diagnostic:
+def _diagnostic(line: int, column: int, document: TextDocument, fault: SourceFault) -> lsp.Diagnostic:
+    rows = _rows(document)
     row = rows[line - 1] if 0 < line <= len(rows) else ""
     name = name_at(row, 1, column)
     length = len(name) if name and row[column - 1 : column - 1 + len(name)] == name else max(len(row.rstrip()) - column + 1, 1)
     text = f"{fault.text}; {fault.hint}" if fault.hint else fault.text
-    return lsp.Diagnostic(_range(line, column, length), text, severity=SEVERITIES[fault.severity], code=fault.id, source="axisgate")
+    return lsp.Diagnostic(
+        _range(document, line, column, length), text, severity=SEVERITIES[fault.severity], code=fault.id, source="axisgate"
+    )
 
 
-def _outline(symbols: tuple[Symbol, ...]) -> list[lsp.DocumentSymbol]:
+def _outline(symbols: Sequence[Symbol], document: TextDocument) -> list[lsp.DocumentSymbol]:
     """Routines hold what they declare."""
     routines: dict[str, list[lsp.DocumentSymbol]] = {}
     top: list[lsp.DocumentSymbol] = []
     for each in sorted(symbols, key=lambda one: (one.inside != "", one.line, one.column)):
-        place = _range(each.line, each.column, len(each.name))
+        place = _range(document, each.line, each.column, len(each.name))
         whole = lsp.Range(place.start, lsp.Position(max(each.end - 1, place.end.line), 1_000)) if each.end else place
         inside: list[lsp.DocumentSymbol] = []
         made = lsp.DocumentSymbol(each.name, KINDS[each.kind], whole, place, detail=each.detail, children=inside)

@@ -134,6 +134,19 @@ def test_a_breakpoint_holds_the_program_and_shows_its_variables(editor: Editor) 
     assert editor.process.wait(10) == 0
 
 
+def test_an_array_is_shown_by_elements_and_lines_count_as_the_editor_counts(editor: Editor) -> None:
+    text = "PROGRAM LIST\nARRAY[2..3] INTEGER : F\nBEGIN\nF[2] = 7\nF[3] = F[2]\nPROGRAM_END\n"
+    pathlib.Path(editor.program).with_name("LIST.QLL").write_text(text)
+    editor.program = editor.program.replace("PICK", "LIST")
+    editor.flush()
+    editor.until("initialize")
+    editor.client.send_request("initialize", {"adapterID": "axisgate", "linesStartAt1": False})
+    assert editor.launched([4]) == [4], "the fifth line"
+    stopped = editor.until("stopped")["body"]
+    assert (stopped["reason"], editor.calls(stopped["threadId"])) == ("breakpoint", [("LIST", 4)])
+    assert editor.variables()["Program"] == {"F[2]": "7", "F[3]": "0"}
+
+
 def test_steps_go_over_into_and_out_of_a_subroutine(editor: Editor) -> None:
     editor.launched([], stopOnEntry=True)
     thread, calls = editor.stopped()

@@ -128,6 +128,23 @@ def test_a_baps2_program_is_checked_while_it_is_typed_and_its_names_are_found(tm
     assert "publishDiagnostics" in (tmp_path / "lsp.log").read_text(encoding="utf-8")
 
 
+def test_places_count_in_utf_16_and_an_included_file_is_checked_with_its_program(tmp_path: pathlib.Path) -> None:
+    text = "PROGRAM PICK\n;;INCLUDE PARTS\nBEGIN\nWRITE '\U0001f600', COUNT, WRONG\nPROGRAM_END\n"
+    path, parts = tmp_path / "PICK.QLL", tmp_path / "parts.qll"
+    path.write_text(text, encoding="utf-8")
+    parts.write_text("INTEGER : COUNT\n")
+
+    async def steps(client: LanguageClient) -> None:
+        (fault,) = await opened(client, path, "baps2")
+        assert (fault.range.start.character, fault.range.end.character) == (19, 24), "the sign in front is two units"
+        assert await target(client, path, lsp.Position(3, 17)) == ("parts.qll", 1)
+        assert await opened(client, parts, "baps2") == []
+        gone = lsp.TextDocumentIdentifier((tmp_path / "gone.qll").as_uri())
+        assert await client.text_document_hover_async(lsp.HoverParams(gone, lsp.Position(0, 0))) is None
+
+    plays(tmp_path, steps)
+
+
 def test_a_memory_of_a_robotstar_is_one(tmp_path: pathlib.Path) -> None:
     main, sub = tmp_path / "MAIN.MPR", tmp_path / "PART.SPR"
     text = "1 MPR MAIN\n2 VAR Name:I_COUNT\n3 LABEL ROUND\n4 CALL PART\n5 BRANCH ROUND\n6 END\n"
