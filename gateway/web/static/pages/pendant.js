@@ -5,7 +5,7 @@ const SAID_MS = 150;
 const FROZEN_MS = 600;
 const ARROWS = { UP: "\u2191", DOWN: "\u2193", LEFT: "\u2190", RIGHT: "\u2192" };
 const NAMES = { Enter: "enter", Backspace: "backspace", Delete: "delete", Escape: "escape", ArrowUp: "up", ArrowDown: "down", ArrowLeft: "left", ArrowRight: "right", PageUp: "pageup", PageDown: "pagedown",
-  ".": "full_stop", ",": "comma", "-": "minus", "/": "slash", _: "underscore", $: "dollar_sign", "[": "left_square_bracket", "]": "right_square_bracket", ":": "colon" };
+  ".": "full_stop", ",": "comma", "-": "minus", "/": "slash", _: "underscore", $: "dollar_sign", "[": "left_square_bracket", "]": "right_square_bracket", ":": "colon", " ": "space" };
 
 export function mount(root, { t, live, may, me, changeControl, unable }) {
   let unit = null;
@@ -70,7 +70,7 @@ export function mount(root, { t, live, may, me, changeControl, unable }) {
   }
   screen.addEventListener("keydown", type);
   typed.addEventListener("keydown", type);
-  typed.addEventListener("input", () => { for (const letter of typed.value.toUpperCase()) if (unit && known(letter)) press(letter); typed.value = ""; }); // a keyboard on the screen says no keys
+  typed.addEventListener("input", () => { for (const letter of typed.value.toUpperCase()) { const name = unit?.typed[NAMES[letter]] || letter; if (unit && known(name)) press(name); } typed.value = ""; }); // a keyboard on the screen says no keys
   for (const end of ["visibilitychange", "freeze"]) document.addEventListener(end, all);
   for (const end of ["blur", "pagehide"]) window.addEventListener(end, all);
   root.append(h("div", { class: "grid" }, h("section", { class: "card w12" }, screen, state, h("div", { class: "bar" }, typed, control), keys,

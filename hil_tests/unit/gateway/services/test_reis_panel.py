@@ -240,6 +240,8 @@ def test_a_step_is_edited_deleted_and_made_invalid_at_the_cursor(tmp_path: pathl
     assert file.read_text().splitlines()[3:5] == ["\\COPY 71, I_N", "COPY 33, I_N"]
     operator.keys("F4")
     operator.shows(">  4 COPY 71, I_N")
+    operator.keys(f"STEP 6 ENTER F1 {'DELETE ' * 8}SPACE # P T P ENTER")
+    operator.shows(">  6 MOVE_MODE #PTP")
     for step in ("1", "9"):
         operator.keys(f"STEP {step} ENTER F3")
         assert "the first and the last step of a program stay" in " ".join(operator.shows("the first and the last").split())

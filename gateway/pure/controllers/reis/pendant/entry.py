@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from gateway.pure.controllers.reis.pendant.unit import SPACE
+
 QUESTIONS = {
     "code": "code word:",
     "step": "step:",
@@ -47,7 +49,7 @@ class Entry:
     def type(self, key: str) -> None:
         """A character in front of the cursor, or DELETE of the one there."""
         before, behind = self.text[: self.at], self.text[self.at :]
-        before = before[:-1] if key == "DELETE" else (before + key)[: MOST - len(behind)]
+        before = before[:-1] if key == "DELETE" else (before + (" " if key == SPACE else key))[: MOST - len(behind)]
         self.text, self.at = before + behind, len(before)
 
     def move(self, key: str, shift: str) -> None:

@@ -6,7 +6,13 @@ COLUMNS, LINES = 40, 20  # 20 lines (L1027); "more than 37 characters" run out o
 MODE_KEYS = {"DIR": "dir", "RUN": "run", "COORD": "coor", "INFO": "info", "FUNCT": "fkt", "WINDOW": "cwin"}
 FUNCTION_KEYS = ("F1", "F2", "F3", "F4", "F5", "F6")
 MOVEMENT = {f"{number}{sign}": (number, 1 if sign == "+" else -1) for number in range(1, 7) for sign in "-+"}
-CHARACTERS = frozenset((*LETTERS, *"0123456789", ".", "-", ",", "/", "_", "$", "[", "]", ":"))
+SIGNS = {  # key of a keyboard -> what an entry takes of it beside letters and the keys of the unit
+    "underscore": "_", "dollar_sign": "$", "left_square_bracket": "[", "right_square_bracket": "]", "colon": ":", "quotation_mark": '"',
+    "number_sign": "#", "equals_sign": "=", "less_than_sign": "<", "greater_than_sign": ">", "left_parenthesis": "(", "percent_sign": "%",
+    "right_parenthesis": ")", "plus": "+", "semicolon": ";", "apostrophe": "'", "asterisk": "*",
+}  # fmt: skip
+SPACE = "SPACE"
+CHARACTERS = frozenset((*LETTERS, *"0123456789", ".", "-", ",", "/", SPACE, *SIGNS.values()))
 KEYPAD = (
     (*MODE_KEYS, "", ""),
     ("MENU-", *FUNCTION_KEYS, "MENU+"),
@@ -20,9 +26,9 @@ KEYPAD = (
 TYPED = {
     "enter": "ENTER", "backspace": "DELETE", "delete": "DELETE", "escape": "QUIT", "up": "UP", "down": "DOWN", "left": "LEFT",
     "right": "RIGHT", "full_stop": ".", "comma": ",", "minus": "-", "slash": "/", "pageup": "MENU-", "pagedown": "MENU+",
-    "underscore": "_", "dollar_sign": "$", "left_square_bracket": "[", "right_square_bracket": "]", "colon": ":",
+    "space": SPACE, **SIGNS,
 }  # fmt: skip
 FACES = {"MENU-": "◀", "MENU+": "▶", "OV-": "% -", "OV+": "% +", "PC-I": "I", "PC-O": "O"}
 UNIT = HandUnit(
-    "ROBOTstar V", COLUMNS, LINES, KEYPAD, TYPED, (*LETTERS, "_", "$", "[", "]", ":"), ("START", "EXEC", *MOVEMENT), FACES
+    "ROBOTstar V", COLUMNS, LINES, KEYPAD, TYPED, (*LETTERS, SPACE, *SIGNS.values()), ("START", "EXEC", *MOVEMENT), FACES
 )  # fmt: skip
