@@ -114,7 +114,8 @@ class ReisPanel:
                 self.phg.says(wrong)
             return
         number, way = MOVEMENT[key]
-        self.phg.says("")
+        if key not in self._held:  # what is said while it is held stays
+            self.phg.says("")
         self._control.robot.keys.hand.put(f"jog.{number}", way)
         self._held[key] = now + HELD_NS
 

@@ -53,7 +53,7 @@ class ReisPrograms:
     results: dict[int, Outcome] = field(default_factory=dict)
     run: int = 0  # under way
     tool: Structure | None = None  # in force, for the position in M1124
-    refused: str = ""  # why the last START of a key was; the pendant takes it
+    refused: str = ""  # why the last START of a key or movement by hand was; the pendant takes it
     looked: tuple[str, Fact | None, str] = ("", None, "")  # a variable: name, value or why there is none
     breaks: dict[str, list[int]] = field(default_factory=dict)  # breakpoints: program -> lines
     _runs: int = 0
@@ -140,7 +140,8 @@ class ReisPrograms:
             case "value":
                 self.looked = str(said["name"]), said.get("value"), str(said.get("text", ""))
             case "hand":
-                self.sentences.append(str(said["text"]))
+                self.refused = str(said["text"])
+                self.sentences.append(self.refused)
             case "path":
                 self._wants(int(said["ticket"]))
             case "resume":

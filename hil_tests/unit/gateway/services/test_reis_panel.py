@@ -105,6 +105,11 @@ def test_a_movement_key_moves_for_as_long_as_it_is_held_by_who_has_control(tmp_p
     panel.answer({"hold": "3-"}, SOURCE, now)
     panel.answer({"hold": "3-"}, OTHER, now)
     assert hand.ways[2] == 0, "control is gone, and the movement with it"
+    operator.keys("COORD F6")
+    for _ in range(12):
+        operator.asks(hold="1+")
+        operator.cycles(4)
+    assert "cannot be moved by hand: this robot has 6 axes" in " ".join(operator.asks(hold="1+")).replace("  ", " ")
 
 
 def test_start_is_held_in_single_step_and_its_release_stops_the_robot(tmp_path: pathlib.Path) -> None:
