@@ -66,6 +66,8 @@ def main(argv: list[str]) -> int:
         return run_on_files(options)
     try:
         return int({"check": _check, "trace": _trace, "list": _list, "points": _points}[options.tool](options))
+    except BrokenPipeError:  # `| head` has seen enough: __main__ ends quietly
+        raise
     except OSError as error:
         return _invalid(f"{error.filename}: {error.strerror}")
 

@@ -7,7 +7,7 @@ import pathlib
 
 
 def write_whole(path: pathlib.Path, octets: bytes, mode: int = 0o644) -> None:
-    """The old file or the new one, never a part of either.  OSError: the old one."""
+    """The old file or the new one, never a part of either.  OSError, which names the file: the old one."""
     path.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
     partial = path.with_name(f".{path.name}.part")
     fd = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, mode)
@@ -17,10 +17,10 @@ def write_whole(path: pathlib.Path, octets: bytes, mode: int = 0o644) -> None:
             file.flush()
             os.fsync(file.fileno())
         put_in_place(partial, path)
-    except OSError:
+    except OSError as error:
         with contextlib.suppress(OSError):
             partial.unlink()
-        raise
+        raise OSError(error.errno, error.strerror, str(path)) from error
 
 
 def append_line(path: pathlib.Path, line: str, mode: int = 0o644) -> None:

@@ -116,8 +116,9 @@ def test_a_file_is_replaced_as_a_whole_and_flushed_with_its_folder(tmp_path: pat
     assert path.stat().st_ino in flushed and tmp_path.stat().st_ino in flushed
     path.unlink()
     path.mkdir()
-    with pytest.raises(OSError):
+    with pytest.raises(OSError) as refused:
         write_whole(path, b"new")
+    assert refused.value.filename == str(path), "commands print it"
     assert list(tmp_path.iterdir()) == [path], "nothing is left beside it"
 
 

@@ -1,6 +1,8 @@
 """axisgate program: what it prints, and its exit codes."""
 
+import contextlib
 import json
+import os
 import pathlib
 
 import pytest
@@ -79,6 +81,14 @@ def test_what_is_not_there_is_one_sentence(
     monkeypatch.chdir(folder)
     assert main(arguments) == code
     assert told in capsys.readouterr().err
+
+
+def test_a_reader_that_has_seen_enough_is_no_fault_of_a_file(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    with pytest.raises(BrokenPipeError), open(writing, "w", buffering=1) as out, contextlib.redirect_stdout(out):
+        main(["trace", str(folder), "pick"])
+    assert capsys.readouterr().err == ""
 
 
 def test_list_names_all_programs(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
