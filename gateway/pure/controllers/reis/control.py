@@ -325,7 +325,8 @@ class ReisControl:
         return min(max(percent, 0), 100) / 100.0 if self._percent is not None and mode in MULTIPLIED else 1.0
 
     def _say(self, command: Command, now: Ns) -> None:
-        self._dispatcher.command(self.setup.source, command, now)
+        """As the command source in control: the stop of another one would abort its movement."""
+        self._dispatcher.command(self._dispatcher.owner or self.setup.source, command, now)
 
     # ---- what others see -----------------------------------------------------------------------------------------------
     def flag_bytes(self) -> bytes:

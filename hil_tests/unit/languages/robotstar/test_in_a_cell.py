@@ -378,6 +378,20 @@ def test_the_plc_starts_and_stops_the_robot_by_markers_in_auto() -> None:
     assert not cell.hosted.run, "in HAND they do nothing"
 
 
+def test_hold_motion_stops_a_program_that_moves_for_another_command_source() -> None:
+    cell, page = ReisCell(main(f"{LINE}{FAR}\n{BACK}\nSTOP")), 2
+    for code, source in ((Code.RELEASE_CONTROL, 1), (Code.REQUEST_CONTROL, page), (Code.OVERRIDE, page)):
+        assert cell.bench.settle(cell.bench.give(code, source=source)).state.name == "DONE"
+    assert "run" in cell.hosted.answer({"do": "start", "name": "P"}, page)
+    cell.until(lambda: cell.places[-1][1] > 60)
+    assert cell.control.write_flags(1020, b"\x80")
+    cell.until(lambda: cell.bench.core.state.motion is Motion.STOPPED)
+    assert cell.control.write_flags(1020, b"\x00")
+    held = cell.where()
+    cell.until(lambda: math.dist(cell.where(), held) > 30)
+    assert cell.hosted.run and not cell.errors.records
+
+
 def test_a_spline_goes_through_its_points_and_a_dense_path_keeps_its_speed() -> None:
     """Both need many positions ahead: a spline all of its own, points half a millimetre apart as many as the robot brakes in."""
     points = [(884 + 40 * math.sin(n / 2), 20 * n, 560) for n in range(1, 6)]
