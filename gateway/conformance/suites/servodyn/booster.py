@@ -52,6 +52,11 @@ class BoosterTester(CanTester):
     def actual_id(self) -> int:
         return self.setup.codec.actual_id(self.setup.module)
 
+    @property
+    def limit(self) -> Ns:
+        """Longest time from SYNC to the actual value: the set values of the next cycle need the rest."""
+        return self.setup.cycle * 3 // 4
+
     # ---- the cycle
     def give(self, **changes: Any) -> None:
         """From here on the set values hold this."""
@@ -79,9 +84,9 @@ class BoosterTester(CanTester):
     def answered(self) -> ActualValue:
         """Judged: the actual value of the SYNC just sent, within its cycle."""
         start = self.asked_at
-        frame = self.hear((self.actual_id,), self.setup.cycle * 3 // 4 + self.uncertainty())
+        frame = self.hear((self.actual_id,), self.limit + self.uncertainty())
         if frame is None:
-            raise Fail("no actual value after SYNC", f"{ACTUAL} on {self.actual_id:03X}h within a cycle", "nothing")
+            raise Fail("no actual value after SYNC", f"{ACTUAL} on {self.actual_id:03X}h within {self.limit / 1e6:g} ms", "nothing")
         self.last = self.read(frame)
         self.answered_after = self.answered_at - start
         return self.last

@@ -16,12 +16,14 @@ MANY = 200
 @CYC.case("BV_01", "a SYNC is answered with one actual value of 8 bytes", "auf einen SYNC folgt ein Istwert von 8 Byte", preamble=())
 def answers(t: BoosterTester) -> None:
     t.sync()
+    start = t.asked_at
     frame = t.hear((t.actual_id,), t.setup.cycle)
     if frame is None:
         raise Fail("no actual value after SYNC", f"8 bytes on {t.actual_id:03X}h", "nothing")
     if len(frame.data) != 8:
         raise Fail(f"an actual value of {len(frame.data)} bytes", "8 bytes", hexed(frame.data))
     t.read(frame)
+    t.timed("SYNC to actual value", t.answered_at - start, None, t.limit)
     again = t.hear((t.actual_id,), t.setup.cycle // 2)
     if again is not None:
         raise Fail("a second actual value for one SYNC", "one actual value", shown(again))
@@ -38,7 +40,7 @@ def many(t: BoosterTester) -> None:
     for _ in range(MANY):
         t.turn()
         longest = max(longest, t.answered_after)
-    t.timed("SYNC to actual value, the longest", longest, None, t.setup.cycle * 3 // 4)
+    t.timed("SYNC to actual value, the longest", longest, None, t.limit)
 
 
 @CYC.case("BO_01", "without SYNC it sends nothing", "ohne SYNC sendet er nichts")

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from gateway.conformance.suites.servodyn.booster import BoosterTester, words
 from gateway.conformance.suites.servodyn.cycle import BASIC, REST
-from gateway.conformance.suites.servodyn.faults import JUMP, LIFE_LOST, LOST, RESET, SET_JUMP, coded, lose_sync
+from gateway.conformance.suites.servodyn.faults import JUMP, LIFE_LOST, LOST, RESET, coded, faulted, lose_sync
 from gateway.conformance.suites.servodyn.motion import FOLLOWS, NEAR
 from gateway.conformance.suites.servodyn.phase import RUN, advance, paced, step_of
 from gateway.conformance.suites.servodyn.power import CONTROL, ON
@@ -168,7 +168,7 @@ def _refused(t: BoosterTester, goal: int, cycles: int, good: Callable[[], None],
         if abs(found.position_inc - before) > JUMP // 4:
             raise Fail(f"{what}: it moves from {before} to {found.position_inc}", "a fault, no motion", words(found))
         if found.fault:
-            return coded(found, SET_JUMP, what)
+            return faulted(found, what)
         t.say_set()
     raise Fail(f"{what}: no fault", "fault, fault code 4", words(found))
 
@@ -213,7 +213,7 @@ def kept(t: BoosterTester) -> None:
         t.move(direction(t) * t.setup.way)
         with t.given():
             before = t.turn().position_inc
-            coded(lose_sync(t), 1, "a lost SYNC")
+            faulted(lose_sync(t), "a lost SYNC")
             t.give(enable=False, drive_on=False)
             t.turn(100)
             t.give(fault_reset=True)

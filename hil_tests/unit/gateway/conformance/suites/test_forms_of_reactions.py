@@ -3,7 +3,7 @@
 import pytest
 
 from gateway.conformance.framework.result import Result
-from gateway.conformance.peers import p3964r, rk512
+from gateway.conformance.peers import interop, p3964r, rk512
 from gateway.conformance.peers.score import fails, play
 from gateway.conformance.peers.stations import Built, Mutant, Variant
 from gateway.conformance.suites.registry import SUITES
@@ -41,3 +41,10 @@ def test_what_was_planted_is_restored() -> None:
     planted, restored = sends[::2], sends[1::2]
     assert found.verdict is Verdict.PASS and len(planted) == len(restored) == len(PATTERNS)
     assert len({data[-7:-3] if len(data) < 20 else b"" for data in restored} - {b""}) == 1
+
+
+def test_words_that_cannot_be_read_back_are_restored_before_the_next_maker() -> None:
+    """They hold one 10h: each maker after the first met it in its FETCH."""
+    device = Variant("once", "", mutant("check-counts-once").make, interop.MUTANTS[0].link, {})
+    results = list(played("interop", device, ("INTEROP_*_BV_1[12]",)).values())
+    assert fails(results) == ("INTEROP_SIEMENSCP341_BV_12",)
