@@ -22,7 +22,7 @@ from gateway.pure.image.names import Kind, lookup
 from gateway.pure.lines.line_profiles import link_profile
 from gateway.pure.reports.transfer_times import cycle_us, job_ms, sdo_us, silence_s
 from gateway.registry import BUS_PROTOCOLS, DRIVE_FAMILIES, LINE_LAYERS
-from motion.geometry.units import to_si
+from motion.geometry.units import from_si, to_si
 from protocols.p3964r.profiles import NETWORK
 
 EVERY = re.compile(r"(?:every|alle) (\d+) ms")
@@ -241,6 +241,21 @@ def counting(cell: Cell) -> Iterator[Notice]:
                 yield Notice("note", f"axis.{axis.name}.home", text)
 
 
+def resolvers(cell: Cell) -> Iterator[Notice]:
+    """A booster's resolver counts from 0 to the end of one motor turn when its power returns (AX-085)."""
+    real = {bus.name for bus in cell.bus if not bus.simulated}
+    for axis in cell.axis:
+        if axis.home.by != "none" or axis.drive.bus not in real or not DRIVE_FAMILIES[axis.drive.type].boosted:
+            continue
+        turn = from_si(axis.drive.inc_per_turn / abs(scaling_of(axis).inc_per_unit), axis.unit)
+        if axis.limits.max - axis.limits.min > turn:
+            words = (
+                f"absolute within one motor turn alone, {turn:.4g} {axis.unit}: after the booster's power was off the axis may be shown "
+                "wrong by whole turns (AX-085)"
+            )
+            yield Notice("warning", f"axis.{axis.name}.home", f'{words}; reference it: home = {{ by = "gateway", .. }}')
+
+
 def serials(cell: Cell) -> Iterator[Notice]:
     """A drive without a serial number reports 0: every such drive would be the pinned one."""
     for axis in cell.axis:
@@ -303,6 +318,7 @@ NOTES = (
     feed_of_kinematics,
     bus_whole,
     counting,
+    resolvers,
     serials,
     many_axes,
     simulated,
