@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 from gateway.pure.languages.baps2.declarations import KINEMATIC, STARTERS
 from gateway.pure.languages.baps2.lexer import Kind, Token
@@ -14,6 +15,9 @@ MOST_TOKENS = 15_000  # that are read again in all
 MOST_REPAIRS = 3  # of one program
 MOST_NAMES = 4  # that are tried in one place
 MOST_GAPS = 12  # between which a bracket may be missing
+MOST_OPEN = 8  # opening brackets of one statement that are looked at, the innermost
+MOST_BEHIND = 200  # tokens behind an opening bracket
+MOST_PLACES = 1_000  # of one kind that are compared
 PAIRS = {")": "(", "]": "["}
 CLOSING = {"(": ")", "[": "]"}
 STATEMENTS = (CLOSERS | WITH_OPERAND | {"BEGIN", "PARALLEL", "HALT", "BREAK", "SPC_FCT", "CONST"}) - {"STOP", "START"}
@@ -43,10 +47,11 @@ def repairs_of(tokens: list[Token], trial: Trial) -> tuple[Repair, ...]:
     chosen: tuple[Repair, ...] = ()
     faults = trial(())
     left = MOST_TOKENS // len(tokens)  # trials
-    while faults.errors > len(chosen) + 1 and len(chosen) < MOST_REPAIRS:
+    while left and faults.errors > len(chosen) + 1 and len(chosen) < MOST_REPAIRS:
         best: Repair | None = None
         fewest = faults.errors
-        for each in _nearest([*_brackets(tokens, faults), *_names(tokens, faults)], faults)[:left]:
+        places = [*islice(_brackets(tokens, faults), MOST_PLACES), *islice(_names(tokens, faults), MOST_PLACES)]
+        for each in _nearest(places, faults)[:left]:
             left -= 1
             errors = trial((*chosen, each)).errors
             if errors < fewest:
@@ -63,7 +68,7 @@ def repairs_of(tokens: list[Token], trial: Trial) -> tuple[Repair, ...]:
 
 def _nearest(repairs: Sequence[Repair], faults: Faults) -> list[Repair]:
     """Those nearest to an error first."""
-    lines = [each.position.line for each in faults if each.severity is Severity.ERROR]
+    lines = {each.position.line for each in faults if each.severity is Severity.ERROR}
     return sorted(repairs, key=lambda each: min(abs(each.token.position.line - line) for line in lines))
 
 
@@ -142,9 +147,9 @@ def _unlikely(before: Token, behind: Token) -> int:
 
 def _closers(tokens: Sequence[Token], opened: Sequence[int], end: int) -> Iterator[Repair]:
     """Where the closing bracket of an open one may be missing, in front of what begins at `end`."""
-    for place in reversed(opened):
+    for place in reversed(opened[-MOST_OPEN:]):
         sign, depth, gaps = CLOSING[tokens[place].text], 0, list[int]()
-        for at in range(place + 2, end + 1):
+        for at in range(place + 2, min(end, place + MOST_BEHIND) + 1):
             before = tokens[at - 1]
             depth += (before.text in CLOSING) - (before.text in PAIRS)
             if depth < 0:

@@ -2,6 +2,12 @@
 
 import pytest
 
+from gateway.pure.languages.baps2 import repair
+from gateway.pure.languages.baps2.expansion import expanded
+from gateway.pure.languages.baps2.memory import Memory
+from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.source import SourceFile
+from hil_tests.bench.program_bench import words
 from hil_tests.unit.languages.baps2.running import faults_of, library_of
 
 PROGRAM = """;;CONTROL = RHO3
@@ -80,3 +86,12 @@ def test_a_second_mistake_is_a_second_fault() -> None:
 @pytest.mark.parametrize("wrong", ["(1 = , 2 = PRESS)", "(1 = ROB 2 = )"])
 def test_a_faulty_list_of_kinematics_is_one_fault(wrong: str) -> None:
     assert faults_of(PROGRAM.replace("(1 = ROB, 2 = PRESS)", wrong)) == [("kinematics", 2)]
+
+
+def test_a_statement_of_thousands_of_brackets_is_looked_at_in_part() -> None:
+    """The work grew with the square of their number: 6,000 of them held an editor up for seconds."""
+    text = "PROGRAM P\nBEGIN\nI = " + "(" * 2_000 + "1\nPROGRAM_END\n"
+    tokens, _ = expanded(SourceFile("P.QLL", text), words(), Memory({}), Faults())
+    found = Faults()
+    found.error("syntax", tokens[5].position, "something is missing")
+    assert 0 < len(list(repair._brackets(tokens, found))) <= repair.MOST_OPEN * repair.MOST_GAPS
