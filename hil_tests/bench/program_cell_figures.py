@@ -61,12 +61,12 @@ EDITED = "I = I + {0} * J\nIF I > 10 THEN R = R * 2.5\nMOVE LINEAR TO P{0}\nWAIT
 
 
 # ---- breakpoints -----------------------------------------------------------------------------------------------------------
-def breakpoints_ratio(words: Words, loop: str) -> float:
+def breakpoints_ratio(words: Words, loop: str, pairs: int) -> float:
     """Statements a second with breakpoints in lines that are not reached, as a share of those of the same program without: median of
     pairs."""
     never = "IF I < 0 THEN\nBEGIN\n" + "".join(f"K = {n}\n" for n in range(BREAKPOINTS)) + "END\n"
     source = loop.replace("PROGRAM_END", f"{never}PROGRAM_END")
-    return statistics.median(_plain_s(words, source) / _watched_s(words, source) for _ in range(PAIRS))
+    return statistics.median(_plain_s(words, source) / _watched_s(words, source) for _ in range(pairs))
 
 
 def _plain_s(words: Words, source: str) -> float:
@@ -268,11 +268,11 @@ async def _key(client: LanguageClient, uri: str, number: int) -> float:
 
 def run(words: Words, loop: str, beside: str, anchor: float, *, short: bool = False) -> list[Figure]:
     """`beside`, `anchor`: reference of the other figures of the run.  `short`: a few of each."""
-    edges, starts, keys = (20, 2, 4) if short else (EDGES, STARTS, KEYS)
+    pairs, edges, starts, keys = (1, 20, 2, 4) if short else (PAIRS, EDGES, STARTS, KEYS)
     answered, median = input_output_ms(edges)
     one_lane, lanes = step_ratio(1 if short else 4)
     return [
-        row("program.breakpoints_ratio", breakpoints_ratio(words, loop), f"of the same without, {BREAKPOINTS} breakpoints", SHARE,
+        row("program.breakpoints_ratio", breakpoints_ratio(words, loop, pairs), f"of the same without, {BREAKPOINTS} breakpoints", SHARE,
             beside, anchor, at_least=True),
         row("program.input_statement_ms", input_statement_ms(edges), "ms, p99", STATEMENT_MS, beside, anchor),
         row("program.input_output_ms", answered, "ms at a Modbus server, p99", OUTPUT_MS, "its median", median),
