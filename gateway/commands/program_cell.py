@@ -18,6 +18,7 @@ from gateway.tools.usage_language import complain
 IN_CELLS = ("run", "start", "stop", "status")
 WAYS = {"ended": "ended after {seconds:.2f} s", "breakpoint": "is halted at the breakpoint {place}"}
 POLL_S = 0.05
+STOP_AGAIN_S = 5.0
 COMES_S = 30.0  # the interpreter reads and checks all programs first
 
 
@@ -141,9 +142,7 @@ def play(client: ToolClient, cell: Cell, options: argparse.Namespace) -> Row:
         try:
             answer = _over(client, run, options.program)
         except KeyboardInterrupt:
-            with contextlib.suppress(ToolError):
-                client.ask("process", do="stop", name=options.program)
-            answer = _over(client, run, options.program)
+            answer = _stopped(client, run, options.program)
         seconds = time.monotonic() - began
         _rest(client, cell)
     finally:
@@ -152,6 +151,18 @@ def play(client: ToolClient, cell: Cell, options: argparse.Namespace) -> Row:
                 client.command("disable", every)
             client.command("release_control")
     return _result(client, options.program.upper(), answer, seconds)
+
+
+def _stopped(client: ToolClient, run: object, name: str) -> Row:
+    """Orders the stop again after some time: one that comes while the program is being started stops nothing."""
+    again = 0.0
+    while not (answer := client.ask("process", do="state", run=run))["over"]:
+        if time.monotonic() >= again:
+            with contextlib.suppress(ToolError):
+                client.ask("process", do="stop", name=name)
+            again = time.monotonic() + STOP_AGAIN_S
+        time.sleep(POLL_S)
+    return answer
 
 
 def _over(client: ToolClient, run: object, name: str) -> Row:
