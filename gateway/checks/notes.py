@@ -250,8 +250,8 @@ def resolvers(cell: Cell) -> Iterator[Notice]:
         turn = from_si(axis.drive.inc_per_turn / abs(scaling_of(axis).inc_per_unit), axis.unit)
         if axis.limits.max - axis.limits.min > turn:
             words = (
-                f"absolute within one motor turn alone, {turn:.4g} {axis.unit}: after the booster's power was off the axis may be shown "
-                "wrong by whole turns (AX-085)"
+                f"absolute only within one motor turn, {turn:.4g} {axis.unit}: after the booster has been switched off, the axis may be "
+                "shown wrong by whole turns (AX-085)"
             )
             yield Notice("warning", f"axis.{axis.name}.home", f'{words}; reference it: home = {{ by = "gateway", .. }}')
 

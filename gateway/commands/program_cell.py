@@ -154,7 +154,7 @@ def play(client: ToolClient, cell: Cell, options: argparse.Namespace) -> Row:
 
 
 def _stopped(client: ToolClient, run: object, name: str) -> Row:
-    """Orders the stop again after some time: one that comes while the program is being started stops nothing."""
+    """Orders the stop until the program is over: an order may be refused or lost."""
     again = 0.0
     while not (answer := client.ask("process", do="state", run=run))["over"]:
         if time.monotonic() >= again:

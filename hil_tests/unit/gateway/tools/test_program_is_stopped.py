@@ -1,4 +1,4 @@
-"""Ctrl-C at `axisgate program run`: a stop that was lost is ordered again, and the command ends with the program."""
+"""Ctrl-C at `axisgate program run`: a stop that was refused or lost is ordered again, and the command ends with the program."""
 
 from gateway.commands import program_cell
 from gateway.commands.program_cell import _stopped
