@@ -162,19 +162,29 @@ def main(argv: list[str]) -> int:
 
 
 def measured(names: Sequence[str], arguments: argparse.Namespace) -> tuple[list[Figure], list[str]]:
-    """Figures of these benches and the names of those that failed: one failure must not lose the figures of the others."""
-    found, broken = list[Figure](), list[str]()
+    """Figures of these benches in this order and the names of those that failed twice.
+
+    One failure must not lose the hour of the others: among several, a bench that fails is repeated once, behind all of them.
+    """
+    found = dict[str, list[Figure]]()
     for name in names:
-        try:
-            fresh = [known(figure) for figure in BENCHES[name](arguments)]
-        except Exception:
-            traceback.print_exc()
-            broken.append(name)
-            continue
-        found += fresh
-        if not arguments.json:
-            print("\n".join(map(sentence, fresh)), flush=True)
-    return found, broken
+        attempt(name, arguments, found)
+    again = [name for name in names if name not in found] if len(names) > 1 else []
+    for name in again:
+        print(f"axisgate bench: {name} failed (the cause is above) and is repeated", file=sys.stderr, flush=True)
+        attempt(name, arguments, found)
+    return [figure for name in names for figure in found.get(name, [])], [name for name in names if name not in found]
+
+
+def attempt(name: str, arguments: argparse.Namespace, found: dict[str, list[Figure]]) -> None:
+    """Run this bench and enter its figures; print the traceback of one that fails."""
+    try:
+        found[name] = [known(figure) for figure in BENCHES[name](arguments)]
+    except Exception:
+        traceback.print_exc()
+        return
+    if not arguments.json:
+        print("\n".join(map(sentence, found[name])), flush=True)
 
 
 def known(figure: Mapping[str, object]) -> Figure:

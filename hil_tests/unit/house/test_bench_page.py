@@ -3,6 +3,7 @@
 import json
 import math
 import pathlib
+from collections.abc import Callable
 
 import pytest
 
@@ -42,3 +43,28 @@ def test_a_bench_that_breaks_off_costs_the_others_nothing(
     said = capsys.readouterr()
     assert "b.x" in said.out
     assert "the cell did not come up" in said.err and "not measured: a " in said.err
+
+
+def test_a_bench_that_fails_among_others_is_repeated_at_the_end_in_its_place_on_the_page(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    runs = list[str]()
+
+    def bench(name: str, failures: int) -> Callable[[object], list[command.Figure]]:
+        def run(arguments: object) -> list[command.Figure]:
+            runs.append(name)
+            if runs.count(name) <= failures:
+                raise TimeoutError("did not end")
+            return [{"figure": f"{name}.x", "value": 1.0, "unit": "s", "goal": 2.0, "met": True}]
+
+        return run
+
+    monkeypatch.setattr(command, "BENCHES", {"a": bench("a", 1), "b": bench("b", 0)})
+    monkeypatch.setattr(command, "PAGE", tmp_path / "benchmarks.md")
+    monkeypatch.setattr(command, "REFERENCES", ())
+    assert command.main(["all"]) == 0 and runs == ["a", "b", "a"]
+    rows = (tmp_path / "benchmarks.md").read_text().splitlines()[-2:]
+    assert [row.split(" | ")[0] for row in rows] == ["| a.x", "| b.x"]
+    assert "a failed (the cause is above) and is repeated" in capsys.readouterr().err
+    runs.clear()
+    assert command.main(["a"]) == 3 and runs == ["a"], "one bench alone is not repeated"
