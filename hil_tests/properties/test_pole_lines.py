@@ -84,7 +84,7 @@ def wrong(line: PoleLine, *, timed: bool) -> str:
 
 
 @pytest.mark.timeout(60 + 20 * LINES)  # a hang, not a slow machine: 5 s here, 220 s on two cores that others use
-def test_every_line_beside_the_wrist_pole_is_run_where_its_joints_can_follow_it_and_told_where_not() -> None:
+def test_every_line_beside_the_wrist_pole_is_run_where_its_joints_can_follow_it_and_reported_where_not() -> None:
     faults = []
     for n, line in enumerate(pole_lines(18, LINES)):
         if what := wrong(line, timed=n % TIMED == 0):

@@ -71,6 +71,6 @@ def test_each_reaction_answers_its_own_command(profile: Profile, ours: Priority,
 
 
 @pytest.mark.parametrize("pause", [0, ms(300), ms(5000)])
-def test_a_plc_that_starts_again_in_a_long_job_is_not_told_a_sequence_error(pause: Ns) -> None:
+def test_a_plc_that_starts_again_in_a_long_job_gets_no_sequence_error(pause: Ns) -> None:
     plc = meet([Job(LONG.command, "leave", pause)], Priority.LOW, RHO3)
     assert plc.answers[1] == b"\0\0\0\0\xd0\x2a"

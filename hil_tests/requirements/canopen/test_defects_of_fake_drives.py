@@ -39,7 +39,7 @@ def test_not_ready_is_left_without_any_controlword_and_6_7_15_is_enough() -> Non
     node.until_state(0x27, limit_s=0.01)
 
 
-def test_a_fault_can_be_entered_is_told_and_fault_reset_works_in_fault_only() -> None:
+def test_a_fault_can_be_entered_is_reported_and_fault_reset_works_in_fault_only() -> None:
     bus, node = enabled(1)
     bus.slave.cause(1, "phase_loss", True)
     bus.run(0.5)

@@ -72,7 +72,7 @@ def test_the_heartbeat_keeps_its_period() -> None:
     assert [frame.stamp_ns - start for frame in bus.heard(0x701)[1:]] == [number * 20_000_000 for number in range(6)]
 
 
-def test_node_guarding_toggles_and_its_loss_is_told() -> None:
+def test_node_guarding_toggles_and_its_loss_is_reported() -> None:
     bus, node = ready()
     node.set(0x100C, 100)
     node.set(0x100D, 3)
@@ -100,7 +100,7 @@ def test_the_history_keeps_the_newest_first_and_is_cleared_by_0_only() -> None:
     assert node.read(0x1003, 0) == 0
 
 
-def test_an_error_that_stands_is_told_once() -> None:
+def test_an_error_that_persists_is_reported_once() -> None:
     bus, node = ready()
     bus.slave.force_fault(1, 0x4210)
     bus.slave.force_fault(1, 0x4210)

@@ -79,14 +79,14 @@ def test_entries_wait_until_the_count_is_0() -> None:
         (0x00050008, Abort.NO_OBJECT),  # dummies belong into RPDOs
     ],
 )
-def test_what_may_stand_in_a_tpdo(word: int, code: int) -> None:
+def test_what_may_be_in_a_tpdo(word: int, code: int) -> None:
     _, node = ready()
     node.set(0x1800, 0xC0000181, 1)
     node.set(0x1A00, 0, 0)
     assert code_of(node, 0x1A00, word, 1) == code
 
 
-def test_what_may_stand_in_an_rpdo() -> None:
+def test_what_may_be_in_an_rpdo() -> None:
     _, node = ready()
     node.set(0x1400, 0x80000201, 1)
     node.set(0x1600, 0, 0)
@@ -155,7 +155,7 @@ def test_type_0_comes_with_the_next_sync_after_an_event() -> None:
     assert not bus.hand(Frame(0x80))
 
 
-def test_an_event_driven_tpdo_tells_a_change_at_once_and_nothing_else() -> None:
+def test_an_event_driven_tpdo_reports_a_change_at_once_and_nothing_else() -> None:
     bus, node = ready()
     node.set(0x1800, 255, 2)
     node.set(0x1800, 0, 5)
@@ -303,7 +303,7 @@ def test_rpdos_count_in_operational_only() -> None:
     assert node.status & 0x6F == 0x40
 
 
-def test_a_short_rpdo_is_not_processed_a_long_one_is_and_both_are_told() -> None:
+def test_a_short_rpdo_is_not_processed_a_long_one_is_and_both_are_reported() -> None:
     bus, node = ready()
     node.nmt(nmt.Command.START)
     bus.hand(Frame(RPDO1, bytes((6, 0, 0, 0, 0))))

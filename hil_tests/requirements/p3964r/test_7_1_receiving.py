@@ -34,7 +34,7 @@ def test_a_doubled_dle_is_one_character_of_data() -> None:
 
 
 @pytest.mark.requirement("RHO-SER-04", by="protocols.p3964r.characters:check_of")
-def test_block_check_of_31h_32h_is_10h_and_stands_alone() -> None:
+def test_block_check_of_31h_32h_is_10h_and_is_alone() -> None:
     connected().hears(b"\x31\x32\x10\x03\x10").says(DLE).reports(BlockReceived(b"12"))
     connected().hears(b"\x31\x32\x33\x10\x03\x23").says(DLE).reports(BlockReceived(b"123"))
     connected().hears(b"\x01\x02\x10\x03\x10").says(DLE).reports(BlockReceived(b"\x01\x02"))
@@ -229,7 +229,7 @@ def test_the_port_lost_inside_a_block_keeps_the_stored_one() -> None:
     line.at(ms(9000)).says(b"").reports().does(lambda link, now: check(link.take_block(now), b"AB"))
 
 
-def test_a_break_inside_a_block_is_told_at_once_and_the_tail_never_starts_a_new_one() -> None:
+def test_a_break_inside_a_block_is_reported_at_once_and_the_tail_never_starts_a_new_one() -> None:
     """AX-228: until the line was quiet for one ZVZ."""
     line = connected().hears(b"A").damaged(Damage.BREAK).says(b"").reports(BlockRefused(Refusal.BREAK, 1))
     line.hears(b"\x02EVIL\x10\x03\x00").damaged(Damage.BREAK).damaged(Damage.PARITY).says(b"").reports()

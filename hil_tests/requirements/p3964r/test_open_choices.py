@@ -230,7 +230,7 @@ def test_behind_a_network_every_wait_for_the_partner_is_longer() -> None:
 
 
 @pytest.mark.parametrize("early_by, taken", [(ms(499), True), (ms(501), False)])
-def test_behind_a_network_an_answer_may_be_here_before_the_server_told_that_the_block_left(early_by: Ns, taken: bool) -> None:
+def test_behind_a_network_an_answer_may_be_here_before_the_server_reported_that_the_block_left(early_by: Ns, taken: bool) -> None:
     line = wishing(profile_named("rho3-tcp")).hears(DLE).says(BLOCK_A).hears(DLE).at(early_by).left()
     line.reports(*([BlockSent(1)] if taken else []))
 

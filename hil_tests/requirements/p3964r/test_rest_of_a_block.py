@@ -76,7 +76,7 @@ def test_after_a_torn_block_a_partner_who_waits_for_our_dle_is_served_at_once() 
     line.at(ms(231)).hears(STX + GOOD_AB).says(DLE + DLE).reports(BlockReceived(b"AB"))  # in doubt no longer
 
 
-def test_a_partner_whose_block_comes_before_a_slow_port_told_that_our_dle_left_loses_one_attempt() -> None:
+def test_a_partner_whose_block_comes_before_a_slow_port_reported_that_our_dle_left_loses_one_attempt() -> None:
     line = torn().at(ms(226)).hears(STX).says(DLE, leaves=False).at(ms(230)).hears(GOOD_AB).says(b"")
     line.at(ms(450)).says(NAK).reports(StrayCharacters(1 + len(GOOD_AB)))  # repeats at once, not after its QVZ (AX-1730)
     line.at(ms(451)).hears(STX).says(DLE, leaves=False)
@@ -152,7 +152,7 @@ def test_a_wish_behind_the_end_of_a_block_in_one_burst_is_granted_when_the_line_
     line.at(ms(225)).says(DLE).at(ms(226)).hears(GOOD_AB).says(DLE).reports(BlockReceived(b"AB"))
 
 
-def test_a_partner_that_was_told_nak_at_once_asks_again_by_itself() -> None:
+def test_a_partner_that_got_a_nak_at_once_asks_again_by_itself() -> None:
     line = Line(PROFILES["vipa-cp240"]).hears(STX).says(DLE).at(ms(5)).hears(GOOD_AB + STX).says(DLE + NAK)
     line.at(ms(300)).says(b"").reports(BlockReceived(b"AB"), StrayCharacters(1))
 

@@ -168,7 +168,7 @@ def test_only_with_the_instruction_a_program_goes_on_after_a_time_out(instructio
         (";;SER_IO_STOP *\n", "line 1"),
     ],
 )
-def test_the_instruction_stands_once_at_the_beginning(source: str, words: str) -> None:
+def test_the_instruction_occurs_once_at_the_beginning(source: str, words: str) -> None:
     with pytest.raises(DirectiveError, match=words):
         ser_io_stop(source)
     assert ser_io_stop(";;PROCESS_TYPE = PERMANENT\n;;SER_IO_STOP -\nPROGRAM A") is False

@@ -97,7 +97,7 @@ def test_the_active_station_sends_no_impossible_amount(data: bytes) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_on_a_damaged_line_every_job_has_a_result_and_what_was_taken_stands_there(seed: int) -> None:
+def test_on_a_damaged_line_every_job_has_a_result_and_what_was_taken_is_there(seed: int) -> None:
     cell = Cell(seed=seed, faults=Faults(damage=0.003))
     for number in range(30):
         data = bytes((number, 0x10, 0x03, number))

@@ -100,7 +100,7 @@ def test_a_lost_port_ends_an_open_job() -> None:
 
 # ---- FETCH
 @pytest.mark.parametrize("total", [130, 256, 258, 512])
-def test_a_long_fetch_delivers_what_stood_there_when_it_began(total: int) -> None:
+def test_a_long_fetch_delivers_what_was_there_when_it_began(total: int) -> None:
     station = Station()
     station.blocks.blocks[10][:] = DATA
     station.hears(f"00 00 45 44 0A 00 {total // 2:04X} FF FF").says(OK + DATA[:128], Fetched(10, 0, total // 2))

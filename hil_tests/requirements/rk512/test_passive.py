@@ -62,7 +62,7 @@ def test_up_to_128_bytes_each_way(words: int) -> None:
     line.hears(f"00 00 45 44 0A 00 00 {words:02X} FF FF").says(OK + data)
 
 
-def test_no_coordination_flag_whatever_stands_in_byte_10() -> None:
+def test_no_coordination_flag_whatever_is_in_byte_10() -> None:
     Line().hears("00 00 45 44 05 00 00 01 FF 0F").says(OK + b"\x00\x01")
 
 

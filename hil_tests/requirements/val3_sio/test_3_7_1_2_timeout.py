@@ -51,7 +51,7 @@ def test_opening_and_waiting_share_one_time() -> None:
 
 
 @pytest.mark.requirement("VAL-SIO-03", by=("gateway.pure.controllers.val3.sio.channel:deadline_of", CORE + "wake", CORE + "received"))
-def test_minus_1_takes_what_is_there_or_0_and_tells_an_error() -> None:
+def test_minus_1_takes_what_is_there_or_0_and_reports_an_error() -> None:
     bench = SioBench(with_timeout(CLIENT, -1))
     sio, data = bench.variable(CLIENT.name), [0.0, 0.0]
     assert bench.outcome(bench.get(sio, data)) == 0

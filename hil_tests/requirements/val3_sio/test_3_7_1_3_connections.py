@@ -166,7 +166,7 @@ def test_a_local_server_variable_takes_its_connection_with_it() -> None:
     assert bench.closed == [first, second] and bench.listening == []
 
 
-def test_one_error_is_told_to_every_task_that_waits_on_a_shared_connection() -> None:
+def test_one_error_is_reported_to_every_task_that_waits_on_a_shared_connection() -> None:
     bench = SioBench(CLIENT, capacity=0)
     calls = [bench.get(bench.variable(CLIENT.name), [0.0]), bench.read_text(bench.variable(CLIENT.name))]
     calls.append(bench.write_text(bench.variable(CLIENT.name), "a"))

@@ -138,7 +138,7 @@ def test_what_is_no_number_and_what_no_string_holds_is_error_70(value: float) ->
     assert bench.datagrams == []
 
 
-def test_a_damaged_string_is_taken_to_its_end_and_told_once() -> None:
+def test_a_damaged_string_is_taken_to_its_end_and_reported_once() -> None:
     bench = SioBench(SERIAL)
     sio = bench.variable(SERIAL.name)
     call = bench.read_text(sio)

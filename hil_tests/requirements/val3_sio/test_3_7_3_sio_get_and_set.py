@@ -104,7 +104,7 @@ def test_sio_set_of_more_than_there_is_and_without_a_connection_in_time() -> Non
     assert bench.at(S).outcome(call) == -1
 
 
-def test_sio_set_tells_how_much_went_when_the_partner_stops_taking_or_breaks() -> None:
+def test_sio_set_reports_how_much_went_when_the_partner_stops_taking_or_breaks() -> None:
     bench = SioBench(with_timeout(CLIENT, 1), capacity=3)
     sio = bench.variable(CLIENT.name)
     call = bench.set(sio, [1.0] * 5)

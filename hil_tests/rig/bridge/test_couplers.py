@@ -97,7 +97,7 @@ def cycle_pid(run: JoinedRun) -> int:
     return int(next(process["pid"] for process in status["processes"] if process["name"] == "cycle"))
 
 
-def test_contacts_of_a_coupler_follow_the_cell_and_the_watchdog_stands_with_the_cycle() -> None:
+def test_contacts_of_a_coupler_follow_the_cell_and_the_watchdog_stops_with_the_cycle() -> None:
     with running_joined(lambda folder: cell_copy("s5-rk512", folder, more=MORE), "contacts") as run:
         run.until(lambda: contact(run, "ready_contact")["quality"] == "GOOD", "the coupler is started up", 40.0)
         coupler = Coupler(run)

@@ -81,7 +81,7 @@ def test_signals_as_an_assignment_list_in_the_old_character_set(tmp_path: pathli
     assert "try --encoding" in capsys.readouterr().err
 
 
-def test_files_that_are_none_are_told(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_files_that_are_none_are_reported(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "x.xlsx").write_bytes(b"no zip")
     assert main([str(tmp_path / "x.xlsx"), str(tmp_path / "y.csv")]) == 2
     assert main([str(tmp_path / "absent.csv"), str(tmp_path / "y.csv")]) == 3

@@ -133,7 +133,7 @@ class Watched(Chip):
         return {0: Said(True, Quality.GOOD)}
 
 
-def test_a_gpiochip_that_is_not_there_is_told_with_what_to_do_and_its_contacts_are_bad(capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_gpiochip_that_is_not_there_is_reported_with_what_to_do_and_its_contacts_are_bad(capfd: pytest.CaptureFixture[str]) -> None:
     chip = Chip("/dev/gpiochip99", {0: Io("lamp", IoDevice("gpiochip", output=4, chip="/dev/gpiochip99"), "cell.ready")})
     assert chip.turn({0: True}, 10**9) == {} == chip.turn({0: True}, 10**9 + 1)
     assert capfd.readouterr().out == "/dev/gpiochip99: no such gpiochip; gpiodetect lists those that are there; contacts lamp are out\n"

@@ -127,7 +127,7 @@ def test_a_stopped_subscriber_is_disconnected_and_the_others_lose_nothing(bus: B
     assert len(buslog.frames(bus.log_lines())) == total
 
 
-def test_a_disconnected_subscriber_learns_it_and_reconnecting_tells_the_gap(tmp_path: pathlib.Path) -> None:
+def test_a_disconnected_subscriber_learns_it_and_reconnecting_reports_the_gap(tmp_path: pathlib.Path) -> None:
     with running_bus(tmp_path, "--queue", "100") as bus:
         a, slow = bus.port(), bus.port()
         a.send([Frame(1)])
@@ -273,7 +273,7 @@ def test_error_frames_reach_the_port_as_faults(bus: Bus) -> None:
     assert b.counters.faults == 4 and b.counters.ignored == 1 and b.take_faults() == []
 
 
-def test_sigusr1_tells_the_counters_on_standard_error_and_in_the_log(bus: Bus) -> None:
+def test_sigusr1_reports_the_counters_on_standard_error_and_in_the_log(bus: Bus) -> None:
     a = bus.port()
     a.send(CYCLE)
     while count_of(broker_stats(bus.name), "frames") < 7:

@@ -44,7 +44,7 @@ def test_the_lowest_identifier_of_two_nodes_goes_first(tmp_path: pathlib.Path) -
     assert min(gaps) >= 47 * 8000, "nothing overlaps on the wire"
 
 
-def test_a_full_bus_is_told_and_nothing_is_lost(tmp_path: pathlib.Path) -> None:
+def test_a_full_bus_is_reported_and_nothing_is_lost(tmp_path: pathlib.Path) -> None:
     with running_bus(tmp_path, "--bitrate", "125000") as bus:
         sender, listener = bus.port(), bus.port()
         sender.send([Frame(0x300, bytes(8))] * 60)

@@ -150,7 +150,7 @@ def test_a_bus_that_is_not_there_is_named_once(capsys: pytest.CaptureFixture[str
     assert capsys.readouterr().err.count("broker:nobody:") == 1
 
 
-def test_a_recording_named_as_a_cell_is_told_and_a_closed_pipe_is_no_fault(
+def test_a_recording_named_as_a_cell_is_reported_and_a_closed_pipe_is_no_fault(
     tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["load", "x.log"]) == 2

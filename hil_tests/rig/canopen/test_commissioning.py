@@ -38,7 +38,7 @@ def test_try_both_ways_then_stop_times_at_a_lost_heartbeat(tmp_path: pathlib.Pat
     assert "evidence: emulator" in page.read_text() and "not a safety device" in page.read_text()
 
 
-def test_old_positions_are_walked_and_told_as_a_table(capsys: pytest.CaptureFixture[str]) -> None:
+def test_old_positions_are_walked_and_reported_as_a_table(capsys: pytest.CaptureFixture[str]) -> None:
     cell = load_cell("s5-rk512")
     near = cell.check_position[0]
     object.__setattr__(near, "at", {"X": 60.0, "Y": 40.0, "Z": 30.0})

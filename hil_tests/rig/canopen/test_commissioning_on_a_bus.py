@@ -25,7 +25,7 @@ def find_page(name: str) -> str:
     return (pathlib.Path(__file__).parents[3] / "docs" / "guide" / name).read_text()
 
 
-def test_a_date_is_written_where_it_stands_and_a_shipped_file_is_nobodys_to_write(tmp_path: pathlib.Path) -> None:
+def test_a_date_is_written_where_it_is_and_a_shipped_file_is_nobodys_to_write(tmp_path: pathlib.Path) -> None:
     shipped = find_config("s5-rk512", "cells")
     day = datetime.date(2027, 2, 3)
     with pytest.raises(stopdate.NotWritten, match=r"is shipped with axisgate; .* last_stop_test = 2027-02-03"):

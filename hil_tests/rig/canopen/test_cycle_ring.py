@@ -127,7 +127,7 @@ def test_axes_that_are_not_configured_yet_leave_their_places_in_the_burst_to_the
     theirs.close()
 
 
-def test_a_dirty_data_sheet_is_told_by_line_and_still_serves_the_sdo_client() -> None:
+def test_a_dirty_data_sheet_is_reported_by_line_and_still_serves_the_sdo_client() -> None:
     with pytest.raises(ValueError, match="invalid literal for int"):
         canopen_raw(DIRTY)
     dictionary, faults = eds.parse(DIRTY)

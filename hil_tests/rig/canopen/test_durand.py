@@ -111,7 +111,7 @@ def test_a_node_that_is_not_there_is_dead_and_is_tried_again(bus: Bus) -> None:
             device.stop()
 
 
-def test_a_storm_of_emergencies_is_counted_and_told_a_few_times_only(bus: Bus) -> None:
+def test_a_storm_of_emergencies_is_counted_and_reported_a_few_times_only(bus: Bus) -> None:
     device = DurandDrive(bus.name, NODE)
     run = Started(bus, plan())
     run.master.start()

@@ -82,7 +82,7 @@ def test_a_new_zero_is_kept_with_its_history_counts_at_the_next_start_and_is_ask
     assert fingerprint(cell)["Z"] != before and unconfirmed(cell) == ["Z"]
 
 
-def test_an_encoder_that_counted_round_since_the_last_stop_is_told_with_its_turns(tmp_path: pathlib.Path) -> None:
+def test_an_encoder_that_counted_round_since_the_last_stop_is_reported_with_its_turns(tmp_path: pathlib.Path) -> None:
     cell = real(tmp_path)
     state = CellState(axes=[AxisState(actual=0.1) for _ in range(12)])
     remember(cell, state)

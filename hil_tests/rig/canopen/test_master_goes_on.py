@@ -45,7 +45,7 @@ def bus() -> Iterator[Bus]:
     made.stop()
 
 
-def test_an_error_in_the_receiving_thread_is_told_with_its_place_and_every_node_is_started_up(bus: Bus) -> None:
+def test_an_error_in_the_receiving_thread_is_reported_with_its_place_and_every_node_is_started_up(bus: Bus) -> None:
     bus.master.start()
     assert bus.wait(lambda: any(node.health is Health.BOOTING for node in bus.master.nodes.values()) and bus.link.answered > 20)
     bus.link.fail = RuntimeError(SENTENCE)

@@ -183,7 +183,7 @@ def test_explain_of_an_invalid_cell_points_to_check(tmp_path: pathlib.Path) -> N
     assert done.returncode == 2 and "axisgate check cell.toml names them" in done.stderr
 
 
-def test_doctor_tells_what_to_do() -> None:
+def test_doctor_says_what_to_do() -> None:
     done = axisgate("doctor", "--json")
     findings = json.loads(done.stdout)
     assert done.returncode in (0, 1)

@@ -161,7 +161,7 @@ def test_the_clock_and_the_reason_are_said() -> None:
         assert (with_it["p5_ms"], with_it["stretched"]) == ((4 if WITHOUT else 10), True)
 
 
-def test_a_page_whose_port_is_taken_is_told_before_anything_runs() -> None:
+def test_a_page_whose_port_is_taken_is_reported_before_anything_runs() -> None:
     with runtime_folder() as folder, socket.create_server(("127.0.0.1", 0)) as other:
         port = other.getsockname()[1]
         command = [sys.executable, "-m", "gateway", "run", "demo", "--sim", "--name", "taken", "--web", str(port)]

@@ -18,7 +18,7 @@ SECOND = 1_000_000_000
 STOLEN_MS = 150  # a shared machine may keep the emulator from speaking; the record, in bus time, is judged without it
 
 
-def test_what_the_bus_tells_of_the_stops_is_what_the_shafts_did() -> None:
+def test_what_the_bus_reports_of_the_stops_is_what_the_shafts_did() -> None:
     cell = load_cell("demo-402")
     with simulated("demo-402", UNHURRIED_MS) as (client, folder):
         stops = losstest_bus.measure(client, cell, {"drives": f"broker:{client.run}-drives"}, 0.5)

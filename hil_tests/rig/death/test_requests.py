@@ -73,7 +73,7 @@ def test_var_reads_every_kind_of_address(run: CellRun, address: str, says: str) 
 
 
 @pytest.mark.parametrize("arguments, says", WRONG)
-def test_var_tells_what_is_wrong_in_one_line(run: CellRun, arguments: tuple[str, ...], says: str) -> None:
+def test_var_says_what_is_wrong_in_one_line(run: CellRun, arguments: tuple[str, ...], says: str) -> None:
     code, out, err = axisgate("var", *arguments)
     assert (code, out) == (2, "") and err.startswith(f"axisgate var: {says}") and "\n" not in err, err
 

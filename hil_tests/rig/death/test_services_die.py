@@ -81,7 +81,7 @@ def death(run: CellRun, *, finishes: bool) -> None:
     run.home_again()
 
 
-def test_a_spare_stands_by_takes_over_and_is_replaced() -> None:
+def test_a_spare_is_ready_takes_over_and_is_replaced() -> None:
     """AX-561; a spare that dies itself is replaced, too."""
     with running_cell() as run:
         first = run.spare("services")

@@ -10,7 +10,7 @@ REFUSED, NOT_READY = 4, 30
 TICK_S = 0.2  # the supervisor looks every 10 ms; the rest is the machine
 
 
-def test_a_cycle_that_dies_six_times_stays_down_and_everybody_is_told() -> None:
+def test_a_cycle_that_dies_six_times_stays_down_and_everybody_is_informed() -> None:
     with running_cell() as run:
         run.ready()
         for count, wait in enumerate(WAITS_S):

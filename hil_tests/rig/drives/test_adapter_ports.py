@@ -82,7 +82,7 @@ def daemon() -> Iterator[Daemon]:
     found.close()
 
 
-def test_a_port_of_socketcand_carries_frames_both_ways_and_tells_when_it_is_gone(daemon: Daemon) -> None:
+def test_a_port_of_socketcand_carries_frames_both_ways_and_reports_when_it_is_gone(daemon: Daemon) -> None:
     port = open_can(f"socketcand:can7?host=127.0.0.1&port={daemon.port}")
     assert isinstance(port, AdapterPort)
     frames = [Frame(100), Frame(210, bytes(range(8))), Frame(220, b"\xff\x00")]
@@ -102,7 +102,7 @@ def test_a_port_of_socketcand_carries_frames_both_ways_and_tells_when_it_is_gone
     port.close()
 
 
-def test_an_adapter_without_a_descriptor_serves_too_and_own_frames_tell_the_latency() -> None:
+def test_an_adapter_without_a_descriptor_serves_too_and_own_frames_show_the_latency() -> None:
     with can.Bus(interface="virtual", channel="adapters") as partner:
         port = AdapterPort("virtual:adapters")
         assert port.send([Frame(200 + n, bytes((n,))) for n in range(5)]) == 5
@@ -132,7 +132,7 @@ def test_doctor_measures_an_adapter_that_gives_frames_back(capsys: pytest.Captur
         ("can0", "a CAN port is socketcan:INTERFACE, broker:NAME or an adapter"),
     ],
 )
-def test_what_cannot_be_opened_is_told(url: str, words: str) -> None:
+def test_what_cannot_be_opened_is_reported(url: str, words: str) -> None:
     with pytest.raises(PortError, match=words):
         open_can(url)
 

@@ -57,7 +57,7 @@ def lost(run: RealRun) -> int:
     return sum(bool(axis.flags & AxisFlag.LOST) for axis in run.state().axes[:6])
 
 
-def test_a_whole_cell_moves_its_drives_and_the_latency_is_told(metal: tuple[RealRun, Adapter]) -> None:
+def test_a_whole_cell_moves_its_drives_and_the_latency_is_reported(metal: tuple[RealRun, Adapter]) -> None:
     run, _ = metal
     assert wait(lambda: said(run, "first answer to a burst, ms: count 100") == 1), run.words()
     run.ready()
@@ -74,7 +74,7 @@ def test_a_whole_cell_moves_its_drives_and_the_latency_is_told(metal: tuple[Real
     assert heard == {SYNC, *ACTUALS, *range(210, 261, 10)}, "nothing else on the far bus: nothing is sent to measure"
 
 
-def test_a_pulled_adapter_is_told_and_taken_up_again(metal: tuple[RealRun, Adapter]) -> None:
+def test_a_pulled_adapter_is_reported_and_taken_up_again(metal: tuple[RealRun, Adapter]) -> None:
     run, adapter = metal
     assert wait(lambda: lost(run) == 0)
     opened = said(run, ": open")

@@ -93,7 +93,7 @@ def test_nothing_is_sent_whatever_the_sources_ask_for(run: RealRun) -> None:
     assert not state.ready and all(axis.flags & AxisFlag.LOST for axis in state.axes[:6]), "what was heard is no drive's word"
 
 
-def test_the_state_is_told_everywhere(run: RealRun) -> None:
+def test_the_state_is_reported_everywhere(run: RealRun) -> None:
     assert run.status()["listening"] == ["drives"]
     told = links(run)
     assert told["listening"] == ["drives"] and told["errors"][0]["code"] == Reason.NOT_READY and WORDS in told["errors"][0]["text"]

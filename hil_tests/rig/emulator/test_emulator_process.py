@@ -227,7 +227,7 @@ def test_faults_to_order_and_wrong_orders(rig: Rig) -> None:
         ('{"speed": 1}', "speed: unknown"),
     ],
 )
-def test_bad_settings_are_told_and_exit_2(text: str, told: str, tmp_path: pathlib.Path) -> None:
+def test_bad_settings_are_reported_and_exit_2(text: str, told: str, tmp_path: pathlib.Path) -> None:
     file = tmp_path / "bad.json"
     file.write_text(text)
     command = [sys.executable, "-m", "gateway.simulation.drives.process", "--settings", str(file), "--bus", "broker:none"]

@@ -151,7 +151,7 @@ def trials_of(pair: dict[str, object]) -> list[dict[str, object]]:
     return trials
 
 
-def test_the_matrix_run_tells_ids_and_outcomes_and_fails_a_wrong_mark(folder: pathlib.Path) -> None:
+def test_the_matrix_run_reports_ids_and_outcomes_and_fails_a_wrong_mark(folder: pathlib.Path) -> None:
     found = run_pytest(folder, "--matrix")
     outcome = {str(line["ids"]): line["outcome"] for line in found}
     assert outcome["['RHO-SER-01']"] == "passed"

@@ -19,7 +19,7 @@ def test_a_file_belongs_to_who_asked_first_with_all_its_tests(tmp_path: pathlib.
     assert not theirs.mine(item)
 
 
-def test_what_was_told_is_read_back_and_half_a_line_is_nothing(tmp_path: pathlib.Path, request: pytest.FixtureRequest) -> None:
+def test_what_was_reported_is_read_back_and_half_a_line_is_nothing(tmp_path: pathlib.Path, request: pytest.FixtureRequest) -> None:
     path, config = tmp_path / "reports.jsonl", request.config
     assert reports.read(config, path) == {}
     reporter = reports.Reporter(config, path)

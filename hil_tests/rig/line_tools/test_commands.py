@@ -35,7 +35,7 @@ def test_the_list_and_a_name_that_is_not_in_it(tmp_path: pathlib.Path) -> None:
     assert "no such test; --list shows them" in wrong.stderr
 
 
-def test_a_device_file_stands_in_for_options(tmp_path: pathlib.Path) -> None:
+def test_a_device_file_replaces_options(tmp_path: pathlib.Path) -> None:
     (tmp_path / "cw4.toml").write_text(DEVICE)
     done = axisgate(
         "line",

@@ -208,7 +208,7 @@ def test_taps_of_a_shadow_hear_both_sides() -> None:
 
 
 @pytest.mark.parametrize("kind", PLACES)
-def test_a_far_end_that_goes_away_is_told_at_once(kind: str) -> None:
+def test_a_far_end_that_goes_away_is_reported_at_once(kind: str) -> None:
     master, slave = os.openpty()
     port = open_port(f"{kind}{os.ttyname(slave)}")
     os.close(slave)

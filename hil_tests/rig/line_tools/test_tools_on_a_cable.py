@@ -31,7 +31,7 @@ def test_send_and_fetch_over_a_cable(cable: Cable, station: Start) -> None:
     assert [one["value"] for one in json.loads(brought.stdout)] == [1200, 1200.5]
 
 
-def test_an_unplugged_cable_is_told_in_both_vocabularies(cable: Cable, station: Start) -> None:
+def test_an_unplugged_cable_is_reported_in_both_vocabularies(cable: Cable, station: Start) -> None:
     station("good")
     with LineControl(cable.name) as control:
         control.unplug()
@@ -77,7 +77,7 @@ def test_the_probe_over_a_cable_finds_a_hostile_station(cable: Cable, station: S
     assert "2 connection attempts when STX is answered with NAK, expected 6" in done.stdout
 
 
-def test_diagnose_over_a_cable_tells_what_rides_on_it(cable: Cable, station: Start) -> None:
+def test_diagnose_over_a_cable_reports_what_rides_on_it(cable: Cable, station: Start) -> None:
     station("good")
     done = axisgate("line", "diagnose", cable.near, "--no-scan", "--json")
     names = {one["name"] for one in json.loads(done.stdout)}

@@ -52,7 +52,7 @@ def free_port() -> int:
 
 @pytest.mark.slow
 @pytest.mark.timeout(180)
-def test_the_page_works_as_it_stands(tmp_path: pathlib.Path) -> None:
+def test_the_page_works_as_it_is(tmp_path: pathlib.Path) -> None:
     environment = os.environ | {"AXISGATE_RUNTIME": str(tmp_path / "run"), "PYTHONPATH": str(ROOT), "LC_ALL": "C.UTF-8"}
     (first, _), *others = steps()
     assert " run demo --sim" in first

@@ -135,7 +135,7 @@ def test_a_value_kept_as_tenths_is_found_and_a_display_may_be_rounded() -> None:
     assert find(21.5, "holding", {1: 21, 2: 5}) == []
 
 
-def test_the_command_tells_where(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_says_where(capsys: pytest.CaptureFixture[str]) -> None:
     view = MemoryView(size=50)
     view.words[Kind.HOLDING_REGISTERS][9] = 4711
     with Running(view=view) as running:

@@ -205,7 +205,7 @@ def test_a_client_whose_server_is_of_another_authority_says_so(running: Running,
         opened()
 
 
-def test_who_fails_the_handshake_stands_in_the_journal_once_a_minute(running: Running, plant: Authority, tmp_path: pathlib.Path) -> None:
+def test_who_fails_the_handshake_is_in_the_journal_once_a_minute(running: Running, plant: Authority, tmp_path: pathlib.Path) -> None:
     journal = Journal(tmp_path / "journal", "services")
     running.server.on_refused = Refusals("plc2", journal.write).heard
 

@@ -151,7 +151,7 @@ def test_signals_are_searched_filtered_and_held(run: CellRun) -> None:
     played(Look("see"), play)
 
 
-def test_requests_to_a_modbus_server_stand_among_what_was_said_on_the_lines(run: CellRun) -> None:
+def test_requests_to_a_modbus_server_are_among_what_was_said_on_the_lines(run: CellRun) -> None:
     client: Any = ModbusTcpClient("127.0.0.1", port=run.port, timeout=10)
     assert client.connect() and client.read_holding_registers(2000, count=2).isError() is False
     assert client.read_holding_registers(9999, count=1).exception_code == 2
@@ -308,7 +308,7 @@ def test_the_pendant_in_a_real_terminal(run: CellRun, end: str) -> None:
     dialogue(screen_of(f"m7.1\r{end}", "see", "--pendant"), "Basic level", *["Mode="] * 4, "7.1 Axis display")
 
 
-def test_variables_of_the_phg_stand_in_registers_blocks_and_var(run: CellRun) -> None:
+def test_variables_of_the_phg_are_in_registers_blocks_and_var(run: CellRun) -> None:
     with ModbusTcpClient("127.0.0.1", port=run.port) as client:
 
         def real(at: int) -> float:

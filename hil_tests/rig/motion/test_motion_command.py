@@ -82,7 +82,7 @@ def test_a_program_with_belts_is_looked_at_in_its_cell(tmp_path: pathlib.Path, c
     assert main(["check", program, "--cell", "nowhere"]) == 2
 
 
-def test_plot_of_a_program_with_faults_tells_them_instead(wrong: str, tmp_path: pathlib.Path) -> None:
+def test_plot_of_a_program_with_faults_reports_them_instead(wrong: str, tmp_path: pathlib.Path) -> None:
     assert main(["plot", wrong, "--out", str(tmp_path / "page.html")]) == 1
     assert not (tmp_path / "page.html").exists()
 

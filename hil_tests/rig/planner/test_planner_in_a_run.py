@@ -110,7 +110,7 @@ def test_refusals_come_before_anything_moves_and_say_why(home: ProgramRun) -> No
     assert max(abs(a - b) for a, b in zip(home.sets(), before, strict=True)) < 1e-3
 
 
-def test_a_tool_runs_a_program_when_it_has_control_and_is_told_why_not(home: ProgramRun, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_tool_runs_a_program_when_it_has_control_and_gets_the_reason_else(home: ProgramRun, capsys: pytest.CaptureFixture[str]) -> None:
     cell, name = home.run.cell, home.run.name
     assert motion_run.main([cell, "9", "--name", name]) == 2 and "there is 1 p1" in capsys.readouterr().err
     assert motion_run.main([cell, "2", "--name", "nobody"]) == 3

@@ -134,7 +134,7 @@ def test_only_what_changed_is_written_and_only_what_the_cell_names(tmp_path: pat
             again.keep(forbidden, 1)
 
 
-def test_a_folder_that_cannot_be_written_is_told_and_nothing_stops(tmp_path: pathlib.Path) -> None:
+def test_a_folder_that_cannot_be_written_is_reported_and_nothing_stops(tmp_path: pathlib.Path) -> None:
     (tmp_path / "in_the_way").write_text("a file where the folder should be")
     told: list[str] = []
     kept = Retained(tmp_path / "in_the_way" / "kept.sqlite", PATTERNS, told.append)

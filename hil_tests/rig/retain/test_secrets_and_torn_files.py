@@ -81,7 +81,7 @@ def test_a_private_key_is_known_by_its_content_too(plant: pathlib.Path) -> None:
     assert "tls/both.pem" in backup.make(load_cell(str(plant)), file).withheld
 
 
-def test_a_torn_line_of_a_history_is_passed_over_and_told(plant: pathlib.Path) -> None:
+def test_a_torn_line_of_a_history_is_passed_over_and_reported(plant: pathlib.Path) -> None:
     cell = load_cell(str(plant))
     path = zeros.path_of(cell)
     path.parent.mkdir(exist_ok=True)

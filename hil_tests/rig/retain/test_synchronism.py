@@ -26,7 +26,7 @@ def started(cell: Cell, folder: pathlib.Path) -> tuple[ControlBench, RetainedDat
     return robot, kept
 
 
-def test_a_reference_point_changed_while_the_control_was_off_is_told_at_the_start(tmp_path: pathlib.Path) -> None:
+def test_a_reference_point_changed_while_the_control_was_off_is_reported_at_the_start(tmp_path: pathlib.Path) -> None:
     robot, kept = started(REIS, tmp_path)
     stepped(robot, ON, ON)
     kept.look()

@@ -50,7 +50,7 @@ def test_both_directions_run_at_the_same_time(line: LineStarter) -> None:
     assert together < 120 * CHAR_NS
 
 
-def test_unsent_tells_when_the_last_character_has_left(line: LineStarter) -> None:
+def test_unsent_reports_when_the_last_character_has_left(line: LineStarter) -> None:
     rig = line("--baud", "9600")
     a, b = rig.port("a"), rig.port("b")
     a.write(bytes(50))

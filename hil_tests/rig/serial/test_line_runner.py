@@ -85,7 +85,7 @@ def test_bytes_and_damage_reach_the_machine_in_line_order(line: LineStarter) -> 
     asyncio.run(play())
 
 
-def test_sent_is_told_when_the_last_character_has_left_the_line(line: LineStarter) -> None:
+def test_sent_is_reported_when_the_last_character_has_left_the_line(line: LineStarter) -> None:
     rig = line("--baud", "9600")
 
     async def play() -> None:
@@ -258,7 +258,7 @@ def test_a_listener_that_fails_does_not_cost_the_partner_his_answer() -> None:
     asyncio.run(play())
 
 
-def test_close_gives_everything_back_and_tells_the_machine() -> None:
+def test_close_gives_everything_back_and_informs_the_machine() -> None:
     async def play() -> None:
         near, far = memory_pair()
         async with stations(lambda: near) as (one,):

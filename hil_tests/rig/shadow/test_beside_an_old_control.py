@@ -136,7 +136,7 @@ def test_what_is_different_is_found_with_its_place_and_its_first_moment(seen: Se
     assert "D 0.5 cell.control: equal in " in seen.text and "D 0.5 cell.control" in seen.page
 
 
-def test_all_of_the_block_was_compared_and_what_is_equal_is_not_told(seen: Seen) -> None:
+def test_all_of_the_block_was_compared_and_what_is_equal_is_not_reported(seen: Seen) -> None:
     (block,) = by_kind(seen, "line")["blocks"]
     assert block["block"] == "DB 11" and block["answers"] >= 5 and block["compared"] > 35, "every bit of 32 words is in one place"
     quiet = {f"DW {word}" for word in range(9, 31)}
@@ -196,7 +196,7 @@ def test_nothing_of_the_shadow_left(seen: Seen) -> None:
         (("host-telegrams", "--shadow", "--tap", "V24_1=a,b", "--bus", "broker:x"), "a shadow understands rk512 on 3964R"),
     ],
 )
-def test_what_has_no_shadow_is_told_with_what_to_do(options: tuple[str, ...], words: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_has_no_shadow_is_reported_with_what_to_do(options: tuple[str, ...], words: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(list(options)) == 2
     assert words in capsys.readouterr().err
 

@@ -194,7 +194,7 @@ def test_a_program_is_selected_by_its_code_and_taken_off_again(plant: Plant) -> 
 
 @RACK
 @replayed
-def test_services_that_come_back_to_standing_bits_start_nothing(plant: Plant) -> None:
+def test_services_that_come_back_to_set_bits_start_nothing(plant: Plant) -> None:
     plc, run = plant.plc, plant.run
     plant.ready()
     plant.select(2)

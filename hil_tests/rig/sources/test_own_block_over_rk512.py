@@ -118,7 +118,7 @@ def test_switch_on_reference_and_move_by_the_own_block(partner: Partner) -> None
     assert partner.status().actual[:6] == pytest.approx(target, abs=0.01)
 
 
-def test_a_moved_signal_stands_at_its_new_place(partner: Partner) -> None:
+def test_a_moved_signal_is_at_its_new_place(partner: Partner) -> None:
     outputs = partner.fetch(21, 0, 20)
     assert outputs[37] >> 4 & 1 == 1, "READY_RCO was moved to bit 300"
     assert outputs[8] & 1 == 0

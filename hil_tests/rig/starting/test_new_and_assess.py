@@ -28,7 +28,7 @@ def test_every_kind_of_new_cell_passes_check_as_it_is(kind: str, tmp_path: pathl
     assert ": 0 errors" in checked.stdout and "not playable" not in checked.stdout
 
 
-def test_five_answers_from_the_keyboard_stand_in_the_cell(tmp_path: pathlib.Path) -> None:
+def test_five_answers_from_the_keyboard_are_in_the_cell(tmp_path: pathlib.Path) -> None:
     file = tmp_path / "hall3.toml"
     made = axisgate("new", "--from", "s5-rk512", str(file), typed="Hall 3\n\nsiemens-cp340\n5\n20\n")
     assert made.returncode == 0, made.stderr

@@ -33,7 +33,7 @@ def told(words: list[str], folder: pathlib.Path) -> str:
 
 
 @pytest.mark.tshark
-def test_the_commands_of_the_guide_print_what_stands_there(tmp_path: pathlib.Path) -> None:
+def test_the_commands_print_what_the_guide_shows(tmp_path: pathlib.Path) -> None:
     (tmp_path / "line-plc1.rec").write_text(RECORD, encoding="ascii")
     shutil.copy(find_config("axisgate_3964r.lua", "wireshark"), tmp_path)
     commands = [each for block in re.findall(r"```console\n(.*?)```", GUIDE, re.DOTALL) for each in examples(block)]

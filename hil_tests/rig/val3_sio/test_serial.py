@@ -88,7 +88,7 @@ def test_a_silent_line_gives_0_after_the_time_and_the_operator_an_error(pair: Pa
 
 
 @pytest.mark.requirement("VAL-SIO-06", "VAL-SIO-07", "VAL-SIO-09", by=(WIRE + "write", RUNNER + "_write"))
-def test_what_is_written_stands_on_the_line(pair: Pair) -> None:
+def test_what_is_written_is_on_the_line(pair: Pair) -> None:
     async def act(runner: SioRunner) -> None:
         sio = runner.variable(NAME)
         assert await asyncio.wait_for(runner.set(sio, [256.4, -1.0]), 3) == 2
@@ -178,7 +178,7 @@ def test_clear_buffer_counts_what_waits_in_the_kernel_too(pair: Pair) -> None:
     play(act, pair.channel(0.1))
 
 
-def test_a_parity_error_is_told_in_its_place(pair: Pair) -> None:
+def test_a_parity_error_is_reported_in_its_place(pair: Pair) -> None:
     async def act(runner: SioRunner) -> None:
         sio, data = runner.variable(NAME), [0.0] * 9
         os.write(pair.master, b"ab\xff\x00xcd\r")

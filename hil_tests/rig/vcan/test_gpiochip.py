@@ -73,7 +73,7 @@ def contacts(path: str) -> dict[int, Io]:
     }
 
 
-def test_outputs_stand_on_the_lines_and_inputs_come_from_them(simulator: Simulator) -> None:
+def test_outputs_are_on_the_lines_and_inputs_come_from_them(simulator: Simulator) -> None:
     with contextlib.closing(Chip(simulator.path, contacts(simulator.path))) as chip:
         for lamp, valve, door, key in ((True, False, True, False), (False, True, False, True), (True, True, True, True)):
             simulator.pull(DOOR, up=door)
@@ -83,7 +83,7 @@ def test_outputs_stand_on_the_lines_and_inputs_come_from_them(simulator: Simulat
             assert said == {n: Said(value, Quality.GOOD) for n, value in enumerate((lamp, valve, door, key))}
 
 
-def test_a_line_of_another_program_is_told_and_taken_when_it_is_free(simulator: Simulator, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_line_of_another_program_is_reported_and_taken_when_it_is_free(simulator: Simulator, capfd: pytest.CaptureFixture[str]) -> None:
     other = gpiod.request_lines(simulator.path, consumer="another", config={LAMP: None})
     with contextlib.closing(Chip(simulator.path, contacts(simulator.path))) as chip:
         assert chip.turn({0: True, 1: False}, 0) == {}
@@ -93,7 +93,7 @@ def test_a_line_of_another_program_is_told_and_taken_when_it_is_free(simulator: 
         assert chip.turn({0: True, 1: False}, AGAIN_NS)[0] == Said(True, Quality.GOOD) and simulator.shows(LAMP)
 
 
-def test_a_chip_that_is_pulled_is_told_and_comes_back(
+def test_a_chip_that_is_pulled_is_reported_and_comes_back(
     simulator: Simulator, capfd: pytest.CaptureFixture[str], tmp_path: pathlib.Path
 ) -> None:
     """Under a link, as udev makes them: a chip pulled while its lines were in use gets another number from the kernel."""

@@ -88,7 +88,7 @@ def test_two_ports_hear_each_other(port: SocketCanPort) -> None:
     other.close()
 
 
-def test_error_frames_are_told_as_faults(port: SocketCanPort) -> None:
+def test_error_frames_are_reported_as_faults(port: SocketCanPort) -> None:
     with candump_free_sender() as sender:
         for can_id, data in ((0x20000040, bytes(8)), (0x20000004, b"\0\x10" + bytes(6)), (0x20000020, bytes(8)), (0x20000080, bytes(8))):
             sender.send(struct.pack("=IB3x8s", can_id, 8, data))

@@ -424,7 +424,7 @@ def test_too_many_wrong_passwords_have_to_wait(web: WebRun) -> None:
     assert web.ask("POST", "/api/login", {"name": ADMIN, "password": PASSWORD}, **HEADERS)[0] == 429, "not even the right one is heard"
 
 
-def test_everything_that_was_changed_stands_in_the_audit(web: WebRun, boss: Page) -> None:
+def test_everything_that_was_changed_is_in_the_audit(web: WebRun, boss: Page) -> None:
     told = boss.evaluate("fetch('/api/audit').then(r => r.json())")
     whats = {entry["what"] for entry in told["entries"]}
     assert told["broken_at"] is None

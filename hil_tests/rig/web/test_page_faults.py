@@ -96,7 +96,7 @@ def pressed(web: WebRun, page: Page) -> None:
     until(lambda: web.run.state().motion is Motion.RUNNING, "A6 moves", 15)
 
 
-def test_devices_that_are_away_and_reads_refused_stand_on_the_page(web: WebRun, boss: Page) -> None:
+def test_devices_that_are_away_and_reads_refused_are_on_the_page(web: WebRun, boss: Page) -> None:
     web.go(boss, "lines")
     until(lambda: "exception 02h illegal data address" in boss.inner_text("#asked tr:has-text('tank')"), "the refused read")
     assert "answers" in boss.inner_text("#asked tr:has-text('tank')")
@@ -170,7 +170,7 @@ def test_a_key_pressed_on_an_old_picture_moves_nothing(web: WebRun, boss: Page) 
     assert stays_at_rest(web, 0.5)
 
 
-def test_a_refused_key_says_so_once_in_words_and_stands_in_the_journal_once(web: WebRun, boss: Page) -> None:
+def test_a_refused_key_says_so_once_in_words_and_is_in_the_journal_once(web: WebRun, boss: Page) -> None:
     web.in_control(boss)
     boss.click("[data-code=disable]")
     until(lambda: "drives on 0/6" in boss.inner_text("#state"), "drives are off")

@@ -67,7 +67,7 @@ def test_all_three_lists_of_requirements_are_there_with_unlike_ids() -> None:
     assert len(rows()) == len(lines)
 
 
-def test_a_mark_of_a_function_that_went_is_told_without_running_its_test(tmp_path: pathlib.Path) -> None:
+def test_a_mark_of_a_function_that_went_is_reported_without_running_its_test(tmp_path: pathlib.Path) -> None:
     mark = '@pytest.mark.requirement("RHO-MOT-12", by=(HERE + "Trial.skip", HERE + "{}"))\ndef test_it(): ...\n'
     here = 'HERE = "gateway.pure.planning.trial:"\n'
     for name, faults in (("Trial.coming", 0), ("Trial.gone", 1)):

@@ -34,12 +34,12 @@ SENTENCES: dict[str, tuple[str, ...]] = {
         "properties/test_rk512_broken_dialogues.py::test_each_reaction_answers_its_own_command",
     ),
     "a long job that begins anew is told a sequence error": (
-        "properties/test_rk512_broken_dialogues.py::test_a_plc_that_starts_again_in_a_long_job_is_not_told_a_sequence_error",
+        "properties/test_rk512_broken_dialogues.py::test_a_plc_that_starts_again_in_a_long_job_gets_no_sequence_error",
         "requirements/rk512/test_station.py::test_a_first_telegram_after_an_untaken_reaction_begins_anew_and_a_follow_on_goes_on",
     ),
     "an empty read counts as a hang-up": (
         f"{TTYS}::test_settings_somebody_else_changes_do_not_hang_the_port_up",
-        f"{TTYS}::test_a_far_end_that_goes_away_is_told_at_once",
+        f"{TTYS}::test_a_far_end_that_goes_away_is_reported_at_once",
     ),
     "fetch and send fail on a real tty": (f"{TTYS}::test_fetch_and_send",),
     "probe fails on a real tty": (f"{TTYS}::test_the_probe_runs_to_its_end",),
@@ -109,18 +109,18 @@ SENTENCES: dict[str, tuple[str, ...]] = {
         "unit/journal/test_bounded_file.py::test_each_part_of_a_line_s_journal_begins_with_its_head",
     ),
     "'1 connection attempts'": (f"{TOOLS}::test_one_attempt_is_one",),
-    "64 words are told under --words 32": (f"{TOOLS}::test_the_titles_tell_the_words_that_are_allowed",),
+    "64 words are told under --words 32": (f"{TOOLS}::test_the_titles_name_the_words_that_are_allowed",),
     "a partner that polls is told a USB latency timer": (f"{TOOLS}::test_a_partner_that_polls_has_no_usb_timer",),
     "'its buffer is full' for a block that is too long": (f"{TOOLS}::test_a_block_too_long_is_no_full_buffer",),
     "monitor is silent on a quiet line": (f"{TOOLS}::test_a_monitor_says_that_nothing_comes",),
     "learn takes our own test blocks for the partner's": (f"{TOOLS}::test_our_own_test_blocks_teach_nothing",),
     # ---- motion
     "a line past the wrist pole passes check with a jump of half a turn": (
-        f"{POLE}::test_every_line_beside_the_wrist_pole_is_run_where_its_joints_can_follow_it_and_told_where_not",
+        f"{POLE}::test_every_line_beside_the_wrist_pole_is_run_where_its_joints_can_follow_it_and_reported_where_not",
         "unit/motion/kinematics/test_arm.py::test_a_path_takes_the_nearer_of_the_two_wrists_however_far_a_step_is",
     ),
     "smooth lines beside the pole are refused, or their way back": (
-        f"{POLE}::test_every_line_beside_the_wrist_pole_is_run_where_its_joints_can_follow_it_and_told_where_not",
+        f"{POLE}::test_every_line_beside_the_wrist_pole_is_run_where_its_joints_can_follow_it_and_reported_where_not",
         f"{POLE}::test_a_line_exactly_through_the_pole_goes_straight_on_and_one_from_or_into_it_as_well",
     ),
     "check, plot and cell differ beside the pole": (
@@ -140,10 +140,10 @@ SENTENCES: dict[str, tuple[str, ...]] = {
         "unit/motion/program/test_long_rows_in_a_cell.py::test_600_splines_run_in_a_cell",
         "unit/motion/program/test_long_rows_in_a_cell.py::test_a_fault_in_a_long_row_names_its_line_and_nothing_moves",
     ),
-    "a law without an end is a traceback of arange": (f"{SLOW}::test_what_would_take_endless_is_told_and_no_law_is_tried",),
+    "a law without an end is a traceback of arange": (f"{SLOW}::test_what_would_take_endless_is_reported_and_no_law_is_tried",),
     "a URDF of seven joints ends in a singular matrix": (
         "unit/motion/kinematics/test_seven_joints.py::test_poses_are_reached_from_near_and_from_far_away",
-        "unit/motion/kinematics/test_seven_joints.py::test_a_line_is_run_straight_within_the_limits_and_one_too_long_is_told",
+        "unit/motion/kinematics/test_seven_joints.py::test_a_line_is_run_straight_within_the_limits_and_one_too_long_is_reported",
         "unit/motion/kinematics/test_urdf_files.py::test_what_is_wrong_with_a_urdf_is_said",
     ),
     "numbers of NumPy are no numbers": ("unit/motion/paths/test_splines.py::test_tolerance_and_tension_are_numbers_of_any_kind",),

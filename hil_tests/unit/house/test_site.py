@@ -28,7 +28,7 @@ def pages() -> ModuleType:
     return module
 
 
-def test_every_page_stands_in_the_navigation_once(pages: ModuleType) -> None:
+def test_every_page_is_in_the_navigation_once(pages: ModuleType) -> None:
     written = {
         str(path.relative_to(ROOT / "docs")) for pattern in pages.KEPT for path in (ROOT / "docs").glob(pattern) if path.suffix == ".md"
     }

@@ -91,7 +91,7 @@ def test_another_drive_than_the_pinned_one_is_refused() -> None:
     assert why.key == (0x1018, 4) and "serial number" in str(why)
 
 
-def test_a_node_that_is_not_there_is_told_as_dead() -> None:
+def test_a_node_that_is_not_there_is_reported_as_dead() -> None:
     rig = OneNode()
     dialogue = rig.dialogue()
     dialogue.node = NODE + 1

@@ -77,14 +77,14 @@ def test_an_axis_that_is_pushed_before_it_is_enabled_is_not_torn_back() -> None:
         assert rig.actual is None or abs(rig.drive.set_inc - rig.actual.position_inc) < 100
 
 
-def test_the_controlword_stands_in_one_frame_only_and_the_mode_is_sent_beside_it() -> None:
+def test_the_controlword_is_in_one_frame_only_and_the_mode_is_sent_beside_it() -> None:
     rig = OneNode().start().on()
     identifiers = [frame.identifier for frame in rig.frames]
     assert identifiers.count(0x200 + NODE) == 1 and 0x300 + NODE not in identifiers
     assert identifiers[0] == 0x80
 
 
-def test_a_jump_is_not_sent_and_told_once() -> None:
+def test_a_jump_is_not_sent_but_reported_once() -> None:
     rig = OneNode().start().on()
     held = rig.drive.set_inc
     rig.cycles(5, Demand(on=True, position_inc=held + 1_000_000))
@@ -105,7 +105,7 @@ def test_off_is_a_quick_stop_along_its_ramp_and_then_switch_on_disabled() -> Non
     assert rig.power() is Power.OFF
 
 
-def test_a_standing_demand_switches_nothing_on_after_a_fault_and_reset_wants_its_edge() -> None:
+def test_a_demand_that_is_still_set_switches_nothing_on_after_a_fault_and_reset_wants_its_edge() -> None:
     rig = OneNode().start().on()
     blocked(rig)
     rig.cycles(30, Demand(on=True, position_inc=rig.drive.set_inc))
@@ -199,7 +199,7 @@ def test_bit_4_rises_only_in_homing_mode_and_falls_before_csp() -> None:
     assert pairs == {(False, 8), (True, 6), (False, 6)}
 
 
-def test_csp_is_asked_for_only_when_607ah_stands_at_the_new_zero_already() -> None:
+def test_csp_is_asked_for_only_when_607ah_is_at_the_new_zero_already() -> None:
     rig = homing_rig()
     targets: list[int] = []
     asked_at: int | None = None

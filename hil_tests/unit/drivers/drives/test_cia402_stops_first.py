@@ -36,7 +36,7 @@ def test_a_spoofed_boot_up_makes_the_drive_brake_at_once() -> None:
     assert rig.slave.axis(NODE).state is not State.ENABLED
 
 
-def test_a_node_the_master_holds_is_told_to_stop_and_one_it_released_again_is_not() -> None:
+def test_a_node_the_master_holds_is_ordered_to_stop_and_one_it_released_again_is_not() -> None:
     rig = moving()
     rig.family.hold(NODE)
     told(rig)

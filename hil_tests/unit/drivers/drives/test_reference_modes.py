@@ -40,7 +40,7 @@ def test_an_edge_inside_one_segment_gives_the_same_zero_however_often_the_axis_t
 
 
 @pytest.mark.parametrize(("gear", "segments", "turns"), [(4.9, 10, 3), (4.3, 10, -4), (5.25, 4, 2), (49 / 12, 12, 5), (121.0, 1, 0)])
-def test_other_decimals_tell_turns_apart_too_and_none_tells_nothing(gear: float, segments: int, turns: int) -> None:
+def test_other_decimals_tell_turns_apart_too_and_none_shows_nothing(gear: float, segments: int, turns: int) -> None:
     found = zero_of(3 * TURN + turns * gear * TURN + 5 * DEG, gear)
     assert isinstance(found, Orientation)
     assert (found.segments, found.turns) == (segments, turns)

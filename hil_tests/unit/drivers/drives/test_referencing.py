@@ -146,7 +146,7 @@ def test_a_switch_that_is_not_there_fails_within_the_allowed_way() -> None:
     assert_smooth(axis)
 
 
-def test_the_time_out_stops_the_axis_and_tells_so_at_rest() -> None:
+def test_the_time_out_stops_the_axis_and_reports_it_at_rest() -> None:
     axis = Axis(0, FREE)
     axis.run(wanted(timeout_s=1.0))
     assert (axis.last.state, axis.last.why) == (RunState.FAILED, Failure.TIMEOUT)

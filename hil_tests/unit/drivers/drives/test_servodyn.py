@@ -59,7 +59,7 @@ def test_enable_is_never_sent_before_power_is_on() -> None:
     assert rig.power() is Power.SWITCHING_ON
 
 
-def test_a_demand_that_stands_at_the_start_is_no_command() -> None:
+def test_a_demand_that_is_set_at_the_start_is_no_command() -> None:
     rig = Rig.__new__(Rig)
     rig.drive, rig.booster, rig.events = Drive(), Booster(), []
     assert not rig.cycles(Demand(on=True), 50).drive_on
@@ -97,7 +97,7 @@ def test_the_set_position_follows_the_actual_one_until_enabled() -> None:
     assert rig.cycles(Demand(on=True, position_inc=2_000_100)).position_inc == 2_000_100
 
 
-def test_a_first_position_outside_the_jump_window_is_refused_and_told_once() -> None:
+def test_a_first_position_outside_the_jump_window_is_refused_and_reported_once() -> None:
     rig = Rig(DriveSettings(jump_inc=100)).on()
     rig.cycles(OFF, 20)
     rig.events.clear()
@@ -153,7 +153,7 @@ def test_one_missing_actual_value_is_survived_two_are_a_loss() -> None:
     assert rig.drive.missing == LOST_AFTER
 
 
-def test_after_a_loss_a_standing_demand_starts_nothing_a_fresh_edge_does() -> None:
+def test_after_a_loss_a_demand_that_is_still_set_starts_nothing_a_fresh_edge_does() -> None:
     rig = Rig().on()
     standing = Demand(on=True, position_inc=1000)
     rig.cycles(standing, 5, dead=True)
@@ -193,7 +193,7 @@ def test_a_fault_takes_everything_back_and_needs_an_edge_of_reset_and_one_of_on(
     assert rig.power() is Power.ENABLED
 
 
-def test_a_reset_pulse_of_one_cycle_stands_long_enough_to_be_heard_and_ends() -> None:
+def test_a_reset_pulse_of_one_cycle_lasts_long_enough_to_be_heard_and_ends() -> None:
     rig = Rig().on()
     rig.booster.trip(7)
     rig.cycles(OFF)

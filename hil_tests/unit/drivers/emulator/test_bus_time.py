@@ -68,7 +68,7 @@ def test_one_skipped_sync_is_no_loss_and_two_are() -> None:
     assert bus.actual[1].fault_code == Fault.SYNC_LOST
 
 
-def test_a_standing_life_counter_is_a_fault() -> None:
+def test_a_constant_life_counter_is_a_fault() -> None:
     bus = moving(PLAIN, PLAIN)
     bus.want[2].life_stands = True
     bus.cycle(6)

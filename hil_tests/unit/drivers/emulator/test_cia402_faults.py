@@ -110,7 +110,7 @@ def test_a_probe_takes_the_first_edge_once_or_every_edge_continuously() -> None:
 
 
 @pytest.mark.parametrize("at_rad", [20.1, 20.3])
-def test_an_edge_stands_when_the_function_is_written_just_behind_it(at_rad: float) -> None:
+def test_an_edge_is_kept_when_the_function_is_written_just_behind_it(at_rad: float) -> None:
     """The model looks every 250 us: what it has passed since then was forgotten by the write."""
     bus, node = probing(0x0011, at_rad)
     axis = bus.axis()

@@ -66,7 +66,7 @@ def test_nmt_stop_and_reset_communication_count_as_lost_connection(command: nmt.
     assert bus.axis().state in (State.REACTION, State.FAULT)
 
 
-def test_bus_off_counts_as_lost_connection_and_its_end_is_told() -> None:
+def test_bus_off_counts_as_lost_connection_and_its_end_is_reported() -> None:
     bus, node = running()
     node.nmt(nmt.Command.START)
     bus.slave.bus_off(1)

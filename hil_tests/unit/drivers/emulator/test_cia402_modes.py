@@ -91,7 +91,7 @@ def test_a_set_point_offered_while_the_buffer_is_taken_is_left_aside() -> None:
     assert abs(node.read(0x6064) - 60_000) <= 20
 
 
-def test_bit_4_left_standing_by_a_homing_is_no_set_point() -> None:
+def test_bit_4_left_set_by_a_homing_is_no_set_point() -> None:
     bus, node = bus_in(6)
     node.control(0x1F)
     bus.run(0.01)
@@ -189,7 +189,7 @@ def test_a_target_beyond_607d_is_clipped_and_shown() -> None:
 # -- profile velocity -----------------------------------------------------------------------------
 
 
-def test_profile_velocity_ramps_and_tells_target_reached_and_standstill() -> None:
+def test_profile_velocity_ramps_and_reports_target_reached_and_standstill() -> None:
     bus, node = bus_in(3)
     bus.run(0.1)
     assert node.status & 0x1000, "speed is 0"

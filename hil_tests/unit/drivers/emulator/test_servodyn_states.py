@@ -47,7 +47,7 @@ def test_a_booster_boots_answers_and_is_ready_after_boot_s() -> None:
     assert len(bus.said) == 14 and not any(frame.data[0] & 0x0F for frame in bus.said[:-1])
 
 
-def test_a_drive_on_bit_that_stands_at_power_up_is_no_command() -> None:
+def test_a_drive_on_bit_that_is_set_at_power_up_is_no_command() -> None:
     bus = DriveBus(PLAIN)
     bus.want[1].on = True
     bus.run(0.3)
@@ -204,7 +204,7 @@ def test_a_set_value_of_wrong_length_is_counted_and_changes_nothing() -> None:
     assert bus.slave.counters.undecodable == 1 and bus.actual[1].enabled
 
 
-def test_a_fault_inside_a_cycle_is_said_at_once_and_told_as_an_event() -> None:
+def test_a_fault_inside_a_cycle_is_said_at_once_and_reported_as_an_event() -> None:
     bus = enabled(PLAIN, PLAIN)
     bus.slave.force_fault(2, 50)
     frames = bus.slave.take_output()

@@ -186,7 +186,7 @@ def test_the_signal_list_agrees_with_the_manual() -> None:
         assert found.source == "rho3" and found.de and found.en
 
 
-def test_no_signal_name_or_number_stands_twice() -> None:
+def test_no_signal_name_or_number_occurs_twice() -> None:
     signals = [signal for signal in from_tables(read_signals()).all if not signal.until]
     assert len({signal.name for signal in signals}) == len(signals)
     assert len({signal.at for signal in signals}) == len(signals)

@@ -64,7 +64,7 @@ def faults(more: str, *edits: tuple[str, str]) -> list[str]:
         ("[controller]\nkind = 'reis'\ndoor = 'plc9'", "no such command source"),
     ],
 )
-def test_what_does_not_fit_is_told_by_its_key(more: str, words: str) -> None:
+def test_what_does_not_fit_is_reported_by_its_key(more: str, words: str) -> None:
     found = faults(more)
     assert found and all("controller" in each or "rho3" in each for each in found), found
     assert any(words in each for each in found), found

@@ -14,7 +14,7 @@ def test_a_port_without_permission_names_the_group_command() -> None:
     assert "log out" in finding.todo
 
 
-def test_the_latency_timer_is_told_with_the_command_that_sets_it() -> None:
+def test_the_latency_timer_is_reported_with_the_command_that_sets_it() -> None:
     port = PortState("/dev/ttyUSB0", True, True, True, "dialout", True, 16, "/sys/class/tty/ttyUSB0/device/latency_timer")
     findings = serial_port(port)
     assert levels(findings) == ["ok", "warn"]

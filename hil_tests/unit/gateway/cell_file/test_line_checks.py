@@ -98,7 +98,7 @@ def test_open_choices_are_settings() -> None:
         ('profile = "rho3"\nQVZ = 500', "", "QVZ", "it belongs in times"),
     ],
 )
-def test_a_time_that_does_not_fit_is_told_with_figures(line: str, times: str, key: str, said: str) -> None:
+def test_a_time_that_does_not_fit_is_reported_with_figures(line: str, times: str, key: str, said: str) -> None:
     found = faults(line, f"[line.times]\n{times}" if times else "")
     assert f"line.plc.{key}" in found, found
     assert said in str(found[f"line.plc.{key}"])
@@ -160,7 +160,7 @@ def test_own_jobs_that_cannot_be(line: str, blocks: str, key: str, said: str) ->
 
 
 # ---- amounts, types
-def test_an_amount_over_the_limit_is_told_with_figures() -> None:
+def test_an_amount_over_the_limit_is_reported_with_figures() -> None:
     found = faults('role = "both"\nprofile = "wago"', "", block(words=100, more="every_ms = 900"))
     assert "200 bytes, wago carries 128 in one job" in str(found["db.10.words"])
     assert "1..64 words" in str(found["db.10.words"])

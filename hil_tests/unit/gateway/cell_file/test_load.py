@@ -69,7 +69,7 @@ def test_what_the_shape_allows_but_nothing_plays_is_named(edit: tuple[str, str],
     assert cell.notes[-1].text == f"not playable yet: {reason}"
 
 
-def test_the_s5_example_is_told_as_written_in_the_users_chapter() -> None:
+def test_the_s5_example_is_reported_as_written_in_the_users_chapter() -> None:
     said = [f"{notice.level:<9}{notice.where}: {notice.text}" for notice in load_cell("s5-rk512").notices]
     assert said[:4] == [
         "note     db 10, DW 2 (KF, 0.1 mm): largest value 3276.7 mm; axis X goes to 2405.0 mm: fits",
@@ -95,7 +95,7 @@ def test_ports_that_a_simulated_cell_does_not_open_are_named() -> None:
     assert unused_ports(load_cell("demo")) == "" and unused_ports(replace(cell, cell=replace(cell.cell, target="machine"))) == ""
 
 
-def test_values_stand_under_their_keys() -> None:
+def test_values_are_under_their_keys() -> None:
     cell = load_cell("demo")
     assert [axis.name for axis in cell.axis] == ["A1", "A2", "A3", "A4", "A5", "A6"]
     axis = cell.axis_named("A3")
@@ -213,7 +213,7 @@ def test_all_field_faults_then_all_cross_faults_in_one_run() -> None:
         assert fault.line is not None and (word in lines[fault.line - 1] or fault.key.endswith(".type")), fault
 
 
-def test_a_fault_tells_file_key_value_range_unit_and_hint() -> None:
+def test_a_fault_reports_file_key_value_range_unit_and_hint() -> None:
     faults = {fault.key: fault for fault in faults_of(MANY)}
     target, speed = faults["cell.target"], faults["axis.X.limits.speed"]
     assert (target.file, target.value, target.range, target.hint) == (
@@ -376,14 +376,14 @@ def test_a_real_bus_without_evidence_is_listen_only() -> None:
         ("socketcan:can 0", "socketcan:can0 | broker:NAME"),
     ],
 )
-def test_a_bus_takes_an_adapter_of_python_can_and_what_is_wrong_with_it_is_told(port: str, words: str) -> None:
+def test_a_bus_takes_an_adapter_of_python_can_and_what_is_wrong_with_it_is_reported(port: str, words: str) -> None:
     text = edited("demo", ('port     = "sim"                     # the broker', f'port     = "{port}" #'))
     faults = faults_of(text)
     assert keys(faults) == ([] if not words else ["bus.drives.port"])
     assert words in " ".join(map(str, faults))
 
 
-def test_enabling_inputs_nobody_writes_are_told() -> None:
+def test_enabling_inputs_nobody_writes_are_reported() -> None:
     without = load_cell("c", edited("demo", ('owner = { "3" = "plc2" }', "")))
     assert any("feed_allow" in said and said.startswith("warning") for said in levels(without, "rc_inputs"))
     text = edited("demo", ('owner = { "3" = "plc2" }', 'assume = ["FEED_ALLOW_RCI"]'))
@@ -392,12 +392,12 @@ def test_enabling_inputs_nobody_writes_are_told() -> None:
     assert levels(load_cell("demo"), "rc_inputs") == []
 
 
-def test_a_lag_limit_below_v_over_kv_is_told() -> None:
+def test_a_lag_limit_below_v_over_kv_is_reported() -> None:
     text = edited("demo", ("warn = 12.5, trip = 16.0", "warn = 9.0, trip = 16.0"))
     assert any("speed / Kv = 10 mm" in said for said in levels(load_cell("c", text), "axis A1"))
 
 
-def test_a_full_bus_and_a_short_silence_are_told() -> None:
+def test_a_full_bus_and_a_short_silence_are_reported() -> None:
     text = edited("demo", ("cycle_ms = 4 ", "cycle_ms = 2 "), ("max_silence_ms = 1000", "max_silence_ms = 500"))
     cell = load_cell("c", text)
     assert any("(84 %): too full" in said for said in levels(cell, "bus drives"))
@@ -408,7 +408,7 @@ def test_a_full_bus_and_a_short_silence_are_told() -> None:
     ("profile", "kind", "words"),
     [("rho3", "warning", 'profile = "rho3-tcp" adds 500 ms'), ("rho3-tcp", "note", "QVZ 1050 ms, ZVZ 720 ms")],
 )
-def test_a_line_behind_a_serial_server_is_told_its_times_and_how_to_pack(profile: str, kind: str, words: str) -> None:
+def test_a_line_behind_a_serial_server_is_reported_with_its_times_and_how_to_pack(profile: str, kind: str, words: str) -> None:
     edits = (
         ('port     = "sim"                     # a simulated', 'port     = "rfc2217://10.0.0.7:4001" #'),
         ('profile  = "rho3"', f'profile = "{profile}"'),
@@ -427,7 +427,7 @@ def portal_with(program: str, folder: pathlib.Path) -> str:
     return str(cell)
 
 
-def test_a_program_that_is_not_there_is_told_with_the_places_looked_in(tmp_path: pathlib.Path) -> None:
+def test_a_program_that_is_not_there_is_reported_with_the_places_looked_in(tmp_path: pathlib.Path) -> None:
     with pytest.raises(CellFaults) as found:
         load_cell(portal_with("nowhere", tmp_path))
     assert keys(found.value.faults) == ["program.1.file"]

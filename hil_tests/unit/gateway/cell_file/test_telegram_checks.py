@@ -166,7 +166,7 @@ def test_two_lines_do_not_write_one_name() -> None:
     assert all("line V24_1 writes it already" in fault.hint for fault in faults)
 
 
-def test_a_fault_in_a_field_is_told_at_its_own_line() -> None:
+def test_a_fault_in_a_field_is_reported_at_its_own_line() -> None:
     text = replaced('byte = 8,  type = "INTEGER"', 'byte = 6,  type = "INTEGER"')
     (fault,) = faults_of(text)
     assert "order.pallet" in text.splitlines()[(fault.line or 1) - 1]

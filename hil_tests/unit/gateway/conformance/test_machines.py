@@ -80,13 +80,13 @@ def test_a_machine_without_supply_may_leave_its_deadline_where_it_is() -> None:
     assert {name: result.reason for name, result in results.items() if result.verdict is not Verdict.PASS} == {}
 
 
-def test_a_deadline_that_stands_still_is_a_fail_of_the_device_and_the_run_goes_on() -> None:
+def test_a_deadline_that_does_not_move_is_a_fail_of_the_device_and_the_run_goes_on() -> None:
     results = _played(StandsStill(), ("3964R_RCV_BV_01", "3964R_RCV_BV_02"))
     assert {result.verdict for result in results.values()} == {Verdict.FAIL, Verdict.INCONC}
     assert "never passes" in results["3964R_RCV_BV_01"].reason
 
 
-def test_a_machine_that_ticks_often_stands_not_still() -> None:
+def test_a_machine_that_ticks_often_does_not_stand_still() -> None:
     """Some 150 000 times within one wait."""
     results = _played(Ticks(), ("3964R_RCV_TI_07",))
     assert {result.verdict for result in results.values()} == {Verdict.PASS}

@@ -72,25 +72,25 @@ def told(bench: SourceBench, folder: pathlib.Path, *requests: bytes) -> list[dic
     return asyncio.run(talk())
 
 
-def test_what_goes_wrong_inside_is_told_and_journalled_once(bench: SourceBench, tmp_path: pathlib.Path) -> None:
+def test_what_goes_wrong_inside_is_reported_and_journalled_once(bench: SourceBench, tmp_path: pathlib.Path) -> None:
     first, again, after = told(bench, tmp_path, BROKEN, BROKEN, GOOD)
     assert first == again == {"error": "the request failed: IndexError: no such place"} and "cell.ready" in after["names"]
     assert (tmp_path / "journal").read_text().count("a tool's request failed: IndexError: no such place") == 1
 
 
-def test_an_answer_that_is_no_json_is_told(bench: SourceBench, tmp_path: pathlib.Path) -> None:
+def test_an_answer_that_is_no_json_is_reported(bench: SourceBench, tmp_path: pathlib.Path) -> None:
     strange, after = told(bench, tmp_path, b'{"op": "get", "address": "io.strange"}\n', GOOD)
     assert strange["error"].startswith("the request failed: TypeError: ") and "names" in after
 
 
 @pytest.mark.parametrize("size", [LONGEST, LONGEST + 1, 3 * LONGEST, 20 * LONGEST])
-def test_a_request_too_long_is_told_and_the_next_one_answered(bench: SourceBench, tmp_path: pathlib.Path, size: int) -> None:
+def test_a_request_too_long_is_reported_and_the_next_one_answered(bench: SourceBench, tmp_path: pathlib.Path, size: int) -> None:
     long, after = told(bench, tmp_path, b"x" * size + b"\n", GOOD)
     assert "error" in long and "names" in after
 
 
 @pytest.mark.parametrize("request_", [b"[" * 4000 + b"\n", b"\xff\xfe\n", b"\n", b"[1]\n", b"7\n", b'{"op": "get"}\n', b'{"op": [1]}\n'])
-def test_junk_is_told(bench: SourceBench, tmp_path: pathlib.Path, request_: bytes) -> None:
+def test_junk_is_reported(bench: SourceBench, tmp_path: pathlib.Path, request_: bytes) -> None:
     junk, after = told(bench, tmp_path, request_, GOOD)
     assert "error" in junk and "names" in after
 

@@ -43,7 +43,7 @@ def test_one_that_went_unseen_is_acknowledged_later_and_comes_again_as_another()
     assert rows[0]["acknowledged"] == "5" and alarms.acknowledge("page") == []
 
 
-def test_numbers_count_on_over_a_restart_and_what_stood_is_reported() -> None:
+def test_numbers_count_on_over_a_restart_and_what_was_active_is_reported() -> None:
     alarms, file = book()
     kept(file, "1", alarms.look([FAULT, (8, "emergency stop is latched")]))
     kept(file, "2", alarms.look([FAULT]))

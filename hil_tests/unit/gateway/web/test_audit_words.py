@@ -36,7 +36,7 @@ def test_an_entry_says_what_was_done(what: str, detail: dict[str, object], engli
     assert sentences_of(what, json.dumps(detail), AXES) == (english, german)
 
 
-def test_an_entry_nobody_has_words_for_is_told_as_it_was_kept() -> None:
+def test_an_entry_nobody_has_words_for_is_reported_as_it_was_kept() -> None:
     assert sentences_of("POST /api/later", '{"a": 1}', AXES) == ('POST /api/later {"a": 1}',) * 2
     assert sentences_of("POST /api/command", "torn {", AXES) == ("POST /api/command torn {",) * 2
 

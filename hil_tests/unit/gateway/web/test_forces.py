@@ -13,7 +13,7 @@ def written() -> InputImage:
     return image
 
 
-def test_a_forced_bit_stands_and_its_neighbours_stay() -> None:
+def test_a_forced_bit_stays_set_and_its_neighbours_stay() -> None:
     forces, image = Forces(), written()
     forces.put(40, False, 2000)
     laid = forces.over(image)

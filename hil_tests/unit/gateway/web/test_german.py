@@ -24,7 +24,7 @@ def test_umlauts_are_written_as_in_print(written: str, shown: str) -> None:
     assert umlauts(written) == shown
 
 
-def test_an_error_is_told_in_both_languages() -> None:
+def test_an_error_is_reported_in_both_languages() -> None:
     for reason in Reason:
         for language in ("en", "de"):
             told = both(int(reason), text(reason, language, "A2 7"))

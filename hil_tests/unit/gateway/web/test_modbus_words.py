@@ -26,7 +26,7 @@ def test_the_examples_of_the_standard(asked: str, answered: str, question: str, 
 
 
 @pytest.mark.parametrize("asked", ["", "03", "03 00", "10 0001 0002 04", "0F 0013", "63 01 02", "05 00AC 1234"])
-def test_what_is_cut_off_or_unknown_is_told_all_the_same(asked: str) -> None:
+def test_what_is_cut_off_or_unknown_is_reported_all_the_same(asked: str) -> None:
     words = exchange_text(bytes.fromhex(asked), b"")
     assert words.asked
     assert words.answered == "no answer"

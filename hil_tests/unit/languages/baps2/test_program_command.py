@@ -107,7 +107,7 @@ def test_points_are_listed_with_their_components(folder: pathlib.Path, capsys: p
     assert "there is no NONE.PKT" in capsys.readouterr().err
 
 
-def test_a_cell_without_a_memory_is_told_in_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_cell_without_a_memory_is_reported_in_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["start", "portal", "PICK"]) == Exit.INVALID
     sentence = 'portal has no programs: [controller] with memory = "FOLDER" names their folder, [val3] an application'
     assert capsys.readouterr().err == f"axisgate program: {sentence}\n"

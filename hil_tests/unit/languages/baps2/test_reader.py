@@ -101,7 +101,7 @@ def test_german_spellings_are_read() -> None:
     assert [leg.through for leg in move.legs] == [True, False]
 
 
-def test_subroutines_stand_behind_the_program_and_outputs_may_stay_open() -> None:
+def test_subroutines_are_behind_the_program_and_outputs_may_stay_open() -> None:
     program, faults = read_text(
         "PROGRAM P BEGIN OUT_WORD ( -1 ) PROGRAM_END\nSUBROUTINE OUT_WORD ( VALUE INT : PARAM )\nBEGIN\nPARAM = PARAM MOD 65536\n"
         "WRITE PHG, CHR ( PARAM MOD 256 ), CHR ( PARAM / 256 ), ..\nSUB_END"

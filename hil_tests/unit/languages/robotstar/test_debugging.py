@@ -82,7 +82,7 @@ def test_single_steps_go_into_a_sub_program_over_it_and_out_of_it(tmp_path: path
     assert session.step(Step.OVER) == [("PICK", 6)], "over the call"
 
 
-def test_held_time_stands_and_events_are_as_without_a_debugger(tmp_path: pathlib.Path) -> None:
+def test_held_time_does_not_pass_and_events_are_as_without_a_debugger(tmp_path: pathlib.Path) -> None:
     held, free = Session(tmp_path), Session(tmp_path)
     held.run.breakpoints(tmp_path / "PICK.MPR", [6, 8])
     held.run.breakpoints(tmp_path / "GRIP.SPR", [4])

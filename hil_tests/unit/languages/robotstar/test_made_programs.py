@@ -142,7 +142,7 @@ def test_a_program_of_this_name_in_another_directory_stays(tmp_path: pathlib.Pat
     assert (kept.folder / "Cells" / "DST.SPR").is_file() and (kept.folder / "DST.SPR").is_file()
 
 
-def test_a_full_disk_leaves_the_old_file_and_is_told_once(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_leaves_the_old_file_and_is_reported_once(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     old = 'SPR "DST"\nC old\nEND\n'
     kept = memory(tmp_path, **{"DST.SPR": old})
 

@@ -106,7 +106,7 @@ def test_an_invalid_step_is_skipped() -> None:
 
 
 @pytest.mark.requirement("RSV-PRG-11", by="gateway.pure.languages.robotstar.reader:_definitions_first")
-def test_definitions_stand_at_the_begin() -> None:
+def test_definitions_are_at_the_beginning() -> None:
     _, faults = checked({"P.MPR": f"TOOL T\n{AT.format(1)}\nVAR I1", "Q.MPR": "C text\nVAR I2"})
     assert [fault.text for fault in faults] == ["step 4: definitions belong at the beginning, before step 2"]
 

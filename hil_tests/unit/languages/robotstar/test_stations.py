@@ -33,7 +33,7 @@ def test_a_position_of_a_station_is_one_in_its_frame() -> None:
     assert speed < 205, "the way is measured in one system"
 
 
-def test_a_position_out_of_reach_is_told_without_the_number_of_another_control() -> None:
+def test_a_position_out_of_reach_is_reported_without_the_number_of_another_control() -> None:
     how, _, text = cell_with(position(5850, 0, 400, frame=0)).run()[:3]
     assert how == "aborted" and text.startswith("point not reachable: ") and "VAL 3" not in text
 

@@ -74,7 +74,7 @@ def test_syvarini_gives_values_when_the_control_is_switched_on() -> None:
         ("COPY 1", "program SYVARINI has faults: step 2: COPY: destination missing"),
     ],
 )
-def test_a_syvarini_that_is_wrong_is_told_and_programs_run(step: str, text: str) -> None:
+def test_a_syvarini_that_is_wrong_is_reported_and_programs_run(step: str, text: str) -> None:
     ran = run({"P.MPR": MOVE, SYVARINI: step})
     assert ran.texts() == [text] and ran.message()["program"] == "$SYSTEM/$SYSMAK/SYVARINI"
     assert ran.targets() and ran.state == "stopped"

@@ -26,7 +26,7 @@ nStatus=1"""
     ("start", "part", "force", "scan"),
     [("diStart", "diPart[1]", "aiForce", "siScan"), ("%I7", "UserIO\\in\\%I9", "%iw2", "COM1"), ("%i7", "%I9", "aiForce", "Serial\\COM1")],
 )
-def test_a_variable_stands_for_what_it_is_linked_to(start: str, part: str, force: str, scan: str) -> None:
+def test_a_variable_refers_to_what_it_is_linked_to(start: str, part: str, force: str, scan: str) -> None:
     at = [
         (0.1, f"aio.{force}=4.5"),
         (0.2, f"dio.{start}=1"),

@@ -35,7 +35,7 @@ endSwitch"""
 
 
 @pytest.mark.requirement("VAL-LANG-01", by=T + "translate")
-def test_comments_stand_at_the_begin_of_a_line() -> None:
+def test_comments_are_at_the_beginning_of_a_line() -> None:
     assert globals_of("// This is an example of a comment\n  // n=7\nn=1", NUMS)["n"] == 1
     assert faults_of('n=len("//")\nn=1 // x', NUMS) == [(3, "'// x' : comment not at the begin of the line")]
 

@@ -126,7 +126,7 @@ def test_start_that_needs_more_memory_than_a_task_has() -> None:
     assert run(App(stack=20))["tasks"] == {"demo~": {"status": 41, "program": "start", "line": 3}}
 
 
-def test_default_is_taken_where_no_case_fits_wherever_it_stands() -> None:
+def test_default_is_taken_where_no_case_fits_wherever_it_is() -> None:
     code = "for n=0 to 3\nswitch n\ndefault\na[n]=9\nbreak\ncase 1\na[n]=1\nbreak\ncase 2,3\na[n]=2\nbreak\nendSwitch\nendFor"
     assert globals_of(code, datum("n", "num") + datum("a", "num", "4"))["a"] == [9, 1, 2, 2]
 

@@ -90,7 +90,7 @@ def test_the_errors_by_their_numbers() -> None:
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
 @pytest.mark.parametrize("point", [0, 700, len(ROWS) - 1])
-def test_numbers_that_are_none_are_error_38_wherever_they_stand(point: int, value: float) -> None:
+def test_numbers_that_are_none_are_error_38_wherever_they_are(point: int, value: float) -> None:
     data = bytearray(FILE)
     struct.pack_into("<f", data, 80 + point * 8 + 4, value)
     assert code(bytes(data)) == 38

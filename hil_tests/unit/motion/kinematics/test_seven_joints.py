@@ -43,7 +43,7 @@ def test_poses_are_reached_from_near_and_from_far_away() -> None:
         assert max(abs(a - b) for a, b in zip(robot.follow(pose, tuple(v + 1e-3 for v in q)), q, strict=True)) < 1e-2, "it stays near"
 
 
-def test_a_line_is_run_straight_within_the_limits_and_one_too_long_is_told() -> None:
+def test_a_line_is_run_straight_within_the_limits_and_one_too_long_is_reported() -> None:
     robot = seven()
     machine = Machine(robot, robot.limits)
     here = robot.forward(START)

@@ -101,6 +101,6 @@ def test_what_cannot_be_set_is_refused_and_changes_nothing() -> None:
         machine.machine((1.0,))
 
 
-def test_different_reference_speeds_are_told() -> None:
+def test_different_reference_speeds_are_reported() -> None:
     assert reference_speed_warning(50.0, 50.0) == ""
     assert "P108" in reference_speed_warning(100.0, 50.0)

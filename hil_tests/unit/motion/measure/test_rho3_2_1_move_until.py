@@ -191,7 +191,7 @@ def test_history_without_speeds_goes_through_four_samples() -> None:
     assert known.at(16_000_000)[0] == 1e3 + 5 * 0.016**2 + 20 * 0.016**3
 
 
-def test_history_tells_what_it_does_not_know() -> None:
+def test_history_says_what_it_does_not_know() -> None:
     known = History(1)
     with pytest.raises(Exception, match="nothing is kept"):
         known.at(0)
@@ -222,7 +222,7 @@ def test_edges_from_before_the_block_do_not_count_and_stamps_of_the_future_are_n
     assert move.outcome is Outcome.MET and rig.bench.mpos.read() == rig.bench.history.at(now_ns)[:2]
 
 
-def test_an_edge_told_too_late_to_know_its_position_stops_but_measures_nothing() -> None:
+def test_an_edge_reported_too_late_to_know_its_position_stops_but_measures_nothing() -> None:
     rig = Rig(bench())
     move = rig.until(610)
     move.begin(False, 0)

@@ -28,7 +28,7 @@ def code(paths: ReferencePaths, kinematic: int, index: int) -> int:
 @pytest.mark.requirement("RHO-MOT-38", by="motion.measure.record:ReferencePaths.on")
 @pytest.mark.requirement("RHO-MOT-38", by="motion.measure.record:ReferencePaths.step")
 @pytest.mark.requirement("RHO-MOT-38", by="motion.measure.record:ReferencePaths.off")
-def test_sf_29_takes_a_point_each_13_mm_and_sf_30_tells_how_many() -> None:
+def test_sf_29_takes_a_point_each_13_mm_and_sf_30_reports_how_many() -> None:
     paths = ReferencePaths(SYSTEMS)
     paths.on(2, 8, 13.0)
     driven(paths, 201)  # 100 mm

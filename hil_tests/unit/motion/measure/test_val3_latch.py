@@ -104,7 +104,7 @@ def test_a_spike_does_not_end_the_waiting() -> None:
     assert position == pytest.approx(undisturbed(arm.rig.piece, EDGE_NS)[:2], abs=2e-6)
 
 
-def test_an_edge_told_too_late_latches_nothing_and_one_of_the_future_is_now() -> None:
+def test_an_edge_reported_too_late_latches_nothing_and_one_of_the_future_is_now() -> None:
     arm = Arm()
     arm.latch.set_latch("fIn0", 0)
     for _ in range(100):

@@ -69,7 +69,7 @@ def test_a_time_offset_shifts_it_by_the_way_of_that_time(way: Way) -> None:
 @pytest.mark.requirement(
     "RHO-MOT-35", by=("gateway.pure.cycle.path_outputs:CoreOutputs.call", "gateway.pure.cycle.path_outputs:CoreOutputs.step")
 )
-def test_values_stand_in_the_image_as_numbers_and_a_reset_acts_at_once(way: Way) -> None:
+def test_values_are_in_the_image_as_numbers_and_a_reset_acts_at_once(way: Way) -> None:
     way.call(True, -3, 1, 1, 1, 50, 0)
     assert way.word(INTEGER) == 50
     way.call(True, 3, 1, 1, 200.0, -50.0, 0)

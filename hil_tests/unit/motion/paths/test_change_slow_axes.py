@@ -147,7 +147,7 @@ def test_random_orders_on_random_chains_keep_the_limits_and_end(accel: float, je
 
 
 @pytest.mark.parametrize(("accel", "jerk", "seed", "orders"), TURNING)
-def test_an_axis_that_turns_back_between_two_places_is_told_of_it_before(accel: float, jerk: float, seed: int, orders: int) -> None:
+def test_an_axis_that_turns_back_between_two_places_is_warned_of_before(accel: float, jerk: float, seed: int, orders: int) -> None:
     """Without the track's turns they come to 1.1006, 1.1026, 1.1357 and 1.1599 of the jerk limit: from 7 to 1 ms before it turned no
     place told of it, and the last look has no c for it."""
     speed, acceleration, third = ordered_shares(accel, jerk, seed, orders)

@@ -108,7 +108,7 @@ def test_it_holds_from_the_statement_on_and_is_written_again() -> None:
 @pytest.mark.parametrize(
     "line", ["block_search", "block_search 0", "block_search 12", "block_search 2.5", "block_search 1 5", "block_search \u00b2"]
 )
-def test_what_is_no_number_of_blocks_is_told(line: str) -> None:
+def test_what_is_no_number_of_blocks_is_reported(line: str) -> None:
     with pytest.raises(TextFaults, match=r"line 5: block_search: .* 1 \.\. 11 blocks"):
         read(HEAD + line)
 
@@ -127,7 +127,7 @@ def test_ends_of_the_path_that_move_on_keep_the_jerk(search: str) -> None:
 @pytest.mark.parametrize(
     "line", ["linear recorded \u00b2", "record_on \u00b2 5mm", f"block_search {'9' * 5000}", f"linear pose 0 0 0 0 0 0 until={'9' * 5000}"]
 )
-def test_digits_that_make_no_number_are_told_with_their_line(line: str) -> None:
+def test_digits_that_make_no_number_are_reported_with_their_line(line: str) -> None:
     with pytest.raises(TextFaults, match="line 5: "):
         read(HEAD + line)
 

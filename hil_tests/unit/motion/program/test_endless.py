@@ -155,7 +155,7 @@ def test_a_zero_written_after_several_turns_is_right(turning: Turning, tmp_path:
         assert math.degrees(within(scaling.to_si(counter), math.tau)) == pytest.approx(77.0, abs=FINE), "as the next start reads it"
 
 
-def test_a_place_as_an_encoder_shows_it_that_counted_round_meanwhile_is_told(
+def test_a_place_as_an_encoder_shows_it_that_counted_round_meanwhile_is_reported(
     turning: Turning, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Ten turns of the motor are a round: 4096 turns are 216 degrees more."""

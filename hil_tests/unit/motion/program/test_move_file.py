@@ -176,7 +176,7 @@ ERRORS = [
 
 @pytest.mark.requirement("RHO-MOT-40", by="motion.planner.file_plan:file_path")
 @pytest.mark.requirement("RHO-MOT-40", by="gateway.pure.planning.trial:Files.path")
-def test_a_cell_tells_each_error_by_its_number_with_line_block_and_axis_before_anything_moves(turning: Turning) -> None:
+def test_a_cell_reports_each_error_by_its_number_with_line_block_and_axis_before_anything_moves(turning: Turning) -> None:
     for opened, name, flags, code, says in ERRORS:
         assert turning.run("ptp joints 0 0 0 0 0", opened, f"move_file {name} {flags}") is CommandState.REFUSED, name
         state = turning.planned.programs.state
@@ -223,7 +223,7 @@ def test_travel_and_axes_that_do_not_go_round_are_reported_by_the_dry_run_by_axi
     assert not looked_at("read_begin way.bnr 92\nmove_file way.bnr base=1 modulo=0,0,0\nclose way.bnr\nclose way.bnr")
 
 
-def test_words_are_read_and_written_and_told_with_line_and_key() -> None:
+def test_words_are_read_and_written_and_reported_with_line_and_key() -> None:
     text = PAPER + "read_begin a.bnr\nmove_file a.bnr modulo=0,-,2\nread_begin a.bnr 92\nlabel L\nmove_file a.bnr base=2\n"
     text += "close a.bnr\nmove_file a.bnr\n"
     program = read(text)

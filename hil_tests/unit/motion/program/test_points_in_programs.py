@@ -54,7 +54,7 @@ def cell() -> Portal:
 
 @pytest.mark.requirement("RHO-MOT-37", by="gateway.pure.cycle.points:set_machine_position")
 @pytest.mark.requirement("RHO-MOT-37", by="gateway.pure.planning.parts:Coming.own")
-def test_the_axes_stand_at_other_numbers_nothing_moves_and_the_next_block_and_the_limits_count_from_them(cell: Portal) -> None:
+def test_the_axes_are_at_other_numbers_nothing_moves_and_the_next_block_and_the_limits_count_from_them(cell: Portal) -> None:
     assert cell.run("mach_pos joints 30 20 50 0", "ptp rel joints 0 0 0 0") is CommandState.DONE
     assert np.ptp(cell.sets(), axis=0).max() < 0.01, "nothing moves"
     assert cell.bench.set() == pytest.approx([30.0, 20.0, 50.0, 0.0], abs=1e-6)
@@ -71,7 +71,7 @@ def test_the_axes_stand_at_other_numbers_nothing_moves_and_the_next_block_and_th
     assert cell.bench.actual()[0] == pytest.approx(far.max - 5 + 70, abs=0.05), "a start-up undoes it"
 
 
-def test_behind_a_block_and_before_one_and_what_it_may_not_be_is_told_before_anything_moves(cell: Portal) -> None:
+def test_behind_a_block_and_before_one_and_what_it_may_not_be_is_reported_before_anything_moves(cell: Portal) -> None:
     assert (
         cell.run("linear pose 120 100 50 0 0 0", "mach_pos joints 0 0 0 0", "linear pose 10 0 0 0 0 0", "mach_pos joints 7 7 7 7")
         is CommandState.DONE
@@ -181,7 +181,7 @@ def refused(arm: Probing, *lines: str) -> str:
     return arm.programs.state.fault
 
 
-def test_a_level_that_stands_and_a_falling_edge_latch_nothing_and_a_second_set_latch_forgets(arm: Probing) -> None:
+def test_a_level_that_stays_and_a_falling_edge_latch_nothing_and_a_second_set_latch_forgets(arm: Probing) -> None:
     arm.change(FAST)
     assert arm.finished(arm.order(f"ptp joints {joints(2)}")).state is CommandState.DONE
     job = arm.order("set_latch fIn0", f"ptp joints {joints(40)}", "ptp mpos")
@@ -196,7 +196,7 @@ def test_a_level_that_stands_and_a_falling_edge_latch_nothing_and_a_second_set_l
     assert arm.finished(job).state is CommandState.DONE and not arm.cell.core.state.measured_mask
 
 
-def test_what_is_no_fast_input_of_the_cell_is_told_before_anything_moves(arm: Probing) -> None:
+def test_what_is_no_fast_input_of_the_cell_is_reported_before_anything_moves(arm: Probing) -> None:
     arm.programs.cell.channels = {611: MeasuringFacts(FAST, ON_ALL)}
     assert "inadmissable input: set_latch fIn0; the robot has none" in refused(arm, "set_latch fIn0", f"ptp joints {joints(9)}")
     arm.programs.cell.channels = LATCHES
@@ -213,7 +213,7 @@ def told(line: str) -> str:
     return str(caught.value)
 
 
-def test_words_are_read_and_written_and_told_with_line_and_key() -> None:
+def test_words_are_read_and_written_and_reported_with_line_and_key() -> None:
     lines = (
         "record_on 4 13.5mm\nset_latch fIn1\nlinear rel pose 1 0 0 0 0 0\nmach_pos joints 1 2 3 4\nrecord_off\nptp joints 1 2 3 4\n"
         "record_on 1 5deg\nlinear recorded 3 path=50\nrecord_on 2 10cycles\nptp recorded 50\nmach_pos joints 0 0 0 0\n"

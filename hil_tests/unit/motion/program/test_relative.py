@@ -108,7 +108,7 @@ def told(blocks: str) -> list[tuple[int, str, int]]:
     return [(fault.block, fault.axis, fault.code) for fault in found]
 
 
-def test_what_cannot_be_reached_is_told_with_block_and_axis_and_the_next_one_begins_where_the_last_good_one_ended() -> None:
+def test_what_cannot_be_reached_is_reported_with_block_and_axis_and_the_next_one_begins_where_the_last_good_one_ended() -> None:
     lines = "ptp rel joints 0 0 0 0 0 20\nptp rel joints 0 200 0 0 0 0\nlinear rel pose 0 0 5000 0 0 0\n"
     lines += "ptp rel joints 0 0 0 0 0 -20 extra=5mm\n"
     with pytest.raises(TextFaults, match="line 11: extra: needs a pose"):
@@ -131,7 +131,7 @@ def test_what_cannot_be_reached_is_told_with_block_and_axis_and_the_next_one_beg
         ("linear STEP config=righty", "config", "keeps the configuration"),
     ],
 )
-def test_what_is_no_relative_target_is_told_by_its_line_and_key(line: str, key: str, says: str) -> None:
+def test_what_is_no_relative_target_is_reported_by_its_line_and_key(line: str, key: str, says: str) -> None:
     with pytest.raises(TextFaults) as caught:
         read(ARM + line)
     (fault,) = caught.value.faults
@@ -196,7 +196,7 @@ def test_on_a_belt_the_difference_is_one_along_the_belt(text: str, relative: str
     assert len(rows[0]) == len(rows[1]) and np.abs(rows[0] - rows[1]).max() < 1e-9
 
 
-def test_what_a_belt_forbids_of_a_relative_block_is_told() -> None:
+def test_what_a_belt_forbids_of_a_relative_block_is_reported() -> None:
     text = """synchron B1 at=60mm
 linear rel pose 1 0 0 0 0 0 belt=60mm
 linear rel joints 1 0 0 0

@@ -49,7 +49,7 @@ def driven(planned: Planned, mode: int) -> tuple[CommandState, list[str], set[st
 
 
 @pytest.mark.requirement("RHO-MOT-45", by="gateway.pure.planning.warnings:Slowing.look")
-def test_mode_3_keeps_the_path_and_the_limits_and_tells_the_axis_once_a_block(planned: Planned) -> None:
+def test_mode_3_keeps_the_path_and_the_limits_and_reports_the_axis_once_a_block(planned: Planned) -> None:
     state, told, stood, shares = driven(planned, 3)
     assert state is CommandState.DONE and max(shares) <= 1.02
     assert [each[: len(line)] for each, line in zip(told, LINES, strict=True)] == LINES
@@ -57,7 +57,7 @@ def test_mode_3_keeps_the_path_and_the_limits_and_tells_the_axis_once_a_block(pl
     assert planned.programs.state.warning == ""
 
 
-def test_what_is_told_goes_by_the_speed_that_is_asked_for(planned: Planned) -> None:
+def test_what_is_reported_goes_by_the_speed_that_is_asked_for(planned: Planned) -> None:
     planned.done(Code.OVERRIDE, 0.4)
     _, told, _, _ = driven(planned, 3)
     assert [each[:15] for each in told] == ["line 7: block 4"], "0.4 times 2 is within the limit"
@@ -67,7 +67,7 @@ def test_what_is_told_goes_by_the_speed_that_is_asked_for(planned: Planned) -> N
 
 
 @pytest.mark.parametrize("mode", [0, 2])
-def test_modes_0_and_2_tell_nothing_in_automatic_and_no_set_value_is_beyond_a_limit(planned: Planned, mode: int) -> None:
+def test_modes_0_and_2_report_nothing_in_automatic_and_no_set_value_is_beyond_a_limit(planned: Planned, mode: int) -> None:
     state, told, stood, shares = driven(planned, mode)
     assert state is CommandState.DONE and told == [] and stood == set() and max(shares) <= 1.02
 

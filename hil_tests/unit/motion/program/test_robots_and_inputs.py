@@ -164,7 +164,7 @@ def test_a_labelled_block_begins_from_rest_and_is_a_part_of_its_own(home: Planne
         (f"move {AWAY[0]} until={GO}\nmove arm ptp joints 400 0 0 0 0 0", "block 2"),
     ],
 )
-def test_what_cannot_be_is_told_before_anything_moves(home: Planned, line: str, words: str) -> None:
+def test_what_cannot_be_is_reported_before_anything_moves(home: Planned, line: str, words: str) -> None:
     before = home.bench.set()
     job = home.bench.settle(home.order(HEAD + line))
     assert job.state is CommandState.REFUSED and words in job.detail, job.detail

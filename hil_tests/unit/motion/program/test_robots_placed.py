@@ -39,7 +39,7 @@ def gone(cell: Planned) -> Array:
 
 @pytest.mark.requirement("RHO-MOT-37", by="gateway.pure.planning.parts:_placed")
 @pytest.mark.requirement("RHO-MOT-37", by="gateway.pure.planning.trial:Trial._set_position")
-def test_one_stands_at_other_numbers_and_all_go_on_from_there_each_by_its_own(cell: Planned) -> None:
+def test_one_is_at_other_numbers_and_all_go_on_from_there_each_by_its_own(cell: Planned) -> None:
     assert run(cell, "kinematic scara", "mach_pos joints 10 80 -150 5", "move arm ptp rel joints 0 0 0 0 0 0") is CommandState.DONE
     assert np.abs(gone(cell)).max() < 0.01, "nothing moves"
     assert cell.bench.set() == pytest.approx((*AT_HOME[:6], 10, 80, -150, 5), abs=1e-6), "and the arm keeps its numbers"
@@ -55,7 +55,7 @@ def test_one_stands_at_other_numbers_and_all_go_on_from_there_each_by_its_own(ce
     )
 
 
-def test_it_is_done_at_rest_before_the_next_block_of_any_and_a_label_may_stand_before_it(cell: Planned) -> None:
+def test_it_is_done_at_rest_before_the_next_block_of_any_and_a_label_may_be_before_it(cell: Planned) -> None:
     corner = "move arm ptp joints 10 30 90 0 60 0 blend=joint leave=40 reach=40"
     lines = [corner, "kinematic scara", "mach_pos joints 50 90 -200 0", "move arm ptp joints 10 50 90 0 60 0"]
     job, near = cell.order(HEAD + "\n".join([*lines, "move scara ptp rel joints 4 0 0 0"])), []
@@ -85,7 +85,7 @@ def test_it_is_done_at_rest_before_the_next_block_of_any_and_a_label_may_stand_b
         ),
     ],
 )
-def test_what_cannot_be_is_told_before_anything_moves(cell: Planned, lines: list[str], words: str) -> None:
+def test_what_cannot_be_is_reported_before_anything_moves(cell: Planned, lines: list[str], words: str) -> None:
     job = cell.bench.settle(cell.order(HEAD + "\n".join(lines)))
     assert job.state is CommandState.REFUSED and words in job.detail, job.detail
     assert cell.bench.set() == pytest.approx(AT_HOME, abs=1e-6) and np.abs(gone(cell)).max() < 0.01
@@ -115,7 +115,7 @@ def test_the_dry_run_goes_on_from_the_new_numbers_and_sees_no_movement_in_them()
     assert str(faults[0]).startswith("block 1, axis arm.J1: kinematic arm: mach_pos: target 900 deg is outside")
 
 
-def test_words_are_told_with_line_kinematic_and_key() -> None:
+def test_words_are_reported_with_line_kinematic_and_key() -> None:
     for line, says in (
         ("kinematic arm\nmach_pos joints 1 2", "line 8: mach_pos: kinematic arm: 2 values; 6 axes"),
         ("mach_pos joints 1 2 3 4\nlabel X\n" + HOME, "line 8: label: X has to stand before sync, mach_pos and belt functions"),

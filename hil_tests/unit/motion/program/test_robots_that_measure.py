@@ -115,7 +115,7 @@ def test_what_another_one_measures_or_fetches_later_takes_nothing_from_it(home: 
         (f"kinematic arm\nmeasure_on ch610\nmove {AWAY[1]}", "measure_on: kinematic arm: begins with a block, and none follows"),
     ],
 )
-def test_what_is_another_ones_is_told_before_anything_moves(home: Planned, line: str, words: str) -> None:
+def test_what_is_another_ones_is_reported_before_anything_moves(home: Planned, line: str, words: str) -> None:
     job = home.bench.settle(home.order(HEAD + line))
     assert job.state is CommandState.REFUSED and words in job.detail, job.detail
 

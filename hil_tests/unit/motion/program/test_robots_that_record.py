@@ -87,7 +87,7 @@ def test_a_call_begins_with_the_next_block_of_the_kinematic_named_last_and_is_ca
         (f"kinematic arm\nrecord_off\nmove {AWAY[1]}", "record_off: kinematic arm: begins with a block, and none follows"),
     ],
 )
-def test_what_cannot_be_is_told_before_anything_moves(recorded: Planned, line: str, words: str) -> None:
+def test_what_cannot_be_is_reported_before_anything_moves(recorded: Planned, line: str, words: str) -> None:
     job = recorded.bench.settle(recorded.order(HEAD + line))
     assert job.state is CommandState.REFUSED and words in job.detail, job.detail
 

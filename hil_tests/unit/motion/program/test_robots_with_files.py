@@ -116,7 +116,7 @@ def test_a_stop_stays_on_the_curve_and_functions_begin_with_it(home: Planned) ->
         (["move scara linear rel pose 0 0 0 0 0 0 out=400:1", *SCARA_RUNS], "block 1: what the block begins or ends with needs a way"),
     ],
 )
-def test_a_cell_tells_errors_with_line_block_and_kinematic_before_anything_moves(home: Planned, lines: list[str], words: str) -> None:
+def test_a_cell_reports_errors_with_line_block_and_kinematic_before_anything_moves(home: Planned, lines: list[str], words: str) -> None:
     before = home.bench.set()
     job = home.bench.settle(home.order(HEAD + "\n".join(lines)))
     assert job.state is CommandState.REFUSED and words in job.detail, job.detail
@@ -143,7 +143,7 @@ def test_the_dry_run_runs_it_point_by_point_and_what_follows_begins_where_it_end
     assert scara.loads(pair().machines[1], 1).max() <= 1.0 and set(scara.block.tolist()) == {1, 2, 3, 4}
 
 
-def test_words_are_told_with_line_kinematic_and_key() -> None:
+def test_words_are_reported_with_line_kinematic_and_key() -> None:
     for line, says in (
         ("move_file a.bnr speed=3", "line 8: speed: kinematic scara: move_file takes base= and modulo= alone"),
         (

@@ -80,7 +80,7 @@ def test_it_begins_with_the_next_block_of_its_kinematic(home: Planned) -> None:
         ("kinematic scara\niol 2 1 3 0 1 0", "IOL 2: kinematic 1, coordinate 3; kinematic 2, 1..6: x y z a b c"),
     ],
 )
-def test_what_a_robot_does_not_have_is_told_before_anything_moves(home: Planned, line: str, words: str) -> None:
+def test_what_a_robot_does_not_have_is_reported_before_anything_moves(home: Planned, line: str, words: str) -> None:
     job = home.bench.settle(home.order(f"{HEAD}{line}\nmove {AWAY[0]} and {AWAY[1]}"))
     assert job.state is CommandState.REFUSED and words in job.detail, job.detail
 

@@ -175,7 +175,7 @@ linear pose 200 0 0 0 0 0 path=10
 LESS = 36  # pieces
 
 
-def test_check_and_plot_tell_it_of_every_block_before_anything_moves_and_in_the_words_of_the_planner(
+def test_check_and_plot_report_it_of_every_block_before_anything_moves_and_in_the_words_of_the_planner(
     tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     program, page = tmp_path / "it.txt", tmp_path / "it.html"
@@ -193,7 +193,7 @@ def test_check_and_plot_tell_it_of_every_block_before_anything_moves_and_in_the_
         assert lines[0] == f"line 7: {told.value}" and lines[1].startswith("line 9: block 5: a motion of 20 s without a stop is too long")
 
 
-def test_check_tells_it_of_several_kinematics(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_check_reports_it_of_several_kinematics(monkeypatch: pytest.MonkeyPatch) -> None:
     program = read_team(TEAM)
     machines = team_of_program(program, None)
     assert team_findings(program, machines).faults == ()
@@ -211,14 +211,14 @@ def test_a_cell_names_line_and_block_of_the_program_behind_a_part_that_ended_wit
     assert cell.bench.set() == pytest.approx([0, 0, 0, 0], abs=1e-6)
 
 
-def test_what_an_axis_slows_down_is_also_told_in_front_of_mach_pos() -> None:
+def test_what_an_axis_slows_down_is_also_reported_in_front_of_mach_pos() -> None:
     slowed: dict[int, Slowed] = {}
     text = "axes mm mm mm deg\nstart 50 50 50 0\nlinear pose 450 50 50 0 0 0 path=9000\nmach_pos joints 0 0 0 0\nptp joints 1 0 0 0\n"
     sections_of(read(text), replace(robot("portal"), too_fast=TooFast.WARN), (), slowed=slowed)
     assert list(slowed) == [1]
 
 
-def test_what_would_take_endless_is_told_and_no_law_is_tried() -> None:
+def test_what_would_take_endless_is_reported_and_no_law_is_tried() -> None:
     """rates and times of the text's own ranges: a law of a day has more points than a machine has memory."""
     arc = ARC.replace("path=12", "path=0.001")
     for text in (

@@ -84,7 +84,7 @@ def test_what_is_written_reads_back_to_the_same_program(angles: str) -> None:
     assert write(once, angles) == write(program, angles)
 
 
-def test_each_fault_has_its_line_its_key_and_the_range_and_all_are_told() -> None:
+def test_each_fault_has_its_line_its_key_and_the_range_and_all_are_reported() -> None:
     wrong = [
         "linear pose 1 2",
         "foo",
@@ -130,7 +130,7 @@ def test_both_ends_of_every_range_are_legal_and_one_step_beyond_is_not(key: text
         assert faults(f"start 0\n{move} {key.name}={value!r}")[0][:2] == (2, key.name)
 
 
-def test_angle_and_rise_stand_in_a_circular_block_alone() -> None:
+def test_angle_and_rise_are_in_a_circular_block_alone() -> None:
     assert faults("start 0\nlinear pose 0 0 0 0 0 0 angle=90")[0][:2] == (2, "angle")
     assert faults("start 0\ncircular via pose 1 0 0 0 0 0 to pose 0 1 0 0 0 0 rise=90")[0][:2] == (2, "rise")
     assert faults("start 0\nset angle=90")[0][:2] == (2, "angle")
@@ -206,5 +206,5 @@ def test_measuring_on_the_way_and_waits_before_a_block_arrive_and_are_written_ag
         ("set wait=5", "wait"),
     ],
 )
-def test_what_is_no_measuring_and_no_wait_is_told_with_its_key(line: str, key: str) -> None:
+def test_what_is_no_measuring_and_no_wait_is_reported_with_its_key(line: str, key: str) -> None:
     assert [(number, word) for number, word, _ in faults(f"axes deg deg\nstart 0 0\n{line}\nptp joints 1 1")] == [(3, key)]

@@ -90,14 +90,14 @@ def test_a_program_written_is_read_back_the_same() -> None:
         ("synchron B1\nkinematic right\nsync B1 >= 1mm", "line 20: sync: kinematic left is on a belt or corrected and moves alone, right"),
     ],
 )
-def test_a_fault_is_told_with_its_line_key_and_kinematic(line: str, words: str) -> None:
+def test_a_fault_is_reported_with_its_line_key_and_kinematic(line: str, words: str) -> None:
     with pytest.raises(TextFaults) as told:
         read_team(TEXT + line + "\n")
     (fault,) = told.value.faults
     assert str(fault).startswith(words)
 
 
-def test_no_kinematic_or_no_start_is_told() -> None:
+def test_no_kinematic_or_no_start_is_reported() -> None:
     with pytest.raises(TextFaults, match="kinematic: none: `kinematic NAME ROBOT` comes first"):
         read_team("start 1 2\nkinematic a portal\nstart 0 0 0 0\n")
     with pytest.raises(TextFaults, match="start: is missing: where the axes of kinematic b stand"):

@@ -302,7 +302,7 @@ def test_a_straight_move_cannot_force_the_other_elbow_and_movej_can() -> None:
 
 @pytest.mark.requirement("VAL-MID-01", by="motion.val3.stack:MotionStack.get_move_id")
 @pytest.mark.requirement("VAL-MID-01", by="motion.planner.runs:progress")
-def test_get_move_id_tells_move_and_progress() -> None:
+def test_get_move_id_reports_move_and_progress() -> None:
     arm, moves = stack()
     moves.set_move_id(15)
     assert moves.movel(at(100), FLANGE, OFF) == 15
@@ -360,7 +360,7 @@ def test_set_move_id_acts_on_the_next_move_alone() -> None:
     assert code(lambda: moves.set_move_id(-1)) == 70
 
 
-def test_a_move_that_cannot_be_run_is_told_with_its_number_and_the_arm_stays() -> None:
+def test_a_move_that_cannot_be_run_is_reported_with_its_number_and_the_arm_stays() -> None:
     arm, moves = stack()
     assert code(lambda: moves.movej(JointTarget((9.0, 0.0, 0.0)), FLANGE, OFF)) == 520
     assert code(lambda: moves.movel(PoseTarget(Pose((0.0, 0.0, math.nan), NO_ROTATION)), FLANGE, OFF)) == 154

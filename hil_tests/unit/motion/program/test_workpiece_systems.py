@@ -201,7 +201,7 @@ def test_each_of_several_kinematics_has_its_own() -> None:
         ("wc_system FIX", "wc_system: 'FIX' is unknown; WC_UR are known"),
     ],
 )
-def test_faults_are_told_with_line_and_key(line: str, words: str) -> None:
+def test_faults_are_reported_with_line_and_key(line: str, words: str) -> None:
     with pytest.raises(TextFaults) as caught:
         read(HEAD + line + "\n")
     assert f"line 5: {words}" in str(caught.value) or words in str(caught.value), str(caught.value)

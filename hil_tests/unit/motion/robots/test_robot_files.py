@@ -103,7 +103,7 @@ def test_a_fault_names_file_key_and_value(old: str, new: str, key: str) -> None:
     assert str(faults.value).startswith(f"my.toml: {faults.value.faults[0][0]}: ")
 
 
-def test_all_faults_are_told_in_one_run() -> None:
+def test_all_faults_are_reported_in_one_run() -> None:
     with pytest.raises(RobotFaults) as faults:
         load_robot(
             "my.toml", TEXT.replace("speed = 360", "speed = 0").replace("accel = 4200", "accel = true").replace("arm = 350", "arm = 0", 1)

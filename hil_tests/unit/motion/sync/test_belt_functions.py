@@ -56,7 +56,7 @@ def test_sync_statements_load_the_reset_value_when_their_condition_holds() -> No
 
 @pytest.mark.requirement("RHO-MOT-21", by="motion.sync.belts:Belts.inputs")
 @pytest.mark.requirement("RHO-MOT-21", by="motion.sync.belts:Belts.update")
-def test_bit_399_lets_every_belt_run_at_p508_while_it_stands() -> None:
+def test_bit_399_lets_every_belt_run_at_p508_while_it_is_set() -> None:
     conveyor = Conveyor(2)
     conveyor.run(0.0, 0.0, periods=10)
     assert conveyor.belts.belt(1).watch.motion is Motion.STOPPED

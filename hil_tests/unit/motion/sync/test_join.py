@@ -214,7 +214,7 @@ def test_the_robot_gets_up_to_the_belt_and_down_again_within_acceleration_and_je
     assert float(np.abs(np.diff(rows)).max()) < 0.5 * MS, "no jump"
 
 
-def test_engaging_twice_and_limits_of_what_is_told() -> None:
+def test_engaging_twice_and_limits_of_what_is_reported() -> None:
     _, _, carried = synchron()
     carried.engage()
     with pytest.raises(MotionError, match="catching"):

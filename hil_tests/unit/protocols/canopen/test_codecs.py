@@ -98,7 +98,7 @@ WORDS = {
 
 
 @pytest.mark.parametrize(("code", "text"), WORDS.items())
-def test_a_code_is_told_in_words_as_exactly_as_the_table_knows(code: int, text: str) -> None:
+def test_a_code_is_reported_in_words_as_exactly_as_the_table_knows(code: int, text: str) -> None:
     assert Emergency(code).text == text
 
 

@@ -134,7 +134,7 @@ def test_6_21_a_stream_goes_on_where_it_stopped_and_an_unknown_start_is_the_firs
     assert answer(b"\x2b\x0e\x01\x77", WholeView(), True, station) == answer(b"\x2b\x0e\x01\x00", WholeView(), True, station)
 
 
-def test_6_13_the_server_tells_its_number_that_it_runs_and_its_name() -> None:
+def test_6_13_the_server_reports_its_number_that_it_runs_and_its_name() -> None:
     assert says(WholeView(), "11", Station(Identity(vendor="A", product_code="B", revision="1"), number=7)) == "11 07 07 FF 41 20 42 20 31"
 
 

@@ -73,7 +73,7 @@ def test_references_count_from_one_and_have_six_digits_beyond_9999() -> None:
     assert [reference("coil", at) for at in (0, 9998, 9999)] == ["00001", "09999", "010000"]
 
 
-def test_the_four_addresses_of_a_signal_stand_beside_each_other() -> None:
+def test_the_four_addresses_of_a_signal_are_beside_each_other() -> None:
     rows = {row[0]: row for sheet in signal_sheets(load_cell("demo")) for row in sheet.rows}
     assert rows["EMSTOP_OK_RCI"][1:5] == (24, "O3.0", "O2.0", "2.1") and rows["EMSTOP_OK_RCI"][7] == "plc2"
 
@@ -125,7 +125,7 @@ from = "error.first.code"
 """
 
 
-def test_registers_of_the_cell_stand_where_it_says_in_its_order() -> None:
+def test_registers_of_the_cell_are_where_it_says_in_its_order() -> None:
     cell = demo(REGISTERS)
     settings = cell.modbus[1]
     extras = placed(settings, [axis.name for axis in cell.axis])

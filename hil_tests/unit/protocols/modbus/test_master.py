@@ -53,7 +53,7 @@ def one(**settings: Any) -> Bench[Master]:
 # ------------------------------------------------------------------------------------------------------------ one order
 
 
-def test_an_order_is_sent_and_its_answer_told() -> None:
+def test_an_order_is_sent_and_its_answer_reported() -> None:
     line = one().at(ms(1)).does(lambda m, now: m.order("a", READ, now)).says(tcp(1, READ))
     line.at(ms(2)).hears(tcp(1, ANSWER)).reports(DeviceBack("a"), Done(1, "a", ANSWER))
 
@@ -126,7 +126,7 @@ def test_busy_for_ever_ends_with_the_exception() -> None:
     line.reports(DeviceBack("a"), Refused(1, "a", 6))
 
 
-def test_any_other_exception_is_told_at_once() -> None:
+def test_any_other_exception_is_reported_at_once() -> None:
     line = one().at(0).does(lambda m, now: m.order("a", READ, now)).says(tcp(1, READ))
     line.hears(tcp(1, b"\x83\x02")).reports(DeviceBack("a"), Refused(1, "a", 2))
 
@@ -148,7 +148,7 @@ def test_bits_come_one_by_one() -> None:
     line.reports(DeviceBack("a"), Polled("g", (1, 0, 1, 0, 0, 0, 0, 0, 0, 1)))
 
 
-def test_a_large_group_is_read_in_pieces_and_told_whole() -> None:
+def test_a_large_group_is_read_in_pieces_and_reported_whole() -> None:
     line = one(most_words=2).at(0).does(lambda m, now: m.poll(Group("g", "a", HOLDING, 7, 3, ms(100)), now))
     line.says(tcp(1, read_pdu(HOLDING, 7, 2))).hears(tcp(1, bytes.fromhex("03 04 0001 0002"))).reports(DeviceBack("a"))
     line.says(tcp(2, read_pdu(HOLDING, 9, 1))).hears(tcp(2, bytes.fromhex("03 02 0003"))).reports(Polled("g", (1, 2, 3)))
@@ -169,7 +169,7 @@ def test_orders_go_first_but_never_starve_a_group() -> None:
     assert seen["order"] > 90 and seen["poll"] >= 45
 
 
-def test_a_group_that_fails_is_told_and_tried_again_on_its_grid() -> None:
+def test_a_group_that_fails_is_reported_and_tried_again_on_its_grid() -> None:
     line = one(timeout=ms(10), retries=0, demote_after=9)
     line.at(0).does(lambda m, now: m.poll(Group("g", "a", HOLDING, 0, 1, ms(100)), now)).says(tcp(1, READ))
     line.at(ms(10)).reports(PollFailed("g", Failure.TIMEOUT)).at(ms(100)).says(tcp(2, READ)).hears(tcp(2, b"\x83\x02"))
@@ -179,7 +179,7 @@ def test_a_group_that_fails_is_told_and_tried_again_on_its_grid() -> None:
 # ------------------------------------------------------------------------------------------------- the connection is gone
 
 
-def test_a_lost_connection_fails_what_waits_and_tells_each_group_once() -> None:
+def test_a_lost_connection_fails_what_waits_and_reports_each_group_once() -> None:
     line = one().at(0).does(lambda m, now: m.poll(Group("g", "a", HOLDING, 0, 1, ms(100)), now)).says(tcp(1, READ))
     line.hears(tcp(1, ANSWER)).reports(DeviceBack("a"), Polled("g", (0x1234,)))
     line.does(lambda m, now: m.order("a", WRITE, now)).says(tcp(2, WRITE)).does(lambda m, now: m.order("a", READ, now))
@@ -234,7 +234,7 @@ def test_one_dead_of_16_costs_the_others_one_request_a_probe_interval() -> None:
     assert plant.events.count(DeviceLost("d5")) == 1 and plant.master.seen["d5"].losses == 1
 
 
-def test_a_dead_device_is_back_within_its_interval_and_a_group_is_told_lost_meanwhile() -> None:
+def test_a_dead_device_is_back_within_its_interval_and_a_group_is_reported_lost_meanwhile() -> None:
     plant = Plant({5}, timeout=ms(100), probe_every=ms(2000))
     plant.run(ms(10_000))
     assert PollFailed("g5", Failure.TIMEOUT) in plant.events
@@ -293,7 +293,7 @@ def test_rtu_a_broadcast_has_no_answer_but_a_turnaround() -> None:
     line.at(ms(99)).reports().at(ms(100)).reports(Done(1, "all", b""))
 
 
-def test_rtu_an_answer_whose_length_nothing_tells_ends_by_silence() -> None:
+def test_rtu_an_answer_whose_length_nothing_shows_ends_by_silence() -> None:
     ask, said = bytes.fromhex("2B 0E 04 00"), bytes.fromhex("2B 0E 04 83 00 00 01 00 02 41 42")
     line = rtu().at(0).does(lambda m, now: m.order("a", ask, now)).says(sealed(b"\x01" + ask))
     line.hears(sealed(b"\x01" + said)).reports().at(T35).reports(DeviceBack("a"), Done(1, "a", said))

@@ -55,7 +55,7 @@ def test_a_length_that_cannot_be_closes_as_soon_as_it_is_there(length: int, prot
     assert framing.receive(frame(READ), 0) == [], "after the end of a stream nothing in it has a meaning"
 
 
-def test_requests_before_a_wrong_length_are_still_told() -> None:
+def test_requests_before_a_wrong_length_are_still_reported() -> None:
     data = frame(READ) + frame(READ, length=0)
     assert [type(event) for event in Framing().receive(data, 0)] == [Request, Closing]
 
@@ -111,7 +111,7 @@ def test_answers_carry_transaction_and_unit_of_their_requests_in_order_and_leave
     assert framing.take_output() == b""
 
 
-def test_the_end_of_the_connection_inside_a_frame_is_told_and_between_frames_is_not() -> None:
+def test_the_end_of_the_connection_inside_a_frame_is_reported_and_between_frames_is_not() -> None:
     framing = Framing()
     assert framing.lost(0) == []
     framing.receive(b"\x00\x01", 0)

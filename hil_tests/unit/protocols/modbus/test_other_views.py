@@ -142,7 +142,7 @@ def test_markers_are_bits_and_words_and_the_robots_stay_the_robots() -> None:
     assert answer(bytes.fromhex("0100010001"), view) == bytes.fromhex("010100")
 
 
-def test_points_of_val3_are_counted_by_kind_and_tell_their_state() -> None:
+def test_points_of_val3_are_counted_by_kind_and_show_their_state() -> None:
     view, control = val3()
     assert view.write_bits(0, [True, True]) is None and control.value("dio.start") == control.value("dio.open") == 1.0
     assert (

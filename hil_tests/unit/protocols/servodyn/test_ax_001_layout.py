@@ -48,7 +48,7 @@ def test_an_actual_value_byte_for_byte() -> None:
 
 
 @pytest.mark.parametrize(("name", "bit"), [("enable", 0), ("drive_on", 1), ("limit_switch", 2), ("fault_reset", 3), ("brake_open", 4)])
-def test_each_set_bit_stands_where_ax_001_says(name: str, bit: int) -> None:
+def test_each_set_bit_is_where_ax_001_says(name: str, bit: int) -> None:
     assert CODEC.encode_set(1, set_value(name, True)).data[0] == 1 << bit
 
 
@@ -102,7 +102,7 @@ def test_both_ends_of_every_range_of_actual_values_and_one_step_beyond(name: str
 
 
 @pytest.mark.parametrize("length", [0, 7, 9])
-def test_a_byte_too_few_and_a_byte_too_many_are_told_with_the_bytes(length: int) -> None:
+def test_a_byte_too_few_and_a_byte_too_many_are_reported_with_the_bytes(length: int) -> None:
     data = bytes(range(length))
     with pytest.raises(DecodeError, match=f"8 bytes expected, {length} received"):
         CODEC.decode_set(Frame(210, data))

@@ -50,7 +50,7 @@ def test_both_languages_name_the_same_things(name: str) -> None:
         assert set(FIELD.findall(german)) == set(FIELD.findall(english)), english
 
 
-def test_no_english_pattern_stands_twice() -> None:
+def test_no_english_pattern_occurs_twice() -> None:
     patterns = [english for name in text_files() for english, _ in read_texts(name).pairs()]
     assert sorted({each for each in patterns if patterns.count(each) > 1}) == []
 

@@ -29,7 +29,7 @@ def test_what_a_word_looks_like() -> None:
     assert constant.evidence == "constant 0005h"
 
 
-def test_floats_are_told_from_two_words_and_kg_from_real() -> None:
+def test_floats_are_distinguished_from_two_words_and_kg_from_real() -> None:
     chance = random.Random(1)
     values = [chance.uniform(100, 2000) for _ in range(30)]
     real = guesses([struct.pack(">f", value) for value in values], 0)

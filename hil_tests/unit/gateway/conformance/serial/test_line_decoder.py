@@ -65,7 +65,7 @@ def test_nak_inside_a_block_ends_it() -> None:
     assert [one.kind for one in told] == ["STX", "DLE", "BROKEN", "NAK", "STX"]
 
 
-def test_spoiled_characters_are_counted_in_a_block_and_told_outside() -> None:
+def test_spoiled_characters_are_counted_in_a_block_and_reported_outside() -> None:
     decoder = LineDecoder()
     assert decoder.take(1, "A", Damage.PARITY)[0].text == "a damaged character (parity)"
     decoder.take(2, "A", 0x02)

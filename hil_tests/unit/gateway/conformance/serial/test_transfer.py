@@ -47,7 +47,7 @@ def test_more_than_128_bytes_are_several_telegrams() -> None:
         ("raw", "no reaction telegram within 5 s: does the partner speak RK512"),
     ],
 )
-def test_what_went_wrong_is_told_in_words(partner: str, words: str) -> None:
+def test_what_went_wrong_is_reported_in_words(partner: str, words: str) -> None:
     line, _ = client(partner)
     with pytest.raises(Refused) as fault:
         line.fetch(10, 0, 1)

@@ -52,7 +52,7 @@ def test_a_missing_block_that_is_there_is_not_written_into() -> None:
     assert run(Place(), "rk512.missing-block-send")[0]["rk512.missing-block-send"][0] == "PASS"
 
 
-def test_the_titles_tell_the_words_that_are_allowed() -> None:
+def test_the_titles_name_the_words_that_are_allowed() -> None:
     titles = {case.name: str(case.title) for case in all_cases(Settings(RHO3, Priority.LOW, place=Place(words=32)))}
     assert titles["rk512.fetch"].startswith("FETCH of one word and of 32 words (64 bytes)")
 

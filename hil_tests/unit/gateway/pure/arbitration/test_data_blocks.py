@@ -44,13 +44,13 @@ class BlockBench:
 ON, RESET, REFERENCE, STOP, RESUME, START = 1, 1 << 2, 1 << 3, 1 << 4, 1 << 5, 1 << 8
 
 
-def test_the_first_telegram_only_says_where_the_bits_stand() -> None:
+def test_the_first_telegram_only_says_where_the_bits_are() -> None:
     source = BlockBench()
     assert source.send(dw0=ON | START | REFERENCE) == []
     assert source.send(dw0=ON | START | REFERENCE) == []
 
 
-def test_drives_on_asks_for_control_and_for_the_override_that_stands() -> None:
+def test_drives_on_asks_for_control_and_for_the_override_that_is_set() -> None:
     source = BlockBench()
     source.send(dw0=0, dw1=80)
     assert source.send(dw0=ON, dw1=80) == [Code.REQUEST_CONTROL, Code.ENABLE, Code.OVERRIDE]
@@ -102,7 +102,7 @@ def test_override_is_taken_when_it_changed_and_only_by_the_owner() -> None:
     assert source.send(dw0=ON, dw1=60) == []
 
 
-def test_a_number_out_of_its_range_is_not_taken_and_told() -> None:
+def test_a_number_out_of_its_range_is_not_taken_but_reported() -> None:
     source = BlockBench()
     source.values["cell.control"] = 1.0
     source.send(dw0=ON, dw1=50, dw8=50)

@@ -146,7 +146,7 @@ class TestDispatcher:
         assert (cell.core.state.motion, move.state) == (Motion.IDLE, CommandState.ABORTED)
         assert cell.give(Code.RESUME, source=2).reason is Reason.NOTHING_TO_RESUME
 
-    def test_a_cycle_that_is_not_there_ends_what_was_open_and_is_told(self) -> None:
+    def test_a_cycle_that_is_not_there_ends_what_was_open_and_is_reported(self) -> None:
         cell = CellBench().ready()
         move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
         cell.run(0.5)
@@ -213,7 +213,7 @@ class TestCommandBlock:
         assert command == Command(4, 1, 1.0, 0.5, (1200.5, *[0.0] * 11))
         assert block.write(0, self.block(Code.PTP_ABSOLUTE, True)) is None, "a repeated telegram"
 
-    def test_what_a_predecessor_left_standing_is_adopted_too(self) -> None:
+    def test_what_a_predecessor_left_set_is_adopted_too(self) -> None:
         block = CommandBlock(self.block(Code.PTP_ABSOLUTE, True))
         assert block.acknowledged
         assert not isinstance(block.write(0, self.block(Code.PTP_ABSOLUTE, False)), Command)
@@ -269,7 +269,7 @@ class TestCommandBlock:
 
 
 class TestLinkWatch:
-    def test_silence_is_told_once(self) -> None:
+    def test_silence_is_reported_once(self) -> None:
         watch = LinkWatch(ms(500), has_life_word=False)
         assert watch.telegram(ms(1)) is LinkEvent.ALIVE
         assert watch.telegram(ms(100)) is None
@@ -279,7 +279,7 @@ class TestLinkWatch:
         assert watch.wake(ms(700)) is None
         assert watch.telegram(ms(800)) is LinkEvent.ALIVE
 
-    def test_a_standing_life_word_is_silence(self) -> None:
+    def test_a_constant_life_word_is_silence(self) -> None:
         watch = LinkWatch(ms(1000), has_life_word=True)
         assert watch.telegram(ms(0), 7) is None, "the first value only says where the counter stands"
         assert watch.telegram(ms(100), 8) is LinkEvent.ALIVE

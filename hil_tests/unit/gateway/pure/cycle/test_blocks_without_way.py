@@ -42,7 +42,7 @@ def test_an_output_at_its_end_is_switched_there(both: WithPlanner) -> None:
 @pytest.mark.parametrize(
     ("lines", "block"), [(("iol -2 1 1 0 1 0", HERE), 1), ((f"ptp joints {joints(10)} until=900", "iol -2 1 1 0 1 0", HERE), 2)]
 )
-def test_where_no_way_is_left_it_is_told_before_anything_moves(both: WithPlanner, lines: tuple[str, ...], block: int) -> None:
+def test_where_no_way_is_left_it_is_reported_before_anything_moves(both: WithPlanner, lines: tuple[str, ...], block: int) -> None:
     job = both.order(*lines)
     assert both.still(0.2) and (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT)
     assert f"block {block}: what the block begins or ends with needs a way" in job.detail, job.detail

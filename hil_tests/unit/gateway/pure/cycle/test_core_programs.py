@@ -128,7 +128,7 @@ def test_pieces_of_an_older_cycle_are_dropped(both: WithPlanner) -> None:
     assert both.cell.core.state.failed_job != job.id and both.cell.core.state.piece in (0, moved)
 
 
-def test_a_fault_in_a_late_block_is_told_before_anything_moves(both: WithPlanner) -> None:
+def test_a_fault_in_a_late_block_is_reported_before_anything_moves(both: WithPlanner) -> None:
     job = both.order(f"ptp joints {joints(5)}", "# a remark", f"ptp joints {joints(6)}", f"ptp joints {joints(1e5)}")
     assert both.still(0.5)
     assert (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT)
@@ -295,7 +295,7 @@ def test_an_input_that_never_comes_lets_the_block_reach_its_target(both: WithPla
     assert both.finished(job).state is CommandState.DONE and both.at(30.0) and get_bit(both.cell.core.outputs, 400)
 
 
-def test_an_input_that_stands_already_lets_nothing_move(both: WithPlanner) -> None:
+def test_an_input_that_is_set_already_lets_nothing_move(both: WithPlanner) -> None:
     both.cell.permit(PROBE, value=False)
     before = both.places()
     job = both.order(f"ptp joints {joints(60)} until=!{PROBE} out=400:1")

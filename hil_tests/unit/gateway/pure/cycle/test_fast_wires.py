@@ -40,7 +40,7 @@ def coupler() -> CouplerFamily:
     return family
 
 
-def test_check_tells_which_way_each_measuring_input_takes() -> None:
+def test_check_reports_which_way_each_measuring_input_takes() -> None:
     text = find_config("cl300-bits", "cells").read_text() + "".join(
         MEASURING.format(channel, number) for channel, number in ((611, 28), (612, 27))
     )
@@ -193,7 +193,7 @@ def test_move_until_leaves_its_path_in_the_very_cycle_that_hears_the_probe() -> 
     assert bench.measured == pytest.approx(bench.was(stamp), abs=CLOSE)
 
 
-def test_an_edge_told_behind_the_sync_of_its_cycle_is_measured_where_it_was() -> None:
+def test_an_edge_reported_behind_the_sync_of_its_cycle_is_measured_where_it_was() -> None:
     """A module that speaks at once is heard in the cycle of its edge: the positions of that instant come with the next SYNC."""
     bench = Wired()
     job = bench.on_its_way()
@@ -204,7 +204,7 @@ def test_an_edge_told_behind_the_sync_of_its_cycle_is_measured_where_it_was() ->
     assert bench.measured == pytest.approx(bench.was(stamp), abs=CLOSE)
 
 
-def test_a_wire_that_is_bad_is_told_as_nothing() -> None:
+def test_a_wire_that_is_bad_is_reported_as_nothing() -> None:
     family = coupler()
     assert family.input_at(NODE, 3) is None
     says(family, 8, ms(2))

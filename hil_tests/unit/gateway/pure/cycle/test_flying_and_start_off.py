@@ -243,7 +243,7 @@ def test_a_wait_and_a_probe_at_the_same_block(cell: Probing) -> None:
 
 
 @pytest.mark.parametrize("standing", [False, True])
-def test_a_block_behind_a_wait_does_not_move_at_all_where_its_time_is_0_or_its_input_stands(cell: Probing, standing: bool) -> None:
+def test_a_block_behind_a_wait_does_not_move_at_all_where_its_time_is_0_or_its_input_is_set(cell: Probing, standing: bool) -> None:
     within = "" if standing else " within=0"
     job = cell.order(f"ptp joints {joints(50)} wait=ch611 until={PROBE}{within} error=LATE", f"ptp joints {joints(1)}", "label LATE")
     assert cell.still(0.2) and job.open

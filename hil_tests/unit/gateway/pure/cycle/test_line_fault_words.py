@@ -31,7 +31,7 @@ def test_a_block_that_was_not_taken() -> None:
     )
 
 
-def test_a_block_of_ours_and_what_stands_beside_blocks() -> None:
+def test_a_block_of_ours_and_what_is_beside_blocks() -> None:
     assert fault_words(SendRepeated(3, Failure.NAK, Stage.BLOCK)) == "an own block is sent again: the partner answered NAK behind the block"
     assert fault_words(SendFailed(3, Failure.SILENT, Stage.CONNECT)).endswith(
         "no answer within the acknowledgement delay at the connection"

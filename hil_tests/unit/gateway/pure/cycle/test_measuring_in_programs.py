@@ -49,7 +49,7 @@ def test_a_fast_input_stores_the_next_position_controller_cycle(both: Probing) -
 
 
 @pytest.mark.requirement("RHO-MOT-11", by="gateway.pure.cycle.measure_until:CoreMeasure.value_present")
-def test_a_fast_input_that_stands_lets_nothing_move_and_measures_where_the_axes_stand(both: Probing) -> None:
+def test_a_fast_input_that_is_set_lets_nothing_move_and_measures_where_the_axes_stand(both: Probing) -> None:
     before = both.places()
     both.change(FAST)
     assert done(both, both.order(f"ptp joints {joints(60)} until=ch611"))

@@ -141,7 +141,7 @@ def test_a_flying_measurement_takes_the_drives_place_too(both: Probes) -> None:
     assert both.measured()[1] == pytest.approx(both.second_at(AT), abs=0.02)
 
 
-def test_a_drive_that_tells_its_status_at_its_start_alone_is_armed() -> None:
+def test_a_drive_that_reports_its_status_at_its_start_alone_is_armed() -> None:
     """One without an event timer says it once, before the cycle hears that it is started up."""
     family = Cia402Family([(0, NODE)], heartbeat_cycles=12, quiet_cycles=12, probes={NODE: 1})
     family.hear(Frame(0x700 + NODE, b"\0"))

@@ -27,7 +27,7 @@ def test_reaction_rest_and_way_of_a_ramp() -> None:
     assert found.way_inc == pytest.approx(10 * 152 + 10 * 248 / 2, abs=120)
 
 
-def test_an_emergency_tells_the_reaction_before_the_slope_does() -> None:
+def test_an_emergency_reports_the_reaction_before_the_slope_does() -> None:
     found = judged(track(react_ms=152, stop_ms=400, emergency=153), LOST)
     assert found is not None and found.reaction_ms == 153
 
@@ -43,7 +43,7 @@ def test_a_drive_that_stood_has_nothing_to_react_to() -> None:
     assert found is not None and (found.reaction_ms, found.way_inc, found.stopped) == (0.0, 0, True)
 
 
-def test_a_drive_that_told_nothing_before_or_after_the_loss_is_not_judged() -> None:
+def test_a_drive_that_sent_nothing_before_or_after_the_loss_is_not_judged() -> None:
     late, early = track(0, 1), track(0, 1)
     late.places = [place for place in late.places if place[0] > LOST]
     early.places = [place for place in early.places if place[0] <= LOST]

@@ -36,6 +36,6 @@ def test_only_a_whole_range_is_a_wrap(last: int, now: int, jump: int) -> None:
         (1.5, 0.25, 0),  # half a turn would be any place here
     ],
 )
-def test_of_an_endless_axis_a_range_is_told_but_for_whole_rounds(rounds: float, moved: float, jump: int) -> None:
+def test_of_an_endless_axis_a_range_is_reported_but_for_whole_rounds(rounds: float, moved: float, jump: int) -> None:
     """rounds, moved: motor turns of a round of the axis, and since the last stop."""
     assert wrapped_endless(500, 500 + round(moved * TURN), TURN, rounds * TURN) == jump * TURN

@@ -55,7 +55,7 @@ def test_six_wishes_and_the_nak_at_giving_up() -> None:
     assert [kind for _, kind, _ in heard(*["A 02"] * 6, "A 15")] == ["STX"] * 6 + ["NAK"]
 
 
-def test_a_block_under_way_at_the_end_is_told_and_one_that_never_began_is_not() -> None:
+def test_a_block_under_way_at_the_end_is_reported_and_one_that_never_began_is_not() -> None:
     assert heard("A 02", "B 10", "A 41")[2:] == [("A", "BROKEN", "41")]
     assert heard("A 02", "B 10") == GOOD[:2]
 

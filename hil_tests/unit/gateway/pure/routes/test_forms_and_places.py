@@ -157,7 +157,7 @@ def test_registers_meet_where_their_words_meet() -> None:
         ("cell:axis.X.actual", "", "before the colon"), ("dev:AW 92", "u16", "before the colon"), ("6081:00", "", "before the colon"),
     ],
 )  # fmt: skip
-def test_what_stands_before_a_colon_belongs_to_an_address_that_has_one(text: str, form: str, words: str) -> None:
+def test_what_is_before_a_colon_belongs_to_an_address_that_has_one(text: str, form: str, words: str) -> None:
     """`6081h:00` was bit 0 of the RC inputs once, and wrote 0.0 there."""
     with pytest.raises(AddressFault) as fault:
         place(text, form)

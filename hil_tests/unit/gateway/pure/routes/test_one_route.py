@@ -17,7 +17,7 @@ def play(settings: RouteSettings, *steps: tuple[int, float | None]) -> list[tupl
     return shown
 
 
-def test_a_level_follows_with_scale_and_offset_and_tells_when_it_changed() -> None:
+def test_a_level_follows_with_scale_and_offset_and_reports_when_it_changed() -> None:
     route = Route(RouteSettings("r", scale=0.1, offset=5.0))
     assert [route.step(ms(n), source) for n, source in enumerate((100.0, 100.0, 200.0))] == [True, False, True]
     assert (route.value, route.valid, route.life) == (25.0, True, 3)
@@ -57,13 +57,13 @@ def test_no_number_is_no_source() -> None:
     assert play(RouteSettings("r"), (0, 1.0), (1, math.nan), (2, math.inf)) == [(1.0, True), (1.0, False), (1.0, False)]
 
 
-def test_a_bouncing_source_counts_when_it_has_stood_long_enough() -> None:
+def test_a_bouncing_source_counts_when_it_has_been_stable_long_enough() -> None:
     bounce = RouteSettings("r", debounce_ns=ms(10))
     told = play(bounce, (0, 0.0), (10, 0.0), (11, 1.0), (13, 0.0), (15, 1.0), (24, 1.0), (25, 1.0))
     assert [value for value, _ in told] == [None, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 
 
-def test_what_stood_before_a_loss_does_not_shorten_the_debounce_after_it() -> None:
+def test_what_was_set_before_a_loss_does_not_shorten_the_debounce_after_it() -> None:
     told = play(RouteSettings("r", debounce_ns=ms(10)), (0, 1.0), (10, 1.0), (20, None), (30, 1.0), (39, 1.0), (40, 1.0))
     assert told[3:] == [(1.0, False), (1.0, False), (1.0, True)]
 
@@ -74,14 +74,14 @@ def test_the_rate_limit_delays_and_never_swallows_the_last_value() -> None:
 
 
 @pytest.mark.parametrize(("edge", "first", "second"), [(Edge.RISING, 0.0, 1.0), (Edge.FALLING, 1.0, 0.0)])
-def test_an_edge_is_one_pulse_however_long_the_bit_stands(edge: Edge, first: float, second: float) -> None:
+def test_an_edge_is_one_pulse_however_long_the_bit_is_set(edge: Edge, first: float, second: float) -> None:
     told = play(
         RouteSettings("r", edge=edge, pulse_ns=ms(50)), (0, first), (10, second), (59, second), (60, second), (500, second), (510, first)
     )
     assert [value for value, _ in told] == [0.0, 1.0, 1.0, 0.0, 0.0, 0.0]
 
 
-def test_a_bit_that_stands_at_the_start_or_after_a_loss_gives_no_pulse() -> None:
+def test_a_bit_that_is_set_at_the_start_or_after_a_loss_gives_no_pulse() -> None:
     told = play(RouteSettings("r", edge=Edge.RISING), (0, 1.0), (1, 0.0), (2, None), (3, 1.0), (4, 0.0), (5, 1.0))
     assert [value for value, _ in told] == [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 
@@ -94,7 +94,7 @@ def test_a_pulse_ends_with_its_source_and_inside_a_debounce() -> None:
     assert [value for value, _ in bouncing] == [None, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0]
 
 
-def test_a_change_is_passed_on_and_what_stood_before_it_is_not() -> None:
+def test_a_change_is_passed_on_and_what_was_set_before_it_is_not() -> None:
     told = play(RouteSettings("r", edge=Edge.CHANGE, scale=2.0), (0, 5.0), (1, 5.0), (2, 6.0), (3, 6.0), (4, None), (5, 6.0), (6, 7.0))
     assert told == [(None, False), (None, False), (12.0, True), (12.0, True), (12.0, False), (12.0, False), (14.0, True)]
 

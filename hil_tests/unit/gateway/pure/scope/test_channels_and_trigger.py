@@ -73,7 +73,7 @@ def test_every_name_that_is_listed_can_be_read() -> None:
     "name, words",
     [("axis.Q.lag", "X, W"), ("axis.X.height", "actual"), ("cell.x", "override"), ("rc_in.1024", "0 to 1023"), ("lag", "axis.NAME.VALUE")],
 )
-def test_an_unknown_name_is_told_with_those_there_are(name: str, words: str) -> None:
+def test_an_unknown_name_is_reported_with_those_there_are(name: str, words: str) -> None:
     with pytest.raises(ChannelError, match=words):
         channel(name, AXES, SIGNALS)
 
@@ -107,7 +107,7 @@ def test_less_before_the_trigger_than_was_asked_for_is_all_there_is() -> None:
     assert values(kept("axis.X.actual > 0.5", RAMP, pre=5)) == [0, 1, 2, 3]
 
 
-def test_a_level_that_stands_fires_only_at_its_next_passing() -> None:
+def test_a_level_that_stays_fires_only_at_its_next_passing() -> None:
     down_and_up = [record(x) for x in (9, 9, 2, 9, 9, 9)]
     assert kept("axis.X.actual > 5", down_and_up).triggered_at is not None
     assert values(kept("axis.X.actual > 5", down_and_up, pre=1)) == [2, 9, 9, 9]

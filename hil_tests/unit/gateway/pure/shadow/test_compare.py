@@ -53,7 +53,7 @@ def test_what_is_equal_is_equal_and_every_bit_of_the_block_was_compared() -> Non
     assert block["compared"] == 5, "the bit, the rest of its word, an undeclared word, the number, the life word"
 
 
-def test_a_bit_of_ours_that_is_late_is_told_with_its_time() -> None:
+def test_a_bit_of_ours_that_is_late_is_reported_with_its_time() -> None:
     """The old controller's busy rises at 1000 ms and falls at 2000 ms, both seen at that very moment; ours is late by 40 ms."""
     play = Play()
     for at, busy in ((0, False), (1_040, True), (2_040, False)):

@@ -50,7 +50,7 @@ def test_microseconds_and_the_other_byte_order_are_read_too() -> None:
     assert packets(stream) == [Packet(3_500_000_000, 101, b"ip")]
 
 
-def test_a_packet_the_capture_cut_is_left_out_and_what_is_no_capture_is_told() -> None:
+def test_a_packet_the_capture_cut_is_left_out_and_what_is_no_capture_is_reported() -> None:
     assert packets(HEAD + struct.pack("<IIII", 1, 0, 2, 60) + b"ip" + record(b"whole", 0)) == [Packet(0, 1, b"whole")]
     with pytest.raises(DecodeError, match=r"begins with 0a 0d 0d 0a: no pcap; tcpdump -w - writes one, dumpcap with -P"):
         packets(bytes.fromhex("0a0d0d0a") + bytes(24))

@@ -38,7 +38,7 @@ def judged(sets: SetValues, there: Frame, here: Frame, tolerance: float = 0.5) -
 
 
 @pytest.mark.parametrize(("sets", "frame"), [(SERVODYN, servodyn), (CANOPEN, canopen)], ids=["servodyn", "canopen"])
-def test_positions_near_one_another_are_equal_and_others_are_told_in_units(sets: SetValues, frame: Callable[[int], Frame]) -> None:
+def test_positions_near_one_another_are_equal_and_others_are_reported_in_units(sets: SetValues, frame: Callable[[int], Frame]) -> None:
     assert judged(sets, frame(-7000), frame(-7400)) == []
     (place,) = judged(sets, frame(-7000), frame(-7600))
     assert (place["place"], place["name"], place["largest"]) == ("position", "A1", pytest.approx(0.6))

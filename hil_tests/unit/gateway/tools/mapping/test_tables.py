@@ -34,7 +34,7 @@ def test_csv_has_semicolons_and_decimal_commas_and_comes_back_as_it_was() -> Non
     assert from_cells([COLUMNS, *map(to_cells, ROWS)]) == ROWS
 
 
-def test_columns_may_stand_in_any_order_and_cells_may_be_numbers() -> None:
+def test_columns_may_be_in_any_order_and_cells_may_be_numbers() -> None:
     rows = from_cells([["AT", "Table", "min", "block", None], ["DW 1", "db", 0.5, 10, None], [None, None, None, None, None]])
     assert rows == [Row("db", "10", at="DW 1", min="0.5")]
 
@@ -52,7 +52,7 @@ def test_columns_may_stand_in_any_order_and_cells_may_be_numbers() -> None:
         ("table;min\r\ndb;1,5.3\r\n", "line 2, min: '1,5.3' is no number"),
     ],
 )
-def test_a_bad_table_is_told_by_line_and_column(text: str, words: str) -> None:
+def test_a_bad_table_is_reported_by_line_and_column(text: str, words: str) -> None:
     with pytest.raises(MappingFault) as fault:
         from_csv(text)
     assert words in str(fault.value)

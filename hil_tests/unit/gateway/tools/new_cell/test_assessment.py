@@ -60,7 +60,7 @@ def test_one_answer_decides_its_line_and_the_worst_line_decides_the_whole(key: s
         ("plc", "", "(nothing): one of rk512"),
     ],
 )
-def test_an_answer_that_is_none_is_told_with_those_there_are(key: str, answer: str, words: str) -> None:
+def test_an_answer_that_is_none_is_reported_with_those_there_are(key: str, answer: str, words: str) -> None:
     with pytest.raises(BadAnswer) as found:
         assess(GOOD | {key: answer})
     assert words in str(found.value)

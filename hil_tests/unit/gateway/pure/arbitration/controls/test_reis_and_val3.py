@@ -61,7 +61,7 @@ def moving(robot: ControlBench) -> ControlBench:
     return robot
 
 
-def test_what_the_axes_do_stands_in_the_system_markers(robot: ControlBench) -> None:
+def test_what_the_axes_do_is_in_the_system_markers(robot: ControlBench) -> None:
     moving(robot.put(AUTO))
     markers = robot.reis.markers
     assert markers.bit(1021, 2) and markers.bit(1021, 5) and markers.bit(1020, 6) and markers.bit(1020, 4)
@@ -184,7 +184,7 @@ def test_fault_codes_of_boosters_have_the_numbers_of_the_manual(code: int, numbe
 
 
 @pytest.mark.parametrize("code, number", [(1, 667), (9, 658), (12, 673)])
-def test_a_booster_fault_stands_in_the_marker_and_on_the_panel_with_its_number(robot: ControlBench, code: int, number: int) -> None:
+def test_a_booster_fault_is_in_the_marker_and_on_the_panel_with_its_number(robot: ControlBench, code: int, number: int) -> None:
     moving(robot)
     assert isinstance(robot.slave, ServodynSlave)
     robot.slave.force_fault(1, code)

@@ -59,7 +59,7 @@ def test_drive_on_asks_for_control_and_gives_it_back_at_rest(bench: ControlBench
     assert bench.enabled() == [False, False] and bench.dispatcher.owner == 0
 
 
-def test_what_stands_at_start_switches_nothing_on_and_its_fall_switches_off() -> None:
+def test_what_is_set_at_start_switches_nothing_on_and_its_fall_switches_off() -> None:
     bench = ControlBench(CELL)
     bench.put(DRIVE_ON, cycles=1).run(1.0)
     assert bench.enabled() == [False, False]
@@ -67,7 +67,7 @@ def test_what_stands_at_start_switches_nothing_on_and_its_fall_switches_off() ->
     assert bench.enabled() == [True, True]
 
 
-def test_a_source_that_comes_back_with_the_bit_standing_switches_nothing_on(bench: ControlBench) -> None:
+def test_a_source_that_comes_back_with_the_bit_still_set_switches_nothing_on(bench: ControlBench) -> None:
     on(bench)
     bench.settle(bench.give(Code.DISABLE, 3))
     bench.quality(Quality.BAD, 8).quality(Quality.GOOD, 8).run(0.5)

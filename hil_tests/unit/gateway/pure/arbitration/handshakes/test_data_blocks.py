@@ -113,7 +113,7 @@ def test_a_bit_takes_the_targets_of_its_telegram(pattern: str) -> None:
     assert len(source.send(w0=0)) == (pattern == "toggle")
 
 
-def test_a_link_that_returns_with_a_standing_number_moves_nothing() -> None:
+def test_a_link_that_returns_with_an_unchanged_number_moves_nothing() -> None:
     source = BlockBench(text("number-select", NUMBER, ""))
     source.send(w6=7)
     source.source.restart()

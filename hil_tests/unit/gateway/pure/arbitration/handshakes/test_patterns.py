@@ -44,7 +44,7 @@ def test_a_request_starts_once_however_often_its_telegram_is_repeated(pattern: P
 
 
 @pytest.mark.parametrize("pattern", Pattern)
-def test_what_stands_at_the_start_or_after_a_lost_link_starts_nothing(pattern: Pattern) -> None:
+def test_what_is_set_at_the_start_or_after_a_lost_link_starts_nothing(pattern: Pattern) -> None:
     asks, _ = GOOD[pattern]
     shake = Handshaking(pattern, (3, 7))
     assert not shake.see(asks) and not shake.see(asks)

@@ -238,7 +238,7 @@ def test_half_of_a_double_word_is_no_target() -> None:
 
 
 @pytest.mark.parametrize("pattern", PATTERNS)
-def test_what_stands_when_the_link_returns_starts_nothing_in_whatever_pieces_it_comes(pattern: str) -> None:
+def test_what_is_set_when_the_link_returns_starts_nothing_in_whatever_pieces_it_comes(pattern: str) -> None:
     plc, home = moved(pattern)
     plc.source.restart()
     plc.bits(start=True, number=5)

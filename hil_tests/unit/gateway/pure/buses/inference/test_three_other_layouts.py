@@ -75,7 +75,7 @@ def test_every_axis_is_found_with_set_value_and_actual_value(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [*OTHERS, "AX-001"])
-def test_numbers_and_bits_stand_where_they_really_stand(name: str) -> None:
+def test_numbers_and_bits_are_where_they_belong(name: str) -> None:
     found = proposed(name)
     for n, axis in enumerate(found.axes, 1):
         for identifier, message, wanted in ((axis.set_id, f"SET_{n}", IN_SET), (axis.actual_id, f"ACT_{n}", IN_ACTUAL)):
@@ -85,7 +85,7 @@ def test_numbers_and_bits_stand_where_they_really_stand(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_confidence_is_high_for_what_the_numbers_prove_and_low_for_what_only_the_order_tells(name: str) -> None:
+def test_confidence_is_high_for_what_the_numbers_prove_and_low_for_what_only_the_order_shows(name: str) -> None:
     found = proposed(name)
     sure = {each.name for each in found.signals if each.confidence >= 0.9}
     doubtful = {each.name for each in found.signals if each.confidence <= 0.7}
@@ -140,7 +140,7 @@ def test_an_axis_that_never_moved_is_not_guessed() -> None:
     assert found.axes == () and all(each.name in ("life", *(f"number_{n}" for n in range(64))) for each in found.signals)
 
 
-def test_what_has_no_cycle_tells_nothing() -> None:
+def test_what_has_no_cycle_reports_nothing() -> None:
     for frames in ([], [Frame(1, b"\0", n) for n in range(50)], [Frame(n % 2000, b"\0", n) for n in range(4000)]):
         with pytest.raises(NothingFound):
             propose(frames)

@@ -27,7 +27,7 @@ def test_the_program_sees_the_robots_outputs_and_keeps_its_own() -> None:
     assert scanned(plc, 3).outputs[2] == 0
 
 
-def test_a_process_that_begins_is_told_what_the_robot_has_set() -> None:
+def test_a_process_that_begins_learns_what_the_robot_has_set() -> None:
     plc = IntegratedPlc()
     running = PlcReport(1, running=True)
     plc.take(running, alive=True)

@@ -272,7 +272,7 @@ SAYS: dict[str, list[str]] = {
 }
 
 
-def test_rules_of_alterable_parts_are_told_before_anything_moves(bench: AlterBench) -> None:
+def test_rules_of_alterable_parts_are_reported_before_anything_moves(bench: AlterBench) -> None:
     before = bench.bench.set()
     for words, lines in SAYS.items():
         job = bench.bench.settle(bench.begin(*lines))

@@ -27,7 +27,7 @@ SAYS = {
 
 
 @pytest.mark.parametrize("line", SAYS)
-def test_what_does_not_fit_is_told(line: str) -> None:
+def test_what_does_not_fit_is_reported(line: str) -> None:
     key = line.partition(" ")[0]
     lines = [each for each in ALTER.splitlines() if not each.startswith(f"{key} =")]
     with pytest.raises(CellFaults) as told:

@@ -136,7 +136,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("line", FAULTS)
-def test_who_may_not_share_is_told(line: str) -> None:
+def test_who_may_not_share_is_reported(line: str) -> None:
     key = line.partition(" ")[0]
     table = re.sub(rf"^{key} = .*$", line, TABLE, flags=re.M)
     with pytest.raises(CellFaults, match=re.escape(FAULTS[line])):

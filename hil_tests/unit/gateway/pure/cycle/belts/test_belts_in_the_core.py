@@ -231,7 +231,7 @@ SAYS = {
 
 
 @pytest.mark.requirement("RHO-MOT-23", by="motion.sync.planned:BeltPlan.add")
-def test_rules_of_belts_are_told_before_anything_moves(bench: BeltBench) -> None:
+def test_rules_of_belts_are_reported_before_anything_moves(bench: BeltBench) -> None:
     before = bench.set()
     for words, lines in SAYS.items():
         job = bench.settle(bench.order(*lines))

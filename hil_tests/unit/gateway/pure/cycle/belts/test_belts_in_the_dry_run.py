@@ -92,7 +92,7 @@ def test_type_2_arrives_with_its_belt_and_the_cam_is_a_parabola_a_line_and_a_par
     assert made.q[-1][:2] == pytest.approx((0.1, 0.12), abs=1e-6)
 
 
-def test_what_the_belts_forbid_is_told_of_every_block_before_anything_runs() -> None:
+def test_what_the_belts_forbid_is_reported_of_every_block_before_anything_runs() -> None:
     text = """synchron B2 at=50mm
 ptp pose 200 150 50 0 0 0 belt=150mm
 linear pose 200 150 50 0 0 0 belt=50mm

@@ -63,7 +63,7 @@ def test_a_part_of_a_program_reads_back_as_it_was_written() -> None:
         ("set belt=3mm", "line 5: belt: acts on one block alone"),
     ],
 )
-def test_what_does_not_belong_there_is_told_by_its_line(lines: str, says: str) -> None:
+def test_what_does_not_belong_there_is_reported_by_its_line(lines: str, says: str) -> None:
     with pytest.raises(TextFaults) as caught:
         read(HEAD + lines + "\n")
     assert says in str(caught.value)

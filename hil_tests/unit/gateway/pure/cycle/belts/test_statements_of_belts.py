@@ -162,7 +162,7 @@ SAYS = {
 }
 
 
-def test_what_cannot_be_is_told_before_anything_moves(bench: BeltBench) -> None:
+def test_what_cannot_be_is_reported_before_anything_moves(bench: BeltBench) -> None:
     before = bench.set()
     for words, lines in SAYS.items():
         job = bench.settle(bench.order(*lines))

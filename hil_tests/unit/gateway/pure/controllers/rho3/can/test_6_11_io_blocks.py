@@ -132,7 +132,7 @@ def test_bytes_92_to_95_of_control_1_arrive_at_control_2_by_472_and_come_back_by
 
 @pytest.mark.requirement("RHO-CAN-14", by="gateway.pure.controllers.rho3.can.blocks:IoBus.cycle")
 @pytest.mark.parametrize(("option", "after"), [(ms(300), ms(304)), (ms(1000), ms(1000))])
-def test_a_partner_that_stops_is_told_300_ms_later_and_the_option_changes_the_time(option: Ns, after: Ns) -> None:
+def test_a_partner_that_stops_is_reported_300_ms_later_and_the_option_changes_the_time(option: Ns, after: Ns) -> None:
     """Judged at the P2 cycles of 8 ms: at the first one at which the time has passed."""
     io = Io(coupled(472, 471, coupling_ns=option))
     io.cycle(5, 471, b"\x01\x02\x03\x04")
@@ -188,7 +188,7 @@ def test_the_manuals_way_stops_sending_after_a_start_that_failed() -> None:
     assert io.said == ["380 no transm. CAN1 I1"] and io.bus.frames(IMAGE) == []
 
 
-def test_our_own_identifier_from_another_control_is_told_once() -> None:
+def test_our_own_identifier_from_another_control_is_reported_once() -> None:
     io = Io(coupled(472, 471))
     for _ in range(3):
         io.hears(472, bytes(4))

@@ -228,7 +228,7 @@ def test_what_was_stored_survives_the_supply_and_what_was_not_is_gone() -> None:
     assert settings.kv_per_s == 50.0 and settings.quick_stop_rad_s2 == ServoSettings().quick_stop_rad_s2
 
 
-def test_a_silent_drive_is_asked_three_times_and_then_told() -> None:
+def test_a_silent_drive_is_asked_three_times_and_then_reported() -> None:
     run, asked = Download([(7, 50.0)]), 0
     for _ in range(4 * (WAIT_CYCLES + 1)):
         asked += run.step(None) is not None

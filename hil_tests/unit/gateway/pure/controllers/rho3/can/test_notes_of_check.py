@@ -4,7 +4,7 @@ from gateway.cell_file.load import load_cell
 from hil_tests.unit.gateway.pure.controllers.rho3.can.test_7_3_parameter_download import cell
 
 
-def test_modes_1_and_3_are_told_their_segments_or_that_there_are_none() -> None:
+def test_modes_1_and_3_get_their_segments_or_learn_that_there_are_none() -> None:
     whole = load_cell("rho3-servodyn")
     said = {notice.where: notice.text for notice in whole.notices if "referencing mode" in notice.text}
     assert "no decimals, so turns are ambiguous" in said["axis 1"] and "axis 4" not in said  # mode 2

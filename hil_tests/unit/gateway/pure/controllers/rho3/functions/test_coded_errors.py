@@ -36,7 +36,7 @@ def codes(plant: Plant, cycles: int) -> list[int]:
         "gateway.pure.controllers.rho3.functions.coded_errors:CodedErrors._write",
     ),
 )
-def test_error_91_stands_with_its_strobe_for_p9() -> None:
+def test_error_91_is_shown_with_its_strobe_for_p9() -> None:
     plant = Plant()
     report(plant, 91)
     assert plant.pulses(STROBE, 3 * HALF, lambda: code(plant)) == [(1, HALF, 0x005B), (0, 2 * HALF, 0)]
@@ -152,7 +152,7 @@ def test_groups_of_the_manual() -> None:
         "gateway.pure.controllers.rho3.functions.plc:Functions.press",
     ),
 )
-def test_the_strobe_of_a_system_error_stands_until_a_key() -> None:
+def test_the_strobe_of_a_system_error_is_set_until_a_key() -> None:
     plant = Plant()
     report(plant, 3716, "", Reset.RESTART)
     report(plant, 91)

@@ -109,7 +109,7 @@ def test_test_message_over_write_phg_over_coded_text_over_info_over_standard() -
     "RHO-PHG-13",
     by=("gateway.pure.controllers.rho3.functions.display:Display._uncover", "gateway.pure.controllers.rho3.functions.display:Display.hold"),
 )
-def test_what_is_held_stands_what_was_let_go_is_overwritten_from_below() -> None:
+def test_what_is_held_stays_what_was_let_go_is_overwritten_from_below() -> None:
     display = Display()
     display.hold(Layer.WRITE)
     display.write(Layer.WRITE, 3, "question")
@@ -278,7 +278,7 @@ def test_the_system_that_repeats_itself_uncovers_nothing_but_something_new_does_
     assert shown(display)[1] == "info"
 
 
-def test_a_selected_function_shows_also_what_stood_there_before() -> None:
+def test_a_selected_function_shows_also_what_was_there_before() -> None:
     display = covered()
     display.selected()
     display.write(Layer.STANDARD, 2, "standard")

@@ -67,7 +67,7 @@ def test_a_text_over_40_characters_is_cut_on_the_display() -> None:
     assert plant.screen() == ["", "short", "", ""]
 
 
-def test_a_text_stands_against_the_system_while_strobe_or_bit_35_stand() -> None:
+def test_a_text_stays_against_the_system_while_strobe_or_bit_35_is_set() -> None:
     plant = Plant()
     plant.put(OFF).cycle()
     text(plant, 2)
@@ -92,7 +92,7 @@ def test_orders_faster_than_their_answers_keep_p9_between_the_pulses() -> None:
     assert plant.pulses(OK, 4 * HALF) == [(1, HALF - 3, 1), (0, HALF, 1), (1, HALF, 1), (0, HALF + 3, 1)]
 
 
-def test_a_strobe_that_stands_at_the_start_or_after_a_lost_source_starts_nothing() -> None:
+def test_a_strobe_that_is_set_at_the_start_or_after_a_lost_source_starts_nothing() -> None:
     plant = Plant(started=False)
     text(plant, 1)
     assert plant.outs(OK, ERROR) == []

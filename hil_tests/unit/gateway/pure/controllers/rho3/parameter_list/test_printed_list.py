@@ -62,7 +62,7 @@ def test_drive_parameters_are_kept_but_the_download_stays_off() -> None:
     assert any(each.startswith("P601 = TRUE in the list: written as false") for each in report.assumed)
 
 
-def test_what_the_list_does_not_say_is_told_as_an_assumption() -> None:
+def test_what_the_list_does_not_say_is_reported_as_an_assumption() -> None:
     """The control asks for the gear factor in modes 1 and 3 only (L7383)."""
     _, report = imported()
     said = "\n".join(report.assumed)
@@ -86,7 +86,7 @@ def test_a_number_changed_in_the_list_is_changed_in_the_cell() -> None:
 
 
 @pytest.mark.parametrize(("number", "key"), [("P204", "limits"), ("P103", "limits"), ("P108", "home.speed")])
-def test_what_is_missing_is_told_and_check_asks_for_it(number: str, key: str) -> None:
+def test_what_is_missing_is_reported_and_check_asks_for_it(number: str, key: str) -> None:
     lines = LIST.splitlines()
     start = next(n for n, line in enumerate(lines) if line.startswith(number))
     end = next(n for n in range(start + 1, len(lines)) if lines[n].startswith("P"))

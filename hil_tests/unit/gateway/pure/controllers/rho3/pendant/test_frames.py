@@ -47,7 +47,7 @@ def test_a_text_says_81_whatever_its_length_and_ends_with_nul() -> None:
 @pytest.mark.requirement(
     "RHO-PHG-09", by=("gateway.pure.controllers.rho3.pendant.frames:sc_ganz", "gateway.pure.controllers.rho3.pendant.frames:int_asc")
 )
-def test_an_integer_stands_right_and_hyphens_stand_for_an_error() -> None:
+def test_an_integer_is_right_aligned_and_hyphens_mean_an_error() -> None:
     assert made("sc_ganz", 1234, 8) == b"\x05\x51    1234\0"
     assert made("sc_ganz", 123456, 5) == b"\x05\x51-----\0"
     assert made("sc_ganz", -1234, 5) == b"\x05\x51-1234\0"

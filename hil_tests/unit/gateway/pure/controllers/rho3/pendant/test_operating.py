@@ -87,7 +87,7 @@ def test_each_signal_has_its_text(signal: str, value: bool, text: str) -> None:
 
 
 @pytest.mark.requirement("RHO-PHG-12", by="gateway.pure.controllers.rho3.pendant.infos:infos")
-def test_texts_stand_in_the_printed_order_with_the_kinematics_concerned() -> None:
+def test_texts_are_in_the_printed_order_with_the_kinematics_concerned() -> None:
     conditions = holding(CTRL_ALLOW_RCI=False, FEED_HOLD_N_RCI=False) | {Condition.NOT_REFERENCED, Condition.NO_COORDINATES}
     assert shown((2,), conditions, (1, 3), "ROBI_1") == [
         "Kinem.: ROBI_1......",

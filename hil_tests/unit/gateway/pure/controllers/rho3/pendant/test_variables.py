@@ -85,7 +85,7 @@ def test_positions_are_read_by_axis_of_the_system_or_by_kinematic_and_axis() -> 
 @pytest.mark.parametrize(
     "code, index", [(33282, 7), (33282, coded_index(3, 1)), (33282, coded_index(2, 4)), (33540, 1), (33284, 1), (33537, 3)]
 )
-def test_what_is_not_there_is_told_with_what_is(code: int, index: int) -> None:
+def test_what_is_not_there_is_reported_with_what_is(code: int, index: int) -> None:
     assert str(read(code, index)).startswith("VariableError: ")
 
 

@@ -87,7 +87,7 @@ def test_emergency_stop_stays_after_release_until_control_reset_or_panel() -> No
         control.faults.update(control.image)
 
 
-def test_a_reset_that_stands_when_its_source_comes_back_is_no_edge() -> None:
+def test_a_reset_that_is_set_when_its_source_comes_back_is_no_edge() -> None:
     image, faults, sources = PicImage(), Faults(), InputImage()
     for bit in (CHAIN, RESET):
         set_bit(sources.values, bit, True)
@@ -105,7 +105,7 @@ def test_a_reset_that_stands_when_its_source_comes_back_is_no_edge() -> None:
     assert told[-2:] == [False, True] and not faults.shown
 
 
-def test_a_reset_that_stands_at_start_is_no_edge() -> None:
+def test_a_reset_that_is_set_at_start_is_no_edge() -> None:
     image, faults = PicImage(), Faults()
     for bit in (RESET, CHAIN, ACK):
         set_bit(image.inputs, bit, True)

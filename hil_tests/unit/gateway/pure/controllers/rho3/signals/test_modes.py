@@ -108,7 +108,7 @@ def test_12_3_to_12_6_set_up_only_in_manual_and_a_prepared_changeover_is_silent(
 
 
 @pytest.mark.requirement("RHO-PLC-23", by="gateway.pure.controllers.rho3.signals.machine_type:show_machine")
-def test_p2_stands_at_bits_124_to_127() -> None:
+def test_p2_is_at_bits_124_to_127() -> None:
     image = PicImage()
     for code in (5, 15, 0, 10):
         show_machine(image, code)
