@@ -13,7 +13,7 @@ from drivers.drives.family import Actual, Demand, Event, Homing, Latched, Power
 from drivers.drives.held import HeldPosition
 
 LOST_AFTER = 2  # actual values missing in a row
-RESET_CYCLES = 5  # bit 7 stands so long for one edge of the demand: one lost telegram does not swallow it
+RESET_CYCLES = 5  # bit 7 is set so long for one edge of the demand: one lost telegram does not swallow it
 STILL_CYCLES, STILL_INC = 10, 2  # so long within so few increments of each other: the axis stands
 PIPELINE = 4  # cycles from a controlword bit to a statusword that knows of it: burst, SYNC, TPDO, and one to spare (AX-304)
 

@@ -33,7 +33,7 @@ GATEWAY_NODE = 127  # produces the heartbeat the drives watch
 BOOT_UP = bytes((State.INITIALISING,))
 TPDO2, TPDO3, TPDO4 = cobid.tpdo(2, 0), cobid.tpdo(3, 0), cobid.tpdo(4, 0)
 NO_PROBES: Mapping[int, int] = {}
-STOP_CYCLES = 10  # a node that seems lost may still hear: so long it is told quick stop
+STOP_CYCLES = 10  # a node that seems lost may still hear: so long it is sent quick stop
 MODE_EVERY = 8  # cycles between two RPDO2 of one node that does not show the wanted mode yet
 
 _SET, _MODE = struct.Struct("<Hi"), struct.Struct("<b")
@@ -56,12 +56,12 @@ class _Node:
     mode: int = 0
     error: int = 0
     wait: int = 0  # cycles until RPDO2 may be sent again
-    stopping: int = 0  # cycles in which it is still told to stop, though it counts as lost
+    stopping: int = 0  # cycles in which it is still ordered to stop, though it counts as lost
     place: int = 0  # its last 6064h
     probe: int = 0  # touch probe that measures: 1, 2; 0: none
     status: int = -1  # its byte of 60B9h, -1: not heard yet
     places: tuple[int, int] = (0, 0)  # of its last rising and falling edge
-    edges: int = 0  # of its status, not told yet
+    edges: int = 0  # of its status, not reported yet
     settling: int = 0
     arm: int = -1  # 60B8h sent last
     wait_arm: int = 0

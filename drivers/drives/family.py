@@ -43,7 +43,7 @@ class Homing(Enum):
 
     NONE = auto()
     RUNNING = auto()
-    DONE = auto()  # told once the drive follows again
+    DONE = auto()  # reported once the drive follows again
     FAILED = auto()
 
 
@@ -110,7 +110,7 @@ class CyclicDrive(Protocol):
     @property
     def homing(self) -> Homing: ...
     @property
-    def configured(self) -> bool: ...  # nothing has to be told to it before it may be switched on
+    def configured(self) -> bool: ...  # it needs nothing more before it may be switched on
     def step(self, actual: Actual | None, demand: Demand) -> SetRecord: ...  # a record of another family counts as none
     def idle(self) -> SetRecord: ...  # before the first SYNC
 

@@ -13,7 +13,7 @@ from protocols.canopen.nmt import Command, State
 PROFILE = 401
 ERROR_MODE, ERROR_VALUE, INTERRUPTS, RPDO1_MAP, TPDO1, CONSUMER, PRODUCER = 0x6206, 0x6207, 0x6005, 0x1600, 0x1800, 0x1016, 0x1017
 INPUTS_ONLY = 0xFF  # `Booted.mode` of a coupler whose outputs are not driven
-EVENT_MS = 100  # inputs are told again so often though nothing has changed
+EVENT_MS = 100  # inputs are sent again so often though nothing has changed
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ def _identity() -> Generator[Step, Answer, Identity]:
 
 
 def _size(plan: CouplerPlan) -> Generator[Step, Answer, int]:
-    """A shorter RPDO is thrown away by the coupler, so its own map counts; a coupler that does not tell takes what the cell needs."""
+    """A shorter RPDO is thrown away by the coupler, so its own map counts; a coupler that does not report it takes what the cell needs."""
     needed = (plan.channels + 7) // 8
     count = yield Read(RPDO1_MAP, 0)
     if not isinstance(count, bytes) or not count or not needed:

@@ -2,7 +2,7 @@
 
 Source: rho 3 Releases part 3, 6.3.1 (L3814-3824): one resolver turn is divided into n = 1 / (decimals of the gear factor) segments, the
 zero in the middle of a segment; GF 4.1: n = 10, segments of 36 degrees, -18..+18 each, 8.78 degrees at the axis.  Each segment
-stands for one turn of the axis.  Gear factors whose decimals are m/n, and whole ones: AX-264.
+is one turn of the axis.  Gear factors whose decimals are m/n, and whole ones: AX-264.
 """
 
 from fractions import Fraction

@@ -76,7 +76,7 @@ class Referencing:
         self._why: Failure | None = None
         self._state = RunState.RUNNING
         self.zero_inc: float | None = None  # where the axis reads 0; known from the encoder zero on
-        self.switch_to_zero_inc: int | None = None  # tells the fitter how safely the switch stands
+        self.switch_to_zero_inc: int | None = None  # shows the fitter how safely the switch is placed
 
     def abort(self) -> None:
         """To rest; FAILED is reported there."""

@@ -15,7 +15,7 @@ __all__ = ["LOST_AFTER", "Demand", "Drive", "DriveSettings", "Event", "Phase", "
 
 LOST_AFTER = 2  # actual values missing in a row
 _new = tuple.__new__  # of a record without counting its fields again: once an axis and cycle
-RESET_CYCLES = 5  # the reset bit stands so long for one edge of the demand: one lost telegram does not swallow it
+RESET_CYCLES = 5  # the reset bit is set so long for one edge of the demand: one lost telegram does not swallow it
 
 
 class Phase(Enum):

@@ -64,7 +64,7 @@ def _kept(cell: Cell) -> list[Entry]:
     path = retain.path_of(cell)
     try:
         return retain.history(path, "zero") if path.exists() else []
-    except OSError:  # told and set aside by the run; without a zero the axis is not referenced
+    except OSError:  # reported and set aside by the run; without a zero the axis is not referenced
         return []
 
 

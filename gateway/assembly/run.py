@@ -60,7 +60,7 @@ class Child:
     life: str = ""  # the region whose life counter it beats; empty: only its exit counts
     life_limit_ns: int = 0
     announces: bool = False  # prints `ready` when it is
-    spare: bool = False  # a second one stands by, loaded, and takes over when this one dies (AX-561)
+    spare: bool = False  # a second one is ready, loaded, and takes over when this one dies (AX-561)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from gateway.pure.cell.cell import Axis, Bus, Cell, Notice
 from gateway.registry import BUS_PROTOCOLS, DRIVE_FAMILIES
 from protocols.servodyn import plan
 
-SHOWN = 3  # faults of a data sheet told one by one
+SHOWN = 3  # faults of a data sheet reported one by one
 
 
 def nodes(check: Context) -> None:

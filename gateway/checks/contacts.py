@@ -15,7 +15,7 @@ from gateway.registry import BUS_PROTOCOLS
 CHANNELS = 64  # digital inputs or outputs of PDO 1 (CiA 401)
 TCP_REQUEST_MS, RTU_CHARACTER_MS, RTU_REQUEST_CHARS = 2.0, 11 / 9.6, 8 + 7  # one question and its answer, at 9600 Bd
 REIS = "reis.output."  # an output of a Reis by byte and bit, reis.output.3.7
-SHOWN_ONLY = "cell.safety_ok"  # an input that is shown and told first-out, and moves nothing
+SHOWN_ONLY = "cell.safety_ok"  # an input that is shown and reported first-out, and moves nothing
 
 
 def contacts(check: Context) -> None:

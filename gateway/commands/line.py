@@ -163,7 +163,7 @@ def _operator(device: dict[str, dict[str, object]], language: str) -> None:
 
 
 def _device(arguments: argparse.Namespace) -> dict[str, dict[str, object]]:
-    """The device file; what it says of the link stands in for options that were not given."""
+    """The device file; what it says of the link replaces options that were not given."""
     if arguments.device is None:
         return {}
     try:

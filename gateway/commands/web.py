@@ -78,7 +78,7 @@ def _password(piped: bool) -> str | None:
 
 
 def _done(store: Store, arguments: argparse.Namespace, password: str) -> int:
-    """Carried out, noted in the audit, told.  StoreError."""
+    """Carried out, noted in the audit, reported.  StoreError."""
     users = dict(store.users())
     name = "" if arguments.do == "list" else arguments.name
     if arguments.do == "add" and name in users:

@@ -313,7 +313,7 @@ class Cycle:
         return missing
 
     def _watch_services(self) -> None:
-        """A successor may be quicker than the life counter's limit: then only the writer's pid tells of the death."""
+        """A successor may be quicker than the life counter's limit: then only the writer's pid shows the death."""
         pid = self.links.writer_pid
         if pid != self._services_pid and pid:
             if self._services_pid:

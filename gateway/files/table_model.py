@@ -10,7 +10,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 BAUDS = "300|600|1200|2400|4800|9600|19200|38400|57600|115200"
 OnLoss = Literal["hold", "finish_move", "stop_on_path", "quick_stop"]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$", json_schema_extra={"allowed": "letters, digits, _ and -"})]
-Robots = Annotated[list[str], BeforeValidator(lambda given: [given] if isinstance(given, str) else given)]  # one name stands for a list
+Robots = Annotated[list[str], BeforeValidator(lambda given: [given] if isinstance(given, str) else given)]  # one name is a list of one
 OneRobot = Annotated[Robots, Field(max_length=1)]
 Percent = Annotated[str, Field(pattern=r"^(100|\d{1,2})(\.\d+)? %$", json_schema_extra={"allowed": '"0 %".."100 %"'})]
 
@@ -21,7 +21,7 @@ def plain_number(value: object) -> object:
 
 
 def unit(text: str) -> dict[str, Any]:
-    """Marks a field with its unit; {u} stands for the unit of the axis."""
+    """Marks a field with its unit; {u} is the unit of the axis."""
     return {"unit": text}
 
 

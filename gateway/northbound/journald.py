@@ -22,7 +22,7 @@ class Journald:
         self._slug, self._address = slug, address
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
-        self._reader = JournalReader(journal, 0)  # what an earlier run wrote was told then
+        self._reader = JournalReader(journal, 0)  # what an earlier run wrote was reported then
         self._waiting: deque[bytes] = deque()
         self.sent = 0
 

@@ -23,7 +23,7 @@ class Metrics:
     def __init__(self, regions: Regions) -> None:
         self._regions = regions
         self.compute = Histogram(BORDERS_S)
-        self.processes: list[dict[str, Any]] = []  # as the supervisor told them last
+        self.processes: list[dict[str, Any]] = []  # as the supervisor reported them last
         self.outbox: Callable[[], dict[str, float]] = dict  # of the broker, where there is one
         self._cycle = -1
 

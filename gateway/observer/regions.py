@@ -23,7 +23,7 @@ from gateway.pure.image.records.planner import unpack_planner
 from gateway.runtime.regions import RegionReader
 from motion.geometry.units import to_si
 
-STALE_NS = 250_000_000  # a cycle or services silent for so long: everything it tells is old
+STALE_NS = 250_000_000  # a cycle or services silent for so long: everything it reports is old
 Row = dict[str, Any]
 
 

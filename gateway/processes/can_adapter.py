@@ -78,7 +78,7 @@ class Relay:
             return
         frames = self._far.receive()
         if frames and self._near is not None:
-            with contextlib.suppress(PortError):  # told at the next receive()
+            with contextlib.suppress(PortError):  # reported at the next receive()
                 self._near.send(frames)
 
     def _open(self) -> None:

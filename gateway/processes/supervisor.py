@@ -244,7 +244,7 @@ class Supervisor:
         running.process = None
         running.deaths = [at for at in running.deaths if now - at < WINDOW_NS] + [now]
         deaths = len(running.deaths)
-        if running.alarm:  # tried again slowly: the alarm stands, and the journal does not fill with it
+        if running.alarm:  # tried again slowly: the alarm stays, and the journal does not fill with it
             running.start_at = now + SLOW_NS
             return
         if deaths >= TOO_MANY:

@@ -286,7 +286,7 @@ def _put_by(place: pathlib.Path, part: Part) -> pathlib.Path:
     old = place.with_name(f"{place.name}.before-{mark}-{number}")
     if part.role == RETAINED:
         with contextlib.suppress(OSError, sqlite3.Error):
-            copied(place, old)  # with what stands in its log
+            copied(place, old)  # with what is in its log
             return old
     shutil.copy2(place, old)
     return old

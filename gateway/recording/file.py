@@ -25,7 +25,7 @@ class Writer:
     """Appends to one file.  What was taken is on its way to the disk after `flush`."""
 
     def __init__(self, path: pathlib.Path, head: Mapping[str, Any], cell: bytes) -> None:
-        """Begins a new file, or goes on behind the last whole block of one; `resumed` tells which."""
+        """Begins a new file, or goes on behind the last whole block of one; `resumed` says which."""
         self.resumed = path.exists() and path.stat().st_size > 0
         self._waiting, self._asides = bytearray(), bytearray()
         self._first: int | None = None

@@ -51,7 +51,7 @@ class Rings:
     events: RingReader
     scope: RingReader
     asked: RegionWriter
-    run: str  # tells this run from any other
+    run: str  # distinguishes this run from any other
 
 
 @dataclass(slots=True)

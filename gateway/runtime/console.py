@@ -20,7 +20,7 @@ class Console:
     def __init__(self, fd: int = 1) -> None:
         with contextlib.suppress(OSError, ValueError):
             if sys.stdout is not None:
-                sys.stdout.flush()  # what was printed before stands first
+                sys.stdout.flush()  # what was printed before comes first
         self._fd = _own(fd)
         self._poll = select.poll()
         if self._fd >= 0:

@@ -75,7 +75,7 @@ def go_ahead() -> None:
     permitted stays as it is: short turns (sched_setattr(2), Linux 6.12) need no privilege, the nice value does.
     """
     number = SCHED_SETATTR.get(os.uname().machine)
-    if number is not None:  # the nice value that stands is kept
+    if number is not None:  # the nice value that is set is kept
         asked = _SCHED_ATTR.pack(_SCHED_ATTR.size, os.SCHED_OTHER, 0, os.getpriority(os.PRIO_PROCESS, 0), 0, TURN_NS, 0, 0)
         _libc.syscall(number, 0, asked, 0)
     with contextlib.suppress(OSError):

@@ -1,4 +1,4 @@
-"""The standing errors of the cell, the first one first; and every tick's status words for the command sources."""
+"""The active errors of the cell, the first one first; and every tick's status words for the command sources."""
 
 from collections.abc import Mapping, Sequence
 

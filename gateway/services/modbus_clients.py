@@ -172,7 +172,7 @@ class ClientLink:
         try:
             pdu = pdu_of(settings, value, written.order)
         except EncodeError:
-            return  # it does not fit: the device keeps what it has, the route or telegram behind it is told by its own limits
+            return  # it does not fit: the device keeps what it has, the route or telegram behind it is refused by its own limits
 
         def take_result(result: Result) -> None:
             written.waiting = False

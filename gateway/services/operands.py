@@ -85,7 +85,7 @@ class Operands:
         return b"" if self._image.control is None else self._image.control.flag_bytes()
 
     def _coordination(self, place: Operand) -> bool:
-        """A coordination flag of a line stands at the same place."""
+        """A coordination flag of a line is at the same place."""
         return any(flag.byte == place.number and flag.bit == place.bit for line in self._values.lines for flag in line.flags.set)
 
     def _order(self) -> Literal["big", "little"]:

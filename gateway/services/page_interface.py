@@ -151,7 +151,7 @@ class PageInterfaces(Part):
         return {"ok": True, **self._forced()}
 
     def _force_words(self, request: dict[str, object], *, lay: bool) -> dict[str, object]:
-        """{"block": key, "words": [[word, mask, value], ...]}: taken whole, so that no half of a double word stands alone."""
+        """{"block": key, "words": [[word, mask, value], ...]}: taken whole, so that no half of a double word is alone."""
         who, key = str(request.get("who", "page")), int(str(request["block"]))
         line = next((each for each in self._values.lines if each.data and key in each.data.blocks), None)
         if line is None or line.data is None:

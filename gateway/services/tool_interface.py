@@ -287,7 +287,7 @@ class ToolInterface:
         return {"ok": True}
 
     def _sdo(self, request: dict[str, object], connection: object) -> dict[str, object]:
-        """In a thread: command sources do not wait for a node; `ticket` tells the outcome."""
+        """In a thread: command sources do not wait for a node; `ticket` gives the outcome."""
         master, node = self._canopen.place(str(request["axis"]))
         index, sub = int(str(request["index"])), int(str(request.get("sub", 0)))
         raw = request.get("data")

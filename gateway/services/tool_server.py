@@ -48,7 +48,7 @@ from protocols.base.step5 import Step5Type, decode
 from protocols.modbus.view import ExceptionCode, Kind
 
 LONGEST = 4096
-CLIENTS = 64  # connected at once; one more is told so and sent away
+CLIENTS = 64  # connected at once; one more gets an answer and is sent away
 MOST_ALIKE, ALIKE = 250, 3  # names compared with one that is unknown; of more those that begin with so many of its characters
 STOP = f"{PREFIX}{STOP_PROCESS}"  # is written and never read
 ASKING = ("get", "names", "status", "axes", "job", "ticket", "alive")  # requests that change nothing

@@ -75,7 +75,7 @@ class ValueDirectory:
         self.named = named
         self.lines: list[Line] = []
         self.views: list[View] = []  # of Modbus servers, the first one is that of the tools
-        self.errors: list[tuple[int, str]] = []  # of the cell, standing, first one first
+        self.errors: list[tuple[int, str]] = []  # of the cell, active, first one first
         self._providers: list[Provider] = []
         self._listeners: list[Callable[[], None]] = []
         self.register(NamedValues(self))

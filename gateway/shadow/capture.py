@@ -43,7 +43,7 @@ class CaptureTap:
             self._lose(f"{self.path}: {error}")
             return []
         if found:
-            nearest = min(now - packet.stamp for packet in found)  # the quickest on their way tell how far the clocks are apart
+            nearest = min(now - packet.stamp for packet in found)  # the quickest on their way show how far the clocks are apart
             self.offset = min(self.offset, nearest) if self._known else nearest
             self._known = True
         return found
@@ -61,7 +61,7 @@ class CaptureTap:
             self.why = f"{self.path}: {error.strerror}; next: mkfifo {self.path}, then tcpdump --immediate-mode -U -w {self.path}"
             return False
         self._fifo, self._capture = stat.S_ISFIFO(os.fstat(self._fd).st_mode), Capture()
-        if not self._fifo:  # a file: what stands in it was before us
+        if not self._fifo:  # a file: what is in it was before us
             with contextlib.suppress(DecodeError):
                 while len(data := os.read(self._fd, CHUNK)) > 0:
                     list(self._capture.feed(data))

@@ -28,7 +28,7 @@ from protocols.modbus.rights import Rights
 
 MOST_READS, MOST_OPEN = 64, 256
 LIFE_WORD, FIRST_REAL = 7, 10  # of the status block (AX-011)
-OWN = ("lag", "speed")  # of an axis: the shadow's path stands beside the drives, so these are no answer
+OWN = ("lag", "speed")  # of an axis: the shadow's path is beside the drives, so these are no answer
 
 
 class ShadowModbusSource(ModbusSource):
@@ -73,7 +73,7 @@ class ShadowModbusSource(ModbusSource):
     def _asked(self, asked: Asked) -> None:
         self.telegrams["heard"] += 1
         if not self._settled:
-            self.restart()  # until our own state is known, a command only says where its toggle stands (AX-141)
+            self.restart()  # until our own state is known, a command only says where its toggle is (AX-141)
         client = self._clients.get(asked.client)
         if client is None:
             client = self._clients[asked.client] = self._client(asked.client, asked.stamp)

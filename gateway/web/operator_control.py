@@ -17,7 +17,7 @@ from gateway.pure.cell.cell import Axis
 from gateway.pure.image.records.cell import AxisFlag, Motion
 from gateway.web.store import Role
 
-ALIVE_S = 0.25  # we tell the services so often that the holder is there
+ALIVE_S = 0.25  # so often the services learn from us that the holder is there
 HOLDER_S = 3.0  # and no longer when his browser has been silent for so long: a busy computer delays it
 KEY_S = 0.4  # a key not heard of for so long has been released
 SLOWEST, FASTEST = 0.1, 10.0  # % of the axis' speed a jog may have

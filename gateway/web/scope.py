@@ -28,7 +28,7 @@ AT_ONCE = 2048
 SILENT_S = 5.0
 MOST_VALUES = 5_000_000  # records times channels, 40 MB: ten minutes of 16 channels at 2 ms; longer ones: axisgate scope record
 MOST_FILES = 200
-DRAWN, DRAWN_ROLLING = 160, 600  # moments of a running recording, and of a rolling one, that are told
+DRAWN, DRAWN_ROLLING = 160, 600  # moments of a running recording, and of a rolling one, that are sent
 MOST_ROLLING_S = 60.0
 Row = dict[str, Any]
 

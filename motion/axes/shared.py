@@ -38,7 +38,7 @@ class SharedOutput:
     axes: tuple[int, ...]
     correction: tuple[float, ...]
     keep_last: bool = False
-    active: int | None = None  # axis whose set value stands at the output
+    active: int | None = None  # axis whose set value is at the output
     _in_position_since: float | None = field(default=None)
 
     def step(self, in_position: Sequence[bool], volts: Sequence[float], now_s: float, *, jog: bool = False) -> float:

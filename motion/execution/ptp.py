@@ -76,7 +76,7 @@ def nominal_duration(piece: Piece) -> float:
 
 
 def _stepped_duration(piece: Piece, period_s: float) -> float:
-    """For a varying speed table: the stepper itself tells, to one period."""
+    """For a varying speed table: the stepper itself knows, to one period."""
     from motion.execution.stepper import State, Stepper  # who only plans (services) does not load the stepper, and numpy with it
 
     stepper = Stepper(max(piece.axes) + 1, period_s)

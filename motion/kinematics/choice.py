@@ -92,7 +92,7 @@ class Chooser:
             if found is now:
                 like, fit = joints, self.fit(joints, near)
                 if wanted is None or wanted.admits(found, now):
-                    least = math.nextafter(fit[1], math.inf)  # an equal one that stands before it is taken still
+                    least = math.nextafter(fit[1], math.inf)  # an equal one that is before it is taken still
                 break
         for joints, found in branches:
             if wanted is None or wanted.admits(found, now):

@@ -60,7 +60,7 @@ class Latch:
             self._caught, self._risen, self._input = self._risen, None, None
         newest, oldest = self._history.newest_ns, self._history.oldest_ns
         if self._caught is not None and newest is not None and oldest is not None and newest >= self._caught:
-            if self._caught >= oldest:  # else it was told so late that nobody knows any more where the arm was
+            if self._caught >= oldest:  # else it was reported so late that nobody knows any more where the arm was
                 there = self._history.at(self._caught)
                 self._position = tuple(there[axis] for axis in self._axes)
             self._caught = None

@@ -16,7 +16,7 @@ from motion.timing.limits import LawLimits
 Array = NDArray[np.float64]
 SPACING_S = 0.8e-3  # between nodes at most: wider ones round the corners of the jerk off and over
 CLOSE = 2e-7  # m or rad between pieces and path, looked at between the nodes
-NO_LIMIT = 1e9  # a record holds numbers: stands for none
+NO_LIMIT = 1e9  # a record holds numbers: means none
 PLENTY, MOST = 128, 800  # pieces of a law: more, and only the nodes that are needed stay; the ring to the cycle holds so many
 FEW, FEW_S, SHORT_S = 2, 0.08, 8.0  # pieces of a law so short that ends for good: more, and only needed nodes stay; a piece lasts so long
 LONGEST_S, COLUMNS = 0.5, 7  # a piece of so many columns at most: the cycle looks at every ms of it at once; of more columns, shorter

@@ -31,7 +31,7 @@ from motion.planner.additional_axes import states
 TOLERANCE = 2e-9  # m or rad between path and inverse (1e-6 is owed): parts cut out of it still fit each other
 PROBES = (0.15, 0.35, 0.5, 0.65, 0.85)
 SHORTEST = 1e-12  # of the curve: an interval that has to be halved further does not follow the inverse at all
-BORDER = 1e-4  # of the curve: so near to where it leaves the reach a place is told
+BORDER = 1e-4  # of the curve: so near to where it leaves the reach a place is reported
 LARGEST = 0.5  # m or rad between neighbouring knots
 AT_POLE = 5e-8  # m or rad of the tool: a curve that misses a pole by no more is led straight through it
 HERE = 1e-8  # m or rad of the tool: axes that stand so near to the beginning of the curve stand there

@@ -55,7 +55,7 @@ def unwound(block: Block, position: Joints, machine: Machine) -> Block:
 
 def _unwound(wanted: Sequence[float], position: Sequence[float], limits: Sequence[AxisLimits]) -> tuple[float, ...]:
     if len(wanted) != len(limits):
-        return tuple(wanted)  # whoever reads it tells so
+        return tuple(wanted)  # whoever reads it reports that
     rows = zip(wanted, position, limits, strict=True)
     return tuple(here + value - within(here, axis.modulo) if axis.modulo else value for value, here, axis in rows)
 

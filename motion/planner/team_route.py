@@ -264,7 +264,7 @@ class TeamRoute:
             if corner is not None and self._put_corner(held, number, shared, corner):
                 return True
         except MotionError:
-            pass  # it stops in the point; what is wrong with the block is told when it is added from there
+            pass  # it stops in the point; what is wrong with the block is reported when it is added from there
         now.routes, now.out = kept.routes, kept.out
         return False
 

@@ -40,7 +40,7 @@ class Carried:
         try:
             there = kinematics.follow(compose(moved, kinematics.forward(q)), q)
         except KinematicsError:
-            return  # the belt leads out of reach: told as soon as the robot is on it
+            return  # the belt leads out of reach: reported as soon as the robot is on it
         self._along, self._limits = [(b - a) / PROBE for a, b in zip(q, there, strict=True)], limits
         accel, jerk = borne(self._along, limits)
         self.coupling.accel, self.coupling.jerk = min(self.coupling.accel, accel), min(self.coupling.jerk, jerk)

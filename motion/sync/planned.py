@@ -165,7 +165,7 @@ class BeltPlan:
         return replace(block, target=PoseTarget(pose, extra=extra), on_belt=replace(on_belt, value=belt), shift=None)
 
     def _belt(self) -> Belt:
-        """One that stands at 0: enough for the rules of blocks."""
+        """One that stays at 0: enough for the rules of blocks."""
         return Belt(self.belt + 1, self.facts.data, Watch(CYCLE_S), kind=self.facts.kind, tolerance=self.facts.tolerance)
 
     def _block(self, block: Block) -> BeltBlock:

@@ -214,7 +214,7 @@ class Foresight:
             mean[:-1] += (self._h / dt) * (mean[1:] - mean[:-1])
 
     def _bounds(self, taus: Array, omega: Array, v: Array, flip: float, braking: bool, turning: bool) -> _Bounds:
-        """taus: of the places, then of the middles between them, where c is told: the first one a period, the others a place wide."""
+        """taus: of the places, then of the middles between them, where c is wanted: the first one a period, the others a place wide."""
         v0 = v.item(0)
         lower = np.minimum(v, -self._probe)
         v = lower if v0 <= 0.0 else np.where(v > 0.0, v, lower)

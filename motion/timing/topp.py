@@ -20,7 +20,7 @@ from motion.timing.pulls import sided
 from motion.timing.slices import Work, whole
 
 Array = NDArray[np.float64]
-BIG = 1e12  # stands for no limit on b
+BIG = 1e12  # means no limit on b
 FLAT = 1e-12  # coefficients of u below it say nothing about u
 FEW = 20  # rows: of fewer the search for those that count costs more than it saves
 NOISE = 1e-6  # of the largest coefficient of the path

@@ -201,7 +201,7 @@ class _Reader:
             return None
         if code in TYPES:
             return TYPES[code]
-        own = self.sections.get(f"{code:x}sub1")  # a type with limits, as some editors write it: its real type stands there
+        own = self.sections.get(f"{code:x}sub1")  # a type with limits, as some editors write it: its real type is there
         try:
             return TYPES[number_of(own.text("defaultvalue"))] if own else self._unknown_type(section, code)
         except (ValueError, KeyError):

@@ -7,7 +7,7 @@ UNIT_AND_CHECK = 3  # bytes of a frame beside its PDU
 LONGEST_FRAME = 256  # unit, a PDU of 253 bytes, check (serial line guide, 2.5.1)
 
 FIXED_REQUESTS = {**dict.fromkeys(range(1, 7), 5), 7: 1, 8: 5, 11: 1, 12: 1, 17: 1, 22: 7, 24: 3, 43: 4}  # function -> PDU bytes
-COUNTED_REQUESTS = {15: 5, 16: 5, 20: 1, 21: 1, 23: 9}  # function -> where in the PDU the byte count stands
+COUNTED_REQUESTS = {15: 5, 16: 5, 20: 1, 21: 1, 23: 9}  # function -> where in the PDU the byte count is
 FIXED_ANSWERS = {5: 5, 6: 5, 7: 2, 11: 5, 15: 5, 16: 5, 22: 7}
 COUNTED_ANSWERS = (1, 2, 3, 4, 12, 17, 20, 21, 23)  # the byte count is the second byte
 EXCEPTION_PDU = 2

@@ -184,7 +184,7 @@ class Master:
 
     def deadline(self) -> Ns | None:
         if self._events:
-            return 0  # an order was refused where it was given: tell it at the next chance
+            return 0  # an order was refused where it was given: report it at the next chance
         running, silence = self._running, self._wire.deadline()
         if not self._open:
             return None

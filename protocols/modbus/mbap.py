@@ -61,7 +61,7 @@ class Framing:
         self._output: list[bytes] = []
 
     def receive(self, data: bytes, now: Ns) -> list[Event]:
-        events = self.wake(now)  # a deadline that passed before these bytes came is told first
+        events = self.wake(now)  # a deadline that passed before these bytes came is reported first
         if self._closed:
             return events
         stream = self._half + data if self._half else data

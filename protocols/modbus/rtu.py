@@ -188,7 +188,7 @@ class RtuTcpFraming:
     def _request_size(self, stream: bytes) -> int:
         """Bytes of the frame at the start of the stream; 0: not whole yet, -1: what is there is no frame."""
         size = request_length(stream)
-        if size is None or stream[1] == 8:  # nothing tells the length (a diagnosis may carry more words): the check does
+        if size is None or stream[1] == 8:  # nothing states the length (a diagnosis may carry more words): the check does
             return self._by_check(stream)
         if size > LONGEST_FRAME:
             return -1

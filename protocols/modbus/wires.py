@@ -49,7 +49,7 @@ class Wire(Protocol):
     def forget(self) -> None: ...  # no request is under way any more
 
 
-ECHOED = {5: 5, 6: 5, 15: 5, 16: 5, 22: 7}  # function -> so much of the request stands in its answer
+ECHOED = {5: 5, 6: 5, 15: 5, 16: 5, 22: 7}  # function -> so much of the request is in its answer
 
 
 def _fits(request: bytes, answer: bytes) -> bool:

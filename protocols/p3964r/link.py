@@ -81,7 +81,7 @@ class Link:
     def receive(self, data: bytes, now: Ns) -> list[Event]:
         due = self._next_due()
         if due is not None and due <= now:
-            self._expire(now)  # what expired before these bytes came is told first
+            self._expire(now)  # what expired before these bytes came is reported first
         sender = self._sender
         at, size = 0, len(data)
         while at < size:

@@ -85,7 +85,7 @@ class _Job:
     total: int  # bytes
     data: bytes  # SEND
     got: bytearray = field(default_factory=bytearray)  # FETCH
-    moved: int = 0  # bytes of which the partner has told that they are over
+    moved: int = 0  # bytes that the partner has reported as over
     telegrams: int = 0  # handed out
 
     @property
@@ -114,7 +114,7 @@ class Active:
         self._events: list[Event] = []
         self._number = 0
         self._output: bytes | None = None
-        self._on_its_way = False  # handed out, the link has not told what became of it
+        self._on_its_way = False  # handed out, the link has not reported what became of it
         self._orphan = False  # the job of that telegram has ended meanwhile
         self._until: Ns | None = None
 
@@ -173,7 +173,7 @@ class Active:
         """A reaction is due."""
         return self._until is not None
 
-    # ---- what the link tells
+    # ---- what the link reports
     def take_output(self) -> bytes | None:
         """The next telegram for the link, once."""
         if self._on_its_way:

@@ -20,7 +20,7 @@ class Dialect:
     source: str = "SIMATIC CP 341 manual 09/2008; total of CP 441"
     db_address_unit: str = "word"  # what byte 6 of the header counts: word | byte [SYS350]
     reaction: bool = True  # False: no reaction telegrams, no follow-on telegrams
-    unknown_block: int = ErrorNumber.BLOCK  # what this partner is told where the store answers BLOCK
+    unknown_block: int = ErrorNumber.BLOCK  # what this partner gets where the store answers BLOCK
     coordination_flag: str = "refuse"  # a job that names one: refuse (32h, there are none) | ignore | serve
     follow_on_reaction: bool = True  # reactions to follow-ons begin with FF [CP341] [VIPA]; False: 00 [SYS350]; both are understood
     send_kinds: bytes = b"DX"  # types a SEND may go to

@@ -233,7 +233,7 @@ class Passive:
         total = _total(header)
         if total <= MOST_BYTES:
             return self._write(header, data[HEADER_BYTES:], data)
-        there = self._read(header)  # a block that is not there is told at once, not after the last telegram
+        there = self._read(header)  # a block that is not there is reported at once, not after the last telegram
         if isinstance(there, ErrorNumber):
             return self._refuse((self._reported(there), f"{self._place(header)}: not there"), data)
         self._open = _Open(header, total - MOST_BYTES, now, bytearray(data[HEADER_BYTES:]))

@@ -40,11 +40,11 @@ class Application(Protocol):
     """The device behind the communication."""
 
     def advance(self, now: Ns) -> None: ...  # everything up to now has happened
-    def sample(self, now: Ns) -> None: ...  # SYNC: latch what is to be told
+    def sample(self, now: Ns) -> None: ...  # SYNC: latch what is to be sent
     def activate(self, now: Ns) -> None: ...  # SYNC: synchronous set values have been taken over
     def connection_lost(self, now: Ns) -> None: ...  # abort connection option code 6007h
     def reset(self, now: Ns) -> None: ...  # NMT reset node
-    def changed(self) -> bool: ...  # something changed that an event-driven TPDO tells; asked once, then forgotten
+    def changed(self) -> bool: ...  # something changed that an event-driven TPDO sends; asked once, then forgotten
 
 
 class CanopenNode:

@@ -106,7 +106,7 @@ class SdoServer:
         data = sdo.expedited_data(request)
         entry = self._objects.dictionary.entries.get(key)
         if entry is not None and not flags & sdo.SIZED and 0 < entry.type.size < 4:
-            data = data[: entry.type.size]  # a client that does not tell the size means the object's
+            data = data[: entry.type.size]  # a client that does not state the size means the object's
         if code := self._objects.download(key, data):
             return self._abort(code, key)
         return [sdo.initiate(Answer.INITIATE_DOWNLOAD, key)]

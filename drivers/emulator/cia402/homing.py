@@ -103,7 +103,7 @@ class Homing:
                 self._blocked()
 
     def _blocked(self) -> None:
-        """A limit switch stands in the way from the beginning."""
+        """A limit switch is in the way from the beginning."""
         for signal, direction in ((Signal.NEGATIVE_LIMIT, -1), (Signal.POSITIVE_LIMIT, 1)):
             if self.direction == direction and self._active(signal):
                 self._limit(signal)

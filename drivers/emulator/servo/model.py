@@ -31,7 +31,7 @@ class Mode(IntEnum):
     OFF, FOLLOW, RAMP = range(3)
 
 
-# What stands where in the state.  The first row runs by itself, the second is set from outside.
+# What is where in the state.  The first row runs by itself, the second is set from outside.
 (TH, W, TM, TR, IT, WR, LEFT, I2T, TEMP, RNG, LOAD, REST) = range(12)
 (GOAL, RATE, FF, MODE, FS, FC, WLO, WHI, SMIN, SMAX, EXT, SG, KS, KO, ARMED) = range(12, 27)
 

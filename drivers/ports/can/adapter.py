@@ -166,7 +166,7 @@ def _open(url: str, adapter: Adapter, bitrate: int, *, listen_only: bool) -> can
 
 
 def _knock(url: str, adapter: Adapter) -> None:
-    """python-can calls a server that is not there without a pause for 10 s; one call tells, too."""
+    """python-can calls a server that is not there without a pause for 10 s; one call is enough to know."""
     try:
         socket.create_connection((str(adapter.options.get("host", "127.0.0.1")), int(adapter.options.get("port", 29536))), 1.0).close()
     except (OSError, ValueError) as error:

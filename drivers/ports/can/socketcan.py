@@ -56,7 +56,7 @@ class SocketCanPort:
         if not _is_up(interface):
             link.close()
             raise PortError(f"{self.name}: the interface is down: sudo ip link set {interface} up")
-        restart(interface)  # one that stands at bus-off; refused everywhere else
+        restart(interface)  # one that is at bus-off; refused everywhere else
         return link
 
     def fileno(self) -> int:
@@ -106,7 +106,7 @@ class SocketCanPort:
                 break
             except OSError as error:
                 if raw:
-                    break  # what came before is given first; the fault is told at the next call
+                    break  # what came before is given first; the fault is reported at the next call
                 raise PortError(_advice(self.name, self.name.partition(":")[2], error)) from error
             raw.append((octets, _wall_ns(ancillary)))
         return raw
@@ -136,7 +136,7 @@ def _is_up(interface: str) -> bool:
     try:
         return bool(int((NET / interface / "flags").read_text(), 16) & 1)  # IFF_UP
     except OSError:
-        return True  # no sysfs here: the first send tells
+        return True  # no sysfs here: the first send shows it
 
 
 def _advice(name: str, interface: str, error: OSError) -> str:

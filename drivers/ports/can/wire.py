@@ -32,7 +32,7 @@ class Control(IntEnum):
     GAP = (
         1  # first of every connection: sequence = the next frame's, data = the broker's start stamp; in the log's pipe: data = frames lost
     )
-    STATS = 2  # to the broker: tell your counters
+    STATS = 2  # to the broker: report your counters
     STATS_REPLY = 3  # data = length of the JSON text that follows, padded to whole records
     TEXT = 4  # to the log writer only: data = length of the text that follows, padded to whole records
 

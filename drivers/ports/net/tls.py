@@ -43,7 +43,7 @@ class TlsPort(TcpPort):
             if data:
                 chunks.append(data)
             elif chunks:
-                return chunks  # the end is told by the next read
+                return chunks  # the end is reported by the next read
             else:
                 raise self._gone(OSError(errno.ECONNRESET, "closed by the partner"))
 

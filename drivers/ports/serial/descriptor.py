@@ -58,7 +58,7 @@ class DescriptorPort:
 
     def _only_empty(self) -> bool:
         """A terminal with VMIN 0 (pyserial leaves it so, and stty can set it) gives an empty read where nothing waits; one that was hung
-        up no longer tells its settings."""
+        up no longer shows its settings."""
         try:
             return termios.tcgetattr(self._fd)[6][termios.VMIN] in (0, b"\0")  # a number only where the line is not canonical
         except termios.error:

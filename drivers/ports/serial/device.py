@@ -170,7 +170,7 @@ class SerialPort(DescriptorPort):
         termios.tcflush(self._fd, termios.TCIFLUSH if is_pty(self._fd) else termios.TCIOFLUSH)
 
     def _transmitting(self) -> int:
-        """1 while the last character is in the shift register, as far as the driver tells."""
+        """1 while the last character is in the shift register, as far as the driver reports it."""
         try:
             status = struct.unpack("i", fcntl.ioctl(self._fd, TIOCSERGETLSR, b"\0" * 4))[0]
         except OSError:

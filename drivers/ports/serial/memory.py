@@ -39,7 +39,7 @@ class MemoryPort:
         self._waiting = 0
         if self._peer is None:
             if items:
-                os.eventfd_write(self._event, 1)  # the end is told with the next read
+                os.eventfd_write(self._event, 1)  # the end is reported with the next read
                 return items
             raise PortError(errno.EIO, f"{self.name}: the other end is closed; make a new pair")
         return items

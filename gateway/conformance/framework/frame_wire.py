@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 from drivers.ports.base import CanPort, PortError
 from protocols.base.machine import Frame, FrameFault, Ns, ms
 
-STEPS = 20_000  # of a device at one moment: more is a deadline that stands still
+STEPS = 20_000  # of a device at one moment: more is a deadline that does not move
 SLICE = ms(20)
 LONGEST_SEND = ms(2000)
 START: Ns = 1_000_000_000_000

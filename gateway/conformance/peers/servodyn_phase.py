@@ -52,7 +52,7 @@ def first_counts(booster: Booster, frame: Frame) -> Sequence[Frame]:
     return [frame]
 
 
-# ---- what is told
+# ---- what is reported
 def code_changes(booster: Booster, value: ActualValue) -> ActualValue:
     """The second telegram of a fault names the next one."""
     booster.tally = booster.tally + 1 if value.fault else 0

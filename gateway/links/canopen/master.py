@@ -108,7 +108,7 @@ class Receiving(can.Listener):
         if self._network.notifier is not None:
             self._network.notifier.exception = None
         self._report(f"receiving failed and continues: {place_of(exc)}")
-        time.sleep(TICK_S)  # an error that stands must not become a busy loop
+        time.sleep(TICK_S)  # an error that persists must not become a busy loop
 
     def stop(self) -> None:
         """Nothing is open."""

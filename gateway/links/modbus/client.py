@@ -150,7 +150,7 @@ class ModbusClient:
         number = self._master.order(device, pdu, time.monotonic_ns())
         if on_result is not None:
             self._results[number] = on_result
-        if self._runner is None:  # nobody would tell it
+        if self._runner is None:  # nobody would report it
             self._results.pop(number, None)
             raise RuntimeError("the client is not started")
         self._kick()

@@ -17,7 +17,7 @@ BROADCAST = 0
 BROADCAST_FUNCTIONS = frozenset({5, 6, 8, 15, 16, 21, 22})  # what makes sense without an answer
 OnRequest = Callable[[str, int], None]
 KEPT = 128  # exchanges for pages that decode them
-SHOWN = 48  # bytes of a PDU told; its length beside it
+SHOWN = 48  # bytes of a PDU shown; its length beside it
 
 
 @dataclass(frozen=True, slots=True)

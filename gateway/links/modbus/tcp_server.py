@@ -263,7 +263,7 @@ class _Connection(asyncio.BufferedProtocol):
             self._transport.abort()
 
     def sweep(self, now: Ns) -> None:
-        """Looks at what only time can tell: a half frame, a stalled or an idle partner."""
+        """Looks at what only time can show: a half frame, a stalled or an idle partner."""
         limits, counters = self._server.limits, self._server.counters
         if self._stalled_ns is not None:
             if now - self._stalled_ns >= limits.stall_limit_ns:

@@ -180,7 +180,7 @@ def listening_socket(channel: Channel) -> socket.socket:
     try:
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         sock.bind((channel.bind, channel.port))
-        sock.listen(channel.clients + 8)  # more than it serves: who is too many is told so
+        sock.listen(channel.clients + 8)  # more than it serves: who is too many gets an answer
         sock.setblocking(False)
     except OSError:
         sock.close()

@@ -41,7 +41,7 @@ class BlockOverrides:
             return [Command(Code.OVERRIDE, velocity=1.0)] if fresh else []  # these blocks have none: full programmed speed
         self._owed |= fresh
         fault = self._numbers.missing(names)
-        if fault:  # what stands stays; what would move is refused until good ones are written
+        if fault:  # what is set stays; what would move is refused until good ones are written
             return fault if fresh and all(self._numbers.seen(name) for name in names) else []
         changed = False
         for name in names:

@@ -110,7 +110,7 @@ class CommandBlock:
     """Command words of one command source and the toggle that confirms the one taken."""
 
     def __init__(self, words: Sequence[int] = (), axes: int = AXES) -> None:
-        """`words`: what a predecessor left standing; it is never carried out.  `axes`: of the cell."""
+        """`words`: what a predecessor left set; it is never carried out.  `axes`: of the cell."""
         self._axes = axes
         self.words = [*words, *[0] * COMMAND_WORDS][:COMMAND_WORDS]
         self._toggle = self.words[0] & TOGGLE

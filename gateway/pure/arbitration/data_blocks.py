@@ -320,7 +320,7 @@ class DataBlocks:
             self._host.command(command)
 
     def _ask(self, pattern: Handshaking, levels: Mapping[str, float], asked: Collection[str]) -> None:
-        """What this telegram says of the request; what it does not carry stands as before."""
+        """What this telegram says of the request; what it does not carry is as before."""
         if not {START, NUMBER, PARITY} & set(asked):
             return
         old = self._asked
@@ -331,7 +331,7 @@ class DataBlocks:
             self._numbers.missing(SELECTED_BY.get(pattern.pattern, ())),
         )
         if not self._numbers.seen(NUMBER if pattern.pattern is Pattern.NUMBER_SELECT else START):
-            return  # where the bit or number that starts stands is not known yet: it may have been there for long
+            return  # where the bit or number that starts is, is not known yet: it may have been there for long
         if not pattern.see(self._asked):
             if pattern.wrong:
                 self._host.refuse(Code.PTP_ABSOLUTE, pattern.wrong)

@@ -18,7 +18,7 @@ class Pattern(Enum):
     """The value is the word in the cell."""
 
     START_BUSY_DONE = "start-busy-done"
-    LEVEL_ACK = "level-ack"  # request stands until the acknowledgement stands; that falls with the request
+    LEVEL_ACK = "level-ack"  # request is set until the acknowledgement is; that falls with the request
     TOGGLE = "toggle"  # every change of the bit is a request; the answer copies the bit when it is done
     STROBE_PARITY = "strobe-parity"  # a code with its parity, taken at the strobe's rising edge
     NUMBER_SELECT = "number-select"  # a number other than 0 selects a position or a program; 0 lies between two of them

@@ -28,7 +28,7 @@ class Coupler:
     outputs: Mapping[int, int] = field(default_factory=dict)
     inputs: Mapping[int, int] = field(default_factory=dict)
     vital_inputs: bool = False  # an enabling input hangs on it
-    vital_outputs: bool = False  # a watchdog, a brake or what tells of readiness does
+    vital_outputs: bool = False  # a watchdog, a brake or what signals readiness does
     mapped: int = 0  # bytes of RPDO1 as the master found them
     inputs_only: bool = False  # it refused what its outputs need
     released: bool = False

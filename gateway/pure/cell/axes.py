@@ -58,7 +58,7 @@ class FollowingError:
 
     warn: Annotated[float, Gt(0), Unit("{u}")]
     trip: Annotated[float, Gt(0), Unit("{u}")]
-    standstill: Annotated[float | None, Gt(0), Unit("{u}")] = None  # so far a standing axis may be off; None: as far as a moving one
+    standstill: Annotated[float | None, Gt(0), Unit("{u}")] = None  # so far an axis at rest may be off; None: as far as a moving one
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,4 +153,4 @@ class Plant:
     seed: Annotated[int, Ge(0)] = 1
     axis: Mapping[str, PlantAxis] = field(default_factory=dict)
     belt: Mapping[str, PlantBelt] = field(default_factory=dict)
-    absent: tuple[str, ...] = ()  # buses whose I/O modules and couplers are not emulated: something else stands there
+    absent: tuple[str, ...] = ()  # buses whose I/O modules and couplers are not emulated: something else is there

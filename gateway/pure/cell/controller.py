@@ -58,7 +58,7 @@ class ControllerPoint:
     min: float = 0.0
     max: float = 0.0
     integer: bool = False
-    description: Annotated[str, MaxLen(200)] = ""  # free text, as ioStatus tells it
+    description: Annotated[str, MaxLen(200)] = ""  # free text, as ioStatus gives it
 
 
 @dataclass(frozen=True, slots=True)

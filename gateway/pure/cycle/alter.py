@@ -77,7 +77,7 @@ class Correction:
         facts = self.facts
         if facts.life >= 0:
             if inputs.values[facts.life] != self._life:
-                self._since = now if self._life >= 0 else NEVER  # what stood there at the start is no life
+                self._since = now if self._life >= 0 else NEVER  # what was there at the start is no life
                 self._life = inputs.values[facts.life]
         else:
             self._since = min(inputs.stamps[facts.byte : facts.byte + facts.size])

@@ -1,4 +1,4 @@
-"""Enabling inputs as the cycle judges them: standing, taken away by a living command source, or lost with it (AX-002, AX-143)."""
+"""Enabling inputs as the cycle judges them: set, taken away by a living command source, or lost with it (AX-002, AX-143)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -53,7 +53,7 @@ class PermitView:
     permits: int  # stand
     taken: int  # a living command source says 0
     lost: int  # nobody says anything any more
-    just_lost: int  # stood in the cycle before
+    just_lost: int  # set in the cycle before
     reset: bool  # rising edge of Control reset
 
 
@@ -68,7 +68,7 @@ class EnablingInputs:
         self._steady: PermitView | None = None  # the judgement while the bytes stay as they are
         self._seen: tuple[bool, object, object] | None = None
         self.assume(assumed)
-        self._reset_bit = True  # a control reset that stands at start is no edge
+        self._reset_bit = True  # a control reset that is set at start is no edge
 
     def assume(self, assumed: Permit) -> None:
         """From here on these count as 1 and the others are read."""

@@ -62,7 +62,7 @@ class ErrorList:
             self._records[key] = replace(known, last_ns=now, count=known.count + 1, active=True)
             return False
         if len(self._records) >= self._capacity:
-            self.lost += 1  # the first ones stay: they tell how it began
+            self.lost += 1  # the first ones stay: they show how it began
             return False
         self._records[key] = ErrorRecord(code, source, where, text_id or f"{source}.{code}", now, now, reset=reset)
         return True

@@ -1,6 +1,6 @@
 """The names a data-block entry, a contact or a Modbus register may use, and what kind of value each is.
 
-One row a name; AXIS stands for the name of an axis or `*` (all axes: a bit is 1 when it is 1 on every axis), LINE for a line,
+One row a name; AXIS is the name of an axis or `*` (all axes: a bit is 1 when it is 1 on every axis), LINE for a line,
 ROBOT for a robot.
 """
 

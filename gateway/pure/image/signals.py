@@ -24,7 +24,7 @@ class Signal:
     source: str
     de: str
     en: str
-    lines: str = ""  # lines of the manual the number stands in
+    lines: str = ""  # lines of the manual the number is in
     until: str = ""  # last software version that used this number
     named: str = "rho3"  # "axisgate": the manual gives the number but no symbol
     also: tuple[str, ...] = ()  # other names: former and misprinted ones, the German ending

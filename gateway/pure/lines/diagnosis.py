@@ -42,7 +42,7 @@ class Evidence:
     answer_times: list[Ns] = field(default_factory=list)  # STX to DLE at our format
     latency_timer_ms: int | None = None  # what the system says of the adapter
     latency_file: str = ""
-    hidden_adapter: bool = True  # there may be a USB adapter whose latency timer the system does not tell
+    hidden_adapter: bool = True  # there may be a USB adapter whose latency timer the system does not show
     checks: dict[str, Heard | None] = field(default_factory=dict)  # check we sent (right, stx, once, none) -> answer to the block
     their_difference: int | None = None  # their BCC xor the right one
     reaction: bytes | None = None  # to a FETCH; b"": no reaction

@@ -1,7 +1,7 @@
 """The rho3 view of a Modbus unit (AX-012): coil N = RC input bit N, discrete input N = RC output bit N, holding 0-63 RC inputs,
 input registers 0-63 RC outputs, holding 1000.. command block, input 1000.. status block.  Protocol addresses, base 0.  Beside it:
 exception status (FC 7) = RC outputs 64..71, files (FC 20, 21) = the data blocks, file N is DB N, queue at 2000 (FC 24) = numbers of the
-standing errors, first one first (AX-342); registers of the cell file (AX-347); holding 3000.. flags or markers where the cell has a
+active errors, first one first (AX-342); registers of the cell file (AX-347); holding 3000.. flags or markers where the cell has a
 control, word r = bytes 2r (high), 2r+1 (AX-339).
 
 Word r = bytes 2r (high), 2r+1 (low), the same as RK512 data words (AX-010).

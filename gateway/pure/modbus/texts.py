@@ -15,7 +15,7 @@ FAULTS = {
     1: "illegal function", 2: "illegal data address", 3: "illegal data value", 4: "device failure", 5: "acknowledge", 6: "busy",
     8: "memory parity error", 10: "gateway path unavailable", 11: "gateway target does not answer",
 }  # fmt: skip
-MOST = 12  # values told
+MOST = 12  # values shown
 
 
 @dataclass(frozen=True, slots=True)

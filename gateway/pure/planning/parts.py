@@ -73,7 +73,7 @@ class Coming:
     point: tuple[float, ...] = ()  # places the axes get (SF 3); nothing else happens in this part
     recall: int = 0  # entry of the reference path that is asked for (SF 31); nothing else happens in this part
     data: bytes = b""  # of the file its block runs (MOVE_FILE)
-    inside: Synchron | None = None  # where the act stands, on the belt
+    inside: Synchron | None = None  # where the act is, on the belt
     kinematic: int = 1  # whose part that is, in the cell
     member: int = 0  # whose part that is, of several kinematics of the program, from 0
     open: bool = False  # it has begun, and other blocks may follow

@@ -91,7 +91,7 @@ class Trial:
     program: int = 0
     later: deque[Coming] = field(default_factory=deque)
     under_way: Coming | None = None  # the part taken last
-    skipping: str = ""  # label that stands behind all that is known
+    skipping: str = ""  # label that is behind all that is known
     streams: bool = False  # blocks move as they come: what the last ones without way ask for is done at the end of their part
     _route: Route | TeamRoute | None = None  # of the blocks behind the first one that ends with an input
     _alone: tuple[int, Team, Joints] | None = None  # whose route that is, where one of several is on a belt or corrected; where all stood

@@ -2,7 +2,7 @@
 
 The source is a number, or None where it is invalid (a link is down, a value was never written, the bytes are no number).  Levels
 follow the source; edges are given once, as a pulse, and need a sample before them: a state found when a source begins or comes back is
-only adopted, so a standing bit starts nothing.
+only adopted, so a bit that is still set starts nothing.
 """
 
 import math
@@ -92,7 +92,7 @@ class Route:
             self._pass_on(wanted, now)
 
     def _settled(self, now: Ns, source: float) -> float | None:
-        """The source once it has stood long enough; None: not yet, the value before counts on."""
+        """The source once it has been stable long enough; None: not yet, the value before counts on."""
         if source != self._seen:
             self._seen, self._seen_since = source, now
         return source if now - self._seen_since >= self.settings.debounce_ns else None

@@ -16,7 +16,7 @@ from protocols.base.machine import Ns, ms
 
 HORIZON: Ns = ms(2_000)  # so far apart the same value is still looked for
 SLACK: Ns = ms(10)  # two ticks of the services: so exact moments of ours are
-LONGEST: Ns = ms(2_000)  # an answer stands for the time since the one before, at most so long
+LONGEST: Ns = ms(2_000)  # an answer counts for the time since the one before, at most so long
 SEARCHED: Ns = ms(50)  # a number that differs all the time is looked for so often: the search is long, and one in a while says as much
 KEPT = 8192  # contents of one block: more than the horizon holds at any pace
 

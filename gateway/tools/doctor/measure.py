@@ -45,7 +45,7 @@ def serial_echo(url: str, line_format: str, count: int, said: Said) -> list[floa
     """From writing one character to having it back, without the time the character takes on the line.  PortError, NoEcho, ValueError."""
     port = open_bytes(url, line_format)
     try:
-        port.read()  # what stood in the line before
+        port.read()  # what was in the line before
         times = []
         for number in range(count):
             byte = bytes((number % 251,))

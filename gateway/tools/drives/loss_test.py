@@ -170,7 +170,7 @@ def _stop(cell: Cell, number: int, records: dict[str, Record], loss: str, lost_n
 
 
 def _period_ms(record: Record) -> float:
-    """The clock the drives were told."""
+    """The clock the drives were given."""
     settings = record.header["settings"]
     assert isinstance(settings, dict)
     return float(settings["cycle_ms"])
@@ -186,7 +186,7 @@ def _standstill(rows: list[Row], place: int) -> Row | None:
     return found
 
 
-EVIDENCE = {  # what was measured -> how it is told
+EVIDENCE = {  # what was measured -> how it is reported
     "emulator": "evidence: emulator, not this machine. Measured at the emulated motor shaft, from the loss to the last movement.",
     "bus": "evidence: these drives, on this bus. Measured by 6064h, from the last SYNC or heartbeat to the last change.",
 }

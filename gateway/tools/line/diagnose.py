@@ -15,7 +15,7 @@ from protocols.p3964r.profiles import Priority, Profile
 Opener = Callable[[str], Wire]  # line format -> the line
 PATTERN = bytes(b"UZ3fLqwE" * 2)  # characters without a meaning in idle
 LISTEN = ms(1000)
-UNTOLD = ("COM", "com", "sim:")  # ports whose adapter's latency timer cannot be read; on Linux those that have one tell it
+UNTOLD = ("COM", "com", "sim:")  # ports whose adapter's latency timer cannot be read; on Linux those that have one show it
 PATIENCE = ms(10_000)  # with an answer that did not come in time
 REACTION = ms(2000)
 ROUNDS = 5

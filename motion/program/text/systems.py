@@ -42,7 +42,7 @@ class Systems:
 
 
 def declared(systems: Iterable[WcFrame | None]) -> list[str]:
-    """Lines of the frames blocks are in; MotionError where one name stands for two, or a frame has none."""
+    """Lines of the frames blocks are in; MotionError where one name is used for two, or a frame has none."""
     found: dict[str, WcFrame] = {}
     for system in systems:
         if system is None or system == WC_UR:

@@ -220,7 +220,7 @@ def read_team(text: str) -> TeamProgram:
 
 
 def write_team(program: TeamProgram) -> str:
-    """The text of a program; raises MotionError where one name stands for two tools or frames of one kinematic."""
+    """The text of a program; raises MotionError where one name is used for two tools or frames of one kinematic."""
     lines = [f"program {program.name}"] if program.name else []
     for n, each in enumerate(program.kinematics):
         own = [block for shared in program.blocks if (block := shared.moves[n]) is not None]

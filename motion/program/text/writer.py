@@ -37,7 +37,7 @@ from motion.rho3.wc import WcFrame
 
 
 def write(program: Program, angles: str = "val3") -> str:
-    """The text of a program; raises MotionError where one name stands for two tools or frames, or a place has none."""
+    """The text of a program; raises MotionError where one name is used for two tools or frames, or a place has none."""
     ways = convention(angles)
     units = program.units or ("deg",) * len(program.start)
     lines = [f"program {program.name}" if program.name else "", f"robot {program.robot}" if program.robot else ""]

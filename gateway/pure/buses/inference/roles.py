@@ -9,7 +9,7 @@ from gateway.pure.buses.inference.signals import Found, flag_bits, of_message, s
 
 LAGS = 6  # cycles a drive may lag behind its set value
 ANSWER_S = 2.0  # a bit that follows comes so soon
-NEAR = 0.02  # of the way: a switch stands at one position
+NEAR = 0.02  # of the way: a switch is at one position
 SET_CHAIN = ("drive_on", "enable")
 ACTUAL_CHAIN = ("power_on", "enabled")
 DOUBT = 0.7  # the order alone names a bit: never surer than this

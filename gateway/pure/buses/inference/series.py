@@ -8,7 +8,7 @@ from statistics import median
 
 from protocols.base.machine import Frame, Ns
 
-LEAST = 100  # cycles: less tells nothing
+LEAST = 100  # cycles: less proves nothing
 SHARE = 0.8  # a message that belongs to the cycle is there in so many of them
 MANY, FEW = 1.5, 5  # flips: a bit above that flips so much more often begins a new number
 CARRY = 0.3  # share of a bit's flips with which the bit below flips too: less, and they are no neighbours of one number

@@ -48,7 +48,7 @@ class Numbers:
 
 def numbers(series: Series) -> list[Numbers]:
     """All pieces with two bits and more, signed where their top bit looks like a sign; pieces of one number put together again."""
-    joined: list[Piece] = []  # from the top down: the high bits tell most about the way
+    joined: list[Piece] = []  # from the top down: the high bits show most of the way
     for below in reversed(pieces(series)):
         above = joined[-1] if joined else None
         if above is not None and below.start + below.bits == above.start and _one_number(series, below, above):

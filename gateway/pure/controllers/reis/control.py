@@ -93,7 +93,7 @@ class ReisControl:
         self.was_synchronised(setup.references)
         self._active: dict[tuple[int, int], str] = {}  # regulator error, axis -> words
         self._percent: int | None = self.markers.number(OVERRIDE) or None  # None: M1436 was never written, and is no factor (AX-1000)
-        self._hold = True  # a hold that stands at start has stopped nothing
+        self._hold = True  # a hold that is set at start has stopped nothing
         self._stopped = False
         self._keep = slice(setup.first_byte, setup.first_byte + 40)
 
@@ -263,7 +263,7 @@ class ReisControl:
         return [] if self.robot.suppressed else texts
 
     def _look_at_drives(self, state: CellState, now: Ns) -> list[str]:
-        """Err Enab ends where the drives are switched on (L1359): what still stands is shown again."""
+        """Err Enab ends where the drives are switched on (L1359): what is still active is shown again."""
         axes = state.axes[: len(self.setup.axes)]
         before, self.robot.drives_on = self.robot.drives_on, bool(axes) and all(axis.flags & AxisFlag.ENABLED for axis in axes)
         if before or not self.robot.drives_on or not self.robot.suppressed:

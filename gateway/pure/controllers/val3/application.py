@@ -69,7 +69,7 @@ class HostedApplication:
     programs: list[dict[str, object]] = field(default_factory=list)
     rows: list[dict[str, object]] = field(default_factory=list)
     results: dict[int, tuple[str, int, str, str]] = field(default_factory=dict)
-    faults: list[str] = field(default_factory=list)  # standing errors of the cell
+    faults: list[str] = field(default_factory=list)  # active errors of the cell
     seen: dict[str, object] = field(default_factory=dict)  # for the dashboard
     run: int = 0  # under way
     source: int = 0  # command source it moves as

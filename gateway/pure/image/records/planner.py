@@ -231,7 +231,7 @@ class UntilInput:
 
 
 VOID = -1
-PPO_NUMBERS = 1000  # added to the number of a PPO where a function is told as one number
+PPO_NUMBERS = 1000  # added to the number of a PPO where a function is given as one number
 
 
 @dataclass(frozen=True, slots=True)

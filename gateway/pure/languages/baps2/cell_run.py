@@ -346,7 +346,7 @@ class CellRun(CellMotion):
             return PENDING
         return None
 
-    # ---- what is told
+    # ---- what is reported
 
     def _output(self, task: Task, item: Output) -> None:
         super()._output(task, item)

@@ -340,7 +340,7 @@ class Control(Plant):
         return self.units.answer(task, request)
 
     def _passed(self, task: Task) -> None:
-        """An item that nothing stands before acts at once."""
+        """An item with nothing before it acts at once."""
         while task.queue and self._act(task):
             pass
 

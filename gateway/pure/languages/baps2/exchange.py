@@ -67,7 +67,7 @@ def read(bodies: Writer, statement: Read) -> None:
 
 
 def _file_of(bodies: Writer, values: tuple[Expression, ...], device: str) -> str | None:
-    """A file that only the names tell, because it is declared elsewhere."""
+    """A file that only the names show, because it is declared elsewhere."""
     first = values[0] if values and not device else None
     symbol = bodies.names.find(first.name) if isinstance(first, Name) else None
     return first.name if isinstance(first, Name) and symbol is not None and symbol.kind == "file" else None

@@ -41,7 +41,7 @@ TAKEN = ("BREAK", "UNTERBRECHE")  # a standard subroutine, whose name no declara
 _I, _R, _T = ("INTEGER", True), ("REAL", True), ("TEXT", False)
 _JC, _WC, _OUT = ("JC_POINT", False), ("POINT", False), ("INTEGER", False)
 _LOGIC = (_I, _I, _I, _R, _R, _I)
-SPECIAL: dict[int, tuple[tuple[tuple[str, bool], ...], ...]] = {  # number -> the parameter lists that are told
+SPECIAL: dict[int, tuple[tuple[tuple[str, bool], ...], ...]] = {  # number -> the parameter lists that are reported
     1: (_LOGIC,),
     2: (_LOGIC,),
     3: ((_I, _JC),),

@@ -335,7 +335,7 @@ class StatementReader:
         return Block(at, body)
 
     def _close(self, end: str, begin: str, at: Position) -> bool:
-        """Takes the word that ends a construct; where another one stands, the construct is reported and left."""
+        """Takes the word that ends a construct; where there is another one, the construct is reported and left."""
         closed = self._stream.word(end)
         if not closed:
             self._stream.faults.error(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from gateway.pure.languages.robotstar.operands import RELATIONS, Blank, Equate, Number, Operand, Ref, Text
 
-LEAST = 1e-6  # stands for "above 0"
+LEAST = 1e-6  # means "above 0"
 MODES = ("PTP", "LINEAR", "SPLINE", "ZIRK_MIN_ORI", "ZIRK_BAHN_ORI")
 
 

@@ -181,7 +181,7 @@ def literal(kind: Type, parts: Iterable[object], home: Surroundings) -> Structur
 
 
 def empty(kind: str, home: Surroundings) -> object:
-    """What stands for an empty field."""
+    """What an empty field means."""
     return default(kind, home)
 
 

@@ -336,7 +336,7 @@ class ProgramTranslator:
         if block.default:
             raise CompileFault("'default' is there twice", parser.tokens[0].start + 1)
         block.default = self._label()
-        self._place(block.default)  # where no case fits, wherever the branch stands (L828)
+        self._place(block.default)  # where no case fits, wherever the branch is (L828)
 
     def _do_break(self, parser: Expressions, translator: Translator) -> None:
         block = next((each for each in reversed(self.blocks) if each.kind == "switch"), None)

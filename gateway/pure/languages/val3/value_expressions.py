@@ -169,7 +169,7 @@ class ValueTranslator:
         return self.need(value, "bool")
 
     def _alike(self, node: Binary, left: Value, right: Value) -> tuple[Value, Value, Type]:
-        """Both sides as one type; a dio counts as bool, a literal as what stands on the other side."""
+        """Both sides as one type; a dio counts as bool, a literal as what is on the other side."""
         for one in (left, right):
             self._element(one)
         if left.type == LITERAL and right.type != LITERAL:

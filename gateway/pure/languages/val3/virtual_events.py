@@ -327,7 +327,7 @@ def key(machine: Machine, event: Event) -> None:
         raise EventFault(f"key={event.value}: one character or the number of a key is expected")
 
 
-LINKED = ("dio", "aio", "io", "sio")  # a variable's name stands for what it is linked to
+LINKED = ("dio", "aio", "io", "sio")  # a variable's name means what it is linked to
 PLANT: dict[str, Callable[[Machine, str, Event], None]] = {
     "dio": signal,
     "aio": signal,

@@ -93,7 +93,7 @@ export function mount(root, { t, cell, live, login, may, me, post, changeControl
   let turning = 0; // the slider is in somebody's hand until then
   const override = h("input", { type: "range", id: "override", min: "0", max: "100", step: "1", value: "100", "aria-label": t("override"), oninput: () => { turning = Date.now() + 1500; put(overridden, `${override.value} %`); }, onchange: () => order("override", 0, { velocity: Number(override.value) / 100 }) });
   const overridden = h("output", { id: "override-value" });
-  // What stands between this person and a moving axis; "": nothing.
+  // What is between this person and a moving axis; "": nothing.
   function step(head) {
     const unfit = unable("operator");
     if (unfit) return unfit;

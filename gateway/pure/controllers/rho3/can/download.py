@@ -141,7 +141,7 @@ def _computed(params: Rho3, axis: Axis, index: int) -> dict[int, float | bool]:
         found[13] = jog * _resolver_degrees(axis) / 6.0
     if params.P5 is None:
         del found[4]
-    if axis.drive.inc_per_turn in INC_PER_TURN.values():  # any other the booster cannot be told
+    if axis.drive.inc_per_turn in INC_PER_TURN.values():  # any other the booster cannot be given
         found[21] = position_scaling(axis.drive.inc_per_turn)
     return found
 

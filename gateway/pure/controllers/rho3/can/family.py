@@ -1,6 +1,6 @@
 """A bus of the rho 3 as the cycle sees it: drives, digital I/O blocks and the parameter download in one language (AX-270).
 
-Wraps the family of the drives, or stands alone on a bus with I/O only.  Outputs leave behind the set values, then at most one parameter
+Wraps the family of the drives, or is alone on a bus with I/O only.  Outputs leave behind the set values, then at most one parameter
 request; what comes in goes to whom it belongs.
 """
 

@@ -41,7 +41,7 @@ class Ledger:
 
     def __init__(self) -> None:
         self._entries: dict[tuple[int, int, int], list[int]] = {}  # kind, bus, place -> standing, count, cause, parameter
-        self.changed = True  # an empty table is told, too: it ends what a predecessor left
+        self.changed = True  # an empty table is written, too: it ends what a predecessor left
 
     def note(self, errors: Iterable[IoError]) -> None:
         """Errors that came or went."""

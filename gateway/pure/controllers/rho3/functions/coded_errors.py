@@ -32,14 +32,14 @@ def code_of(record: ErrorRecord) -> int | None:
 
 
 class CodedErrors:
-    """Shows all standing codes once, all again when one is added; system errors wait for a key of the panel."""
+    """Shows all active codes once, all again when one is added; system errors wait for a key of the panel."""
 
     def __init__(self, places: Places, strobe_time: Ns) -> None:
         self._places, self._time = places, strobe_time
         self._known: frozenset[Hashable] = frozenset()
         self._queue: deque[Hashable] = deque()
         self._shown = 0  # code on the channel, 0: none
-        self._key = False  # a key was pressed since this code stands
+        self._key = False  # a key was pressed since this code is active
         self._since: Ns | None = None  # of the level of the strobe; None: low for long enough
 
     def step(self, records: Sequence[ErrorRecord], outputs: bytearray, now: Ns, *, key: bool = False) -> None:

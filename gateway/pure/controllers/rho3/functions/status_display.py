@@ -28,7 +28,7 @@ class StatusDisplay:
         if self._running:
             self._running = False
         elif self._mode:
-            self._top = -self._top  # told to the next step, which knows the inputs
+            self._top = -self._top  # handed to the next step, which knows the inputs
 
     def step(self, inputs: InputImage, outputs: bytearray, display: Display, mode: str, now: Ns) -> None:
         """mode: the mode the panel is in."""

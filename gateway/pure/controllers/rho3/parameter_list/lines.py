@@ -71,7 +71,7 @@ def read(text: str) -> Iterator[Entry | Unread]:
         if found := _AXIS.match(line):
             here, line = int(found[1]), found[2]
             if not line.strip():
-                axis = here  # "ROBI_1  A_1" stands above its entries
+                axis = here  # "ROBI_1  A_1" is above its entries
                 continue
         elif found := _BOARD.match(line):
             board, line = int(found[1]), found[2]

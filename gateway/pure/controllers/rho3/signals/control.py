@@ -71,7 +71,7 @@ class RhoControl:
         self._keep = int.from_bytes(setup.of_cycle, "little") ^ (1 << 8 * RC_BYTES) - 1
         self._last = now
         self._listed: set[str] = set()  # programs with a process, as of the last cycle
-        self._closed = True  # the chain, as the interface was told last
+        self._closed = True  # the chain, as the interface was given it last
         self.factor_table = FactorTable(setup.installation.kinematics, setup.option)
         self.view = ControlState(setup, errors, self.image, self.modes, self.user, self.processes, self.channels, self.factor_table, now)
         self.view.screen.p35 = setup.p35

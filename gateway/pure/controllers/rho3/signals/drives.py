@@ -49,8 +49,8 @@ class Asked:
 
 @dataclass(slots=True)
 class _Axis:
-    before: bool = True  # what stands at the first look is no edge
-    mine: bool = False  # its signal has stood: its falling edge switches it off
+    before: bool = True  # what is set at the first look is no edge
+    mine: bool = False  # its signal has been set: its falling edge switches it off
 
 
 class DriveOn:

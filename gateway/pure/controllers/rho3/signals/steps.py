@@ -16,7 +16,7 @@ from gateway.pure.image.reasons import CommandState, text
 from protocols.base.machine import Ns
 
 CODES = {Refusal.MANUAL: 250, Refusal.SWITCHED: 251, Refusal.NOT_MANUAL: 252}  # ours: the manual prints texts (AX-334)
-NOT_MOVED, INADMISSABLE = 253, 254  # ours: the office refused the move, or it was aborted; "inadmissable input" (AX-477)
+NOT_MOVED, INADMISSABLE = 253, 254  # ours: the dispatcher refused the move, or it was aborted; "inadmissable input" (AX-477)
 
 
 @dataclass(frozen=True, slots=True)

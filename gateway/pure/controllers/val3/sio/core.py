@@ -44,7 +44,7 @@ class SioCore:
         for line in self._lines.values():
             if line.channel.kind is Kind.SERIAL:  # always on (3.7.1)
                 line.want(now)
-        self._also: list[AnyCall] = []  # finished while another instruction began; told with the next wake
+        self._also: list[AnyCall] = []  # finished while another instruction began; reported with the next wake
 
     def declare(self, channel: Channel, now: Ns) -> None:
         """A channel that comes later.  Raises ValueError listing its faults."""

@@ -8,7 +8,7 @@ from gateway.pure.controllers.val3.sio.text import TextScan
 
 
 class Mark(Enum):
-    DAMAGED = auto()  # here a character is missing or was spoiled: one read tells it, the channel stays open (AX-184)
+    DAMAGED = auto()  # here a character is missing or was spoiled: one read reports it, the channel stays open (AX-184)
     ENDED = auto()  # the partner closed, or the connection broke: the last thing a reader sees
 
 
