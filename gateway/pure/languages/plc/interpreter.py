@@ -1,5 +1,6 @@
 """Runs the compiled form command by command and counts: a number of commands a period, and the test display."""
 
+import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
@@ -44,7 +45,29 @@ class More(Protocol):
     def __call__(self, routine: str, line: int) -> int: ...
 
 
-Bound = tuple[Callable[[Command], None], Command, bool]  # act, command, whether the next link begins a chain behind it
+COMPARED: Mapping[Code, Callable[[int, int], bool]] = {  # of the second accumulator with the first
+    Code.EQUAL: operator.eq,
+    Code.UNEQUAL: operator.ne,
+    Code.NOT_LESS: operator.ge,
+    Code.GREATER: operator.gt,
+    Code.NOT_GREATER: operator.le,
+    Code.LESS: operator.lt,
+}
+
+
+class Bound(NamedTuple):
+    """A command with what acts on it."""
+
+    act: Callable[[Command], None]
+    command: Command
+    leads: bool  # a jump or a call: it may lead elsewhere and asks for allowance
+    ends: bool  # the next link begins a chain behind it
+    byte: int  # of the bit that the test display shows; NO_BIT: its operand is a cell
+    mask: int
+
+
+NO_BIT = -1
+LEADS = (*JUMPS, *CALLS)
 
 
 class Shown(NamedTuple):
@@ -97,8 +120,9 @@ class Interpreter:
             **dict.fromkeys(COMPARES, self._compare),
             **dict.fromkeys(JUMPS, self._jump),
             **dict.fromkeys(CALLS, self._call),
-            **dict.fromkeys((Code.SET, Code.RESET, Code.ASSIGN), self._write),
-            **dict.fromkeys((Code.LOAD, Code.LOAD_BYTE, Code.LOAD_LONG), self._load),
+            Code.LOAD: self._load,
+            Code.LOAD_BYTE: self._load_byte,
+            Code.LOAD_LONG: self._load_long,
             **dict.fromkeys((Code.STORE_BYTE, Code.STORE_LONG), self._store),
             **dict.fromkeys((Code.COUNT_UP, Code.COUNT_DOWN), self._count),
             Code.CLOSE: self._close,
@@ -114,28 +138,54 @@ class Interpreter:
         self._bound = {name: [self._bind(command) for command in routine.commands] for name, routine in self.program.routines.items()}
 
     def _bind(self, command: Command) -> Bound:
-        act = self._acts.get(command.code, self._arithmetic)
-        return (self._linker(command) if command.code in LOGIC else act), command, command.code in ENDS_CHAIN
+        """What a command needs of its code and its operand is looked at once, not in each scan."""
+        code = command.code
+        if code in LOGIC and command.operand is Operand.BIT:
+            act = self._linker(command)
+        elif code in (Code.SET, Code.RESET, Code.ASSIGN):
+            act = self._writer(command)
+        else:
+            act = self._acts.get(code, self._arithmetic)
+        byte = command.byte if command.operand is Operand.BIT else NO_BIT
+        return Bound(act, command, code in LEADS, code in ENDS_CHAIN, byte, command.mask)
 
     def _linker(self, command: Command) -> Callable[[Command], None]:
-        """Links of bits are what programs are made of: their codes are looked at once."""
-        kind, inverted = LOGIC.index(command.code) // 2, command.code in (Code.AND_NOT, Code.OR_NOT, Code.XOR_NOT)
-        if command.operand is not Operand.BIT:
-            return self._logic
+        """Links of bits are what programs are made of."""
         memory, byte, mask = self.state.memory, command.byte, command.mask
+        inverted = command.code in (Code.AND_NOT, Code.OR_NOT, Code.XOR_NOT)
 
-        def link(command: Command) -> None:
+        def link_and(command: Command) -> None:
             value = (memory[byte] & mask == 0) == inverted
-            if self.fresh:
-                self.result, self.fresh = value, False
-            elif kind == 0:
-                self.result = self.result and value
-            elif kind == 1:
-                self.result = self.result or value
-            else:
-                self.result = self.result != value
+            self.result, self.fresh = value and (self.fresh or self.result), False
 
-        return link
+        def link_or(command: Command) -> None:
+            value = (memory[byte] & mask == 0) == inverted
+            self.result, self.fresh = value or (self.result and not self.fresh), False
+
+        def link_xor(command: Command) -> None:
+            value = (memory[byte] & mask == 0) == inverted
+            self.result, self.fresh = value != (self.result and not self.fresh), False
+
+        return {Code.AND: link_and, Code.AND_NOT: link_and, Code.OR: link_or, Code.OR_NOT: link_or}.get(command.code, link_xor)
+
+    def _writer(self, command: Command) -> Callable[[Command], None]:
+        """S, R and =."""
+        memory, written, byte, mask = self.state.memory, self.state.written, command.byte, command.mask
+        at, kept = byte - self.state.layout.outputs, ~mask & 0xFF
+        is_output = 0 <= at < self.state.layout.area
+        sets, always = command.code is not Code.RESET, command.code is Code.ASSIGN
+
+        def write(command: Command) -> None:
+            if self.result and sets:
+                memory[byte] |= mask
+            elif self.result or always:
+                memory[byte] &= kept
+            else:
+                return
+            if is_output:
+                written[at] |= mask
+
+        return write
 
     @property
     def shown(self) -> dict[int, Shown]:
@@ -172,20 +222,22 @@ class Interpreter:
 
     def _run_frame(self, frame: Frame, bound: list[Bound], most: int, watched: bool) -> int:
         """Runs one routine up to its end, its next call or so many commands; how many it were."""
-        frames, memory, seen = self._frames, self.state.memory, self.seen
-        done, size, depth = 0, len(bound), len(frames)
-        while frame.at < size and done != most and len(frames) == depth:
-            at = frame.at
-            act, command, ends = bound[at]
-            frame.at = at + 1
+        frames, memory, seen, status_of = self._frames, self.state.memory, self.seen, self._status
+        at, done, paid, size, depth = frame.at, 0, 0, len(bound), len(frames)
+        while at < size and done != most and len(frames) == depth:
+            act, command, leads, ends, byte, mask = bound[at]
             done += 1
-            self.allowance -= 1
+            if leads:  # what asks for allowance, and where an error is named
+                frame.at, paid, self.allowance = at + 1, done, self.allowance - (done - paid)
             act(command)
             if ends:
                 self.fresh = True
             if watched:
-                status = memory[command.byte] & command.mask if command.operand is Operand.BIT else self._status(command)
+                status = memory[byte] & mask if byte >= 0 else status_of(command)
                 seen[at] = (status, self.result, self.accu1, self.accu2)
+            at = frame.at if leads else at + 1
+        frame.at = at
+        self.allowance -= done - paid
         return done
 
     def _status(self, command: Command) -> bool:
@@ -221,26 +273,7 @@ class Interpreter:
         self.result = self.fresh = True
 
     def _compare(self, command: Command) -> None:
-        two, one = self.accu2, self.accu1
-        self.result = {
-            Code.EQUAL: two == one,
-            Code.UNEQUAL: two != one,
-            Code.NOT_LESS: two >= one,
-            Code.GREATER: two > one,
-            Code.NOT_GREATER: two <= one,
-            Code.LESS: two < one,
-        }[command.code]
-        self.fresh = False
-
-    def _write(self, command: Command) -> None:
-        if command.code is not Code.ASSIGN and not self.result:
-            return
-        memory, byte = self.state.memory, command.byte
-        if self.result and command.code is not Code.RESET:
-            memory[byte] |= command.mask
-        else:
-            memory[byte] &= ~command.mask & 0xFF
-        self._wrote(byte, command.mask)
+        self.result, self.fresh = COMPARED[command.code](self.accu2, self.accu1), False
 
     def _wrote(self, byte: int, mask: int) -> None:
         at = byte - self.state.layout.outputs
@@ -248,13 +281,14 @@ class Interpreter:
             self.state.written[at] |= mask
 
     def _load(self, command: Command) -> None:
-        memory, byte, self.accu2 = self.state.memory, command.byte, self.accu1
-        if command.code is Code.LOAD:
-            self.accu1 = command.number
-        elif command.code is Code.LOAD_BYTE:
-            self.accu1 = memory[byte]
-        else:
-            self.accu1 = int.from_bytes(memory[byte : byte + 4], "little", signed=True)
+        self.accu1, self.accu2 = command.number, self.accu1
+
+    def _load_byte(self, command: Command) -> None:
+        self.accu1, self.accu2 = self.state.memory[command.byte], self.accu1
+
+    def _load_long(self, command: Command) -> None:
+        number = int.from_bytes(self.state.memory[command.byte : command.byte + 4], "little", signed=True)
+        self.accu1, self.accu2 = number, self.accu1
 
     def _store(self, command: Command) -> None:
         size = 1 if command.code is Code.STORE_BYTE else 4
