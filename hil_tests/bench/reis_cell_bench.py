@@ -155,10 +155,10 @@ def at_work(run: CellRun, web: WebAsk) -> Iterator[None]:
     with contextlib.closing(ToolClient(run.name)) as tool:
         tool.ask("plc", do="start", name="")
         in_run(run)
-        program = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        program = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         try:
             until(lambda: counts(tool) or program.poll() is not None, "the robot program runs", PATIENCE_S)
-            assert program.poll() is None, program.communicate()[1]
+            assert program.poll() is None, program.communicate()[0]
             with watching(web):
                 yield
         finally:
