@@ -157,7 +157,7 @@ def at_work(run: CellRun, web: WebAsk) -> Iterator[None]:
         in_run(run)
         program = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         try:
-            until(lambda: counts(tool) or program.poll() is not None, "the robot program runs", PATIENCE_S)
+            until(lambda: runs(tool) or program.poll() is not None, "the robot program runs", PATIENCE_S)
             assert program.poll() is None, program.communicate()[0]
             with watching(web):
                 yield
@@ -167,9 +167,9 @@ def at_work(run: CellRun, web: WebAsk) -> Iterator[None]:
         tool.ask("plc", do="stop")
 
 
-def counts(tool: ToolClient) -> bool:
-    """The robot program has written its marker."""
-    return bool(tool.ask("get", address="M50.0")["value"])
+def runs(tool: ToolClient) -> bool:
+    """The robot program is a process, and has written its marker, which stays set behind it."""
+    return bool(tool.ask("process", do="list")["processes"]) and bool(tool.ask("get", address="M50.0")["value"])
 
 
 def cycle_blocks(blocks: int = BLOCKS) -> tuple[list[tuple[float, int]], list[tuple[float, int]]]:
