@@ -19,14 +19,14 @@ MUTANTS ?=
 .PHONY: help setup judges tools kernel references pythons native demo lint check test pytest bench soak fuzz branches losses mutants coverage-matrix docs pictures lock clean
 
 help:
-	@echo "make demo             six emulated drives, two PLCs, one cable to unplug (DEMO='--seed 7' hands options on)"
+	@echo "make demo             six emulated drives, two PLCs, one cable to unplug (DEMO='--seed 7': its options)"
 	@echo "make check            lint, types, import arrows and the pure tests on two processors: the daily loop"
 	@echo "make test             lint, types, import arrows, all tests and lanes"
 	@echo "make lint             lint, types, import arrows only"
 	@echo "make bench            all benchmarks; rewrites docs/benchmarks.md"
-	@echo "make coverage-matrix  which demand of the manuals is proved by which test, out of the last make test of this tree (else the tests run)"
-	@echo "make mutants          would those tests notice their function breaking? rewrites docs/proof.tsv and docs/proof.md (MUTANTS=--missing: what changed; '-k NAME', '--sample 60 --seed 7': a part)"
-	@echo "make docs             pages made of decisions, errors, evidence; the site in build/site"
+	@echo "make coverage-matrix  which test proves which row of the manuals, from the last make test of this tree (else the tests run)"
+	@echo "make mutants          do those tests detect a broken function? rewrites docs/proof.tsv and docs/proof.md (MUTANTS=--missing: what changed; '-k NAME', '--sample 60 --seed 7': a part)"
+	@echo "make docs             pages from decisions, errors and evidence; the site in build/site"
 	@echo "make pictures         docs/pictures from the last run of the page's tests"
 	@echo "make soak             a million 3964R and RK512 telegrams, a tenth of them spoiled (SOAK=50000: fewer); 1,000 motion programs and 200 on belts (MOTION='100 20000': fewer); 10,000 lines beside a wrist pole (POLE=1000: fewer) and three minutes of curve in a cell; 60,000 emergency messages; 200 deaths of interpreter and PLC under PALTEST (KILLS=20: fewer); ten minutes of everything hostile at once (HOSTILE=60: fewer seconds); then make losses"
 	@echo "make losses           100 deaths of the cycle under moving drives of both families"
@@ -82,12 +82,12 @@ build/%: hil_tests/bench/%.c
 demo: $(STAMP) native
 	@$(VENV)/bin/axisgate demo $(DEMO); code=$$?; [ $$code -eq 4 ] || exit $$code; \
 	if [ -x build/guest-kernel ]; then \
-		echo "make demo: this machine is taken away too often to play it by the clock: once more in the guest, which has a clock of its own (AX-591)"; \
+		echo "make demo: this machine is too busy to run the demo in real time: once more in the guest, which has a clock of its own (AX-591)"; \
 		exec $(VENV)/bin/axisgate demo --own-time $(DEMO); \
 	fi; \
-	echo "make demo: this machine is taken away too often to play it by the clock. End other programs and try again, or type:"; \
+	echo "make demo: this machine is too busy to run the demo in real time. End other programs and try again, or type:"; \
 	echo "    make kernel                  builds a guest with a clock of its own: once, some minutes and 1.5 GB while it builds; Debian, linux-source-6.1"; \
-	echo "    make demo DEMO=--own-time    plays the demo in it"; \
+	echo "    make demo DEMO=--own-time    runs the demo in it"; \
 	exit 4
 
 lint: $(JUDGES)

@@ -95,7 +95,7 @@ def carried_out(hand: Hand, wish: str) -> str:
 
 def why(block: Block) -> str:
     """What DB 11 says of it."""
-    return f"error {words_of(block.word(1))}" if block.word(1) else "DB 11 names no error, or was never fetched"
+    return f"error {words_of(block.word(1))}" if block.word(1) else "DB 11 reports no error, or was never fetched"
 
 
 def words_of(code: int) -> str:
@@ -117,10 +117,12 @@ def main(argv: list[str], typed: TextIO = sys.stdin) -> int:
                 break
             print(carried_out(hand, line.strip()), flush=True)
     except TimeoutError:
-        print(f"no drives on, or not referenced: {why(hand.one.status)}; is the run up?  axisgate run demo --sim", file=sys.stderr)
+        print(
+            f"drives not on, or axes not referenced: {why(hand.one.status)}; is the cell running?  axisgate run demo --sim", file=sys.stderr
+        )
         return 3
     except PortError as error:
-        print(f"{error}\nis it up?  axisgate run demo --sim", file=sys.stderr)
+        print(f"{error}\nis the cell running?  axisgate run demo --sim", file=sys.stderr)
         return 3
     finally:
         hand.end()

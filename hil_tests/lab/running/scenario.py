@@ -171,17 +171,17 @@ class Scenario:
     def _acts(self) -> list[tuple[str, Callable[[], None]]]:
         return [
             ("PLC 1 (3964R, RK512) and PLC 2 (Modbus TCP) connect", self._connect),
-            ("both ask for control: PLC 1 gets it, PLC 2 is refused", self._both_ask),
+            ("both request control: PLC 1 gets it, PLC 2 is refused", self._both_ask),
             ("PLC 1 references six axes", self._reference),
             ("PLC 1 drives its path, targets in KF at 0.1 mm", self._path_1),
             ("the line is unplugged in the middle of a move, and plugged again", self._unplug),
             ("PLC 1 sends a KG number instead of REAL", self._wrong_format),
-            ("PLC 1 hands over to PLC 2", self._hand_over),
+            ("PLC 1 releases control to PLC 2", self._hand_over),
             ("PLC 2 drives its path with the command block", self._path_2),
             ("PLC 2 stops on the path and resumes", self._stop_and_resume),
             ("PLC 2 changes the override in the middle of a move", self._override),
-            ("services are killed while PLC 1's start bit stands", self._kill_services),
-            ("PLC 1 asks anew, moves once more and switches off", self._again),
+            ("services are killed while PLC 1's start bit is set", self._kill_services),
+            ("PLC 1 requests control again, moves once more and switches off", self._again),
         ]
 
     @property

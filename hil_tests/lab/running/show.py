@@ -67,9 +67,8 @@ class Show:
         for verdict in verdicts:
             self._console.print(Text(verdict.line(), style="green" if verdict.ok else "bold red"))
         good = sum(verdict.ok for verdict in verdicts)
-        self._console.print(
-            f"{good} of {len(verdicts)} hold; judged by the emulator's record and the line record, evidence level: emulator"
-        )
+        judged = "judged by the emulator's record and the line record, evidence level: emulator"
+        self._console.print(f"{good} of {len(verdicts)} checks passed; {judged}", soft_wrap=True)  # one line, as the tutorial shows it
 
     def close(self) -> None:
         self.unwatch()
