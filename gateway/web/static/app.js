@@ -194,7 +194,7 @@ function whole() {
 
 function stop() {
   view?.lift?.(); // a key that is held moves nothing before it was released
-  order("/api/stop", undefined, "Stop is ordered");
+  order("/api/stop", undefined, "Stop requested");
 }
 
 document.getElementById("stop").addEventListener("click", stop);

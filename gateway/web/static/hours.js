@@ -44,8 +44,8 @@ export function hours(id) {
     const known = found.values.filter((value) => value !== null);
     put(title, `${found.name}${found.unit ? `, ${found.unit}` : ""}`);
     const short = (value) => Number(value.toPrecision(6)).toString();
-    const since = found.since_s === null || found.since_s >= span ? "" : `, ${t("kept since")} ${clock(now - found.since_s)}`;
-    put(reply, known.length ? `${t("now")} ${found.values.at(-1) === null ? t("not known") : short(found.values.at(-1))}, ${t("least")} ${short(Math.min(...known))}, ${t("greatest")} ${short(Math.max(...known))}${since}` : t("No number of this value is known in this time."));
+    const since = found.since_s === null || found.since_s >= span ? "" : `, ${t("recorded since")} ${clock(now - found.since_s)}`;
+    put(reply, known.length ? `${t("now")} ${found.values.at(-1) === null ? t("not known") : short(found.values.at(-1))}, ${t("minimum")} ${short(Math.min(...known))}, ${t("maximum")} ${short(Math.max(...known))}${since}` : t("No numeric value is known for this period."));
     box.dataset.points = String(data[0].length);
     const range = [now - Math.min(span, Math.max(60, found.since_s ?? 60)), now];
     if (plot) { plot.batch(() => { plot.setData(data, false); plot.setScale("x", { min: range[0], max: range[1] }); }); return; }

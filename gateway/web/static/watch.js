@@ -10,8 +10,8 @@ export class Kept {
     this.rows = [];
     this.select = h("select", { id: `${kind}-kept`, "aria-label": t(`kept: ${kind}`), onchange: () => this.choose() });
     this.name = h("input", { id: `${kind}-name`, maxlength: "60", placeholder: t("name"), "aria-label": t("name"), style: "width:9rem" });
-    this.keep = h("button", { type: "button", id: `${kind}-keep`, onclick: async () => { if (!this.name.value.trim()) { this.name.focus(); return; } await this.order("/api/kept", { name: this.name.value.trim(), value: JSON.stringify(made()) }, "It is kept"); } }, t("Keep"));
-    this.drop = h("button", { type: "button", class: "danger", id: `${kind}-drop`, onclick: () => this.order("/api/kept/drop", { name: this.select.value }, "It is removed") }, t("remove"));
+    this.keep = h("button", { type: "button", id: `${kind}-keep`, onclick: async () => { if (!this.name.value.trim()) { this.name.focus(); return; } await this.order("/api/kept", { name: this.name.value.trim(), value: JSON.stringify(made()) }, "Saved"); } }, t("Save"));
+    this.drop = h("button", { type: "button", class: "danger", id: `${kind}-drop`, onclick: () => this.order("/api/kept/drop", { name: this.select.value }, "Removed") }, t("remove"));
     this.element = h("span", { class: "bar kept", style: "margin:0" }, this.select, this.name, this.keep, this.drop);
     this.fill([]);
     get(`/api/kept?kind=${kind}`).then((reply) => this.fill(reply.kept)).catch(() => {});

@@ -97,7 +97,7 @@ def test_the_first_password_is_set_once_and_roles_count(web: WebRun, boss: Page)
         boss.click("button:has-text('Save')")
         boss.wait_for_selector(f"td:has-text('{name}')")
     boss.fill("input[name=label]", "script")
-    boss.click("button:has-text('Make')")
+    boss.click("button:has-text('Create')")
     until(lambda: "axg_" in boss.inner_text("#token"), "the token is shown once")
     token = boss.inner_text("#token").split()[-1]
     bearer = {"authorization": f"Bearer {token}"}
@@ -376,7 +376,7 @@ def test_german_dark_and_the_keyboard(web: WebRun, guest: Page) -> None:
     web.ready(guest, "lines")
     assert guest.locator("#nav-lines[aria-current=page]").count() == 1
     guest.keyboard.press("Shift+Escape")
-    until(lambda: "Stop is ordered" in guest.inner_text("#toasts"), "stop by the keyboard, without a password")
+    until(lambda: "Stop requested" in guest.inner_text("#toasts"), "stop by the keyboard, without a password")
 
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])

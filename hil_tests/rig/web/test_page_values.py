@@ -45,7 +45,7 @@ def test_a_value_shows_its_trend_by_one_click_and_what_was_before_it(web: WebRun
         boss.evaluate(QUIET)
         boss.screenshot(path=pictures() / f"trend-{name}.png")
         boss.click("#stop")
-        until(lambda: "Stop is ordered" in boss.inner_text("#toasts"), "STOP is within reach of an open trend")
+        until(lambda: "Stop requested" in boss.inner_text("#toasts"), "STOP is within reach of an open trend")
         boss.evaluate(QUIET)
         boss.click("#trend-close")
         boss.wait_for_selector("#trend", state="detached")

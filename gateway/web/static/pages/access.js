@@ -27,8 +27,8 @@ export function mount(root, { t, get, post, me, may, login }) {
   ], (row) => row.label, { label: t("Tokens") });
   const audit = new Table([
     { title: t("number"), n: true, cell: text((row) => row.number) }, { title: t("time"), cell: (row, td) => { put(td, moment(row.wall)); td.style.whiteSpace = "nowrap"; } }, { title: t("who"), cell: text((row) => row.who) },
-    { title: t("from where"), cell: text((row) => row.source) }, { title: t("what"), free: true, cell: text((row) => row.say[language() === "de" ? 1 : 0]) },
-    { title: t("particulars"), cell: (row, td) => { if (!td.firstChild) td.append(h("details", { class: "small" }, h("summary", {}, t("more")), h("div", { class: "mono kept" }, `${row.what} ${row.detail}`), h("div", { class: "mono kept" }, `${t("hash")} ${row.hash}`))); } },
+    { title: t("origin"), cell: text((row) => row.source) }, { title: t("what"), free: true, cell: text((row) => row.say[language() === "de" ? 1 : 0]) },
+    { title: t("details"), cell: (row, td) => { if (!td.firstChild) td.append(h("details", { class: "small" }, h("summary", {}, t("more")), h("div", { class: "mono kept" }, `${row.what} ${row.detail}`), h("div", { class: "mono kept" }, `${t("hash")} ${row.hash}`))); } },
   ], (row) => row.number, { tall: true, label: t("Audit") });
   const moment = (wall) => new Date(wall).toLocaleString(language() === "de" ? "de-DE" : "sv-SE");
   const words = h("input", { type: "search", id: "audit-words", placeholder: t("filter"), "aria-label": t("filter"), oninput: () => sift() });
@@ -37,7 +37,7 @@ export function mount(root, { t, get, post, me, may, login }) {
   const chain = h("span");
   grid.append(
     h("section", { class: "card w6" }, h("h2", {}, t("Users")), users.element, form(t("Save"), "/api/users", [input(t("Name"), { name: "name", autocomplete: "off" }), h("label", {}, t("role"), roles()), input(t("Password"), { name: "password", type: "password", minlength: "10", autocomplete: "new-password" })], "The user is saved")),
-    h("section", { class: "card w6" }, h("h2", {}, t("Tokens for scripts")), tokens.element, form(t("Make"), "/api/tokens", [input(t("label"), { name: "label" }), h("label", {}, t("role"), roles())]), secret),
+    h("section", { class: "card w6" }, h("h2", {}, t("Tokens for scripts")), tokens.element, form(t("Create"), "/api/tokens", [input(t("label"), { name: "label" }), h("label", {}, t("role"), roles())]), secret),
     h("section", { class: "card w12" }, h("div", { class: "bar" }, h("h2", { style: "margin:0" }, t("Audit")), chain, words), audit.element));
   async function fill() {
     const [reply, kept] = await Promise.all([get("/api/users"), get("/api/audit")]);

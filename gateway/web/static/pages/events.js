@@ -29,17 +29,17 @@ export function mount(root, { t, get }) {
   // Alarms over time, kept over restarts.
   const when = (wall) => (wall || "").slice(0, 19).replace("T", " ");
   const alarms = new Table([
-    { title: t("came"), cell: text((row) => when(row.came)) },
+    { title: t("raised"), cell: text((row) => when(row.came)) },
     { title: t("acknowledged"), cell: text((row) => (row.acknowledged ? `${when(row.acknowledged)}  ${row.by}` : "")) },
-    { title: t("gone"), cell: (row, td) => { if (row.gone) { put(td, when(row.gone)); return; } if (!td.querySelector(".chip")) td.replaceChildren(chip("bad", t("is set"))); } },
+    { title: t("cleared"), cell: (row, td) => { if (row.gone) { put(td, when(row.gone)); return; } if (!td.querySelector(".chip")) td.replaceChildren(chip("bad", t("active"))); } },
     { title: t("number"), n: true, cell: text((row) => row.code) },
     { title: t("Source"), cell: text((row) => row.source) },
     { title: t("text"), free: true, cell: text((row) => row.say?.[i()] || row.text) },
   ], (row) => row.number, { tall: true, label: t("Alarm history"), row: (row) => (row.gone ? (row.acknowledged ? "" : "stale") : "badq") });
   const choice = (id, label, values) => h("select", { id, "aria-label": label, onchange: () => history() }, values.map(([value, title]) => h("option", { value }, title)));
   const word = h("input", { type: "search", id: "alarm-words", placeholder: t("axis, number or word"), "aria-label": t("filter"), oninput: () => { clearTimeout(wait); wait = setTimeout(history, 200); } });
-  const state = choice("alarm-state", t("state"), [["", t("all")], ["active", t("is set")], ["open", t("not acknowledged")], ["gone", t("gone")]]);
-  const source = choice("alarm-source", t("Source"), [["", t("every source")]]);
+  const state = choice("alarm-state", t("state"), [["", t("all")], ["active", t("active")], ["open", t("not acknowledged")], ["gone", t("cleared")]]);
+  const source = choice("alarm-source", t("Source"), [["", t("all sources")]]);
   const from = h("input", { type: "date", id: "alarm-from", "aria-label": t("from day"), onchange: () => history() });
   const to = h("input", { type: "date", id: "alarm-to", "aria-label": t("to day"), onchange: () => history() });
   const count = h("span", { class: "soft", id: "alarm-count", role: "status" });
@@ -51,7 +51,7 @@ export function mount(root, { t, get }) {
     try {
       const reply = await get(`/api/alarms?${query}`);
       const was = source.value;
-      source.replaceChildren(h("option", { value: "" }, t("every source")), ...reply.sources.map((each) => h("option", { value: each, selected: each === was }, each)));
+      source.replaceChildren(h("option", { value: "" }, t("all sources")), ...reply.sources.map((each) => h("option", { value: each, selected: each === was }, each)));
       put(count, `${reply.total} ${t("alarms")}`);
       alarms.update(reply.alarms.slice(0, 300));
     } catch (error) { put(count, t(error.message)); }

@@ -8,7 +8,7 @@ export function mount(root, { t, cell, me, post, changeControl, unable }) {
   const canvas = h("div", { class: "canvas", id: "robot", role: "img", "aria-label": t("robot and path") });
   const order = (code, more = {}) => post("/api/command", { code, mask: 2 ** cell.axes.length - 1, ...more });
   const override = h("input", { type: "range", min: "0", max: "100", step: "1", value: "100", style: "width:14rem", "aria-label": t("override"), oninput: () => { turning = Date.now() + 1500; }, onchange: () => order("override", { velocity: Number(override.value) / 100 }) });
-  const hold = h("button", { type: "button", id: "hold", onclick: () => post("/api/stop", undefined, "Stop is ordered") }, t("Feed hold"));
+  const hold = h("button", { type: "button", id: "hold", onclick: () => post("/api/stop", undefined, "Stop requested") }, t("Feed hold"));
   const resume = h("button", { type: "button", onclick: () => order("resume") }, t("Resume"));
   const abandon = h("button", { type: "button", onclick: () => order("abandon") }, t("Abandon rest"));
   const control = h("button", { type: "button", class: "main", onclick: changeControl });
@@ -41,7 +41,7 @@ export function mount(root, { t, cell, me, post, changeControl, unable }) {
       table.update(page.axes);
       const words = [[t("state"), t(["at rest", "moving", "stopping", "stopped on the path", "referencing"][head.motion])], [t("override"), `${head.override} %`], [t("order"), page.job || "-"], [t("progress"), page.job ? `${Math.round(page.progress * 100)} %` : "-"]];
       const q = page.queue;
-      if ("waiting" in q) words.push([t("program"), q.job || "-"], [t("block"), q.block || "-"], [t("blocks waiting"), q.waiting], [t("pieces handed on"), q.handed], [t("fault"), say(q.fault) || "-"], [t("warning"), say(q.warning) || "-"]);
+      if ("waiting" in q) words.push([t("program"), q.job || "-"], [t("block"), q.block || "-"], [t("blocks waiting"), q.waiting], [t("pieces passed on"), q.handed], [t("fault"), say(q.fault) || "-"], [t("warning"), say(q.warning) || "-"]);
       else words.push([t("queue"), t("no planner in this cell: one move at a time")]);
       const key = JSON.stringify(words);
       if (queue.dataset.key !== key) { queue.dataset.key = key; queue.replaceChildren(facts(words)); }

@@ -74,7 +74,7 @@ export function mount(root, { t, live, may, me, changeControl, unable }) {
   for (const end of ["visibilitychange", "freeze"]) document.addEventListener(end, all);
   for (const end of ["blur", "pagehide"]) window.addEventListener(end, all);
   root.append(h("div", { class: "grid" }, h("section", { class: "card w12" }, screen, state, h("div", { class: "bar" }, typed, control), keys,
-    h("p", { class: "soft small", id: "phg-held" }, t("Keys with a thick frame act while they are held; movement keys need control. This is no enabling device.")))));
+    h("p", { class: "soft small", id: "phg-held" }, t("Keys with a thick frame act while they are held; movement keys need control. This is not an enabling device.")))));
   return {
     update(reply) {
       put(control, me.holds ? t("Release control") : t("Request control"));

@@ -27,7 +27,7 @@ export function mount(root, { t, get, post, unable }) {
   const operand = h("input", { id: "plc-operand", placeholder: "M10.0, M10, MD10, E0.6", size: "12", "aria-label": t("operand") });
   const value = h("input", { id: "plc-value", placeholder: "0, 255, 1FH", size: "10", "aria-label": t("value") });
   const write = h("button", { type: "button", id: "plc-write", onclick: () => give(false) }, t("Write"));
-  const free = h("button", { type: "button", id: "plc-free", onclick: () => give(true) }, t("End the force"));
+  const free = h("button", { type: "button", id: "plc-free", onclick: () => give(true) }, t("Stop forcing"));
   const seen = (row) => (row.valid ? shown.get(row.step) : undefined);
   const number = (n) => SHOWS[form](n);
   const table = new Table([
@@ -73,7 +73,7 @@ export function mount(root, { t, get, post, unable }) {
     const input = words.match(/^[EI]\s*(\d+)\.([0-7])$/);
     if (!input) return post("/api/plc/write", { operand: words, value: value.value.trim() || "0" }, "The marker is written");
     const bit = 8 * (page.first_byte + Number(input[1])) + Number(input[2]);
-    return end ? post("/api/unforce", { bit }, "The force is ended") : post("/api/force", { bit, value: Number(value.value) ? 1 : 0 }, "The input is forced");
+    return end ? post("/api/unforce", { bit }, "Forcing has stopped") : post("/api/force", { bit, value: Number(value.value) ? 1 : 0 }, "The input is forced");
   }
   const timer = setInterval(look, EVERY_MS);
   root.append(h("div", { class: "grid" },
@@ -82,7 +82,7 @@ export function mount(root, { t, get, post, unable }) {
       h("div", { class: "bar" }, choose, h("button", { type: "button", onclick: () => name && open(name, first) }, t("Read again")), before, after, h("label", {}, `${t("numbers")} `, numbers)),
       note, table.element,
       h("div", { class: "bar" }, operand, value, write, free),
-      h("p", { class: "soft small" }, t("Inputs are forced until the force is ended; a marker is written once, between two scans. A click on a command takes its operand.")))));
+      h("p", { class: "soft small" }, t("Inputs stay forced until you stop forcing; a marker is written once, between two scans. Click a command to select its operand.")))));
   return {
     update(reply) {
       if (!reply) return;

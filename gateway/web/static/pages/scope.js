@@ -4,7 +4,7 @@ import { Plot, colour, drawXy, parse } from "../plot.js";
 import { Kept } from "../watch.js";
 
 const MOST = 16;
-const FORMS = [["", "at once"], [">", "passes upwards"], ["<", "passes downwards"], ["rises", "rises"], ["falls", "falls"], ["changes", "changes"], ["error", "an error appears"]];
+const FORMS = [["", "at once"], [">", "rises above"], ["<", "falls below"], ["rises", "rises"], ["falls", "falls"], ["changes", "changes"], ["error", "an error appears"]];
 
 export function mount(root, { t, get, post, cell, toast, unable }) {
   const first = cell.axes[0]?.name;
@@ -106,7 +106,7 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
     } },
     { title: t("unit"), cell: text((row) => row.unit) },
     { title: "A", n: true, cell: text((row) => row.a) }, { title: "B", n: true, cell: text((row) => row.b) }, { title: "B \u2212 A", n: true, cell: text((row) => row.difference) },
-    { title: t("least"), n: true, cell: text((row) => row.low) }, { title: t("greatest"), n: true, cell: text((row) => row.high) },
+    { title: t("minimum"), n: true, cell: text((row) => row.low) }, { title: t("maximum"), n: true, cell: text((row) => row.high) },
     { title: t("scale from"), cell: ends(0) }, { title: t("scale to"), cell: ends(1) },
   ], (row) => row.name, { label: t("Channels") });
 
@@ -167,14 +167,14 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
   }
 
   // ---- files --------------------------------------------------------------------------------------------------------------
-  const kept = h("select", { id: "kept", "aria-label": t("kept recordings") });
+  const kept = h("select", { id: "kept", "aria-label": t("saved recordings") });
   const label = h("input", { id: "recording-name", maxlength: "60", pattern: "[A-Za-z0-9][A-Za-z0-9_+\\-]*", placeholder: t("name"), "aria-label": t("name"), style: "width:11rem" });
-  const keep = h("button", { type: "button", id: "keep", onclick: async () => { if (!label.reportValidity() || !label.value) { label.focus(); return; } const reply = await post("/api/scope/save", { name: label.value }, "The recording is kept"); if (reply) list(reply.saved); } }, t("Keep"));
+  const keep = h("button", { type: "button", id: "keep", onclick: async () => { if (!label.reportValidity() || !label.value) { label.focus(); return; } const reply = await post("/api/scope/save", { name: label.value }, "The recording is saved"); if (reply) list(reply.saved); } }, t("Save"));
   const reopen = h("button", { type: "button", id: "reopen", onclick: () => post("/api/scope/open", { name: kept.value }) }, t("Reopen"));
   const file = h("input", { type: "file", accept: ".scope", id: "scope-file", hidden: true, onchange: async () => { try { take(parse(await file.files[0].arrayBuffer())); } catch { toast(t("This file is not a recording"), "bad"); } } });
   const taken = ["scope", "csv", "mf4"].map((kind) => h("a", { class: "button", href: `/api/scope/file?as=${kind}`, download: "", id: `take-${kind}` }, kind.toUpperCase()));
   function list(saved) { kept.replaceChildren(...saved.map(({ name: each }) => h("option", {}, each))); openable(); }
-  function openable() { grey(reopen, unable("operator") || (kept.value ? "" : t("nothing is kept yet"))); } // the names may come behind the last update
+  function openable() { grey(reopen, unable("operator") || (kept.value ? "" : t("nothing saved yet"))); } // the names may come behind the last update
   get("/api/scope/names").then((reply) => {
     known.replaceChildren(...[...reply.channels, ...reply.signals].map((each) => h("option", { value: each })));
     list(reply.saved);
@@ -183,7 +183,7 @@ export function mount(root, { t, get, post, cell, toast, unable }) {
   root.append(known, h("section", { class: "card" },
     h("div", { class: "bar low" }, h("label", {}, t("channel"), name), h("button", { type: "button", id: "add-channel", onclick: add }, t("Add")), chosen),
     h("div", { class: "bar low" }, h("label", {}, t("trigger"), form), h("label", {}, t("trigger channel"), at), h("label", {}, t("trigger level"), level),
-      h("label", {}, t("before the trigger, s"), pre), h("label", {}, t("from it on, s"), seconds), start, h("label", {}, t("window, s"), view), roll, chips),
+      h("label", {}, t("before the trigger, s"), pre), h("label", {}, t("after the trigger, s"), seconds), start, h("label", {}, t("window, s"), view), roll, chips),
     h("div", { class: "bar" }, layouts.element)),
   h("section", { class: "card", style: "margin-top:.9rem" },
     h("div", { class: "bar low" }, joint, swap, xAxis, yAxis, h("label", {}, `${t("cursor")} A, s`, times[0]), h("label", {}, `${t("cursor")} B, s`, times[1])),

@@ -13,7 +13,7 @@ export function mount(root, { t, get, post, may, live, unable }) {
   const found = h("span", { class: "soft", id: "found", role: "status" });
   const tree = h("div", { class: "tree" });
   const detail = h("section", { class: "card", id: "detail" }, h("p", { class: "soft" }, t("Choose a row to see where the value is used.")));
-  const unforce = h("button", { type: "button", id: "unforce-all", class: "danger", onclick: () => post("/api/unforce", {}, "No input is forced any more") }, t("End all forces"));
+  const unforce = h("button", { type: "button", id: "unforce-all", class: "danger", onclick: () => post("/api/unforce", {}, "No input is forced now") }, t("Stop all forcing"));
   const list = new WatchList({ t, get, post, unable, find: () => find() }, () => { if (list.open) find(); else table.update(rows); });
   const table = new Table([
     { title: t("name"), cell: (row, td) => { if (!td.firstChild) td.append(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, list.star(row.id), h("button", { type: "button", class: "link", "data-row": row.id, onclick: () => show(row) }, row.name))); list.mark(td.querySelector(".star"), row.id); } },
@@ -72,7 +72,7 @@ export function mount(root, { t, get, post, may, live, unable }) {
     const attributes = (what) => ({ type: "button", class: "tiny", disabled: !may("setter"), "data-force": `${row.id}=${what}` });
     const keys = row.kind === "bit" ? ["0", "1"].map((value) => h("button", { ...attributes(value), onclick: () => lay(value) }, value))
       : [h("button", { ...attributes("value"), onclick: async () => { const value = await asked(t, `${row.addresses[0]} ${row.name}, ${row.type} ${row.unit}`, shown(row)); if (value) lay(value); } }, t("force"))];
-    td.replaceChildren(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, keys, forced ? h("button", { ...attributes("end"), onclick: () => post("/api/unforce/word", { id: row.id }, "The force has ended") }, t("end")) : null));
+    td.replaceChildren(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, keys, forced ? h("button", { ...attributes("end"), onclick: () => post("/api/unforce/word", { id: row.id }, "Forcing has stopped") }, t("end")) : null));
   }
   function force(row, td) {
     if (row.id.startsWith("db:")) { forceWord(row, td); return; }
@@ -83,7 +83,7 @@ export function mount(root, { t, get, post, may, live, unable }) {
     const bit = Number(row.id.slice(3));
     const key = (title, path, body, done) => h("button", { type: "button", class: "tiny", disabled: !may("setter"), "data-force": `${row.id}=${body.value ?? "end"}`, onclick: () => post(path, body, done) }, title);
     td.replaceChildren(h("span", { class: "bar", style: "margin:0;flex-wrap:nowrap" }, key("0", "/api/force", { bit, value: 0 }, "The input is forced"), key("1", "/api/force", { bit, value: 1 }, "The input is forced"),
-      forced ? key(t("end"), "/api/unforce", { bit }, "The force has ended") : null));
+      forced ? key(t("end"), "/api/unforce", { bit }, "Forcing has stopped") : null));
   }
   function show(row) {
     chosen = row.id;
