@@ -9,15 +9,15 @@ from gateway.files.find import read_evidence
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 TABLE = re.compile(r"\| what works \| evidence \| not shown yet \|\n\|---\|---\|---\|\n(?:\|.*\n)*")
 LEVELS = ("specified", "emulator", "bench", "plant")
-HEAD = """# What it takes the place of, and how far that was proved
+HEAD = """# What axisgate replaces, with evidence
 
 Made by `make docs` from `configs/evidence.toml`; the page shows the same levels for the parts of a running cell.
 
 | level | means |
 |---|---|
 | specified | written from a manual or standard and tested against its text |
-| emulator | ran against our own other side |
-| bench | ran against foreign hardware or software on a bench |
+| emulator | ran against axisgate's own emulator or partner |
+| bench | ran against third-party hardware or software on a bench |
 | plant | ran in production |
 
 > "Replaces" means: takes over the listed functions, to the listed evidence level. Functions not listed are absent. Keep the old
