@@ -42,7 +42,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--can", action="append", default=[], metavar="IFACE", help="a CAN interface; may be given again")
     parser.add_argument("--json", action="store_true", help="a list of JSON objects on standard output")
     parser.add_argument("--hour", metavar="CELL", help="measure for an hour how late this machine is, compared with the cycle of the cell")
-    parser.add_argument("--seconds", type=float, default=3600.0, help="with --hour: another time than an hour")
+    parser.add_argument("--seconds", type=float, default=3600.0, help="with --hour: this time instead of an hour")
     options = parser.parse_args(argv)
     if options.hour:
         return _hour(options)

@@ -65,7 +65,7 @@ def main(argv: list[str]) -> int:
         return _fault(arguments.tool, of_file(error), ENVIRONMENT)
     except ImportError as error:
         return _fault(
-            arguments.tool, f"this port needs {error.name}, which this system has not; use COM..., rfc2217:// or tcp://", ENVIRONMENT
+            arguments.tool, f"this port needs {error.name}, which this system does not have; use COM..., rfc2217:// or tcp://", ENVIRONMENT
         )
     except KeyboardInterrupt:
         return DONE if arguments.tool == "monitor" else _fault(arguments.tool, "interrupted before its end", INTERRUPTED)

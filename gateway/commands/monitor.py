@@ -50,7 +50,7 @@ def make_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         "axisgate monitor", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("run", nargs="?", metavar="RUN", help="name of the run, when several are up")
+    parser.add_argument("run", nargs="?", metavar="RUN", help="name of the run, if several are active")
     parser.add_argument(
         "--tab", choices=(*TABS, "all"), help="the tab to begin with; with --once what is printed (default all but signals)"
     )

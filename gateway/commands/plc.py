@@ -77,7 +77,7 @@ def parser() -> argparse.ArgumentParser:
     two.add_argument("--watchdog", type=_count, default=30, metavar="N", help="longest scan in 1/100 s (_ITIME_PLC, default 30)")
     two.add_argument("--scans", type=_count, default=100, metavar="N", help="scans 0 to N-1 (default 100)")
     two.add_argument(
-        "--at", action="append", default=[], metavar='"N WHAT"', help="in front of scan N: E0.6=1, M20=5, EA2=4.5, START, STOP, ACK .."
+        "--at", action="append", default=[], metavar='"N WHAT"', help="before scan N: E0.6=1, M20=5, EA2=4.5, START, STOP, ACK .."
     )
     three = actions.add_parser("import", help="translate a statement list")
     three.add_argument("file", type=pathlib.Path, metavar="FILE", help="text file: listing of STEP 5 or source of STEP 7")

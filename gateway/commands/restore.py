@@ -1,4 +1,4 @@
-"""Restore a backup: its files are checked before anything is changed; existing files are kept beside."""
+"""Restore a backup: its files are checked before anything is changed; existing files are kept under another name."""
 
 import argparse
 import json
@@ -13,7 +13,7 @@ from gateway.tools.usage_language import complain
 EXAMPLES = """examples:
   axisgate restore cell.zip --to /etc/axisgate --dry-run    check it and report what would be done; changes nothing
   axisgate restore cell.zip --to /etc/axisgate              into a folder that has none of its files, or the same ones
-  axisgate restore cell.zip --to /etc/axisgate --replace    other files of that name are kept beside as NAME.before-TIME
+  axisgate restore cell.zip --to /etc/axisgate --replace    other files of that name are kept as NAME.before-TIME
 exit code: 0 restored (or --dry-run: could be), 1 other files are in the way, 2 it is no backup or does not fit, 3 the gateway is running"""
 
 

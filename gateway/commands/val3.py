@@ -30,7 +30,7 @@ EXAMPLES = """examples:
   axisgate val3 run usrapp/cycle --virtual --json          run it in virtual time; data, tasks, log and moves at the end
   axisgate val3 run usrapp/cycle --virtual --robot tx60-like --at 2 dio.start=1 --at 9 app=stop --until 20
   axisgate val3 password -                                 the VAL 3 password of a ZIP library, for libLoad
-  axisgate val3 import /mnt/card --out cell4.toml          a cell of usr/configs and usr/usrapp of a flash card
+  axisgate val3 import /mnt/card --out cell4.toml          a cell from usr/configs and usr/usrapp of a flash card
 WHAT of --at: dio.NAME, aio.NAME, mode, power, speed, estop, hold, app=stop, or a global: nCount, sPart[2], mSlow.vel.
 exit code: 0 done, 1 faults found or a task ended in an error, 2 command line or files invalid"""
 ROBOT = "tx60-like"

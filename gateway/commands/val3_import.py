@@ -27,7 +27,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("card", metavar="CARD", type=pathlib.Path, help="copy of the flash card: the folder with usr in it, or its .zip")
     parser.add_argument("--application", metavar="NAME", help="application to run, if the card has several and none has autostart")
     parser.add_argument("--out", metavar="FILE", type=pathlib.Path, help="cell file to write, never overwritten (default NAME.toml)")
-    parser.add_argument("--json", action="store_true", help="file, application and doubts as JSON")
+    parser.add_argument("--json", action="store_true", help="file, application and open points as JSON")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -61,7 +61,7 @@ def make_parser() -> argparse.ArgumentParser:
         if name != "list":
             tool.add_argument("name", metavar="NAME")
         if name == "add":
-            tool.add_argument("--role", choices=ROLES, required=True, help="each may what those before it may")
+            tool.add_argument("--role", choices=ROLES, required=True, help="each includes the rights of those before it")
         if name in ("add", "password"):
             tool.add_argument("--stdin", action="store_true", help="the password is read from standard input, without asking")
         tool.add_argument("--sim", action="store_true", help="users of the simulated run of this cell")

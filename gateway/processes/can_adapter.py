@@ -145,11 +145,11 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m gateway.processes.can_adapter", description="A CAN adapter on the local bus of a run.")
     parser.add_argument("--bus", required=True, help="broker:NAME")
     parser.add_argument("--port", required=True, help="INTERFACE:CHANNEL[@BITRATE][?OPTION=VALUE&...]")
-    parser.add_argument("--bitrate", type=int, default=1_000_000, help="bit/s where the port does not say (default %(default)s)")
+    parser.add_argument("--bitrate", type=int, default=1_000_000, help="bit/s if the port names none (default %(default)s)")
     parser.add_argument(
-        "--fresh-ms", type=int, default=16, help="frames of the cycle older than this are not handed on (default %(default)s)"
+        "--fresh-ms", type=int, default=16, help="frames of the cycle older than this are not passed on (default %(default)s)"
     )
-    parser.add_argument("--listen-only", action="store_true", help="hand nothing on to the adapter")
+    parser.add_argument("--listen-only", action="store_true", help="pass nothing to the adapter")
     arguments = parser.parse_args(argv)
     die_with_parent(number=signal.SIGKILL)
     stop = False

@@ -304,7 +304,7 @@ class CanopenMaster:
                 boots = node.boots
                 booted = self._carry(node, start_up(plan, adopting=adopting))
                 if node.boots > boots + (not adopting) or node.asked != asked:
-                    raise BootRefused("was reset while it was started up", dead=True)
+                    raise BootRefused("was reset during its start-up", dead=True)
         except BootRefused as refusal:
             self._failed(node, refusal)
         except Exception as error:  # a thread that died in silence would leave the node waiting for ever

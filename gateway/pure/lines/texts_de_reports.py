@@ -11,7 +11,7 @@ REPORT = {
     ),
     "axisgate is not a safety device. It has no safety function, no performance level and no certificate. Emergency stop, safe torque off, "
     "guards, enabling devices and speed monitoring must be realised in certified hardware that works without axisgate.": (
-        "axisgate ist keine Sicherheitseinrichtung. Not-Halt, STO, Schutztueren, Zustimmung und sichere Geschwindigkeit sind in "
+        "axisgate ist keine Sicherheitseinrichtung. Not-Halt, STO, Schutztueren, Zustimmeinrichtungen und sichere Geschwindigkeit sind in "
         "zertifizierter Hardware auszufuehren, die ohne axisgate wirkt. Grenzwerte in axisgate schuetzen Teile, nicht Personen."
     ),
     "3964R probe": "3964R-Pruefung",

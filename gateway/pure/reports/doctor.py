@@ -61,7 +61,7 @@ def serial_port(port: PortState) -> list[Finding]:
         return [Finding(what, "missing", "does not exist", "plug the adapter in; ls /dev/serial/by-id/ shows what is there")]
     if not (port.readable and port.writable):
         member = (
-            "log out and in again: the group counts from the next login"
+            "log out and in again: the group takes effect at the next login"
             if port.in_group
             else f"sudo usermod -aG {port.group or DIALOUT} $USER"
         )
@@ -80,7 +80,7 @@ def real_time(state: RealTime) -> list[Finding]:
     limits = "put into /etc/security/limits.d/axisgate.conf: '* - rtprio 40' and '* - memlock unlimited', then log in again"
     findings = []
     if state.fifo_error:
-        text = f"SCHED_FIFO refused ({state.fifo_error}; rtprio limit {state.rtprio}): demo and rig run at P5 = 10 ms"
+        text = f"SCHED_FIFO refused ({state.fifo_error}; rtprio limit {state.rtprio}): the demo and run --sim use P5 = 10 ms"
         findings.append(Finding("real time", "warn", text, limits))
     else:
         findings.append(Finding("real time", "ok", f"SCHED_FIFO allowed (rtprio limit {state.rtprio})"))
@@ -101,7 +101,7 @@ def can_interface(can: CanState) -> list[Finding]:
         todo = "" if can.up else f"sudo ip link set {can.name} up"
         return [Finding(what, "ok" if can.up else "warn", f"vcan, {'up' if can.up else 'down'}: no bit rate, no errors, no limit", todo)]
     if can.kind != "can":
-        return [Finding(what, "missing", f"is no CAN interface (kind {can.kind or 'unknown'})", "ip -details link shows which are")]
+        return [Finding(what, "missing", f"is not a CAN interface (kind {can.kind or 'unknown'})", "ip -details link shows which are")]
     link = f"sudo ip link set {can.name}"
     set_up = f"{link} down; {link} type can bitrate 1000000 restart-ms 0; {link} up"
     findings = [Finding(what, "ok" if can.up else "warn", "up" if can.up else "down", "" if can.up else set_up)]

@@ -196,7 +196,7 @@ class Retained:
             values, spoiled = self._file.values()
             self._last = {kind: records[-1] for kind in self._file.kinds() if (records := self._file.history(kind))}
         except RetainError as error:
-            self.events.append(f"retained data: {error}; defaults count")
+            self.events.append(f"retained data: {error}; defaults apply")
             return {}
         if spoiled:
             self.events.append(f"retained data: {self._file.path}: {', '.join(spoiled[:8])} damaged; their defaults apply")

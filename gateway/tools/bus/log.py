@@ -24,7 +24,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("bus", help=FORM)
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True, help="file")
     parser.add_argument("--bitrate", type=int, default=1_000_000, help="bit/s (default %(default)s)")
-    parser.add_argument("--seconds", type=float, help="end after so long")
+    parser.add_argument("--seconds", type=float, help="end after this time")
     arguments = parser.parse_args(argv)
     try:
         writer = LogWriter(arguments.output, arguments.bus)

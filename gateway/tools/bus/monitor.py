@@ -101,7 +101,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--canopen", action="store_true", help="decode as CANopen")
     parser.add_argument("--bitrate", type=int, default=1_000_000, help="bit/s (default %(default)s)")
     parser.add_argument("--count", type=int, help="end after so many frames")
-    parser.add_argument("--seconds", type=float, help="end after so long")
+    parser.add_argument("--seconds", type=float, help="end after this time")
     parser.add_argument("--summary", action="store_true", help="only the table of identifiers at the end")
     parser.add_argument("--json", action="store_true", help="one JSON object a frame")
     arguments = parser.parse_args(argv)

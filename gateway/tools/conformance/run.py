@@ -240,7 +240,7 @@ def open_port(url: str, line_format: str, marks: bool | None = None) -> ToolPort
     try:
         return opener(url, line_format, marks)
     except ImportError as error:
-        raise PortError(0, f"this port needs {error.name}, which this system has not; use COM..., rfc2217:// or tcp://") from error
+        raise PortError(0, f"this port needs {error.name}, which this system does not have; use COM..., rfc2217:// or tcp://") from error
 
 
 @contextlib.contextmanager

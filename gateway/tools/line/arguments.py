@@ -188,7 +188,7 @@ def _monitor_arguments(tool: argparse.ArgumentParser) -> None:
 
 
 def _listening_arguments(tool: argparse.ArgumentParser) -> None:
-    tool.add_argument("--seconds", type=_seconds, help="end after so long (default: until Ctrl-C)")
+    tool.add_argument("--seconds", type=_seconds, help="end after this time (default: until Ctrl-C)")
     tool.add_argument("--plain", action="store_true", help="procedure 3964: blocks without check")
     tool.add_argument(
         "--save", type=pathlib.Path, metavar="FILE", help="save what is received as a record for learn, export and monitor --record"
