@@ -89,7 +89,9 @@ def _answers(reasons: list[Reason], language: str) -> list[tuple[str, str, str, 
 
 def table(reasons: list[Reason], language: str = "en") -> list[str]:
     """As printed on a terminal."""
-    rows = [f"{judged:5} {key:8} {answer:10} {text}" for key, answer, judged, text in _answers(reasons, language)]
+    answers = _answers(reasons, language)
+    width = max(5, *(len(judged) for _key, _answer, judged, _text in answers))
+    rows = [f"{judged:{width}} {key:8} {answer:10} {text}" for key, answer, judged, text in answers]
     return [*rows, "", _in(f"whole.{WORDS[verdict(reasons)]}", language), _in("limits", language)]
 
 

@@ -124,10 +124,10 @@ def test_assess_and_check_speak_the_language_of_the_system(tmp_path: pathlib.Pat
         return subprocess.run([*command, *words], check=False, capture_output=True, text=True, timeout=60, env=environment).stdout
 
     german = said("de_DE.UTF-8", "assess", *given, "--html", str(page))
-    assert "das Programm ihrer SPS" in german and "Mit: axisgate kann die Steuerung ersetzen" in german
+    assert "das Programm ihrer SPS" in german and "Bedingt: axisgate kann die Steuerung ersetzen" in german
     assert "its PLC" not in german and '<html lang="de">' in page.read_text() and "Unterschrift" in page.read_text()
     assert "the program of its PLC" in said("en_GB.UTF-8", "assess", *given)
-    assert "Mit: axisgate" in said("en_GB.UTF-8", "assess", "--language", "de", *given)
+    assert "Bedingt: axisgate" in said("en_GB.UTF-8", "assess", "--language", "de", *given)
     cell = tmp_path / "own.toml"
     cell.write_text('format = 1\n[cell]\nname = "own"\n[rho3]\nP402 = 1\n')
     assert "Warnung  rho3.P402: wirkungslos: Referenzieren ein oder aus" in said("de_AT", "check", str(cell))
