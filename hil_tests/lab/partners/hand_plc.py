@@ -71,7 +71,7 @@ class Hand:
         try:
             end = one.wait(lambda block: not block.bit(*BUSY) and (block.bit(*DONE) or block.bit(*ERROR)), 30, "the move")
         except TimeoutError:
-            return f"the move did not end in 30 s; {said(one.status)}"
+            return unfinished(one.status)
         return said(end)
 
     def end(self) -> None:
@@ -83,6 +83,11 @@ def said(block: Block) -> str:
     """DB 11 in words."""
     outcome = "done" if block.bit(*DONE) else f"refused or ended, error {words_of(block.word(1))}"
     return f"{outcome}; A1 is at {block.word(2)} (KF, 0.1 mm)"
+
+
+def unfinished(block: Block) -> str:
+    """The block is the last one that was fetched: on a pulled cable it still shows the move, so it reports no outcome."""
+    return f"the move did not end in 30 s; DB 11 was last fetched with A1 at {block.word(2)} (KF, 0.1 mm); plug the line in, then: on"
 
 
 def carried_out(hand: Hand, wish: str) -> str:
