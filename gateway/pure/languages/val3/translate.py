@@ -19,6 +19,7 @@ from gateway.pure.languages.val3.typing_rules import EQUAL
 TARGET = re.compile(r"@(\d+)@")
 CLOSERS = {"endif": "if", "endwhile": "while", "until": "do", "endfor": "for", "endswitch": "switch"}
 SHOWN = {"endif": "endIf", "endwhile": "endWhile", "endfor": "endFor", "endswitch": "endSwitch"}
+NO_SERVER = "opcuaexport"  # s8: variables for clients of OPC UA
 COMPLIANCE = ("movejf", "movelf", "iscompliant")  # instructions of an option of s7
 CONDITIONS = ("if", "elseif", "while", "until")
 OPENERS = {opener: closer for closer, opener in CLOSERS.items()}
@@ -72,6 +73,8 @@ class ProgramTranslator:
             except RecursionError:
                 self._fault(number, "expression nested too deeply")
         for block in reversed(self.blocks if self.crossed is None else []):  # where closing words are mixed up, that is named already
+            if block.spare:
+                continue
             self._fault(
                 block.line,
                 f"{shown(OPENERS[block.kind])} does not match for" if block.kind == "for" else f"{shown(OPENERS[block.kind])} expected",
@@ -143,7 +146,7 @@ class ProgramTranslator:
 
     def _innermost(self, kind: str) -> bool:
         """Whether the innermost open block is of this kind.  One that a closing word has crossed before lacks its own: it is over."""
-        if len(self.blocks) > 1 and self.blocks[-1] is self.crossed and self.blocks[-1].kind != kind:
+        while len(self.blocks) > 1 and self.blocks[-1].kind != kind and (self.blocks[-1].spare or self.blocks[-1] is self.crossed):
             self._place(self.blocks.pop().end)
         if self.blocks and self.blocks[-1].kind == kind:
             return True
@@ -186,8 +189,10 @@ class ProgramTranslator:
             name = f"${after.text}" if token.text == "$" and after.kind == "name" else ""
             if token.text.lower() in COMPLIANCE and after.text == "(" and token.text not in self.app.programs:
                 name = token.text
+            place = Position(self.program.file, self.line, token.start + 1)
+            if token.text.lower() == NO_SERVER and after.text == "(":
+                self.faults.warning("val3-add-on", place, f"'{token.text}' : there is no OPC UA server, it has no effect")
             if name:
-                place = Position(self.program.file, self.line, token.start + 1)
                 self.faults.warning("val3-add-on", place, f"'{name}' : add-on not installed")
                 first = first or name
         return first
@@ -215,6 +220,8 @@ class ProgramTranslator:
         self._emit([f"if {condition.code}: return @next@", f"return @{block.again}@"], condition.waits)
 
     def _branch(self, word: str, parser: Expressions) -> Block:
+        while len(self.blocks) > 1 and self.blocks[-1].spare and self.blocks[-2].kind == "if":
+            self._place(self.blocks.pop().end)
         if not self.blocks or self.blocks[-1].kind != "if":
             raise CompileFault(f"{word} does not match if", parser.tokens[0].start + 1)
         block = self.blocks[-1]
@@ -232,13 +239,20 @@ class ProgramTranslator:
         self._emit([f"if {condition.code}: return @next@", f"return @{block.again}@"], condition.waits)
 
     def _do_else(self, parser: Expressions, translator: Translator) -> None:
-        self._branch("else", parser).step = "else"
+        block = self._branch("else", parser)
+        block.step = "else"
+        if parser.next.text.lower() == "if":  # with one endIf it was meant as elseIf, with two as an if of its own: one fault either way
+            block.spare = True
+            self._open("if", parser.next.start + 1)
+            raise CompileFault("'else if' : elseIf expected", parser.tokens[0].start + 1)
 
     def _do_endif(self, parser: Expressions, translator: Translator) -> None:
         block = self._close("endif", parser)
         self._place(block.again)
         self._place(block.end)
         self.blocks.pop()
+        if block.spare and self.blocks and self.blocks[-1].kind == "if":
+            self.blocks[-1].spare = True
 
     # ---- loops -----------------------------------------------------------------------------------------------------------
     def _do_while(self, parser: Expressions, translator: Translator) -> None:

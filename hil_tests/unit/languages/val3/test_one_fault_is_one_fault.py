@@ -94,3 +94,24 @@ def test_words_that_close_another_block(code: str, line: int, text: str) -> None
 def test_text_behind_the_last_line() -> None:
     errors = found(lambda path, data: data.replace(b"x=1\nend]", b"x=1\nend\n// remark\nx=2]"))
     assert errors == [NOPE, ("sub.pgx", 4, "text behind end")]
+
+
+ELSE_IF = "'else if' : elseIf expected"
+
+
+@pytest.mark.parametrize(
+    ("code", "lines"),
+    [
+        ("if n==1\nn=2\nelse if n==2\nn=3\nendIf", [4]),
+        ("if n==1\nn=2\nelse if n==2\nn=3\nendIf\nendIf", [4]),
+        ("while n<3\nif n==1\nelse if n==2\nendIf\nendWhile", [4]),
+        ("while n<3\nif n==1\nelse if n==2\nendIf\nendIf\nendWhile", [4]),
+        ("if n>0\nif n==1\nelse if n==2\nendIf\nelse\nn=4\nendIf", [4]),
+        ("if n>0\nif n==1\nelse if n==2\nendIf\nendIf\nendIf", [4]),
+        ("if n==1\nelse if n==2\nelse if n==3\nelse\nn=4\nendIf", [3, 4]),
+        ("if n==1\nelse if n==2\nelse if n==3\nendIf\nendIf\nendIf", [3, 4]),
+        ("switch n\ncase 1\nif n==1\nelse if n==2\nendIf\nbreak\ncase 2\nbreak\nendSwitch", [5]),
+    ],
+)
+def test_else_if_in_two_words_is_one_fault_with_one_end_and_with_two(code: str, lines: list[int]) -> None:
+    assert faults_of(code, datum("n", "num")) == [(line, ELSE_IF) for line in lines]
