@@ -23,11 +23,10 @@ class Screen:
 
     def press(self, key: str) -> bool:
         """A character, or the number of a key code; False: neither."""
-        number = finite(key) if len(key) > 1 else None
-        if number is None and len(key) != 1:
-            return False
-        self.keys.append(float(ord(key)) if number is None else number)
-        return True
+        code = code_of(key)
+        if code is not None:
+            self.keys.append(code)
+        return code is not None
 
     def clear(self) -> None:
         """cls."""
@@ -56,3 +55,8 @@ class Screen:
             self.line += 1
         else:
             self.lines = [*self.lines[1:], " " * COLUMNS]
+
+
+def code_of(key: str) -> float | None:
+    """Code of a character, or a number that is one; None: neither."""
+    return float(ord(key)) if len(key) == 1 else finite(key)

@@ -20,7 +20,7 @@ from gateway.pure.languages.val3.values import (
     Structure,
     UserV,
 )
-from gateway.pure.languages.val3.virtual_events import Event, check_names, happen
+from gateway.pure.languages.val3.virtual_events import Event, check_events, happen
 
 
 @dataclass(slots=True)
@@ -41,7 +41,7 @@ class Run:
     def begin(self) -> None:
         """What is there before the start, then start()."""
         self.events.sort(key=lambda event: event.at)
-        check_names(self.own, self.events)
+        check_events(self.machine, self.own, self.events)
         self.machine.operator = any(event.what == "answer" for event in self.events)
         self._happen(0)
         self.machine.start(self.own)

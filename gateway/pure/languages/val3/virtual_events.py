@@ -10,6 +10,7 @@ from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.pages import EVENTS
 from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, NO_DATA, REMOTE, TEST
+from gateway.pure.languages.val3.screen import code_of
 from gateway.pure.languages.val3.strings import finite
 from gateway.pure.languages.val3.values import AioV, DioV, Grid, LinkV, places
 from gateway.pure.languages.val3.virtual_io import Status
@@ -19,6 +20,7 @@ MODES = {"manual": MANUAL, "test": TEST, "local": LOCAL, "remote": REMOTE}
 REFRESH = ("default", "nojitter")
 MOST_RATIO, MOST_US = 250, 1e6
 NOWHERE = (LookupError, ValueError, AttributeError, TypeError, Rte)  # a path to a value that is not there
+PUSHED = "one number a joint inside its travel, and an arm at rest without power or on hold, are expected"
 WORDS = {"true": 1.0, "on": 1.0, "false": 0.0, "off": 0.0}
 
 
@@ -66,12 +68,25 @@ def happen(machine: Machine, own: Instance, event: Event) -> None:
         put(machine, own, event)
 
 
-def check_names(own: Instance, events: Iterable[Event]) -> None:
-    """EventFault for a name that nothing has, also of an event behind the end of the run."""
+def check_events(machine: Machine, own: Instance, events: Iterable[Event]) -> None:
+    """EventFault for a name that nothing has and a value that means nothing, also of an event behind the end of the run."""
     for event in events:
         kind, _, name = event.what.partition(".")
-        if not (kind in PLANT and name) and event.what not in OPERATOR:
+        if (kind in PLANT and name) or event.what in OPERATOR:
+            CHECKS.get(kind, _anything)(machine, event)
+        else:
             _known(own, event)
+            if (found := _found(own, event.what)) is not None:  # else it may be there by then
+                _value_for(found, event)
+
+
+def _found(own: Instance, name: str) -> object:
+    """The value of a global; None: it is not there now."""
+    try:
+        container, place = _place(own, name)
+        return places(container)[place]
+    except NOWHERE:
+        return None
 
 
 def _known(own: Instance, event: Event) -> None:
@@ -88,11 +103,7 @@ def linked(machine: Machine, own: Instance, name: str) -> str:
     if dot and last.isdecimal():  # a connection of a server
         return f"{linked(machine, own, plain)}.{last}"
     if machine.io.find(name) is None and not machine.sio.knows(name):
-        try:
-            container, place = _place(own, name)
-            found = places(container)[place]
-        except NOWHERE:
-            found = None
+        found = _found(own, name)
         if isinstance(found, LinkV) and found.link:
             return found.link
     return name
@@ -108,7 +119,11 @@ def signal(machine: Machine, name: str, event: Event) -> None:
 
 def state(machine: Machine, name: str, event: Event) -> None:
     """io.NAME=locked: what ioStatus shows."""
-    machine.io.declare(name).status = STATES[_one_of(event, STATES)]
+    machine.io.declare(name).status = _state_of(machine, event)
+
+
+def _state_of(_: Machine, event: Event) -> Status:
+    return STATES[_one_of(event, STATES)]
 
 
 def _one_of(event: Event, words: Iterable[str]) -> str:
@@ -119,23 +134,35 @@ def _one_of(event: Event, words: Iterable[str]) -> str:
 
 def mode(machine: Machine, event: Event) -> None:
     """The key switch."""
-    machine.robot.mode = MODES[_one_of(event, MODES)]
+    machine.robot.mode = _mode_of(machine, event)
+
+
+def _mode_of(_: Machine, event: Event) -> int:
+    return MODES[_one_of(event, MODES)]
 
 
 def speed(machine: Machine, event: Event) -> None:
     """The monitor speed, by the operator."""
+    machine.robot.speed = _percent(machine, event)
+
+
+def _percent(_: Machine, event: Event) -> float:
     value = number(event)
     if not 0 <= value <= 100:
         raise EventFault(f"speed={event.value}: 0 to 100 is expected")
-    machine.robot.speed = value
+    return value
 
 
 def estop(machine: Machine, event: Event) -> None:
     """The safety chain."""
+    machine.robot.stop(_chain(machine, event))
+
+
+def _chain(_: Machine, event: Event) -> int:
     value = number(event)
     if value not in (0, 1, 2, 3):
         raise EventFault(f"estop={event.value}: 0, 1, 2, 3 are expected")
-    machine.robot.stop(round(value))
+    return round(value)
 
 
 def hold(machine: Machine, event: Event) -> None:
@@ -145,31 +172,41 @@ def hold(machine: Machine, event: Event) -> None:
 
 def joints(machine: Machine, event: Event) -> None:
     """joints=J1,J2,..: the arm is jogged or pushed while its power is off or it is held."""
-    try:
-        values = [float(part) for part in event.value.split(",")]
-    except ValueError:
-        values = []
     moves = machine.moves_or_none
-    if moves is None or not moves.push(values):
-        raise EventFault(
-            f"joints={event.value}: one number a joint inside its travel, and an arm at rest without power or on hold, are expected"
-        )
+    if moves is None or not moves.push(_joints_of(machine, event)):
+        raise EventFault(f"joints={event.value}: {PUSHED}")
+
+
+def _joints_of(machine: Machine, event: Event) -> list[float]:
+    values = [finite(part) for part in event.value.split(",")]
+    found = [value for value in values if value is not None]
+    if len(found) != len(values) or len(found) != machine.axes:
+        raise EventFault(f"joints={event.value}: {PUSHED}")
+    return found
 
 
 def ratio(machine: Machine, event: Event) -> None:
     """ratio=N: system cycles from one refresh of the user boards to the next, as set at the pendant."""
+    _boards(machine).ratio = _cycles(machine, event)
+
+
+def _cycles(_: Machine, event: Event) -> int:
     value = number(event)
     if value != -1 and not (value.is_integer() and 1 <= value <= MOST_RATIO):
         raise EventFault(f"ratio={event.value}: -1 or a whole number 1 to {MOST_RATIO} is expected")
-    _boards(machine).ratio = 1 if value == -1 else int(value)
+    return 1 if value == -1 else int(value)
 
 
 def board(machine: Machine, name: str, event: Event) -> None:
     """board.NAME=US: one refresh of a user board takes so long."""
+    _boards(machine).times[name.lower()] = _nanoseconds(machine, event)
+
+
+def _nanoseconds(_: Machine, event: Event) -> int:
     value = number(event)
     if not 0 <= value <= MOST_US:
         raise EventFault(f"{event.what}={event.value}: 0 to {MOST_US:g} us are expected")
-    _boards(machine).times[name.lower()] = round(value * 1000)
+    return round(value * 1000)
 
 
 def _boards(machine: Machine) -> UserBoards:
@@ -180,35 +217,52 @@ def _boards(machine: Machine) -> UserBoards:
 
 def refresh(machine: Machine, event: Event) -> None:
     """refresh=default or noJitter: the mode of the user boards in cell.cfx."""
-    _boards(machine).no_jitter = _one_of(event, REFRESH) == "nojitter"
+    _boards(machine).no_jitter = _without_jitter(machine, event)
+
+
+def _without_jitter(_: Machine, event: Event) -> bool:
+    return _one_of(event, REFRESH) == "nojitter"
 
 
 def brakes(machine: Machine, event: Event) -> None:
     """brakes=R1,R2,..: what brakeTest finds of each axis, 0, 1 or 2; none: no data; at:J1,J2,..: the position in which it is made."""
-    service, (word, separator, rest) = machine.robot.service, event.value.partition(":")
+    service, values = machine.robot.service, _results(machine, event)
+    if ":" in event.value:
+        service.brake_position = values
+    else:
+        service.brakes = tuple(int(value) for value in values)
+
+
+def _results(machine: Machine, event: Event) -> tuple[float, ...]:
+    """Results of the axes, or the position behind at:."""
+    word, separator, rest = event.value.partition(":")
     if event.value.lower() == "none":
-        service.brakes = (NO_DATA,)
-        return
+        return (NO_DATA,)
     try:
         values = tuple(float(part) for part in (rest if separator else event.value).split(","))
     except ValueError:
         values = ()
     if len(values) != machine.axes or (word.lower() != "at" if separator else any(value not in (0, 1, 2) for value in values)):
         raise EventFault(f"brakes={event.value}: none, 0, 1 or 2 for each of {machine.axes} axes, or at: and a position are expected")
-    if separator:
-        service.brake_position = values
-    else:
-        service.brakes = tuple(int(value) for value in values)
+    return values
 
 
 def hibernate(machine: Machine, event: Event) -> None:
     """hibernate=CODE: what hibernateRobot answers without power."""
-    machine.robot.service.hibernate = _code(event, (0, -1, -2, -4))
+    machine.robot.service.hibernate = _hibernated(machine, event)
+
+
+def _hibernated(_: Machine, event: Event) -> int:
+    return _code(event, (0, -1, -2, -4))
 
 
 def wake(machine: Machine, event: Event) -> None:
     """wakeup=CODE: what wakeUpRobot answers."""
-    machine.robot.service.wake = _code(event, (0, -1, -2, -3))
+    machine.robot.service.wake = _woken(machine, event)
+
+
+def _woken(_: Machine, event: Event) -> int:
+    return _code(event, (0, -1, -2, -3))
 
 
 def profile(machine: Machine, event: Event) -> None:
@@ -235,8 +289,12 @@ def connect(machine: Machine, event: Event) -> None:
 
 def app(machine: Machine, event: Event) -> None:
     """app=stop."""
-    _one_of(event, ("stop",))
+    _stopped(machine, event)
     machine.stop()
+
+
+def _stopped(_: Machine, event: Event) -> str:
+    return _one_of(event, ("stop",))
 
 
 def channel(machine: Machine, name: str, event: Event) -> None:
@@ -251,12 +309,16 @@ def channel(machine: Machine, name: str, event: Event) -> None:
         case "disconnect":
             machine.sio.disconnect(name)
         case _:
-            try:
-                data = bytes.fromhex(value[4:]) if value.startswith("hex:") else text_bytes(value)
-            except ValueError:
-                raise EventFault(f"sio.{name}={value}: pairs of hexadecimal digits are expected") from None
+            data = _telegram(machine, event)
             if not machine.sio.hear(name, data, which):
                 machine.note(f"sio {name}: no connection is open, {len(data)} bytes are lost", "SYS")
+
+
+def _telegram(_: Machine, event: Event) -> bytes:
+    try:
+        return bytes.fromhex(event.value[4:]) if event.value.startswith("hex:") else text_bytes(event.value)
+    except ValueError:
+        raise EventFault(f"{event.what}={event.value}: pairs of hexadecimal digits are expected") from None
 
 
 def text_bytes(text: str) -> bytes:
@@ -266,15 +328,20 @@ def text_bytes(text: str) -> bytes:
 
 def page(machine: Machine, name: str, event: Event) -> None:
     """page.PAGE.OBJECT=click, mousedown, mouseup; page.PAGE.OBJECT.ATTRIBUTE=VALUE is an entry."""
-    parts = name.split(".", 2)
-    if len(parts) == 2 and event.value.lower() in EVENTS:
+    parts = _object(machine, event)
+    if len(parts) == 2:
         if fault := machine.pages.happen(parts[0], parts[1], event.value.lower()):
             machine.note(fault, "PAGE")
-    elif len(parts) == 3:
-        if not machine.pages.enter(parts[0], parts[1], parts[2], event.value):
-            machine.note(f"page {parts[0]}, {parts[1]}.{parts[2]}: the entry {event.value!r} is not taken", "PAGE")
-    else:
+    elif not machine.pages.enter(parts[0], parts[1], parts[2], event.value):
+        machine.note(f"page {parts[0]}, {parts[1]}.{parts[2]}: the entry {event.value!r} is not taken", "PAGE")
+
+
+def _object(_: Machine, event: Event) -> list[str]:
+    """Page, object, and attribute where it is an entry."""
+    parts = event.what.split(".", 3)[1:]
+    if len(parts) != 3 and not (len(parts) == 2 and event.value.lower() in EVENTS):
         raise EventFault(f"{event.what}={event.value}: page.PAGE.OBJECT={'|'.join(EVENTS)} or page.PAGE.OBJECT.ATTRIBUTE=VALUE")
+    return parts
 
 
 def put(machine: Machine, own: Instance, event: Event) -> None:
@@ -285,17 +352,25 @@ def put(machine: Machine, own: Instance, event: Event) -> None:
         old = places(container)[place]
     except NOWHERE:
         raise EventFault(f"{event.what}: there is no such value") from None
+    value = _value_for(old, event)
+    if isinstance(old, DioV | AioV):
+        if not old.link:
+            raise EventFault(f"{event.what}: it has no link")
+        machine.io.declare(old.link).value = float(value)
+    else:
+        places(container)[place] = value
+
+
+def _value_for(old: object, event: Event) -> float | bool | str:
+    """The value of the event in the type of what it sets."""
     match old:
         case bool():
-            places(container)[place] = number(event) != 0
-        case float():
-            places(container)[place] = number(event)
+            return number(event) != 0
         case str():
-            places(container)[place] = event.value
-        case DioV() | AioV() if old.link:
-            machine.io.declare(old.link).value = number(event)
-        case _:
-            raise EventFault(f"{event.what}: only numbers, bools, strings, dio and aio are set")
+            return event.value
+        case float() | DioV() | AioV():
+            return number(event)
+    raise EventFault(f"{event.what}: only numbers, bools, strings, dio and aio are set")
 
 
 def _place(own: Instance, text: str) -> tuple[object, object]:
@@ -323,8 +398,21 @@ def _element(container: object, text: str) -> tuple[object, object]:
 
 def key(machine: Machine, event: Event) -> None:
     """key=A or key=271: a key of the pendant, for getKey and get."""
-    if not machine.screen.press(event.value):
+    machine.screen.press(_key_of(machine, event))
+
+
+def _key_of(_: Machine, event: Event) -> str:
+    if code_of(event.value) is None:
         raise EventFault(f"key={event.value}: one character or the number of a key is expected")
+    return event.value
+
+
+def _number_of(_: Machine, event: Event) -> float:
+    return number(event)
+
+
+def _anything(_: Machine, event: Event) -> str:
+    return event.value
 
 
 LINKED = ("dio", "aio", "io", "sio")  # a variable's name means what it is linked to
@@ -353,4 +441,26 @@ OPERATOR: dict[str, Callable[[Machine, Event], None]] = {
     "wakeup": wake,
     "profile": profile,
     "app": app,
+}
+CHECKS: dict[str, Callable[[Machine, Event], object]] = {  # what a value means, or EventFault
+    "dio": _number_of,
+    "aio": _number_of,
+    "io": _state_of,
+    "sio": _telegram,
+    "page": _object,
+    "board": _nanoseconds,
+    "mode": _mode_of,
+    "power": _number_of,
+    "speed": _percent,
+    "estop": _chain,
+    "hold": _number_of,
+    "key": _key_of,
+    "joints": _joints_of,
+    "connect": _number_of,
+    "refresh": _without_jitter,
+    "ratio": _cycles,
+    "brakes": _results,
+    "hibernate": _hibernated,
+    "wakeup": _woken,
+    "app": _stopped,
 }
