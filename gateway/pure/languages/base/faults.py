@@ -48,8 +48,9 @@ class Faults:
 
     most: int | None = None
     warnings: bool = True  # False: warnings are dropped
+    texts: bool = False  # True: other words at the same place are another fault, of readers that know no columns
     _found: list[SourceFault] = field(default_factory=list)
-    _places: set[tuple[str, Position]] = field(default_factory=set)
+    _places: set[tuple[str, Position, str]] = field(default_factory=set)
     _spoilt: set[Position] = field(default_factory=set)
 
     def error(self, id: str, position: Position, text: str, hint: str = "") -> None:
@@ -67,7 +68,7 @@ class Faults:
 
     def add(self, fault: SourceFault) -> None:
         """A fault that was found elsewhere."""
-        key = (fault.id, fault.position)
+        key = (fault.id, fault.position, fault.text if self.texts else "")
         if key not in self._places and fault.position not in self._spoilt and not (self.full and fault.severity is Severity.ERROR):
             self._places.add(key)
             self._found.append(fault)

@@ -4,6 +4,7 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.val3.disk import Disk, PathFault, resolve
 from gateway.pure.languages.val3.model import (
+    MOST_IN_FILES,
     MOST_VALUES,
     Application,
     Declaration,
@@ -132,12 +133,23 @@ class Reader:
             total = 1
             for size in sizes or ():
                 total *= size
-            if not sizes or len(sizes) > 3 or min(sizes) < 1 or total > MOST_VALUES:
-                self._say(path, each.line, f"'{name}' : size {each.get('size')!r}; 1 to 3 sizes from 1, {MOST_VALUES} values at most")
+            if not sizes or len(sizes) > 3 or min(sizes) < 1 or total > MOST_IN_FILES:
+                self._say(path, each.line, f"'{name}' : size {each.get('size')!r}; 1 to 3 sizes from 1, {MOST_IN_FILES} values at most")
                 return None
+            if total > MOST_VALUES:
+                self.faults.warning(
+                    "val3-size", Position(path, each.line), f"'{name}' : {total} values; a program makes {MOST_VALUES} at most"
+                )
             declared.dims, declared.sizes = len(sizes), sizes
-        declared.values = [self._value(path, declared, one) for one in each.all("Value")]
-        declared.values = [value for value in declared.values if self._key_fits(path, declared, value)]
+        found = dict[str, Initial]()
+        for value in (self._value(path, declared, one) for one in each.all("Value")):
+            if not self._key_fits(path, declared, value):
+                continue
+            if value.key in found:
+                self._say(path, value.line, f"'{name}' : there are two values with the key {value.key!r}")
+            else:
+                found[value.key] = value
+        declared.values = [*found.values()]
         return declared
 
     def _value(self, path: str, declared: Declaration, each: Element) -> Initial:

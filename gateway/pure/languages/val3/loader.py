@@ -60,7 +60,7 @@ class Loader:
         """The files of an application, once."""
         key = f"{folder}/{name}".lower()
         if key not in self._read:
-            faults = Faults()
+            faults = Faults(texts=True)
             self._read[key] = (Reader(self.disk, faults).application(folder, name), faults)
             app = self._read[key][0]
             if app is not None:
@@ -148,7 +148,7 @@ class Loader:
             made = Loaded(Application(name, folder), read_faults) if len(read_faults) else None
             self._loaded[key] = made
             return made
-        faults = Faults()
+        faults = Faults(texts=True)
         _pass_on(read_faults, faults)
         self._interfaces(app, faults)
         made = Loaded(app, faults)

@@ -31,7 +31,8 @@ WORDS: dict[str, tuple[str, ...]] = {
     "wrist": ("wpositive", "wnegative", "wsame", "wfree"),
     "blend": ("off", "joint", "Cartesian"),
 }
-MOST_VALUES = 9999
+MOST_VALUES = 9999  # insert, append and resize make no more (L1141)
+MOST_IN_FILES = 99_999  # files of s8.15 declare 10000
 
 
 @dataclass(eq=False, slots=True)
@@ -136,6 +137,11 @@ class Application:
     lost_data: bool = False  # a whole file of them
     lost_programs: bool = False
     lost_libraries: set[str] = field(default_factory=set)
+
+    @property
+    def since_s8(self) -> bool:
+        """Its controller was an s8 or later."""
+        return self.version[:2].lower() not in ("", "s7")
 
     @property
     def project(self) -> str:

@@ -10,7 +10,9 @@ from gateway.pure.languages.val3.initial_values import BOOLS, number, word
 from gateway.pure.languages.val3.model import STRUCTURED, WORDS, Application, Declaration, Initial, Type, UserType
 from gateway.pure.languages.val3.values import LONGEST
 
-NUMBERS = re.compile(r"r?[xyz]|j\d+|[oc]time|open|close|accel|vel|decel|[tr]vel|[tr]max|leave|reach")  # attributes of structured types
+NUMBERS = re.compile(
+    r"r?[xyz]|j\d+|[oc]time|open|close|ioOpen|ioClose|accel|vel|decel|[tr]vel|[tr]max|leave|reach"
+)  # attributes of structured types
 
 
 def check_values(app: Application, faults: Faults) -> None:
@@ -30,8 +32,8 @@ def _wrong(declared: Declaration, kind: Type) -> Iterator[tuple[int, str, bool]]
         elif kind == "string":
             if len(value.attributes.get("value", "").encode("utf-8", "replace")) > LONGEST:
                 yield value.line, f"a string holds {LONGEST} bytes, the rest is cut off", False
-        elif text := _wrong_value(value, kind):
-            yield value.line, text, True
+        else:
+            yield from ((value.line, text, True) for text in _wrong_value(value, kind))
 
 
 def _wrong_fields(value: Initial, kind: UserType) -> Iterator[tuple[int, str, bool]]:
@@ -50,20 +52,17 @@ def _same_type(given: Declaration, wanted: Declaration) -> bool:
     return given.dims == wanted.dims and isinstance(wanted.type, UserType)
 
 
-def _wrong_value(value: Initial, kind: str) -> str:
-    """What is wrong with it; "" where nothing is."""
+def _wrong_value(value: Initial, kind: str) -> Iterator[str]:
+    """What is wrong with it."""
     given = value.attributes
-    try:
-        if kind == "num":
-            number(given.get("value", "0"))
-        elif kind == "bool" and given.get("value", "false").lower() not in BOOLS:
-            return f"{given['value']!r} is neither true nor false"
-        elif kind in STRUCTURED:
-            for name, text in given.items():
-                if name in WORDS:
-                    word(name, text)
-                elif NUMBERS.fullmatch(name):
-                    number(text)
-    except Rte as fault:
-        return fault.detail
-    return ""
+    if kind == "bool" and given.get("value", "false").lower() not in BOOLS:
+        yield f"{given['value']!r} is neither true nor false"
+    fields = {"value": given.get("value", "0")} if kind == "num" else given if kind in STRUCTURED else {}
+    for name, text in fields.items():
+        try:
+            if name in WORDS:
+                word(name, text)
+            elif kind == "num" or NUMBERS.fullmatch(name):
+                number(text)
+        except Rte as fault:
+            yield fault.detail

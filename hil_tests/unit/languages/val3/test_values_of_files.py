@@ -107,6 +107,7 @@ def test_start_and_stop_have_no_parameters_and_names_are_declared_once() -> None
     assert [(file, text) for file, _, text in found] == [
         ("demo/start.pgx", "'start' : the program cannot have parameters"),
         ("demo/sub.pgx", "'x_n' is declared twice"),
+        ("demo/sub.pgx", "'l_a' is declared twice"),
     ]
 
 
@@ -168,3 +169,34 @@ def test_what_a_parameter_a_program_and_a_collection_cannot_be(file: str, old: s
     found = Loader(Disk(files)).load("demo", "demo")
     assert found is not None
     assert text in [fault.text[: len(text)] for fault in found.faults if fault.severity.value == "error"]
+
+
+def test_a_key_that_is_there_twice() -> None:
+    twice = value("a", value=1) + value("b") + value("a", value=2)
+    found = errors(App(data=datum("c", "num", "", twice) + datum("g", "num", "2,2", value("0,1", value=1) + value("0, 1", value=2))))
+    assert found == [
+        ("demo/demo.dtx", 4, "'c' : there are two values with the key 'a'"),
+        ("demo/demo.dtx", 5, "'g' : there are two values with the key '0,1'"),
+    ]
+
+
+def test_each_fault_of_a_line_is_named() -> None:
+    app = App(data=datum("m", "mdesc", "1", value(vel="fast", blend="round")) + datum("p", "point", "1", value(x="1,5", wrist="up")))
+    assert [text for _, _, text in errors(app)] == [
+        "'m' : 'fast' is no number",
+        "'m' : blend 'round': there are off, joint, Cartesian",
+        "'p' : '1,5' is no number",
+        "'p' : wrist 'up': there are wpositive, wnegative, wsame, wfree",
+    ]
+    files = dict(disk(App()).files)
+    head = (
+        files["demo/demo.pjx"].replace(b'stackSize="5000"', b'stackSize="many"').replace(b'millimeterUnit="true"', b'millimeterUnit="inch"')
+    )
+    files["demo/demo.pjx"] = head.replace(b'<Program file="start.pgx" />', b'<Program file="one.pgx" /><Program file="two.pgx" />')
+    found = Loader(Disk(files)).load("demo", "demo")
+    assert found is not None and [fault.text for fault in found.faults] == [
+        "stackSize 'many'; a whole number of bytes above 0 is expected",
+        "millimeterUnit 'inch' is neither true (mm) nor false (inch)",
+        "the file one.pgx is missing",
+        "the file two.pgx is missing",
+    ]
