@@ -7,15 +7,16 @@ from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance, Program
 from gateway.pure.languages.val3.tasks import RUNNING, SUSPENDED, SYSTEM_CYCLE, Task
-from gateway.pure.languages.val3.values import cut
+from gateway.pure.languages.val3.values import LONGEST, cut
 
 Waiting = Generator[Ns | None, None, object]
-LONGEST_NAME = 15
+LONGEST_NAME = 15  # up to s7; applications of s8 have longer ones
 MOST_TASKS = 200
 
 
 def _named(own: Instance, name: str) -> None:
-    if not 1 <= len(name) <= LONGEST_NAME or not all(each.isascii() and (each.isalnum() or each == "_") for each in name):
+    longest = LONGEST if own.loaded.app.since_s8 else LONGEST_NAME
+    if not 1 <= len(name) <= longest or not all(each.isascii() and (each.isalnum() or each == "_") for each in name):
         raise Rte(29, repr(name))
     if own.machine.task(own, name) is not None:
         raise Rte(31, name)

@@ -68,7 +68,7 @@ class Translator(VariableTranslator):
         codes += [self._argument(value, parameter) for value, parameter in zip(values, form.parameters, strict=True)]
         waits = form.waits or any(value.waits for value in values)
         function = form.function
-        if function == "to_binary" and self.scope.app.version[:2].lower() not in ("", "s7"):
+        if function == "to_binary" and self.scope.app.since_s8:
             function = "to_binary_of_what_is_there"  # s8 applications give the number of bytes
         code = f"f_{function}({', '.join(codes)})"
         return Value(f"(yield from {code})" if form.waits else code, form.result, node, waits=waits)

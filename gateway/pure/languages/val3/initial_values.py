@@ -127,7 +127,7 @@ def initial(declared: Declaration, value: Initial, home: Surroundings, linked: b
 
 
 BOOLS = {"true": True, "1": True, "false": False, "0": False}
-ALIASES = {"tmax": "tvel", "rmax": "rvel", "open": "otime", "close": "ctime"}
+ALIASES = {"tmax": "tvel", "rmax": "rvel", "open": "otime", "close": "ctime", "ioOpen": "otime", "ioClose": "ctime"}
 
 
 def fill(made: Structure, given: dict[str, str]) -> None:

@@ -107,7 +107,7 @@ def _plain(own: Instance, value: object) -> dict[str, object]:
         case LinkV():
             return {"link": value.link} if value.link else {}
         case ToolV():
-            found = {**_plain(own, value.trsf), "otime": _number(value.otime), "ctime": _number(value.ctime)}
+            found = {**_plain(own, value.trsf), "ioOpen": _number(value.otime), "ioClose": _number(value.ctime)}
             return {**found, "ioLink": value.gripper.link or "", **_father(own, value.father)}
         case FrameV():
             return {**_plain(own, value.trsf), **_father(own, value.father)}

@@ -249,7 +249,7 @@ LIBRARY = {  # identifier:instruction
     "libpath": [Signature("libPath", "string", (), "lib_path_of", False)],
     "libexist": [Signature("libExist", "bool", ("string",), "lib_exist", False)],
 }
-SPECIAL = frozenset("wait watch size isdefined insert delete append resize first last next prev getdata".split())
+SPECIAL = frozenset("wait watch size isdefined insert delete append resize first last next prev getdata opcuaexport".split())
 PAGES = frozenset(
     "userpagebind userpageunbind userpageset userpagebindmouseup userpagebindmousedown userpagebindclick userpageunbindmouseup "
     "userpageunbindmousedown userpageunbindclick".split()

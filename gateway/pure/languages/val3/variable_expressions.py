@@ -29,7 +29,7 @@ class VariableTranslator(ValueTranslator):
             return self._waiting(node, name)
         if name in ("insert", "delete") and len(arguments) != 1:
             return None
-        wanted = {"resize": 3, "getdata": 2}.get(name, 1)
+        wanted = {"resize": 3, "getdata": 2, "opcuaexport": 2}.get(name, 1)
         if len(arguments) != wanted and not (name == "size" and len(arguments) == 2):
             raise self.fault(node, "invalid number of parameters")
         if name == "getdata":
@@ -48,6 +48,7 @@ class VariableTranslator(ValueTranslator):
             "last": self._on_last,
             "next": self._on_next,
             "prev": self._on_prev,
+            "opcuaexport": self._on_opcuaexport,
         }
         return handlers[name](node, value)
 
@@ -141,6 +142,10 @@ class VariableTranslator(ValueTranslator):
 
     def _on_prev(self, node: Invoke, value: Value) -> Value:
         return self._key(node, value, "prev", True)
+
+    def _on_opcuaexport(self, node: Invoke, value: Value) -> Value:
+        self.of(node.arguments[1], "bool")  # whether clients may write it
+        return Value("0.0", "num", node)
 
     def _key(self, node: Invoke, value: Value, what: str, indexed: bool) -> Value:
         if value.dims != 0:

@@ -7,7 +7,7 @@ from gateway.pure.languages.val3.loader import Loader
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.virtual import Run, declare_links
 from gateway.pure.languages.val3.virtual_events import event_of
-from hil_tests.unit.languages.val3.apps import SPACE, XSI, App, error_of, globals_of, machine
+from hil_tests.unit.languages.val3.apps import SPACE, XSI, App, error_of, faults_of, globals_of, machine
 
 Files = dict[str, str]
 
@@ -219,3 +219,53 @@ def test_sizes_of_tables_as_controllers_write_them() -> None:
     saved = made.disk.files
     assert b'size="3 2"' in saved["copy/copy.dtx"] and b'key="2,1"' in saved["copy/copy.dtx"]
     assert b'size="1 30"' in saved["copy/start.pgx"]
+
+
+def test_times_of_a_tool_as_s8_writes_them() -> None:
+    tool = data("tGrip", "tool", 'key="0" z="62.5" fatherId="flange[0]" ioLink="ValveIO\\valve1" ioOpen="0.5" ioClose="0.25"')
+    numbers = "".join(data(name, "num") for name in ("nOpen", "nClose", "nTime"))
+    code = "  nOpen=tGrip.otime\n  nClose=tGrip.ctime\n  open(tGrip)\n  nTime=clock()"
+    found = played(project("grip", {"start.pgx": pgx("start", code), "stop.pgx": pgx("stop", "")}, tool + numbers), "grip")["globals"]
+    assert isinstance(found, dict)
+    assert (found["nOpen"], found["nClose"], round(found["nTime"], 2)) == (0.5, 0.25, 0.5)
+
+
+def test_libsave_writes_the_times_of_a_tool_as_s8_does() -> None:
+    tool = data("tGrip", "tool", 'key="0" ioOpen="0.5"')
+    files = project("grip", {"start.pgx": pgx("start", '  libSave("copy")'), "stop.pgx": pgx("stop", "")}, tool)
+    made = Machine(Disk({path: text.encode() for path, text in files.items()}))
+    own = made.instance("grip", "grip", "")
+    assert own is not None
+    Run(made, own, 10**9, []).go()
+    saved = made.disk.read("copy/copy.dtx")
+    assert saved is not None and b'ioOpen="0.5"' in saved and b"otime" not in saved
+
+
+def test_arrays_of_more_values_than_a_program_can_make() -> None:
+    """Applications of s8.15 have them; append and resize keep their limit (L1141)."""
+    programs = {"start.pgx": pgx("start", "  nRecord[9999]=5\n  nSize=size(nRecord)\n  append(nRecord)"), "stop.pgx": pgx("stop", "")}
+    found = played(project("record", programs, data("nRecord", "num", size="10000") + data("nSize", "num")), "record")
+    assert isinstance(found["globals"], dict) and isinstance(found["tasks"], dict)
+    assert found["globals"]["nSize"] == 10000 and found["tasks"]["record~"]["status"] == 40
+
+
+def test_names_of_tasks_from_s8_on() -> None:
+    code = '  taskCreate "N15_AproAgafarPuntes",50,work()\n  nStatus=taskStatus("N15_AproAgafarPuntes")'
+    programs = {"start.pgx": pgx("start", code), "stop.pgx": pgx("stop", ""), "work.pgx": pgx("work", "  delay(0.1)")}
+    found = played(project("long", programs, data("nStatus", "num"), version="s8.8.3cs9_BS1660"), "long")
+    assert found["globals"] == {"nStatus": 1} and found["tasks"] == {}
+    old = played(project("long", programs, data("nStatus", "num")), "long")["tasks"]
+    assert isinstance(old, dict) and old["long~"]["status"] == 29
+
+
+def test_variables_for_opc_ua_are_a_warning() -> None:
+    code = "  opcuaExport(nCount,true)\n  opcuaExport(sText,false)\n  opcuaExport(bOn[1],true)\n  nCount=opcuaExport(nCount,true)+1"
+    variables = data("nCount", "num") + data("sText", "string") + data("bOn", "bool", size="2")
+    files = project("opc", {"start.pgx": pgx("start", code), "stop.pgx": pgx("stop", "")}, variables, version="s8.15.3Cs9_BS3337")
+    loaded = Loader(Disk({path: text.encode() for path, text in files.items()})).load("opc", "opc")
+    assert loaded is not None
+    found = [(each.severity.value, each.position.line, each.text) for each in loaded.faults]
+    assert found == [("warning", line, "'opcuaExport' : there is no OPC UA server, it has no effect") for line in (2, 3, 4, 5)]
+    assert played(files, "opc")["globals"] == {"nCount": 1, "sText": "", "bOn": [False, False]}
+    wrong = [fault for _, fault in faults_of("opcuaExport(5,true)\nopcuaExport(n,5)", data("n", "num")) if "'5'" in fault]
+    assert wrong == ["'5' : variable expected as parameter", "'5' : invalid type"]
