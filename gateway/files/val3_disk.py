@@ -5,6 +5,7 @@ import pathlib
 from gateway.pure.languages.val3.disk import Disk
 
 KINDS = (".pjx", ".dtx", ".pgx", ".html", ".zip")
+BINDINGS = ".bindings.json"  # beside a page
 LARGEST = 64 << 20  # bytes of all files together
 
 
@@ -18,7 +19,7 @@ def read_disk(folder: pathlib.Path) -> Disk:
     size = 0
     try:
         for path in sorted(folder.rglob("*")):
-            if path.suffix.lower() in KINDS and path.is_file():
+            if (path.suffix.lower() in KINDS or path.name.lower().endswith(BINDINGS)) and path.is_file():
                 files[path.relative_to(folder).as_posix()] = data = path.read_bytes()
                 size += len(data)
                 if size > LARGEST:

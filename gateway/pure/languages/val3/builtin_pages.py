@@ -8,6 +8,7 @@ from gateway.pure.languages.val3.disk import PathFault
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.numbers import Place
+from gateway.pure.languages.val3.page_bindings import bind_from_file
 from gateway.pure.languages.val3.page_catalogue import doubt, objects_of, page_place
 from gateway.pure.languages.val3.pages import MOST, Prompt, Where
 from gateway.pure.languages.val3.strings import f_to_string, finite
@@ -43,6 +44,8 @@ def f_user_page(own: Instance, name: str) -> float:
     if _page_file(own, name) is None:
         return -1.0
     own.machine.note(f"user page {name}", "PAGE")
+    for text in bind_from_file(own, name):
+        own.machine.note(text, "PAGE")
     own.machine.pages.load(name, own.loaded.app.path)
     return 0.0
 

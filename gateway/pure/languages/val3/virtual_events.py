@@ -5,21 +5,20 @@ from dataclasses import dataclass
 
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.val3.boards import UserBoards
-from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.instance import Instance
 from gateway.pure.languages.val3.machine import Machine
+from gateway.pure.languages.val3.named_values import NOWHERE, place_of
 from gateway.pure.languages.val3.pages import EVENTS
 from gateway.pure.languages.val3.robot_state import LOCAL, MANUAL, NO_DATA, REMOTE, TEST
 from gateway.pure.languages.val3.screen import code_of
 from gateway.pure.languages.val3.strings import finite
-from gateway.pure.languages.val3.values import AioV, DioV, Grid, LinkV, places
+from gateway.pure.languages.val3.values import AioV, DioV, LinkV, places
 from gateway.pure.languages.val3.virtual_io import Status
 
 STATES = {"works": Status.WORKS, "locked": Status.LOCKED, "simulated": Status.SIMULATED, "fault": Status.FAULT, "unknown": Status.UNKNOWN}
 MODES = {"manual": MANUAL, "test": TEST, "local": LOCAL, "remote": REMOTE}
 REFRESH = ("default", "nojitter")
 MOST_RATIO, MOST_US = 250, 1e6
-NOWHERE = (LookupError, ValueError, AttributeError, TypeError, Rte)  # a path to a value that is not there
 PUSHED = "one number a joint inside its travel, and an arm at rest without power or on hold, are expected"
 WORDS = {"true": 1.0, "on": 1.0, "false": 0.0, "off": 0.0}
 
@@ -83,7 +82,7 @@ def check_events(machine: Machine, own: Instance, events: Iterable[Event]) -> No
 def _found(own: Instance, name: str) -> object:
     """The value of a global; None: it is not there now."""
     try:
-        container, place = _place(own, name)
+        container, place = place_of(own.data, name)
         return places(container)[place]
     except NOWHERE:
         return None
@@ -348,7 +347,7 @@ def put(machine: Machine, own: Instance, event: Event) -> None:
     """A global: name, name[3], name[key], name.field."""
     _known(own, event)
     try:
-        container, place = _place(own, event.what)
+        container, place = place_of(own.data, event.what)
         old = places(container)[place]
     except NOWHERE:
         raise EventFault(f"{event.what}: there is no such value") from None
@@ -371,29 +370,6 @@ def _value_for(old: object, event: Event) -> float | bool | str:
         case float() | DioV() | AioV():
             return number(event)
     raise EventFault(f"{event.what}: only numbers, bools, strings, dio and aio are set")
-
-
-def _place(own: Instance, text: str) -> tuple[object, object]:
-    """Container and key of a value: name, name[3], name[key], name.field.  NOWHERE: there is none."""
-    steps = text.replace("]", "").replace("[", ".[").split(".")
-    container: object = own.data[steps[0]]
-    place: object = 0
-    for step in steps[1:]:
-        if step.startswith("["):
-            container, place = _element(container, step[1:])
-        else:
-            value = places(container)[place]
-            inner = getattr(value, f"u_{step}", None)
-            container, place = (inner, 0) if inner is not None else (value, step)
-    if isinstance(container, dict | Grid) and place == 0:
-        raise LookupError
-    return container, place
-
-
-def _element(container: object, text: str) -> tuple[object, object]:
-    if isinstance(container, Grid):
-        return container.flat, container.at(*(float(part) for part in text.split(",")))
-    return (container, text.strip('"')) if isinstance(container, dict) else (container, int(text))
 
 
 def key(machine: Machine, event: Event) -> None:

@@ -1,5 +1,6 @@
 """Bindings, events and prompts of user pages by VAL 3 source (reference 4.1, L2817-3108), and what a page may not bind."""
 
+import json
 from typing import Any
 
 import pytest
@@ -250,3 +251,33 @@ def test_an_answer_is_that_of_the_prompt_which_is_shown() -> None:
     answers = ((1.0, "answer=cancel"), (2.0, "answer=ok:xx"))
     found = Played('taskCreate "b",10,late()\ntaskCreate "a",10,early()', *answers, late=late, early=early).globals
     assert (found["bYes"][:2], found["sEntry"], found["nState"], found["nEntry"]) == ([False, True], "xx", 1, 2)
+
+
+def test_bindings_in_the_file_beside_a_page() -> None:
+    """As the editor of s8.15 writes it (AX-1852)."""
+
+    def row(name: str, data: str, **more: object) -> dict[str, object]:
+        return {"id": name, "attribute": "innerHTML", "data": data, "size": 1, "direction": "r", "refresh": 1, **more}
+
+    rows = [row("speed", "nSpeed[0]"), row("second", "sList[1]"), row("col", "sCol[a]"), row("hand", "jHere.j1"), row("lib", "l:nOut[1]")]
+    wrong = [row("gone", "nGone"), row("id", "nSpeed", attribute="id"), row("far", "sList[9]"), row("hidden", "l:nHidden"), 5]
+    page = b"<p id='speed'></p><p id='second'></p>"
+    lib = App("lib", datum("nOut", "num", "2", value("1", value=8)) + datum("nHidden", "num", access="private"))
+    app = App(
+        data=DATA,
+        libraries='<Library alias="l" path="Disk://lib/lib.pjx" autoload="true" />',
+        programs={"start": 'userPageBind("p","second","innerHTML",sState,1,"r")\nuserPage("p")\nnSpeed=6\nuserPage("p")'},
+    )
+    for text, shown, said in (
+        (json.dumps({"version": "1.0", "bindings": [*rows, *wrong], "callbacks": [], "events": [{}]}), True, 5),
+        ("{", False, 1),
+        ('{"bindings": 5}', False, 1),
+    ):
+        files = {"demo/interface/p.html": page, "demo/interface/p.bindings.json": text.encode()}
+        made = Machine(Disk({**app.files(), **lib.files(), **files}))
+        own = made.instance("demo", "demo", "")
+        assert own is not None
+        Run(made, own, 10**9, []).go()
+        found = {name: each["innerHTML"] for name, each in made.pages.shown()["p"].items()}
+        assert found == {"second": ""} | ({"speed": "6", "col": "x", "hand": "1.5", "lib": "8"} if shown else {})
+        assert sum("p.bindings.json" in line for line in made.log) == 2 * said, made.log
