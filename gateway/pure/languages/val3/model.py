@@ -33,6 +33,7 @@ WORDS: dict[str, tuple[str, ...]] = {
 }
 MOST_VALUES = 9999  # insert, append and resize make no more (L1141)
 MOST_IN_FILES = 99_999  # files of s8.15 declare 10000
+MOST_TOGETHER = 1_000_000  # of a variable with all that its user types are made of
 
 
 @dataclass(eq=False, slots=True)

@@ -1,5 +1,6 @@
 """Initial values of data files: what is no value of its type is named at load, with its line.  Source: N01, L954-1000, L2041."""
 
+import math
 import re
 from collections.abc import Iterator
 
@@ -7,7 +8,7 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.val3.errors import Rte
 from gateway.pure.languages.val3.initial_values import BOOLS, number, word
-from gateway.pure.languages.val3.model import STRUCTURED, WORDS, Application, Declaration, Initial, Type, UserType
+from gateway.pure.languages.val3.model import MOST_TOGETHER, STRUCTURED, WORDS, Application, Declaration, Initial, Type, UserType
 from gateway.pure.languages.val3.values import LONGEST
 
 NUMBERS = re.compile(
@@ -18,10 +19,24 @@ NUMBERS = re.compile(
 def check_values(app: Application, faults: Faults) -> None:
     """Of global data and of local variables."""
     own = [*app.data.values(), *(local for program in app.programs.values() for local in program.locals)]
+    weights = dict[int, int]()
     for declared in own:
+        if (count := weight(declared, weights)) > MOST_TOGETHER:
+            text = f"'{declared.name}' : {count} values with those of its components, {MOST_TOGETHER} at most"
+            faults.error("val3-value", Position(declared.file, declared.line), text)
         for line, text, error in _wrong(declared, declared.type):
             say = faults.error if error else faults.warning
             say("val3-value", Position(declared.file, line), f"'{declared.name}' : {text}")
+
+
+def weight(declared: Declaration, known: dict[int, int]) -> int:
+    """How many values it has at its start, with those of its components; known: of the user types so far, by identity."""
+    kind, each = declared.type, 1
+    if isinstance(kind, UserType):
+        if id(kind) not in known:
+            known[id(kind)] = sum(weight(field, known) for field in kind.fields.values())
+        each = known[id(kind)]
+    return each * (math.prod(declared.sizes) if declared.dims else len(declared.values))
 
 
 def _wrong(declared: Declaration, kind: Type) -> Iterator[tuple[int, str, bool]]:

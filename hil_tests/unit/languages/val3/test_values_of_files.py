@@ -200,3 +200,11 @@ def test_each_fault_of_a_line_is_named() -> None:
         "the file one.pgx is missing",
         "the file two.pgx is missing",
     ]
+
+
+def test_arrays_in_arrays_of_types_are_counted_together() -> None:
+    inner = App("inner", datum("n", "num", "9999"))
+    outer = App("outer", datum("i", "Inner", "9999"), types='<Type name="Inner" path="Disk://inner/inner.pjx" />')
+    app = App(data=datum("o", "Outer", "9999"), types='<Type name="Outer" path="Disk://outer/outer.pjx" />')
+    assert ("demo/demo.dtx", 4, f"'o' : {9999**3} values with those of its components, 1000000 at most") in errors(app, outer, inner)
+    assert not errors(App(data=datum("i", "Inner", "99"), types=outer.types), inner)
