@@ -40,6 +40,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with users_language():
             return command(rest)
+    except KeyboardInterrupt:  # Ctrl-C where the command does nothing of its own about it
+        return INTERRUPTED
     except BrokenPipeError:  # `| head` has seen enough
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115  nothing is flushed into the closed pipe at the end
         return 0

@@ -11,14 +11,15 @@ from gateway.pure.cell.cell import Cell
 from gateway.pure.image.records.cell import Motion
 from gateway.registry import CONTROLLERS, NO_PROGRAMS, language_in
 from gateway.tools.cell_argument import load
-from gateway.tools.client import Row, ToolClient, ToolError, mask_of, running, simulated
-from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
+from gateway.tools.client import Row, ToolClient, ToolError, heeded, interrupt_later, mask_of, running, simulated
+from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, INTERRUPTED, USAGE
 from gateway.tools.usage_language import complain
 
 IN_CELLS = ("run", "start", "stop", "status")
 WAYS = {"ended": "ended after {seconds:.2f} s", "breakpoint": "is halted at the breakpoint {place}"}
 POLL_S = 0.05
 STOP_AGAIN_S = 5.0
+KEPT_S = 10.0  # a full or slow disk
 COMES_S = 30.0  # the interpreter reads and checks all programs first
 
 
@@ -50,13 +51,15 @@ def run_in_cell(options: argparse.Namespace) -> int:
     if language_in(cell) is None:
         return _said(f"{options.cell} has no programs: {NO_PROGRAMS}", USAGE)
     try:
-        with _client(options, cell) as client:
+        with heeded(), _client(options, cell) as client:
             try:
                 return _done(client, cell, options)
             except ToolError as error:
                 return _said(str(error), FINDING)
     except ToolError as error:
         return _said(str(error), ENVIRONMENT)
+    except KeyboardInterrupt as interrupt:
+        return _said(str(interrupt) or "interrupted before its end", INTERRUPTED)
 
 
 def _said(words: str, code: int) -> int:
@@ -90,7 +93,10 @@ def _done(client: ToolClient, cell: Cell, options: argparse.Namespace) -> int:
             return DONE
     found = play(client, cell, options)
     print(json.dumps(found, indent=1) if options.json else found["sentence"])
-    return DONE if found["how"] == "ended" else FINDING
+    lost = [str(each) for each in _list(found["lost"])]
+    for each in lost:
+        complain("program", each)
+    return DONE if found["how"] == "ended" and not lost else FINDING
 
 
 def _wait_for_programs(client: ToolClient) -> None:
@@ -123,13 +129,18 @@ def _status(client: ToolClient, options: argparse.Namespace) -> int:
 
 
 def _rows(found: object) -> list[Row]:
-    return [row for row in found if isinstance(row, dict)] if isinstance(found, list) else []
+    return [row for row in _list(found) if isinstance(row, dict)]
+
+
+def _list(found: object) -> list[object]:
+    return found if isinstance(found, list) else []
 
 
 def play(client: ToolClient, cell: Cell, options: argparse.Namespace) -> Row:
     """Start it and stay until it is over; the axes are left at rest whatever happens."""
     every = mask_of(cell, [axis.name for axis in cell.axis])
     client.command("request_control")
+    run: object = None
     try:
         if options.sim or options.ready:
             client.take_over()
@@ -138,13 +149,21 @@ def play(client: ToolClient, cell: Cell, options: argparse.Namespace) -> Row:
             if searched:
                 client.command("reference", searched, timeout_s=120.0)
         began = time.monotonic()
-        run = client.ask("process", do="start", name=options.program)["run"]
         try:
+            with interrupt_later():  # or a program that has begun would not be stopped
+                run = client.ask("process", do="start", name=options.program)["run"]
             answer = _over(client, run, options.program)
         except KeyboardInterrupt:
+            if run is None:
+                raise
             answer = _stopped(client, run, options.program)
         seconds = time.monotonic() - began
         _rest(client, cell)
+        answer["lost"] = _lost(client, run)
+    except KeyboardInterrupt as interrupt:
+        if run is None:
+            raise KeyboardInterrupt(f"{options.program}: interrupted before it began") from interrupt
+        raise
     finally:
         with contextlib.suppress(ToolError):
             if options.sim:
@@ -178,6 +197,14 @@ def _over(client: ToolClient, run: object, name: str) -> Row:
     return {**answer, **failed}
 
 
+def _lost(client: ToolClient, run: object) -> list[object]:
+    """Sentences about files that the program has written and that are not on the disk: known once the interpreter has written all."""
+    end = time.monotonic() + KEPT_S
+    while not (answer := client.ask("process", do="state", run=run)).get("kept", True) and time.monotonic() < end:
+        time.sleep(POLL_S)
+    return _list(answer.get("lost"))
+
+
 def _rest(client: ToolClient, cell: Cell) -> None:
     """What a stopped program leaves is given up; a control that resumes keeps it for the next START."""
     kept = cell.controller is not None and CONTROLLERS[cell.controller.kind].resumes
@@ -195,4 +222,4 @@ def _result(client: ToolClient, name: str, answer: Row, seconds: float) -> Row:
         what = f"{answer['code']} {answer['text']}" if answer["code"] else str(answer["text"])
         words = f"{answer['how']}: {answer['place']}: {what}".replace(": :", ":")
     facts = {"program": name, **{key: answer[key] for key in ("how", "code", "text", "place")}, "seconds": round(seconds, 3), "axes": rows}
-    return {**facts, "sentence": f"{name} {words}; the axes stand at {places}"}
+    return {**facts, "lost": answer.get("lost", []), "sentence": f"{name} {words}; the axes stand at {places}"}

@@ -50,6 +50,7 @@ def _outcome(hosted: HostedPrograms, run: object) -> dict[str, object]:
         return {"error": "state: run = a number that start has given"}
     if (over := hosted.results.get(run)) is not None:
         how, code, words, place = over
-        return {"over": True, "how": how, "code": code, "text": words, "place": place}
+        kept = run in hosted.lost or not hosted.language_id
+        return {"over": True, "how": how, "code": code, "text": words, "place": place, "kept": kept, "lost": hosted.lost.get(run, [])}
     rows = [row for row in hosted.rows if row["run"] == run]
     return {"over": False, "rows": rows}

@@ -23,6 +23,7 @@ ALIVE_S = 0.25  # reading is no sign of life: what is in control says so often t
 START_UP_S = 40.0
 UNHURRIED_MS = 8  # clock of a simulation that measures times: a shared machine steals 5 ms now and then
 Row = dict[str, object]
+ENDING = (signal.SIGINT, signal.SIGTERM)  # Ctrl-C, and a polite end
 
 
 class ToolError(Exception):
@@ -30,19 +31,37 @@ class ToolError(Exception):
 
 
 @contextlib.contextmanager
-def interrupt_later() -> Iterator[None]:
-    """Raise KeyboardInterrupt behind this block, not within it; outside the main thread Python raises none."""
-    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+def heeded() -> Iterator[None]:
+    """Raise KeyboardInterrupt at Ctrl-C and at a polite end within this block.
+
+    Also in a background job of a shell: it starts with SIGINT ignored, and a program that was to end by it would never be stopped.
+    """
+    if threading.current_thread() is not threading.main_thread():
         yield
         return
-    came: list[int] = []
-    signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    before = [signal.signal(number, signal.default_int_handler) for number in ENDING]
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-    if came:
-        raise KeyboardInterrupt
+        for number, handler in zip(ENDING, before, strict=True):
+            signal.signal(number, handler)
+
+
+@contextlib.contextmanager
+def interrupt_later() -> Iterator[None]:
+    """Raise KeyboardInterrupt behind this block, not within it; outside the main thread Python raises none."""
+    main = threading.current_thread() is threading.main_thread()
+    held = [number for number in ENDING if main and signal.getsignal(number) is signal.default_int_handler]
+    came: list[int] = []
+    try:
+        for number in held:
+            signal.signal(number, lambda got, _: came.append(got))
+        yield
+    finally:
+        for number in held:
+            signal.signal(number, signal.default_int_handler)
+        if came:
+            raise KeyboardInterrupt
 
 
 class ToolClient:

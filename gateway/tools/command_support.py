@@ -5,6 +5,7 @@ import signal
 from collections.abc import Callable, Iterator
 
 DONE, FINDING, USAGE, ENVIRONMENT = 0, 1, 2, 3
+INTERRUPTED = 130  # by Ctrl-C
 BANNER = (
     "axisgate is not a safety device. It has no safety function, no performance level and no certificate. Emergency stop, safe torque\n"
     "off, guards, enabling devices and speed monitoring must be realised in certified hardware that works without axisgate.\n"

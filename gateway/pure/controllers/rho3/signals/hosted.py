@@ -116,6 +116,7 @@ class HostedPrograms:
     answers: dict[int, str] = field(default_factory=dict)  # ticket of an order -> why it was refused; "": done
     gone: bool = False  # the interpreter ended under its processes: to be reported
     results: dict[int, tuple[str, int, str, str]] = field(default_factory=dict)  # of the last runs
+    lost: dict[int, list[str]] = field(default_factory=dict)  # of the last runs whose files are written: those that could not be
     _bodies: dict[int, HostedBody] = field(default_factory=dict)
     _paths: list[_Order] = field(default_factory=list)
     _runs: int = 0
@@ -168,6 +169,7 @@ class HostedPrograms:
         table = self.control.processes
         for body in self._bodies.values():
             self._end(body, "lost", INTERPRETER_GONE, "the interpreter ended")
+            self._kept(body.run, [])
             if body.process is not None and table.numbered(body.process.number) is body.process:
                 self.sentences.append(f"{body.process.name}: the interpreter ended, and this process with it")
                 table.stop(body.process.number)
@@ -201,6 +203,8 @@ class HostedPrograms:
                     if said["code"] and body.process is not None:
                         self.sentences.append(f"{body.process.name}: {said['code']} {said['text']} ({said['place']})")
                     self._end(body, str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
+            case "kept":
+                self._kept(int(said["run"]), str(said["text"]).splitlines())
             case "memory" | "answered" | "phg2000" | "slow" | "run-on":
                 self._informed(said)
             case "phg-read":
@@ -251,6 +255,11 @@ class HostedPrograms:
         self.results[body.run] = body.over
         for old in list(self.results)[:-RESULTS]:
             del self.results[old]
+
+    def _kept(self, run: int, lost: list[str]) -> None:
+        self.lost[run] = lost
+        for old in list(self.lost)[:-RESULTS]:
+            del self.lost[old]
 
     def _output(self, channel: int, value: float) -> None:
         try:
