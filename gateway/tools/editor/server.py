@@ -1,7 +1,8 @@
 """The language server of `axisgate lsp`: faults while typing, outline, hover, definition.  Source: LSP 3.17, by pygls."""
 
+import asyncio
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from urllib.parse import unquote, urlparse
@@ -27,6 +28,7 @@ KINDS = {
     "type": lsp.SymbolKind.Class,
     "label": lsp.SymbolKind.Key,
 }
+QUIET_S = 0.3  # nobody has typed for so long
 SEVERITIES = {Severity.ERROR: lsp.DiagnosticSeverity.Error, Severity.WARNING: lsp.DiagnosticSeverity.Warning}
 
 
@@ -68,6 +70,24 @@ class Looks:
             return Look()
 
 
+class Others:
+    """The other open documents: they may include, import or call what was typed, and are checked again behind the last key."""
+
+    def __init__(self, publish: Callable[[str], None]) -> None:
+        self._publish = publish
+        self._timer: asyncio.TimerHandle | None = None
+
+    def later(self, uris: Sequence[str], seconds: float = QUIET_S) -> None:
+        """One after the other: a key that is pressed meanwhile is served first, and begins anew."""
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = asyncio.get_running_loop().call_later(seconds, self._next, uris) if uris else None
+
+    def _next(self, uris: Sequence[str]) -> None:
+        self._publish(uris[0])
+        self.later(uris[1:], 0.0)
+
+
 def made_server() -> LanguageServer:
     """The server with all it answers."""
     server = LanguageServer("axisgate", version("axisgate"), text_document_sync_kind=lsp.TextDocumentSyncKind.Incremental)
@@ -79,14 +99,18 @@ def made_server() -> LanguageServer:
         found = [_diagnostic(each.line, each.column, document, each.fault) for each in looks.of(uri).faults if each.path.resolve() == path]
         server.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(uri, found, version=document.version))
 
+    others = Others(publish)
+
     @server.feature(lsp.TEXT_DOCUMENT_DID_OPEN)
     def opened(params: lsp.DidOpenTextDocumentParams) -> None:
         publish(params.text_document.uri)
 
     @server.feature(lsp.TEXT_DOCUMENT_DID_CHANGE)
     def changed(params: lsp.DidChangeTextDocumentParams) -> None:
-        looks.forget_others(params.text_document.uri)
-        publish(params.text_document.uri)
+        uri = params.text_document.uri
+        looks.forget_others(uri)
+        publish(uri)
+        others.later([each for each in server.workspace.text_documents if each != uri])
 
     @server.feature(lsp.TEXT_DOCUMENT_DID_SAVE)
     def saved(params: lsp.DidSaveTextDocumentParams) -> None:

@@ -194,3 +194,33 @@ def test_what_cannot_be_read_ends_nothing(tmp_path: pathlib.Path, name: str) -> 
         assert await outline(client, path) == {} or name == "PICK.QLL"
 
     plays(tmp_path, steps)
+
+
+def test_a_program_is_checked_again_while_the_file_it_includes_is_typed(tmp_path: pathlib.Path) -> None:
+    """Also one that imports: MAIN was checked again only when it was typed in itself, or the other file was saved."""
+    files = {"MAIN": "PROGRAM MAIN\n;;INCLUDE HEAD\nEXTERNAL PLACE : height\nBEGIN\n  N = 1\n  height = 2.0\nPROGRAM_END\n"}
+    files |= {"HEAD": "INTEGER : N\n", "PLACE": PLACE}
+    paths = {name: tmp_path / f"{name}.QLL" for name in files}
+    for name, text in files.items():
+        paths[name].write_text(text)
+
+    async def steps(client: LanguageClient) -> None:
+        for path in paths.values():
+            await opened(client, path, "baps2")
+        for version, (name, text, said) in enumerate(
+            [("HEAD", "INTEGER : M\n", "N is not declared"), ("HEAD", "INTEGER : N\n", ""), ("PLACE", "", "HEIGHT is not PUBLIC in PLACE")], 2
+        ):
+            await typed(client, paths[name], version, text or PLACE.replace("PUBLIC ", ""))
+            await soon(client, paths["MAIN"], said)
+
+    plays(tmp_path, steps)
+
+
+async def soon(client: LanguageClient, path: pathlib.Path, said: str) -> None:
+    """The faults of a file that nobody types in become these: one with these words, or none."""
+    for _ in range(200):
+        found = client.diagnostics[path.as_uri()]
+        if [said in each.message for each in found] == ([True] if said else []):
+            return
+        await asyncio.sleep(0.05)
+    raise AssertionError(client.diagnostics[path.as_uri()])
