@@ -3,7 +3,7 @@
 from gateway.pure.languages.baps2 import standard
 from gateway.pure.languages.baps2.output import Writer
 from gateway.pure.languages.baps2.scope import Symbol, python_name
-from gateway.pure.languages.baps2.tree import CallStatement, Expression, Name
+from gateway.pure.languages.baps2.tree import CallStatement, Expression, Index, Member, Name
 from gateway.pure.languages.baps2.types import INTEGER, NONE, Type, fits, same
 from gateway.pure.languages.baps2.typing import with_article
 
@@ -52,21 +52,23 @@ def _arguments(bodies: Writer, statement: CallStatement, symbol: Symbol) -> list
             "argument-count", statement.at, f"{statement.name} takes {len(symbol.parameters)} values, not {len(statement.arguments)}"
         )
         return None
-    found = []
-    for tree, (kind, by_value) in zip(statement.arguments, symbol.parameters, strict=True):
-        text = _argument(bodies, tree, kind, by_value)
-        if not text:
-            return None
-        found.append(text)
-    return found
+    found = [_argument(bodies, tree, symbol, number) for number, tree in enumerate(statement.arguments)]
+    return found if all(found) else None
 
 
-def _argument(bodies: Writer, tree: Expression, kind: Type, by_value: bool) -> str:
+def _argument(bodies: Writer, tree: Expression, symbol: Symbol, number: int) -> str:
+    """Python text of a value; "": it does not fit (reported)."""
+    kind, by_value = symbol.parameters[number]
     if kind is NONE:
         return "None"  # the declaration of the parameter is faulty and reported
     if kind.base in (*UNITS, "INPUT", "OUTPUT"):
         return _place(bodies, tree, kind)
     if not by_value:
+        variable = _is_variable(bodies, tree)
+        if variable or bodies.typing.of(tree).type is not NONE:
+            bodies.names.passed(symbol.name, number, tree.at, variable=variable)
+        if not variable:
+            return ""
         given, text = bodies.typing.reference(tree)
         if text and not same(kind, given):
             bodies.names.faults.error("type", tree.at, f"{given} does not fit the parameter, which is {kind}")
@@ -86,6 +88,12 @@ def _argument(bodies: Writer, tree: Expression, kind: Type, by_value: bool) -> s
     if kind.is_array:
         return f"{value.code}.copy()" if value.type.is_array else f"filled({kind.low}, {kind.high}, {value.code})"
     return f"float({value.code})" if kind.base == "REAL" and value.type == INTEGER else value.value
+
+
+def _is_variable(bodies: Writer, tree: Expression) -> bool:
+    """Whether the expression has the form of what a subroutine can set."""
+    symbol = bodies.names.find(tree.name) if isinstance(tree, Name) else None
+    return isinstance(tree, Name | Member | Index) and (symbol is None or symbol.kind != "constant")
 
 
 def _place(bodies: Writer, tree: Expression, kind: Type) -> str:

@@ -73,6 +73,7 @@ class DeclarationReader:
             return False
         hint = hint_of(token.key, self._head.kinematics)
         self._stream.faults.error("kinematic-unknown", token.position, f"kinematic {token.text} is not declared", hint)
+        self._head.kinematics.setdefault(token.key, max(self._head.kinematics.values(), default=0) + 1)  # its uses are consequences
         return True
 
     def _untyped(self) -> list[Declaration]:

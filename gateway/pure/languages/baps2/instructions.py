@@ -4,6 +4,7 @@ import re
 
 from gateway.pure.languages.baps2.tree import Head, Instruction
 from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.near import nearest
 from gateway.pure.languages.base.source import Position
 
 WAYS = {"LINEAR": "LINEAR", "PTP": "PTP", "CIRCULAR": "CIRCULAR", "ZIRKULAR": "CIRCULAR"}
@@ -22,6 +23,7 @@ ALIASES = {
     "FEHLER": "ERROR",
 }
 MOST_KINEMATICS = 16
+NAMES = ("JC_NAMES", "WC_NAMES")
 _FORM = re.compile(r"(?:(?P<kinematic>[^\W\d]\w*)\s*\.\s*)?(?P<word>[^\W\d]\w*)\s*[:=]?\s*(?P<value>.*)", re.DOTALL)
 _PAIR = re.compile(r"(\d+)\s*=\s*([^\W\d]\w*)")
 _NAME = re.compile(r"[^\W\d]\w*")
@@ -62,13 +64,21 @@ def take(text: str, at: Position, head: Head, faults: Faults, *, begun: bool) ->
             else:
                 faults.error("instruction-value", at, f"ERROR = {value}", "a number of errors from 1 is expected")
         case _:
-            _none(text, at, head, faults)
+            _other(text, word, kinematic, value, at, head, faults)
     return None
 
 
-def _none(text: str, at: Position, head: Head, faults: Faults) -> None:
-    """No instruction; one with numbers of kinematics counts as KINEMATICS."""
-    faults.error("instruction-unknown", at, f"';;{text}' is no compiler instruction")
+def _other(text: str, word: str, kinematic: str, value: str, at: Position, head: Head, faults: Faults) -> None:
+    """No instruction; one that is like JC_NAMES or WC_NAMES is read as it was meant."""
+    meant = nearest(word, NAMES)
+    _none(text, at, head, faults, meant)
+    if meant:
+        _components(meant, kinematic, value, at, head, faults)
+
+
+def _none(text: str, at: Position, head: Head, faults: Faults, meant: str = "") -> None:
+    """No instruction; one with numbers of kinematics counts as KINEMATICS.  meant: the one it is like."""
+    faults.error("instruction-unknown", at, f"';;{text}' is no compiler instruction", f"{meant} is the word like it" if meant else "")
     if _PAIR.search(text):
         head.faulty.add("KINEMATICS")
 
@@ -121,6 +131,7 @@ def _components(word: str, kinematic: str, value: str, at: Position, head: Head,
         _unknown(kinematic, at, head, faults)
     if any(_NAME.fullmatch(name) is None for name in names):
         faults.error("instruction-value", at, f"{word} = {value}", "names separated by commas are expected")
+        head.faulty.add(f"{kinematic}.{word}")
     for name in {name for name in names if names.count(name) > 1}:
         faults.error("declared-twice", at, f"component {name} is named twice")
     (head.joint_names if word == "JC_NAMES" else head.world_names)[kinematic] = names

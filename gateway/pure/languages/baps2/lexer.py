@@ -67,12 +67,21 @@ _PATTERN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
-_BEHIND = re.compile(r"[^\W\d]\w*")  # a word right behind a number
+_BEHIND = re.compile(r"[^\W\d]\w*|(?:\.\d+)+")  # a word right behind a number, or a second point in it
 SKIPPED = ("blank", "comment", "separator")
 QUOTES = "'\""
 _SAME = {"=<": "<=", "=>": ">="}
 _STRANGE = re.compile(r"//[^\n]*|\{[^{}\n]*\}|!=|&&?|\|\|?")
 _MEANT = {"!=": "<>", "&": "AND", "&&": "AND", "|": "OR", "||": "OR"}  # signs of other languages
+
+
+def _runs_on(found: str, match: re.Match[str], behind: re.Match[str], position: Position, faults: Faults) -> tuple[str, re.Match[str]]:
+    """Reports a number that does not end where it should: what to read for it, and up to where."""
+    if behind[0].startswith("."):
+        faults.error("no-token", position, f"'{found}{behind[0]}' is no number")
+        return found.partition(".")[0] or "0", behind  # a whole number fits everywhere
+    faults.error("number-runs-into-word", position, f"'{found}' runs into the word behind it", "put a blank between them")
+    return found, match
 
 
 def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Token]:
@@ -111,7 +120,7 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
                     yield _misnamed(found + behind[0], position, known, faults)
                     match = behind
                 else:
-                    faults.error("number-runs-into-word", position, f"'{found}' runs into the word behind it", "put a blank between them")
+                    found, match = _runs_on(found, match, behind, position, faults)
                     yield Token(Kind.NUMBER, found, position)
             elif kind == "text":
                 yield Token(Kind.TEXT, found[1:-1], position)

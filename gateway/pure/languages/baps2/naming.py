@@ -27,6 +27,7 @@ class Naming:
         self.publics: list[Symbol] = []
         self.variables: list[tuple[Symbol, Declared | None]] = []
         self._imported = ""
+        self._gone: set[str] = set()  # programs reported as missing
 
     def fault(self, id: str, at: Position, text: str, hint: str = "") -> None:
         """Reports a fault."""
@@ -133,7 +134,8 @@ class Naming:
         if self.publics:
             self._mixed(each.at)
         exporter = self._programs(each.program)
-        if exporter is None:
+        if exporter is None and each.program not in self._gone:
+            self._gone.add(each.program)
             self.fault(
                 "import-missing", each.at, f"program {each.program} is not there", f"{each.program}.QLL belongs into the same folder"
             )
@@ -172,6 +174,8 @@ class Naming:
 
     def _missing(self, name: str, at: Position) -> None:
         """Only a run finds it (1092): it may be loaded later."""
+        if name in self._gone:
+            return
         hint = f"put {name}.QLL into the same folder; to start or to call it without ends the program with error 1092"
         self._names.faults.warning("program-missing", at, f"program {name} is not there", hint)
 
@@ -189,7 +193,9 @@ class Naming:
     def _special(self, each: SpecialFunction) -> None:
         number = self._typing.of(each.number).constant
         parameters = tuple((self.type_of(parameter.type), parameter.by_value) for parameter in each.parameters)
-        symbol = Symbol(each.name, "special", channel=number if isinstance(number, int) else 0, parameters=parameters)
+        symbol = Symbol(
+            each.name, "special", channel=number if isinstance(number, int) else 0, parameters=parameters, written=each.parameters
+        )
         self._names.declare(symbol, each.at)
         if number in standard.NAMED_ONLY or any(kind is NONE for kind, _ in parameters):
             return

@@ -1,6 +1,7 @@
 """Reads a whole source: head, declarations, main part, subroutines.  All faults of the file in one run, never an exception."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from gateway.pure.languages.baps2 import instructions
 from gateway.pure.languages.baps2.declarations import STARTERS, DeclarationReader
@@ -8,7 +9,7 @@ from gateway.pure.languages.baps2.expressions import ExpressionReader
 from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.statements import ROUTINE_ENDS, StatementReader
 from gateway.pure.languages.baps2.stream import Misread, Stream
-from gateway.pure.languages.baps2.tree import Declaration, Head, Parameter, Program, Routine, Statement
+from gateway.pure.languages.baps2.tree import Declaration, Declared, Head, Parameter, Program, Routine, Statement, TypeName
 from gateway.pure.languages.baps2.words import Words
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position, SourceFile
@@ -34,14 +35,17 @@ class _Reader:
 
     def program(self) -> Program | None:
         self._instructions()
-        first = self._stream.token
+        first, early = self._stream.token, dict[str, Declared]()
         if first.word not in ENDS:
             self._faults.error("no-program", first.position, f"PROGRAM is expected, not {first}")
-            self._find()
+            early = self._find()
             if self._stream.token.word not in ENDS:
                 return None
         external = self._stream.token.word == "SUBROUTINE"
         main = self._routine()
+        if early:
+            known = {getattr(each, "name", "") for each in main.declarations}
+            main = replace(main, declarations=(*main.declarations, *(each for name, each in early.items() if name not in known)))
         external = external or bool(main.parameters)  # only a caller has values for them
         self._head.over = True
         subroutines = []
@@ -54,13 +58,17 @@ class _Reader:
             token = self._stream.take()
             instructions.take(token.text, token.position, self._head, self._faults, begun=False)
 
-    def _find(self) -> None:
-        """The beginning of a routine."""
+    def _find(self) -> dict[str, Declared]:
+        """The beginning of a routine; names on the way may be anything."""
+        passed: dict[str, Declared] = {}
         while self._stream.token.word not in ENDS and self._stream.token.kind is not Kind.END:
             if self._stream.token.kind is Kind.INSTRUCTION:
                 self._instructions()
-            else:
-                self._stream.take()
+                continue
+            token = self._stream.take()
+            if token.kind is Kind.NAME and not token.word:
+                passed.setdefault(token.key, Declared(token.position, token.key, TypeName(token.position, "")))
+        return passed
 
     def _no_declaration(self) -> bool:
         """Anything else among the declarations is reported; reading goes on with the next one.  False: the body begins."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from itertools import chain
 
 from gateway.pure.languages.baps2.standard import STANDARD_NAMES, TAKEN
-from gateway.pure.languages.baps2.tree import Head
+from gateway.pure.languages.baps2.tree import Head, Parameter
 from gateway.pure.languages.baps2.types import NONE, Type
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.near import hint_of
@@ -31,6 +31,7 @@ class Symbol:
     channel: int = 0
     owner: str = ""  # program that a semaphore or an import belongs to
     parameters: tuple["tuple[Type, bool]", ...] = ()  # type, by value
+    written: tuple[Parameter, ...] = ()  # the same as this program declares them
     level: int = 0
     kept: str = ""  # a teach point: the program in whose point file it stays
 
@@ -48,6 +49,8 @@ class Names:
     faults: Faults
     scopes: list[dict[str, Symbol]] = field(default_factory=lambda: [{}])
     _unknown: set[str] = field(default_factory=set)  # names reported as not declared
+    _values: dict[tuple[str, int], list[Position]] = field(default_factory=dict)  # routine, parameter that it may set -> values passed
+    _variables: set[tuple[str, int]] = field(default_factory=set)  # parameters that a call has passed a variable to
 
     def declare(self, symbol: Symbol, at: Position) -> None:
         """Enters a name in the innermost scope."""
@@ -80,6 +83,32 @@ class Names:
             self._unknown.add(name)
             self.faults.error(id, at, text, hint)
 
+    def passed(self, routine: str, number: int, at: Position, *, variable: bool) -> None:
+        """A call passes a variable, or a value, where the routine may set a variable."""
+        if variable:
+            self._variables.add((routine, number))
+        else:
+            self._values.setdefault((routine, number), []).append(at)
+
+    def report_values(self) -> None:
+        """Values that were passed for variables; where all of several calls do so, it is the declaration that lacks its VALUE."""
+        several = [key for key, places in self._values.items() if len(places) > 1 and key not in self._variables]
+        lacking = {each.type.at for key in several for each in self._written(*key)}  # one VALUE serves its group
+        for key, places in self._values.items():
+            written = self._written(*key)
+            if written and written[0].type.at in lacking:
+                kind, hint = written[0].type, f"calls pass values to {written[0].name}, no variables"
+                self.faults.error("value-missing", kind.at, f"VALUE is missing in front of {kind.base}", hint)
+                continue
+            for at in places:
+                text = "a variable or an element is expected, which the subroutine can set"
+                self.faults.error("not-assignable", at, text, "use VALUE for expressions")
+
+    def _written(self, routine: str, number: int) -> tuple[Parameter, ...]:
+        """The parameter as this program declares it; none: another one does."""
+        symbol = self.find(routine)
+        return symbol.written[number : number + 1] if symbol is not None else ()
+
     @property
     def kinematic(self) -> str:
         """The default kinematic at the beginning."""
@@ -88,7 +117,9 @@ class Names:
         return min(self.head.kinematics, key=lambda name: self.head.kinematics[name])
 
     def components(self, kind: Type) -> tuple[str, ...]:
-        """Component names of points of a type; () where the program names none."""
+        """Component names of points of a type; () where the program names none, or not all of them can be read."""
+        if self._garbled(kind, (kind.kinematic or self.kinematic, "")):
+            return ()
         table = self.head.joint_names if kind.base == "JC_POINT" else self.head.world_names
         other = self.head.world_names if kind.base == "JC_POINT" else self.head.joint_names
         kinematic = kind.kinematic or self.kinematic
@@ -103,4 +134,9 @@ class Names:
             for key in (*keys, ""):
                 if name in table.get(key, ()):
                     return table[key].index(name)
-        return None
+        return 0 if self._garbled(kind, (*keys, "")) else None  # it may be any of them
+
+    def _garbled(self, kind: Type, kinematics: Iterable[str]) -> bool:
+        """Whether the names of the components are faulty and reported."""
+        word = "JC_NAMES" if kind.base == "JC_POINT" else "WC_NAMES"
+        return any(f"{each}.{word}" in self.head.faulty for each in kinematics)

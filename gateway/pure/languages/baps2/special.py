@@ -282,7 +282,7 @@ class Specials:
             return -6
         if other.rpartition(".")[2] not in COPIES.get(one.rpartition(".")[2], ()):
             return -2
-        if files.is_open(one) or files.is_open(other):
+        if files.is_open(other):  # the source may be (L5893-5900)
             return -5
         files.files[other] = files.files[one]
         self._machine.file_changed(other)

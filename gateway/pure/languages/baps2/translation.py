@@ -128,6 +128,7 @@ class _Translation:
         for level, routine in enumerate(program.subroutines, 1):
             self._subroutine(routine, level)
         self._main(program.main, parameters)
+        self._names.report_values()
         head = [f"{name} = {code}" for code, name in self._asked.items()]
         return "\n".join([*head, "def make(h):", *self._prologue(variables), *out.rows, "    return main", *self._share(variables), ""])
 
@@ -144,6 +145,7 @@ class _Translation:
         symbol = self._names.find(routine.name)
         if symbol is not None and symbol.kind == "subroutine":
             symbol.parameters = tuple((self._naming.type_of(each.type), each.by_value) for each in routine.parameters)
+            symbol.written = routine.parameters
 
     def _started(self, body: tuple[Statement, ...]) -> None:
         """START of other programs, and whether statements are in included files."""

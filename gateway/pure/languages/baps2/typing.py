@@ -75,7 +75,7 @@ class Typing:
         if symbol.kind == "input":
             return Typed(symbol.type, self._input(symbol))
         if symbol.kind == "output":
-            return Typed(symbol.type, f"h.output({symbol.channel})")
+            return Typed(symbol.type, f"h.output({_channel(symbol)})")
         if symbol.kind == "belt":
             return Typed(REAL, f"h.belt({symbol.channel})")
         return self.fault("no-value", tree.at, f"{tree.name} is {with_article(symbol.kind)} and has no value")
@@ -236,7 +236,8 @@ class Typing:
         if value.type is NONE:
             return NOTHING
         if not good or value.type.is_array:
-            return self.fault("type", tree.at, f"{tree.name} takes {takes}, not {value.type}")
+            wanted = "a number" if takes == "NUMBER" else takes
+            return self.fault("type", tree.at, f"{tree.name} takes {wanted}, not {value.type}")
         if tree.name == "ABS":
             return Typed(value.type, CHECKED.format(f"abs({value.code})") if value.type == INTEGER else f"abs({value.code})")
         if tree.name == "CHR":
@@ -298,6 +299,8 @@ class Typing:
     def _unary(self, tree: Unary) -> Typed:
         if tree.sign == "NOT":
             value = self.truth(tree.value, "the operand of NOT")
+            if value.type is NONE:
+                return NOTHING
             return Typed(BINARY, f"(not {value.code})", truth=True)
         if tree.sign == "-" and isinstance(tree.value, Number) and tree.value.value == 2**31:
             return Typed(INTEGER, "(-2147483648)", -(2**31))
@@ -306,6 +309,8 @@ class Typing:
     def _binary(self, tree: Binary) -> Typed:
         if tree.sign in ("AND", "OR"):
             left, right = (self.truth(each, f"an operand of {tree.sign}") for each in (tree.left, tree.right))
+            if NONE in (left.type, right.type):
+                return NOTHING
             return Typed(BINARY, f"({left.code} {tree.sign.lower()} {right.code})", truth=True)
         return self._operators.between(tree, self.of(tree.left), self.of(tree.right))
 
@@ -341,7 +346,7 @@ class Typing:
         if symbol is None:
             return self._set_standard(tree, self.kinematic, tree.name, value)
         if symbol.kind == "output":
-            return f"yield WriteOutput({symbol.channel}, {value})"
+            return f"yield WriteOutput({_channel(symbol)}, {value})"
         if symbol.kind != "variable":
             self.fault("not-assignable", tree.at, f"{tree.name} is {with_article(symbol.kind)} and cannot be assigned to")
             return ""
@@ -398,6 +403,11 @@ class Typing:
         return NONE, ""
 
 
+def _channel(symbol: Symbol) -> str:
+    """Python text of the channel of an output; that of a parameter is known only in the run."""
+    return symbol.python if symbol.reference else str(symbol.channel)
+
+
 def signal_place(text: str) -> tuple[str, int, int] | None:
     """Letter, byte and bit of a signal; English and German letters (L11298-11322)."""
     letter, (byte, _, bit) = text[:1].upper(), text[1:].partition(".")
@@ -408,6 +418,7 @@ def signal_place(text: str) -> tuple[str, int, int] | None:
 
 def with_article(kind: str) -> str:
     """A noun with its article."""
+    kind = "special function" if kind == "special" else kind
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
