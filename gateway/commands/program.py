@@ -33,7 +33,7 @@ EXAMPLES = """examples:
   axisgate program get cell.toml PALLET --to saved               copies its source, points and data out of it
   axisgate program compile memory PALLET                         writes PALLET.IRD, or PALLET.ERR with the faults
 exit code: 0 done; 1 a program has errors, was refused or ended with one; 2 a file, folder or program is missing, or the feed is invalid;
-3 no such run"""
+3 no such run; 130 interrupted before the program began"""
 
 
 def main(argv: list[str]) -> int:
