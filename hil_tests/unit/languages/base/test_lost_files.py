@@ -1,8 +1,8 @@
 """What a program has written and is not on the disk is known once it is over: the interpreter reports it with its end."""
 
-import pathlib
-
 from gateway.pure.languages.base.kept import Kept
+from gateway.services.rho3_programs import _outcome
+from hil_tests.lab.virtual.baps2_bench import ProgramCell, one
 
 
 def test_a_run_reports_what_was_lost_while_it_was_under_way() -> None:
@@ -17,3 +17,23 @@ def test_a_run_reports_what_was_lost_while_it_was_under_way() -> None:
     kept.over(1 << 20)  # a program has started it
     assert kept.written([]) == [(2, ["C", "B"])]
     assert kept.written(["D"]) == []
+
+
+def test_a_tool_learns_of_it_once_all_is_written() -> None:
+    cell = ProgramCell(one("WAIT 0.1"))
+    run = cell.start("P")
+    cell.ends(run)
+    assert (_outcome(cell.hosted, run)["over"], _outcome(cell.hosted, run)["kept"]) == (True, False)
+    cell.hosted.hear({"say": "kept", "id": 1, "run": run, "text": "A\nB"}, 0)
+    assert (_outcome(cell.hosted, run)["kept"], _outcome(cell.hosted, run)["lost"]) == (True, ["A", "B"])
+
+
+def test_nothing_is_awaited_of_an_interpreter_that_is_gone() -> None:
+    cell = ProgramCell(one("WAIT 9"))
+    run = cell.start("P")
+    cell.bench.run(0.2)
+    cell.dies()
+    cell.bench.run(0.2)
+    cell.born(2)
+    cell.bench.run(0.2)
+    assert (_outcome(cell.hosted, run)["how"], _outcome(cell.hosted, run)["kept"]) == ("lost", True)
