@@ -107,10 +107,9 @@ def made_server() -> LanguageServer:
 
     @server.feature(lsp.TEXT_DOCUMENT_DID_CHANGE)
     def changed(params: lsp.DidChangeTextDocumentParams) -> None:
-        uri = params.text_document.uri
-        looks.forget_others(uri)
-        publish(uri)
-        others.later([each for each in server.workspace.text_documents if each != uri])
+        looks.forget_others(params.text_document.uri)
+        publish(params.text_document.uri)
+        others.later([each for each in server.workspace.text_documents if each != params.text_document.uri])
 
     @server.feature(lsp.TEXT_DOCUMENT_DID_SAVE)
     def saved(params: lsp.DidSaveTextDocumentParams) -> None:

@@ -15,7 +15,7 @@ class Kept:
         self._lost[run] = []
 
     def over(self, run: int) -> None:
-        """It has ended; what it wrote last is not on the disk yet.  Runs that programs start themselves are nobody's."""
+        """It has ended; what it wrote last is not on the disk yet.  Runs that programs start themselves are not followed."""
         if run in self._lost:
             self._over.append(run)
 
