@@ -208,7 +208,8 @@ def test_a_program_is_checked_again_while_the_file_it_includes_is_typed(tmp_path
         for path in paths.values():
             await opened(client, path, "baps2")
         for version, (name, text, said) in enumerate(
-            [("HEAD", "INTEGER : M\n", "N is not declared"), ("HEAD", "INTEGER : N\n", ""), ("PLACE", "", "HEIGHT is not PUBLIC in PLACE")], 2
+            [("HEAD", "INTEGER : M\n", "N is not declared"), ("HEAD", "INTEGER : N\n", ""), ("PLACE", "", "HEIGHT is not PUBLIC in PLACE")],
+            2,
         ):
             await typed(client, paths[name], version, text or PLACE.replace("PUBLIC ", ""))
             await soon(client, paths["MAIN"], said)

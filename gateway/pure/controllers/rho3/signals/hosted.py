@@ -203,9 +203,7 @@ class HostedPrograms:
                     if said["code"] and body.process is not None:
                         self.sentences.append(f"{body.process.name}: {said['code']} {said['text']} ({said['place']})")
                     self._end(body, str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
-            case "kept":
-                self._kept(int(said["run"]), str(said["text"]).splitlines())
-            case "memory" | "answered" | "phg2000" | "slow" | "run-on":
+            case "memory" | "answered" | "phg2000" | "slow" | "run-on" | "kept":
                 self._informed(said)
             case "phg-read":
                 self.control.panel.reader.reads(str(said["base"]))
@@ -228,6 +226,9 @@ class HostedPrograms:
         """Of the user memory, special functions beside the path, or what became of an order to the test system."""
         if said["say"] in ("slow", "run-on"):
             self._asynchronous(said)
+            return
+        if said["say"] == "kept":
+            self._kept(int(said["run"]), str(said["text"]).splitlines())
             return
         if said["say"] == "phg2000":
             self.control.screen.take(bytes.fromhex(str(said["hex"])), more=bool(said["more"]))
