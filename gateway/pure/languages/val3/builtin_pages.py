@@ -110,12 +110,14 @@ def f_page_set(own: Instance, page: str, name: str, attribute: str, value: objec
     _judge(own, page, name, attribute)
 
 
-def _asked(own: Instance, text: str, kind: str) -> Generator[Ns | None, None, str | None]:
-    """The operator's answer to this prompt, asked in its turn; None at once where a run has no operator."""
+def _asked(own: Instance, text: str, kind: str, *, key: bool = False) -> Generator[Ns | None, None, str | None]:
+    """The operator's answer to this prompt, asked in its turn; None at once where a run has no operator.  key: a key ends it, too."""
     machine, asked = own.machine, Prompt(text, kind)
     machine.prompts.append(asked)
     try:
-        while machine.operator and not (machine.answers and machine.prompts[0] is asked):
+        while (machine.operator or (key and machine.keyed)) and not (machine.answers and machine.prompts[0] is asked):
+            if key and machine.screen.keys:
+                return None
             yield None
         return machine.answers.pop(0) if machine.answers else None
     finally:
@@ -257,10 +259,10 @@ def f_screen_title_of(own: Instance, screen: ScreenV, text: str) -> None:
     f_screen_title(own, text)
 
 
-def _entered(own: Instance) -> Generator[Ns | None, None, tuple[float, str | None]]:
+def _entered(own: Instance, *, key: bool = False) -> Generator[Ns | None, None, tuple[float, str | None]]:
     """Key that ended an entry, and what was entered; Esc at once where a run has no operator."""
     yield own.machine.now
-    answer = yield from _asked(own, "", "prompt")
+    answer = yield from _asked(own, "", "prompt", key=key)
     word, separator, text = (answer or "cancel").partition(":")
     return (KEY_ESC, None) if word.lower() == "cancel" else (KEY_RETURN, text if separator else "")
 
@@ -286,10 +288,11 @@ def f_screen_get_of(own: Instance, screen: ScreenV, entry: Place) -> Waiting:
 
 def f_screen_get_key(own: Instance, screen: ScreenV | None = None) -> Waiting:
     """The next key: the code of a character, or of Return and Esc."""
-    if own.machine.screen.keys:
-        return own.machine.screen.keys.popleft()
-    key, text = yield from _entered(own)
-    return float(ord(text[0])) if text else key
+    keys = own.machine.screen.keys
+    if keys:
+        return keys.popleft()
+    key, text = yield from _entered(own, key=True)
+    return float(ord(text[0])) if text else keys.popleft() if keys and text is None else key
 
 
 def f_screen_key(own: Instance, screen: ScreenV | None = None) -> float:

@@ -83,6 +83,7 @@ class Controller:
         self.flange.gripper.link = "valve1"  # as of every tool (L4923)
         self.io, self.sio, self.screen, self.latch = VirtualIo(), VirtualSio(), Screen(), Latch()
         self.pages = PageBoard(self.io)
+        self.keyed = False  # get() waits for a key, which a virtual run has
         self.operator = False  # prompts wait for an answer; without an operator they are answered at once
         self.answers: list[str] = []
         self.prompts: list[Prompt] = []  # in the order in which they were asked; the operator sees and answers the first

@@ -43,6 +43,7 @@ class Run:
         self.events.sort(key=lambda event: event.at)
         check_events(self.machine, self.own, self.events)
         self.machine.operator = any(event.what == "answer" for event in self.events)
+        self.machine.keyed = any(event.what == "key" for event in self.events)
         self._happen(0)
         self.machine.start(self.own)
 

@@ -269,3 +269,19 @@ def test_variables_for_opc_ua_are_a_warning() -> None:
     assert played(files, "opc")["globals"] == {"nCount": 1, "sText": "", "bOn": [False, False]}
     wrong = [fault for _, fault in faults_of("opcuaExport(5,true)\nopcuaExport(n,5)", data("n", "num")) if "'5'" in fault]
     assert wrong == ["'5' : variable expected as parameter", "'5' : invalid type"]
+
+
+def test_get_waits_for_a_key_that_is_pressed_later() -> None:
+    code = "  nKey[0]=get()\n  nTime[0]=clock()\n  nKey[1]=get()\n  nTime[1]=clock()"
+    files = project(
+        "keys",
+        {"start.pgx": pgx("start", code), "stop.pgx": pgx("stop", "")},
+        data("nKey", "num", size="2") + data("nTime", "num", size="2"),
+    )
+    keys = ((0.5, "key=271"), (1.0, "key=A"))
+    for at in (keys, (*keys, (9.0, "answer=ok"))):
+        found = played(files, "keys", *at)["globals"]
+        assert isinstance(found, dict) and found["nKey"] == [271, 65]
+        assert [round(each, 1) for each in found["nTime"]] == [0.5, 1.0]
+    found = played(files, "keys")["globals"]
+    assert isinstance(found, dict) and found["nKey"] == [255, 255]
