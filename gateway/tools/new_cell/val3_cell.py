@@ -3,7 +3,7 @@
 import json
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from gateway.pure.languages.val3.card import Card, CardChannel
 from gateway.pure.languages.val3.links import Link
@@ -82,9 +82,11 @@ def distinct(links: Iterable[Link]) -> list[Link]:
     for link in sorted(links, key=lambda each: not {"/", "\\"} & set(each.path)):
         path = link.path.lower().replace("/", "\\")
         known = [each.path.lower().replace("/", "\\") for each in found]
-        if path in known or ("\\" not in path and any(each.rpartition("\\")[2] == path for each in known)):
-            continue
-        found.append(link)
+        same = (at for at, own in enumerate(known) if own == path or ("\\" not in path and own.rpartition("\\")[2] == path))
+        if (at := next(same, None)) is None:
+            found.append(link)
+        elif link.output and not found[at].output:  # another variable of it is written
+            found[at] = replace(found[at], output=True)
     return found
 
 

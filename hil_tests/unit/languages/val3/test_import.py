@@ -277,3 +277,19 @@ def test_a_folder_that_is_there_is_not_unpacked_into(tmp_path: pathlib.Path, cap
     (tmp_path / "press").mkdir()
     assert main(["import", str(archive), "--out", str(tmp_path / "press.toml")]) == 2
     assert "press is there already and stays as it is" in capsys.readouterr().err
+
+
+def test_what_a_program_writes_is_an_output(tmp_path: pathlib.Path) -> None:
+    """Links of s8 are identifications that say nothing about the direction."""
+    names = ("gripper", "part", "door", "level", "force", "line", "spare")
+    links = {name: value(link=f"0000000{at}-7D0C-47C0-8458-4D7DB0686071") for at, name in enumerate(names)}
+    data = "".join(datum(name, "aio" if name in ("level", "force") else "dio", values=links[name]) for name in names[:-2])
+    code = "gripper = part==true\naioSet (level, aioGet(force))\nif door==false\nlib:line[0]=true\nendIf\n//spare=true"
+    lib = App("lib", datum("line", "dio", "1", links["line"]) + datum("spare", "dio", "1", links["spare"]))
+    app = App("cell", data, {"start": code}, libraries='<Library alias="lib" path="Disk://lib/lib.pjx" />')
+    made = card(tmp_path, app, lib, sio_cfx="<sio></sio>")
+    assert main(["import", str(made), "--out", str(tmp_path / "cell.toml"), "--json"]) == 0
+    points = tomllib.loads((tmp_path / "cell.toml").read_text())["controller"]["point"]
+    assert {each["name"] for each in points if each.get("output")} == {"gripper", "level", "line"}
+    assert len(points) == len(names)
+    assert [each.output for each in distinct([Link("A", False, False, "part"), Link("A", True, False, "doPart")])] == [True]
