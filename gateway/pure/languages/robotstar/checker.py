@@ -32,6 +32,7 @@ from gateway.pure.languages.robotstar.values import Array, Names, Structure, Sys
 
 POSITIONS = ("POSITION", "VAR_POS")
 WRITTEN = ("destination", "control")  # places a step writes to
+WRITTEN_BY = (("ACT_POS", "position"), ("CALC_REL", "vector"))
 TAKE_PROGRAMS = ("CALL", "PROGRAM", "PALLET", "TRAFO_6D")
 CARTESIAN_PARTS = ("Frame", "X", "Y", "Z", "A", "B", "C", "A1..A24")
 PARTS = {"V": CARTESIAN_PARTS, "P": ("MA", "AA", "PT", *CARTESIAN_PARTS), "T": ("X", "Y", "Z", "RX", "RY", "RZ")}
@@ -188,7 +189,7 @@ def _step(checking: _Check, program: Program, step: Step) -> None:
     for place, operand in step.slots.items():
         named = step.word in TAKE_PROGRAMS and place in NAMES_OF_PROGRAMS
         if isinstance(operand, Ref) and place != "label" and not named:
-            wrong = _reference(checking, operand, written=place in WRITTEN or (place == "position" and step.word == "ACT_POS"))
+            wrong = _reference(checking, operand, written=place in WRITTEN or (step.word, place) in WRITTEN_BY)
             if step.word == "MOUSE_CALIBRATION":
                 wrong = _whole_array(_meant(checking, operand), operand, wrong)
             if wrong == NOT_FOUND:
@@ -320,7 +321,7 @@ def _index(found: list[Variable]) -> str:
 
 
 def _read_only(variable: Variable) -> bool:
-    return isinstance(variable, SystemCell) and variable.put is None
+    return variable.put is None if isinstance(variable, SystemCell) else isinstance(variable, Structure) and not variable.writable
 
 
 def _types_differ(memory: Memory, step: Step) -> bool:

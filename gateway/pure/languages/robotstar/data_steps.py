@@ -195,18 +195,21 @@ def vector_value(machine: Machine, step: Step, following: int) -> Op:
 
 
 def copy_offsets(machine: Machine, step: Step, following: int) -> Op:
-    """COPY_OFFSETS: `count` components by number.  A number as source goes to one component."""
+    """COPY_OFFSETS: `count` components by number.  A number as source goes to one component, one component to a number (L843)."""
     first, to, count = (whole(machine, step.slots[name], 1, 36, name) for name in ("from", "to", "count"))
     source, destination = step.slots["source"], step.slots["destination"]
+    put = writer(machine, destination)
 
     def act() -> None:
         machine.effects += 1
         target = _of(machine, destination)
+        values, at = _components(machine, source, first(), count()), to()
         if not isinstance(target, Structure):
-            raise StepFault(WRONG_TYPES)
+            if at != 1 or len(values) != 1:
+                raise StepFault(INDEX_RANGE)
+            put(values[0])
+            return
         target.check_writable()
-        values = _components(machine, source, first(), count())
-        at = to()
         if at + len(values) - 1 > target.components():
             raise StepFault(INDEX_RANGE)
         for number, value in enumerate(values, at):

@@ -132,10 +132,10 @@ GRAMMAR: Mapping[str, tuple[Place, ...]] = {
     "MOUSE_CALIBRATION": (variable("data", "V"),),
 }
 PRINTED = {"INPUT": "EINGANG", "OUTPUT": "AUSGANG", "MARKER": "MERKER"}  # equates as the manual prints them in both languages
+PRINTED_SWITCH = {"ON": "EIN", "OFF": "AUS"}  # of UEBERSCHL (L1756); those of PALLET are #ON and #OFF
 NOT_BUILT = {
-    "SEARCH_BIT": "SUCH_BIT is named by the manual only; its parameters are not known",
-    "OSCILLATION": "oscillation is named by the manual only; its parameters are not known",
-    "WELDING": "welding is named by the manual only; its parameters are not known",
+    word: f"{spelling} is named by the manual only; its parameters are not known"
+    for word, spelling in (("SEARCH_BIT", "SUCH_BIT"), ("OSCILLATION", "OSCILLATION"), ("WELDING", "WELDING"))
 }
 
 
@@ -143,7 +143,8 @@ def fits(place: Place, operand: Operand) -> str:
     """ "" where the operand may be in the place, else what belongs there."""
     if place.kind == "equate":
         good = isinstance(operand, Equate) and operand.name in place.equates
-        return "" if good else "one of " + ", ".join(f"#{PRINTED.get(name, name)}" for name in place.equates)
+        printed = PRINTED | (PRINTED_SWITCH if "INIT" not in place.equates else {})
+        return "" if good else "one of " + ", ".join(f"#{printed.get(name, name)}" for name in place.equates)
     if isinstance(operand, Blank):
         return f"a value for <{operand.text}>"
     if isinstance(operand, Equate):
@@ -160,6 +161,8 @@ def fits(place: Place, operand: Operand) -> str:
 
 def typed(place: Place, operand: Operand) -> str:
     """ "" where type and range suit the place, else a sentence."""
+    if isinstance(operand, Ref) and operand.name[0].isdigit() and place.kind != "text" and place.name != "name":
+        return f"{operand.name} is neither a number nor the name of a variable"
     if isinstance(operand, Ref) and place.types and not operand.element:
         if not operand.name.startswith("_") and operand.name[0] not in place.types:
             return f"{operand.name} is of type {operand.name[0]}; {' or '.join(place.types.strip('_'))} is needed"

@@ -11,7 +11,7 @@ from gateway.pure.languages.base.faults import Faults, also_at, hints
 from gateway.pure.languages.base.near import MOST_HINTS, nearest
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.grammar import GRAMMAR, NOT_BUILT, Place, fits, typed
-from gateway.pure.languages.robotstar.operands import Blank, Equate, Number, Operand, OperandFault, Ref, Text, operand
+from gateway.pure.languages.robotstar.operands import HIGHEST, Blank, Equate, Number, Operand, OperandFault, Ref, Text, operand
 from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Parameter, Program, Step, definition_late
 from gateway.pure.languages.robotstar.words import Words
 
@@ -178,6 +178,9 @@ def _parameters(rest: str, reading: _Reading) -> tuple[Parameter, ...]:
             continue
         following = tokens[at][0] if at < len(tokens) else ""
         known = reading.descriptor(text)
+        if at + 1 < len(tokens) and tokens[at + 1][0] == ":" and reading.descriptor(f"{text}_{following}"):
+            text, at = f"{text}_{following}", at + 1  # `Control word:`, printed in two words (L3251)
+            known, following = reading.descriptor(text), ":"
         if following == ":" and not text.startswith(('"', "#")):
             if not known:
                 near = nearest(text, reading.words.descriptors)
@@ -279,13 +282,28 @@ def _position(reading: _Reading, step: Step, parameters: tuple[Parameter, ...]) 
             name = "variable" if isinstance(parameter.operand, Ref) else "name"
         elif not name:
             name = plain.pop(0) if plain else "?"
-        element = name in ("MA", "AA", "PT", "FRAME", *POSITION_ELEMENTS) or _AXIS.fullmatch(name)
-        if name in slots or not (name in ("kind", "variable", "name") or (element and isinstance(parameter.operand, Number))):
-            return _wrong(reading, step, f"{name} is given twice, no number or does not belong here", id="rsv.position")
+        if wrong := _misfit(name, parameter, slots):
+            return _wrong(reading, step, wrong, id="rsv.position")
         slots[name] = parameter.operand
     if wrong := _lacking(slots):
         return _wrong(reading, step, wrong, "robotstar import --points fills in named positions", "rsv.position")
     return step.given(parameters, slots)
+
+
+def _misfit(name: str, parameter: Parameter, slots: Mapping[str, Operand]) -> str:
+    """Why a position does not take a value; "" where it does."""
+    if name in slots:
+        return f"{name} is given twice" if name not in ("kind", "variable", "name") else f"{parameter.text} does not belong here"
+    if name in ("kind", "variable", "name"):
+        return ""
+    given = parameter.operand
+    if not (name in ("MA", "AA", "PT", "FRAME", *POSITION_ELEMENTS) or _AXIS.fullmatch(name)):
+        return f"{parameter.text} does not belong here"
+    if not isinstance(given, Number):
+        return f"{name} must be a number, not {parameter.text}"
+    if name == "FRAME" and not (isinstance(given.value, int) and 0 <= given.value <= HIGHEST):
+        return f"Frame {given.value:g} is no number of a station: a whole number from 0 on"
+    return ""
 
 
 def _lacking(slots: Mapping[str, Operand]) -> str:

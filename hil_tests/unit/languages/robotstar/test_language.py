@@ -5,7 +5,7 @@ import pytest
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.memory import Memory, Source
-from gateway.pure.languages.robotstar.operands import Number
+from gateway.pure.languages.robotstar.operands import Number, Ref
 from gateway.pure.languages.robotstar.values import Cell
 from hil_tests.unit.languages.robotstar.memory import WORDS, checked, run, steps
 
@@ -220,6 +220,8 @@ def test_components_by_number() -> None:
     ran = steps(f"{text}\nCOPY_OFFSETS 1,100.0,12,T1,1\nCOPY T1.Z,R1", "VAR V1\nVAR V2\nVAR T1\nVAR R1")
     assert [ran.value(f"V2.{name}") for name in ("Frame", "X", "Y", "Z", "A")] == [None, 1, 2, 3, 9]
     assert (ran.value("T1.Z"), ran.value("R1")) == (100.0, 100.0)
+    ran = steps(f"{text}\nCOPY_OFFSETS 3,V1,1,R1,1\nCOPY_OFFSETS 3,V1,1,R1,2", "VAR V1\nVAR V2\nVAR R1")
+    assert (ran.value("R1"), ran.texts()) == (2, ["Index too big or too small!"]), "one component goes to a number, two do not"
 
 
 @pytest.mark.requirement("RSV-LNG-22", by="gateway.pure.languages.robotstar.checker:_position")
@@ -228,6 +230,13 @@ def test_a_position_needs_a_tool() -> None:
     assert "TOOL is needed" in steps(position).faults[0] and not steps(position).targets()
     ran = steps(f"COPY 0,T1.X\nTOOL T1\n{position}", "VAR T1")
     assert not ran.faults and ran.targets() == [(1, 2, 3)]
+
+
+def test_a_descriptor_may_be_printed_in_two_words() -> None:
+    """L3251."""
+    memory, faults = checked({"P.MPR": 'VAR I1\nTRAFO_6D Ref source: A, Ref destination: B, Source: "C", Destination: D, Control word: I1'})
+    step = memory.programs["P"][0].steps[2]
+    assert step.valid and step.slots["control"] == Ref("I1") and all("descriptor" not in fault.text for fault in faults)
 
 
 def test_literals() -> None:
