@@ -44,7 +44,10 @@ def baps2_listing(cell: Cell, program: str) -> Listing | None:
 
 
 def robotstar_listing(cell: Cell, program: str) -> Listing | None:
-    """A program of the memory by its key, its steps as the file has them; None: there is none.  OSError."""
+    """A program of the memory by its key, a step a line as the control shows it; None: there is none.  OSError.
+
+    Lines are numbers of steps here, as those of processes and breakpoints are: a file may have empty lines and comments between them.
+    """
     folder = memory_folder(cell)
     if folder is None:
         return None
@@ -57,6 +60,9 @@ def robotstar_listing(cell: Cell, program: str) -> Listing | None:
     found = memory.find(program)
     if found is None:
         return None
-    rows = tuple((each.position.line, each.severity.value, each.text) for each in faults if each.position.file == found.file)
-    stops = tuple(step.line for step in found.steps[1:] if step.valid and step.word != "C")
-    return Listing(found.file, tuple(files[found.file].splitlines()), rows, statements=stops)
+    numbers = {step.line: step.number for step in found.steps}
+    own = (each for each in faults if each.position.file == found.file)
+    rows = tuple((numbers.get(each.position.line, 1), each.severity.value, each.text) for each in own)
+    stops = tuple(step.number for step in found.steps[1:] if step.valid and step.word != "C")
+    lines = files[found.file].splitlines()
+    return Listing(found.file, tuple(lines[step.line - 1].strip() for step in found.steps), rows, statements=stops)

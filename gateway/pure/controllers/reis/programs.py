@@ -55,9 +55,10 @@ class ReisPrograms:
     tool: Structure | None = None  # in force, for the position in M1124
     refused: str = ""  # why the last START of a key or movement by hand was; the pendant takes it
     looked: tuple[str, Fact | None, str] = ("", None, "")  # a variable: name, value or why there is none
-    breaks: dict[str, list[int]] = field(default_factory=dict)  # breakpoints: program -> lines
+    breaks: dict[str, list[int]] = field(default_factory=dict)  # breakpoints: program -> steps
     _runs: int = 0
     _name: str = ""  # of the program that was started last
+    _called: set[str] = field(default_factory=set)  # programs that were in work since: each of them names it to STOP
     _mode: str | None = None
     _pushed: dict[str, Fact] = field(default_factory=dict)  # what the hand wanted last
     _mouse: str = ""  # coordinates as the interpreter knows them
@@ -114,6 +115,7 @@ class ReisPrograms:
             self.language_id, self._mode, self._mouse = identity, None, ""
         self.programs = _rows(report.get("programs")) if identity else []
         self.rows = _rows(report.get("processes")) if identity else []
+        self._called.update(str(row["program"]).upper() for row in self.rows)
 
     def _lost(self) -> None:
         """The axes stop on the path, and its rest is given up."""
@@ -205,6 +207,7 @@ class ReisPrograms:
             return wrong
         self._runs, self._let_go = self._runs + 1, False
         self.run, self._name = self._runs, name or self._name
+        self._called.clear()
         if source or not self._mover:
             self._mover = source or self.source
         self.orders.append({"do": "stride", "how": how or Stride.MODE.value})
@@ -396,7 +399,7 @@ class ReisPrograms:
         return {"error": f"{name or self._name}: {wrong}"} if wrong else {"run": self.run}
 
     def _breakpoints(self, name: str, lines: object) -> dict[str, object]:
-        """The program stops in front of these lines."""
+        """The program stops in front of these steps."""
         if not isinstance(lines, list) or not all(isinstance(line, int) for line in lines) or len(lines) > MOST_BREAKS:
             return {"error": f"breakpoints: lines = at most {MOST_BREAKS} numbers of lines"}
         if all(row["name"] != name for row in self.programs):
@@ -407,7 +410,7 @@ class ReisPrograms:
 
     def _stopped(self, name: str) -> dict[str, object]:
         """A program that is stopped already is given up: START begins it at its first step."""
-        if not self._name or name != self._name:
+        if not self._name or name not in (self._name, *self._called):
             return {"error": f"{name}: no such process"}
         if self.run:
             self.stop(0)

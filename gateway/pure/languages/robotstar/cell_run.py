@@ -81,11 +81,11 @@ class CellRun:
         self.selected = None
 
     def _set_breaks(self, stops: Mapping[str, frozenset[int]]) -> None:
-        """Breakpoints: key of a program -> lines of its file."""
-        for key, lines in stops.items():
+        """Breakpoints: key of a program -> numbers of its steps."""
+        for key, steps in stops.items():
             found = self.memory.find(key)
             if found is not None and found.key == key:
-                self.machine.set_breaks(found, lines)
+                self.machine.set_breaks(found, steps)
 
     def _cursor(self) -> tuple[str, int]:
         return self.robot.cursor()
@@ -363,6 +363,13 @@ class CellRun:
         facts: dict[str, Fact] = {"text": message.text, "number": message.number or 0, "program": message.program}
         self.port.send("message", **facts, step=message.step, kind=message.kind)
 
+    def _key_of(self, name: str) -> str:
+        """The key of a program in work: programs of two directories may have one name."""
+        assert self.selected is not None
+        frames = (frame.program for frame in reversed(self.machine.stack))
+        found = next((program for program in frames if program.name == name), self.memory.find(name) if name else self.selected)
+        return name if found is None else found.key
+
     def rows(self) -> Sequence[ProcessRow]:
         """The program that is selected."""
         if self.selected is None:
@@ -375,7 +382,7 @@ class CellRun:
         name, done = self.robot.done()
         row = ProcessRow(
             self.run,
-            program or self.selected.key,
+            self._key_of(program),
             self.selected.kind,
             state,
             step,

@@ -152,7 +152,7 @@ class Machine:
     polled: tuple[Frame | None, int, int] = (None, 0, -1)  # frame, step and effects at the last jump back
     idle: bool = False
     breaks: dict[str, frozenset[int]] = field(default_factory=dict)  # key of a program -> steps it stops in front of, from 0
-    stops: dict[str, frozenset[int]] = field(default_factory=dict)  # the same by lines of the files
+    stops: dict[str, frozenset[int]] = field(default_factory=dict)  # the same by numbers of the steps, head included
     passes: bool = False  # START: the breakpoint in force is passed once
     _built: dict[str, tuple[int, list[Op]]] = field(default_factory=dict)
     _names: dict[tuple[int, str], tuple[Names, Names]] = field(default_factory=dict)
@@ -243,10 +243,10 @@ class Machine:
             self._built[program.key] = (self.memory.version, ops)
         return ops
 
-    def set_breaks(self, program: Program, lines: frozenset[int]) -> None:
-        """Breakpoints of a program, by the lines of its file: it stops in front of these steps as STOP does."""
-        self.stops[program.key] = lines
-        self.breaks[program.key] = frozenset(step.number - 1 for step in program.steps[1:] if step.line in lines)
+    def set_breaks(self, program: Program, steps: frozenset[int]) -> None:
+        """Breakpoints of a program, by the numbers of its steps: it stops in front of them as STOP does."""
+        self.stops[program.key] = steps
+        self.breaks[program.key] = frozenset(step.number - 1 for step in program.steps[1:] if step.number in steps)
         self._built.pop(program.key, None)
         for frame in self.stack:
             if frame.program is program:

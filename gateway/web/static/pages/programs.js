@@ -90,8 +90,8 @@ export function mount(root, { t, cell, get, me, post, unable }) {
     { title: t("kind"), cell: text((row) => t(row.kind)) },
     { title: t("state"), free: true, cell: (row, td) => {
       const states = processes.filter((each) => each.program === row.name).map((each) => each.state);
-      const rests = states.length && states.every((each) => each === "stopped");
-      const words = row.fault ? `${t("faults")}: ${row.errors}` : rests ? t("stopped") : states.length ? t("running") : t("can run");
+      const rests = states.length && states.every((each) => ["stopped", "held"].includes(each));
+      const words = row.fault ? `${t("faults")}: ${row.errors}` : rests ? t(states.includes("held") ? "held" : "stopped") : states.length ? t("running") : t("can run");
       const kind = row.fault ? "bad" : states.length && !rests ? "good" : "";
       const box = td.firstElementChild || td.appendChild(chip(kind, words));
       mark(box, `chip ${kind}`); put(box, words); if (box.title !== row.fault) box.title = row.fault;

@@ -121,6 +121,29 @@ def stepped(cell: ReisCell, how: str) -> tuple[str, int]:
     return row.program, row.line
 
 
+def test_breakpoint_and_cursor_are_at_the_step_whatever_is_between_the_lines_of_the_file() -> None:
+    """The page has one line a step; with an empty line in the file cursor and breakpoint were at different steps."""
+    cell = ReisCell({"P.MPR": 'MPR "P"\n\n\nWAIT 0.1\n\nWAIT 0.2\nSTOP\nEND\n'})
+    cell.hosted.answer({"do": "breakpoints", "name": "P", "lines": [3]}, 0)
+    assert cell.run()[0] == "breakpoint"
+    row = cell.language.rows()[0]
+    assert (row.state, row.program, row.line) == ("held", "P", 3)
+
+
+def test_a_program_of_a_directory_is_shown_and_stopped_by_the_name_in_its_row_also_in_what_it_calls() -> None:
+    files = {"JOBS/P.MPR": 'MPR "P"\nCALL S\nWAIT 5\nSTOP\nEND\n', "JOBS/S.SPR": 'SPR "S"\nWAIT 0.5\nEND\n'}
+    cell = ReisCell(files)
+    run = cell.hosted.answer({"do": "start", "name": "JOBS/P"}, 0)["run"]
+    cell.bench.run(0.2)
+    row = cell.language.rows()[0]
+    assert (row.program, row.line) == ("JOBS/S", 2)
+    cell.bench.run(0.5)
+    assert cell.language.rows()[0].program == "JOBS/P", "whoever sees the row of the sub-program presses Stop a moment later"
+    assert cell.hosted.answer({"do": "stop", "name": "JOBS/X"}, 0) == {"error": "JOBS/X: no such process"}
+    assert cell.hosted.answer({"do": "stop", "name": row.program}, 0) == {"ok": True}
+    assert cell.ends(int(str(run)))[0] == "stopped"
+
+
 @pytest.mark.parametrize("mode", [1, 2, 4, 6])
 def test_a_single_step_of_the_page_in_any_test_mode(mode: int) -> None:
     cell = ReisCell(STEPPED)

@@ -183,3 +183,7 @@ def test_the_page_has_the_listing_of_a_cells_program_with_its_faults(tmp_path: p
     assert found is not None and (found.file, found.lines) == ("JOBS/P.MPR", ('MPR "P"', "COPY 1", "END"))
     assert [(line, severity) for line, severity, _ in found.faults] == [(2, "error")]
     assert robotstar_listing(cell, "Q") is None
+    (tmp_path / "memory" / "JOBS" / "P.MPR").write_text('MPR "P"\n\nC text\n  STOP\n/* remark */\nCOPY 1\nEND\n')
+    found = robotstar_listing(cell, "JOBS/P")
+    assert found is not None and found.lines == ('MPR "P"', "C text", "STOP", "COPY 1", "END"), "a line a step"
+    assert ([line for line, _, _ in found.faults], found.statements) == ([4], (3, 5))
