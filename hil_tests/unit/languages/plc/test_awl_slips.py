@@ -45,6 +45,7 @@ def test_misread_letters_of_a_print_are_put_right_and_each_change_is_named() -> 
         ("PB 1\n:U(\n:O E ?.2\n:O E 0.1\n:)\n:= A 0.0\n:BE", 3),  # once a single O with a comment
         ("PB 1\n0000 :U E 0.0   0010 :U E 1.0\n0001 :UN E 0.1\n0002 :BE", 2),  # two columns
         ("PB 1\n:U E 0.0 = A 0.0\n:BE", 2),
+        ("PB 1\n:U(\n:O E 0.0\n:O (E 0.1\n:)\n:= A 0.0\n:BE", 4),  # the same: its operand was dropped without a word
         ("PB 1\n:U( E 0.0\n:U E 0.1\n:)\n:= A 0.0\n:BE", 2),
         ("PB 1\n:U(\n:U E 0.1\n:= A 0.0\n:BE", 2),  # not closed
     ],

@@ -17,7 +17,7 @@ LOCAL_BYTE, LOCAL_WORD = re.compile(r"LB\s*(\d+)\b"), re.compile(r"L[WD]\s*\d")
 STATUS = re.compile(r"(?:==|<>|>=|<=|>|<)0|OV\b|OS\b|UO\b|BIE\b|BR\b|STW\b")
 CELL = re.compile(r"([TZ])\s*(\d+)\b(?!\.)")
 BYTE = re.compile(r"([EAM])B\s*(\d+)\b")
-OPERAND_LIKE = re.compile(r"[A-Z]{1,3}\s*\d|[=#\"-]|\d|[EAMTZIQFC]\s+\S*[.,]\S")  # anything else behind a single O is a comment
+OPERAND_LIKE = re.compile(r"\(?\s*(?:[A-Z]{1,3}\s*\d|[=#\"-]|\d|[EAMTZIQFC]\s+\S*[.,]\S)")  # anything else behind a single O is a comment
 TABLED = re.compile(r"(?:(D[BX]\s*\d+)\s*\.\s*)?(MW|EW|AW|MD|ED|AD|DW|DL|DR|DD|DBW|DBD|DBB|DBX|D)\s*(\d+(?:\.\d+)?)\b")
 BLOCK = re.compile(r"(OB|PB|FB|FX|SB|FC)\s*(\d+)\b")
 SYMBOL = re.compile(r'"([^"]+)"')
