@@ -36,7 +36,7 @@ from gateway.pure.image.records.cell import AxisFlag, CellState, InputImage, Mot
 from protocols.base.machine import Ns
 
 HOLD, MOVES, PLUS, MINUS = (1020, 7), (1021, 5), (1021, 3), (1021, 4)
-INQUIRY, OVERRIDE, ACTUAL, TCP, TCP_VALID = 996, 1436, 1024, 1124, (1120, 0)
+INQUIRY, OVERRIDE, ACTUAL, TCP, TCP_VALID, PATH = 996, 1436, 1024, 1124, (1120, 0), 1464
 AUTO, HAND = 0x0300, 0x0101  # operating mode codes (robotstar 5.9)
 MULTIPLIED = (AUTO, 0x0202, 0x0204)  # modes in which M1436 counts
 AUTO_MN = 23  # RC input that says which
@@ -288,6 +288,8 @@ class ReisControl:
             markers.set_bit(*PLUS, self.robot.keys.hand.plus)
             markers.set_bit(*MINUS, self.robot.keys.hand.minus)
             markers.set_number(INQUIRY, next((int(str(row["inquiry"])) for row in self.robot.programs.rows), 0))
+            for number, hundredths in enumerate(self.robot.programs.progress):
+                markers.set_number(PATH + 4 * number, hundredths)
         markers.set_number(MODE, int.from_bytes(mode.to_bytes(2, "big"), "little"), 2)
         places = tuple(axis.actual * factor for axis, factor in zip(axes, self.setup.unit_per_si, strict=False))
         for number, place in enumerate(places):

@@ -53,6 +53,7 @@ class ReisPrograms:
     results: dict[int, Outcome] = field(default_factory=dict)
     run: int = 0  # under way
     tool: Structure | None = None  # in force, for the position in M1124
+    progress: tuple[int, ...] = ()  # M1464 to M1479: way and time of the position under way, done and left
     refused: str = ""  # why the last START of a key or movement by hand was; the pendant takes it
     looked: tuple[str, Fact | None, str] = ("", None, "")  # a variable: name, value or why there is none
     breaks: dict[str, list[int]] = field(default_factory=dict)  # breakpoints: program -> steps
@@ -139,6 +140,8 @@ class ReisPrograms:
             case "tool":
                 values = [float(word) for word in str(said["values"]).split()]
                 self.tool = Structure("T", dict(zip(TOOL, values, strict=True)))
+            case "progress":
+                self.progress = tuple(int(word) for word in str(said["values"]).split())
             case "value":
                 self.looked = str(said["name"]), said.get("value"), str(said.get("text", ""))
             case "hand":

@@ -6,7 +6,7 @@ A position is over where its block is: at its end, or in the middle of its corne
 import math
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from gateway.pure.languages.base.path import Path, Stretch
 from gateway.pure.languages.base.process import Place
@@ -15,6 +15,7 @@ from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.lines import line, past_via, rest_of_circle, tool_line
 from gateway.pure.languages.robotstar.machine import Go
 from gateway.pure.languages.robotstar.path import CIRCLES, Target
+from gateway.pure.languages.robotstar.progress import Progress, length_of
 from gateway.pure.languages.robotstar.values import Structure
 
 FEWEST, MOST, AHEAD_NS = 4, 200, 2_000_000_000  # positions that may be prepared, and how much motion
@@ -131,6 +132,18 @@ class Ahead:
     def under_way(self) -> Block | None:
         """The first position that is not over."""
         return next((item for item in self.items if isinstance(item, Block)), None)
+
+    def progress(self, before: Progress) -> Progress:
+        """Of the position under way; of the last one, as it was, where there is none or the program is stopped."""
+        block = self.under_way()
+        if block is None:
+            return replace(before, share=1.0)
+        if block.stretch is None or not block.stretch.job:
+            return before
+        report, through = self.path.port.view.path_of(ROBOT), block.through
+        share = report.share if report.job == block.stretch.job and report.block == block.index else 0.0
+        length = length_of(block.start, block.go.target, None if through is None else through.go.target)
+        return Progress(length, (block.lasts + (0 if through is None else through.go.whole)) / 1e9, min(max(share, 0.0), 1.0))
 
     # ---- turns
     def look(self, places: tuple[float, ...]) -> None:

@@ -12,6 +12,7 @@ from gateway.pure.languages.robotstar.faults import INPUT_WRITTEN, StepFault
 from gateway.pure.languages.robotstar.machine import Machine, NotYet
 from gateway.pure.languages.robotstar.operands import signed
 from gateway.pure.languages.robotstar.path import Target
+from gateway.pure.languages.robotstar.progress import Progress
 from gateway.pure.languages.robotstar.virtual import ANALOG_INPUTS, ANALOG_OUTPUTS, BASES, SCALE
 
 SHOWN_NS = 50_000_000  # so long what was written is read back, whether the control shows it or not: the PLC may have changed it since
@@ -25,6 +26,7 @@ class CellWorld:
     ahead: Ahead
     machine: Machine | None = None  # set once it is made
     now: Ns = 0
+    progress: Progress = field(default_factory=Progress)
     _written: dict[int, tuple[int, int, Ns]] = field(default_factory=dict)  # byte -> mask, bits, until: not shown by the control yet
 
     # ---- reading
@@ -59,6 +61,11 @@ class CellWorld:
         self._wait()
         place = ANALOG_INPUTS + 2 * (channel - 1)
         return int.from_bytes(bytes((self._byte(place), self._byte(place + 1))), "little", signed=True) / SCALE
+
+    def path_left(self, number: int) -> float:
+        """_RPATH_DIST[1], [2], _RTIME_DIST[1], [2]: of the position before, once it is reached."""
+        self._wait()
+        return self.progress.values()[number - 1]
 
     def actual(self) -> Target:
         """Where the robot is."""

@@ -86,6 +86,12 @@ def past_via(start: Point, via: Point, end: Point, here: Point) -> bool:
     return middle <= at < last + (2 * math.pi - last) / 2  # what is nearer to the start has not left it yet
 
 
+def arc_length(start: Point, via: Point, end: Point) -> float:
+    """mm of an arc.  X Y Z in mm; StepFault where the points make no circle."""
+    start, via, end = (tuple(point[:3]) for point in (start, via, end))
+    return math.dist(start, _centre(start, via, end)[0]) * _angles(start, via, end, end)[2]
+
+
 def _angles(start: Point, via: Point, end: Point, here: Point) -> tuple[float, float, float]:
     """How far `here`, via and end are turned from the start, 0 .. 2 pi."""
     centre, normal = _centre(start, via, end)

@@ -4,17 +4,18 @@ Pure: nothing passes but virtual time, so the same input gives the same events.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from gateway.pure.languages.base.requests import Ns
 from gateway.pure.languages.robotstar.faults import INPUT_WRITTEN, StepFault
 from gateway.pure.languages.robotstar.initial import initialise
-from gateway.pure.languages.robotstar.machine import Machine
+from gateway.pure.languages.robotstar.machine import Go, Machine
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.pure.languages.robotstar.operands import signed
 from gateway.pure.languages.robotstar.path import Target, between
 from gateway.pure.languages.robotstar.program import Program
+from gateway.pure.languages.robotstar.progress import FIRST, Progress, length_of
 from gateway.pure.languages.robotstar.robot import Message, Mode, Robot, State
 from gateway.pure.languages.robotstar.script import NS, VALUES, Order
 from gateway.pure.languages.robotstar.steps import build
@@ -68,11 +69,12 @@ class VirtualCell:
     _from: Target = field(default_factory=Target)
     _at: Target = field(default_factory=Target)
     _to: Target | None = None
+    _progress: Progress = field(default_factory=Progress)
     _seen: tuple[bool, bool] = (False, False)  # of M968.0 and .1
     _plc_due: Ns | None = None
 
     def __post_init__(self) -> None:
-        self.system = System(self)
+        self.system = System(self, path_left=lambda number: self._progress.values()[number - 1])
         machine = Machine(self.memory, self, self.system.names(), build)
         self.system.machine = machine
         self.robot = Robot(machine, self.mode, self, self.say)
@@ -151,16 +153,20 @@ class VirtualCell:
         """A way begins where the robot is."""
         del now
         self._from, self._to = self._at, target
+        request = self.robot.machine.request
+        self._progress = Progress(length_of(self._at, target), request.whole / NS if isinstance(request, Go) else 0.0, 0.0)
         return self.reaches(target, self.robot.machine.tool)
 
     def way(self, part: float) -> None:
         """The robot is at `part` of its way."""
         if self._to is not None:
             self._at = between(self._from, self._to, part)
+            self._progress = replace(self._progress, share=part)
 
     def arrived(self, target: Target, mode: str, now: Ns) -> None:
         """The position as gone to."""
         self._at, self._to = target, None
+        self._progress = replace(self._progress, share=1.0)
         self.events.append({"at": _seconds(now), "what": "target", "mode": mode, "value": target.values()})
 
     def factor(self) -> float:
@@ -370,6 +376,8 @@ class VirtualCell:
             self._set(ACKNOWLEDGED, False)
         self.image[ERROR_NUMBER : ERROR_NUMBER + 4] = number.to_bytes(4, "little")
         self.image[INQUIRY : INQUIRY + 4] = self.robot.inquiry.to_bytes(4, "little")
+        for at, number in enumerate(self._progress.numbers()):
+            self.image[FIRST + 4 * at : FIRST + 4 + 4 * at] = number.to_bytes(4, "little")
         pose = self._at.pose
         self._set((1120, 0), bool(pose))
         for at, value in enumerate(pose):

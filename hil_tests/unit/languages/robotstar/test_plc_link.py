@@ -70,6 +70,18 @@ def test_l2937_m996_has_the_input_and_the_level_a_program_waits_for(mode: str) -
     assert ran.when("M102") == [(0.61, 1), (2.01, 0)] and ran.when("M103") == [(0.11, 128), (2.01, 0)]
 
 
+def test_l2973_the_plc_and_the_program_see_how_far_the_robot_is_on_its_path() -> None:
+    """100 mm at 100 mm/s with ramps of 0.05 s: half the way in the middle of 1.05 s."""
+    robot = "TOOL T\nMOVE_MODE #LINEAR\nPATH_SPEED 100\nPATH_ACCEL 100\nPOSITION #N, X:100, Y:0, Z:0, A:0, B:0, C:0\n"
+    plc = "PLC MAIN\nU E0.0\nSP N,0\nLD M1464\nTD M100\nLD M1468\nTD M104\nLD M1472\nTD M108\nLD M1476\nTD M112\nM N\nEND"
+    ran = run(f"{robot}COPY _RPATH_DIST[1],I1\nADD _RTIME_DIST[1],I1\nADD _RPATH_DIST[2],I1\nSTOP", plc, 3, "0.51 E0.0=1", "0.53 E0.0=0")
+    halves = [int.from_bytes(ran.cell.image[place : place + 4], "little") for place in range(100, 116, 4)]
+    assert halves == pytest.approx([5000, 5000, 52, 52], abs=200) and halves[0] + halves[1] == 10000
+    assert ran.value("I1") == 101, "of the position before: 100 mm and 1.05 s, nothing left"
+    ends = [int.from_bytes(ran.cell.image[place : place + 4], "little") for place in range(1464, 1480, 4)]
+    assert ends == [10000, 0, 105, 0]
+
+
 def test_an_error_of_the_plc_stops_all() -> None:
     ran = run("WRITE_BIT #AUSGANG,1,0,0\nWAIT 100", "PLC 'MAIN'\nM L\nU E0.0\nSP L,1\nEND", 2, "1 E0.0=1")
     assert (ran.message()["number"], ran.state) == (7000, "error")
