@@ -1,13 +1,14 @@
-"""Sending side of 3964R.  Source: rho 3 Releases part 1, section 7.1 (below: 7.1); counters: AX-003, AX-004."""
+"""Sending side of 3964R.  Source: rho 3 Releases part 1, section 7.1 (below: 7.1)."""
 
 from collections import deque
 from dataclasses import dataclass
 from enum import Enum, auto
 
 from protocols.base.machine import Damage, Ns
+from protocols.p3964r.attempts import Attempts
 from protocols.p3964r.characters import DLE, NAK, STX, Char, wire_block
 from protocols.p3964r.events import BlockSent, Failure, Outbox, SamePriority, SendFailed, SendRepeated, Stage
-from protocols.p3964r.profiles import ConnectCounter, Interruption, Priority, Profile
+from protocols.p3964r.profiles import Interruption, Priority, Profile
 
 DRIFT = 16  # the report of `sent` may be late by this part of the block's own time: a clock that differs from the port's count (AX-652)
 MOST_JOBS = 64  # waiting ones; nothing grows while a partner is away
@@ -37,6 +38,20 @@ class Job:
     end: Char
 
 
+@dataclass(slots=True)
+class BlockOut:
+    """The first job's block since it was put into the box."""
+
+    wire: bytes
+    turn: int  # of the box, in which that was
+    since: Ns
+    early: Ns | None = None  # a DLE heard before the port said that the block had left
+
+    def answered(self, now: Ns, least: Ns) -> bool:
+        """Asked when the port reports that the block has left: whether an early DLE is the answer to it."""
+        return self.early is not None and now - self.early <= max(least, (now - self.since) // DRIFT)
+
+
 class Sender:
     """Sends one job after another; half of a Link, which starts it when the line is free."""
 
@@ -46,14 +61,11 @@ class Sender:
         self.due: Ns | None = None  # the deadline
         self.jobs: deque[Job] = deque()  # not yet sent or given up
         self._number = 0
-        self._connects, self._blocks = 0, 0  # failed attempts of the first job
-        self._yielded = False  # the first job gave way in a repeat, in spite of priority
+        self._attempts = Attempts()
         self._conflict = False  # the partner's STX was heard and ignored
         self._repeated_at: Ns | None = None  # when STX was given out in the middle of a burst
         self._done_at: Ns | None = None  # when a block was acknowledged
-        self._early: Ns | None = None  # a DLE heard before the port said that the block had left
-        self._begun: Ns = 0  # when the block was put into the box
-        self._said, self._block_in = b"", -1  # the block as it was put into the box, and the turn of that
+        self._out = BlockOut(b"", -1, 0)
         self._stx_in = -1  # the turn of STX
         self._revoked = False  # the first job was taken back by its owner
         self.overtook = 0  # first job whose block went out although the partner had said STX before it, with priority; 0: none
@@ -71,7 +83,7 @@ class Sender:
         return self._number
 
     def _drop_oldest_waiting(self) -> None:
-        index = 1 if self.busy or self._connects or self._blocks else 0
+        index = 1 if self.busy or self._attempts.failed else 0
         self._box.report(SendFailed(self.jobs[index].number, Failure.CROWDED, Stage.WAITING))
         del self.jobs[index]
 
@@ -99,12 +111,14 @@ class Sender:
 
     def forget_attempts(self) -> None:
         """The partner sent a block, good or bad, to its end: the job that gave way to it starts anew."""
-        self._connects, self._blocks, self._yielded = 0, 0, False
+        attempts = self._attempts
+        if attempts.connects or attempts.blocks or attempts.yielded:  # no call where there is nothing to forget
+            attempts.clear()
 
     # ---- the table
     def hear(self, byte: int, now: Ns) -> bool:
         """Take one character; False: it is not for us, the partner has the line now."""
-        if self.state is SENDING and self._box.turn == self._block_in and byte != NAK:
+        if self.state is SENDING and self._box.turn == self._out.turn and byte != NAK:
             self._take_back(now)
         state = self.state
         if state is CONNECT:
@@ -141,7 +155,7 @@ class Sender:
             self._box.output.clear()  # break off: what was not yet taken stays here
             self._block_failed(Failure.NAK, now)
         elif byte == DLE:
-            self._early = None if self._box.output else now
+            self._out.early = None if self._box.output else now
         else:
             self._interrupted(now)
 
@@ -155,27 +169,27 @@ class Sender:
         elif self.state is ANSWER:
             self._block_failed(Failure.DAMAGED, now)
         else:
-            self._early = None
+            self._out.early = None
 
     def _meet(self) -> bool:
         """Both stations sent STX: with priority go on, without keep the job and listen (7.1)."""
-        repeated = self._connects + self._blocks > 0 and not self._yielded
+        repeated = self._attempts.failed > 0 and not self._attempts.yielded
         if self._priority is Priority.HIGH and not (repeated and self._profile.yields_to_second_conflict):
             self._conflict = True
-            if not self.overtook and self._blocks == 0:
+            if not self.overtook and self._attempts.blocks == 0:
                 self.overtook = self.jobs[0].number
             return True
         if self._box.turn == self._stx_in:
             del self._box.output[-1:]  # our STX was not given out yet: now it never is
         if self._priority is Priority.HIGH:
-            self._connects, self._blocks, self._yielded = 0, 0, True  # once: else both give way in every repeat and neither gets through
+            self._attempts.give_way()
         else:
-            self._connects += 1
+            self._attempts.connects += 1
         self.state, self.due = IDLE, None
         return False
 
     def _interrupted(self, now: Ns) -> None:
-        self._early = None
+        self._out.early = None
         if self._profile.interruption is Interruption.BACK_OFF:
             self._box.output.clear()
             self.state, self.due = BACKING_OFF, now + self._profile.char_delay
@@ -191,36 +205,32 @@ class Sender:
         if self._revoked:  # even after a successful connection
             self._give_up(Failure.REVOKED, Stage.CONNECT)
             return
-        self._said = wire_block(self.jobs[0].block, self._profile.block_check, self.jobs[0].end)
-        self._box.output += self._said
-        self._block_in = self._box.turn
-        self.state, self.due, self._early, self._begun = SENDING, None, None, now
+        wire = wire_block(self.jobs[0].block, self._profile.block_check, self.jobs[0].end)
+        self._box.output += wire
+        out = self._out
+        out.wire, out.turn, out.since, out.early = wire, self._box.turn, now, None  # no new one: it would cost a call
+        self.state, self.due = SENDING, None
 
     def _take_back(self, now: Ns) -> None:
         """A partner who said DLE waits for our block: what came with more behind it in one burst was no answer (AX-241)."""
-        del self._box.output[-len(self._said) :]
+        del self._box.output[-len(self._out.wire) :]
         self._connect_failed(Failure.WRONG, now)
 
     def _connect_failed(self, why: Failure, now: Ns) -> None:
         if self._conflict and why is Failure.SILENT:
             self._box.report(SamePriority(Priority.HIGH))
-        self._connects += 1
+        self._attempts.connects += 1
         if self._profile.silence_ends and why is Failure.SILENT:
             self._give_up(why, Stage.CONNECT)
         else:
             self._again(why, Stage.CONNECT, now)
 
     def _block_failed(self, why: Failure, now: Ns) -> None:
-        self._blocks += 1
-        if self._profile.connect_counter is ConnectCounter.PER_BLOCK:
-            self._connects = 0
+        self._attempts.block_failed(self._profile.connect_counter)
         self._again(why, Stage.BLOCK, now)
 
     def _exhausted(self) -> bool:
-        connects = self._connects
-        if self._profile.connect_counter is ConnectCounter.SHARED:
-            connects += self._blocks
-        return self._revoked or connects >= self._profile.connect_attempts or self._blocks >= self._profile.block_attempts
+        return self._revoked or self._attempts.exhausted(self._profile)
 
     def _again(self, why: Failure, stage: Stage, now: Ns) -> None:
         if self._exhausted():
@@ -249,8 +259,10 @@ class Sender:
     def _finish(self, event: BlockSent | SendFailed) -> None:
         self._box.report(event)
         self.jobs.popleft()
-        self._connects, self._blocks = 0, 0
-        self.state, self.due, self._revoked, self._yielded = IDLE, None, False, False
+        attempts = self._attempts
+        if attempts.connects or attempts.blocks or attempts.yielded:  # no call where there is nothing to forget
+            attempts.clear()
+        self.state, self.due, self._revoked = IDLE, None, False
 
     def _stage(self) -> Stage:
         return Stage.BLOCK if self.state in ON_THE_LINE else Stage.CONNECT
@@ -261,8 +273,7 @@ class Sender:
         if self.state is CONNECT and self.due is None:
             self.due = now + self._profile.ack_delay
         elif self.state is SENDING:
-            late = max(self._profile.early_answer, (now - self._begun) // DRIFT)
-            if self._early is not None and now - self._early <= late:
+            if self._out.early is not None and self._out.answered(now, self._profile.early_answer):
                 self._succeed()  # the partner was faster than the port's report (AX-052)
                 return
             self.state, self.due = ANSWER, now + self._profile.ack_delay
@@ -286,8 +297,8 @@ class Sender:
             self._box.report(SendFailed(job.number, Failure.LOST, stage))
             stage = Stage.WAITING
         self.jobs.clear()
-        self._revoked, self._yielded, self.overtook = False, False, 0
-        self._connects, self._blocks = 0, 0
+        self._revoked, self.overtook = False, 0
+        self._attempts.clear()
         self.state, self.due = IDLE, None
 
 

@@ -25,7 +25,7 @@ class HastyRepeats(Sender):
 
     def sent(self, now: Ns) -> None:
         super().sent(now)
-        if self.state is Saying.ANSWER and self._blocks:
+        if self.state is Saying.ANSWER and self._attempts.blocks:
             self.due = now + ms(200)
 
 
@@ -34,7 +34,7 @@ class PatientAtLast(Sender):
 
     def sent(self, now: Ns) -> None:
         super().sent(now)
-        if self.state is Saying.ANSWER and self._blocks == self._profile.block_attempts - 1:
+        if self.state is Saying.ANSWER and self._attempts.blocks == self._profile.block_attempts - 1:
             self.due = now + ms(2500)
 
 
@@ -43,7 +43,7 @@ class ShortAfterStx(Sender):
 
     def _transmit(self, now: Ns) -> None:
         job = self.jobs[0]
-        if self._connects and not self._blocks:
+        if self._attempts.connects and not self._attempts.blocks:
             self.jobs[0] = replace(job, block=job.block[1:])
         super()._transmit(now)
         self.jobs[0] = job
@@ -63,9 +63,9 @@ class FewerAttempts(Sender):
     """A job that gave way has two connection attempts fewer."""
 
     def forget_attempts(self) -> None:
-        gave_way = self._connects > 0
+        gave_way = self._attempts.connects > 0
         super().forget_attempts()
-        self._connects = 2 if gave_way else 0
+        self._attempts.connects = 2 if gave_way else 0
 
 
 class ThirdConflict(Sender):

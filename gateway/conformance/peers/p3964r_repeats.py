@@ -18,7 +18,7 @@ class RepeatCheck(Sender):
 
     def _transmit(self, now: Ns) -> None:
         super()._transmit(now)
-        if self._blocks:
+        if self._attempts.blocks:
             self._box.output[-1] ^= 0x5A
 
 
@@ -27,7 +27,7 @@ class ConnectCheck(Sender):
 
     def _transmit(self, now: Ns) -> None:
         super()._transmit(now)
-        if self._connects > 1:
+        if self._attempts.connects > 1:
             self._box.output[-1] ^= Char.STX
 
 
@@ -38,10 +38,10 @@ class KeepsConnects(Sender):
 
     def start(self, now: Ns) -> None:
         super().start(now)
-        self._connects += self._kept
+        self._attempts.connects += self._kept
 
     def _succeed(self) -> None:
-        self._kept = max(0, self._connects - 1)
+        self._kept = max(0, self._attempts.connects - 1)
         super()._succeed()
 
     def _give_up(self, why: Failure, stage: Stage) -> None:
@@ -56,10 +56,10 @@ class KeepsBlocks(Sender):
 
     def start(self, now: Ns) -> None:
         super().start(now)
-        self._blocks += self._kept
+        self._attempts.blocks += self._kept
 
     def _succeed(self) -> None:
-        self._kept = self._blocks
+        self._kept = self._attempts.blocks
         super()._succeed()
 
     def _give_up(self, why: Failure, stage: Stage) -> None:
@@ -72,7 +72,7 @@ class ShortRepeats(Sender):
 
     def sent(self, now: Ns) -> None:
         super().sent(now)
-        if self.state is Saying.CONNECT and self._connects > 1 and self.due is not None:
+        if self.state is Saying.CONNECT and self._attempts.connects > 1 and self.due is not None:
             self.due = now + ms(120)
 
 
@@ -157,7 +157,7 @@ class ChangesThird(Sender):
 
     def _transmit(self, now: Ns) -> None:
         job = self.jobs[0]
-        if self._blocks > 1:
+        if self._attempts.blocks > 1:
             self.jobs[0] = replace(job, block=job.block[:-1] + b"!")
         super()._transmit(now)
         self.jobs[0] = job
@@ -169,7 +169,7 @@ class FromTheBeginning(Sender):
     def sent(self, now: Ns) -> None:
         super().sent(now)
         if self.state is Saying.ANSWER:
-            self.due = self._begun + self._profile.ack_delay
+            self.due = self._out.since + self._profile.ack_delay
 
 
 class DropsAll(Sender):

@@ -86,7 +86,7 @@ class Differs(Sender):
     """The repeat of a block carries another last character."""
 
     def _transmit(self, now: Ns) -> None:
-        if self._blocks:
+        if self._attempts.blocks:
             job = self.jobs[0]
             self.jobs[0] = replace(job, block=job.block[:-1] + bytes((job.block[-1] ^ 1,)))
         super()._transmit(now)
@@ -131,7 +131,7 @@ class WithoutStx(Sender):
     """A refused block is repeated without a new connection."""
 
     def _block_failed(self, why: Failure, now: Ns) -> None:
-        self._blocks += 1
+        self._attempts.blocks += 1
         if self._exhausted():
             self._give_up(why, Stage.BLOCK)
         else:
@@ -142,14 +142,15 @@ class CountsOneMore(Sender):
     """One block attempt more after NAK."""
 
     def _exhausted(self) -> bool:
-        return self._revoked or self._connects >= self._profile.connect_attempts or self._blocks > self._profile.block_attempts
+        tried, profile = self._attempts, self._profile
+        return self._revoked or tried.connects >= profile.connect_attempts or tried.blocks > profile.block_attempts
 
 
 class NoYield(Sender):
     """Without priority it does not give way in a repeat."""
 
     def _meet(self) -> bool:
-        if self._connects + self._blocks > 0:
+        if self._attempts.failed > 0:
             self._conflict = True
             return True
         return super()._meet()

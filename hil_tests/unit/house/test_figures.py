@@ -30,7 +30,6 @@ CLASSES: Mapping[str, int] = {
     "motion/execution/follower.py:Follower": 21,
     "motion/execution/stepper.py:Stepper": 21,
     "motion/timing/foresight.py:Foresight": 20,
-    "protocols/p3964r/sender.py:Sender": 20,
 }
 PARAMETERS: Mapping[str, int] = {}
 LINES: Mapping[str, int] = {
