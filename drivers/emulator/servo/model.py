@@ -17,8 +17,14 @@ from drivers.emulator.servo.settings import INC_PER_TURN, ServoSettings
 STEP_NS = 62_500
 STEPS_PER_TICK = 4  # position loop
 STEPS_PER_SLOW = 16  # 1 ms
+NEVER = 1 << 62  # a step, or an instant, that does not come
 INC_PER_RAD = INC_PER_TURN / (2.0 * pi)
 _RNG_MODULUS = 2147483647.0  # Park and Miller's generator; all its products are exact in a float
+
+
+def steps(seconds: float) -> int:
+    """As whole steps."""
+    return round(seconds * 1e9 / STEP_NS)
 
 
 class Trip(IntEnum):

@@ -19,16 +19,18 @@ any        | power gone (silent, brake falls)                                   
 
 from collections.abc import Mapping
 from enum import IntEnum
-from math import inf, pi
+from math import pi
 
-from drivers.emulator.servo.model import STEP_NS, STEPS_PER_SLOW, Servo, Trip
+from drivers.emulator.servo.model import NEVER, STEPS_PER_SLOW, Servo, Trip, steps
 from drivers.emulator.servo.record import AxisRow, Flag
 from drivers.emulator.servo.settings import INC_PER_TURN, ServoSettings
+from drivers.emulator.servodyn.brake import BoosterBrake
+from drivers.emulator.servodyn.commanded import Commanded, wrap
 from drivers.emulator.servodyn.parameters import ParameterStore
+from drivers.emulator.servodyn.travel import BoosterTravel
 from protocols.servodyn.codec import ActualValue, SetValue
 from protocols.servodyn.parameters import Answer, Request, Status
 
-NEVER = 1 << 62
 RPM = 2.0 * pi / 60.0
 I2T_WARNING, I2T_COOL = 0.8, 0.9
 
@@ -73,17 +75,7 @@ _SUPERVISED = _POWER | {State.CHARGING}
 _BLIND = frozenset(
     (Fault.FOLLOWING_ERROR, Fault.OVERSPEED, Fault.STOP_TIMEOUT, Fault.UNDERVOLTAGE, Fault.PHASE_LOSS, Fault.ENCODER, Fault.BRAKE)
 )
-_AT_POWER_UP = SetValue(drive_on=True, limit_switch=True, fault_reset=True)  # a bit that is set at power-up is no edge
 _TRIPS = {Trip.FOLLOWING: Fault.FOLLOWING_ERROR, Trip.OVERSPEED: Fault.OVERSPEED, Trip.I2T: Fault.I2T, Trip.WINDING: Fault.WINDING}
-
-
-def wrap(value: int) -> int:
-    """As the int32 of a telegram."""
-    return (value + 0x80000000 & 0xFFFFFFFF) - 0x80000000
-
-
-def steps(seconds: float) -> int:
-    return round(seconds * 1e9 / STEP_NS)
 
 
 class ServodynAxis:
@@ -92,20 +84,13 @@ class ServodynAxis:
     def __init__(self, settings: ServoSettings, cycle_ns: int, seed: int = 1, substeps: int = 1) -> None:
         self.settings, self.servo = settings, Servo(settings, seed, substeps)
         self.parameters = ParameterStore(settings)
-        self._scale = 1  # resolver increments for one of the telegrams (parameter 21)
         self._cycle_ns = cycle_ns
         self.state, self.fault_code = State.BOOTING, 0
-        self.brake_open = False
+        self.brake, self.travel, self.commanded = BoosterBrake(), BoosterTravel(), Commanded()
         self.bus_lost = False  # warning only: SYNC went while no power was on
         self.faulted_at: list[tuple[int, ActualValue]] = []  # (step, what the axis says about it), to be taken by the bus
-        self._due, self._brake_due, self._stop_by = steps(settings.boot_s), NEVER, NEVER
-        self._latched, self._target, self._last_target = 0, 0, 0
-        self._set, self._may_switch_on = _AT_POWER_UP, False
-        self._brake_opens = self._brake_stuck = False
+        self._due, self._stop_by = steps(settings.boot_s), NEVER
         self.causes: set[Fault] = set()  # faults that stand until their cause goes
-        self._beyond, self._turn = 0, 0
-        self._zero_wanted = False
-        self._zero_inc: int | None = None
         self._latched = int(self.servo.counter_inc // 1.0)
         self._look_around()
 
@@ -118,14 +103,14 @@ class ServodynAxis:
     @property
     def settled(self) -> bool:
         """Nothing will happen by itself."""
-        waits = self._due == NEVER and self._brake_due == NEVER
+        waits = self._due == NEVER and self.brake.due == NEVER
         return waits and self.state not in _CONTROLLED and self.servo.speed_rad_s == 0.0
 
     def advance(self, step: int) -> None:
         """Up to and including everything that is due at `step`."""
         servo = self.servo
         while True:
-            due = self._due if self._due < self._brake_due else self._brake_due
+            due = self._due if self._due < self.brake.due else self.brake.due
             trip = servo.run_to(step if step < due else due)
             if trip:
                 self._tripped(trip)
@@ -136,12 +121,12 @@ class ServodynAxis:
 
     def prepare(self, step: int) -> None:
         """Runs the model ahead as far as nothing can be due; changes no result."""
-        if step < self._due and step < self._brake_due:
+        if step < self._due and step < self.brake.due:
             self.servo.prepare(step)
 
     def _timed(self, due: int) -> None:
-        if self._brake_due <= due:
-            self._brake_due = NEVER
+        if self.brake.due <= due:
+            self.brake.due = NEVER
             self._brake_moved()
         if self._due > due:
             return
@@ -168,21 +153,15 @@ class ServodynAxis:
 
     # -- brake ----------------------------------------------------------------------------------
 
+    @property
+    def brake_open(self) -> bool:
+        return self.brake.is_open
+
     def _command_brake(self, open_it: bool) -> None:
-        moving = self._brake_due != NEVER
-        if moving and open_it is self._brake_opens:
-            return
-        if not moving and open_it is self.brake_open:
-            if self.state in (State.OPENING, State.CLOSING):
-                self._brake_due = self.servo.step  # it stands there already: the state goes on at once
-            return
-        self._brake_opens = open_it
-        delay = self.settings.brake_open_s if open_it else self.settings.brake_close_s
-        self._brake_due = self.servo.step + (steps(delay) if self.settings.brake else 0)
+        self.brake.command(open_it, self.servo.step, self.settings, waited_for=self.state in (State.OPENING, State.CLOSING))
 
     def _brake_moved(self) -> None:
-        self.brake_open = self._brake_opens and not (self._brake_stuck and self.settings.brake)
-        if self._brake_opens and not self.brake_open:
+        if not self.brake.moved(self.settings):
             self._fail(Fault.BRAKE)
             return
         if self.brake_open:
@@ -193,7 +172,7 @@ class ServodynAxis:
             self.state = State.ENABLED
         elif self.state is State.CLOSING and not self.brake_open:
             self.servo.off()
-            self.state = State.FAULT if self.fault_code else State.POWERED if self._set.drive_on else State.READY
+            self.state = State.FAULT if self.fault_code else State.POWERED if self.commanded.value.drive_on else State.READY
 
     # -- faults ---------------------------------------------------------------------------------
 
@@ -248,8 +227,8 @@ class ServodynAxis:
             if value is not None and self.state is not State.OFFLINE:
                 self._activate(value, rest_ns)
             elif self.state is State.ENABLED:  # nothing new: stay where the last one pointed
-                self._last_target = self._target
-                servo.follow(float(self._target), rest_ns, self._cycle_ns, 0.0)
+                self.commanded.stay()
+                servo.follow(float(self.commanded.target), rest_ns, self._cycle_ns, 0.0)
         return row
 
     def actual(self) -> ActualValue:
@@ -264,9 +243,9 @@ class ServodynAxis:
             self.warning,
             self.limit_active,
             self.reference_switch,
-            self.brake_open,
+            self.brake.is_open,
             self.fault_code,
-            wrap(self._latched // self._scale),
+            wrap(self._latched // self.commanded.scale),
             min(max(torque, -32768), 32767),
         )
 
@@ -276,7 +255,7 @@ class ServodynAxis:
 
     @property
     def limit_active(self) -> bool:
-        return self._beyond != 0
+        return self.travel.beyond != 0
 
     @property
     def reference_switch(self) -> bool:
@@ -284,18 +263,16 @@ class ServodynAxis:
 
     def _flags(self, new_set: bool, no_sync: bool) -> int:
         flags = Flag.NO_SYNC * no_sync | Flag.NEW_SET * new_set | Flag.ENABLED * (self.state is State.ENABLED)
-        flags |= Flag.BRAKE_OPEN * self.brake_open | Flag.REFERENCE_SWITCH * self.reference_switch
+        flags |= Flag.BRAKE_OPEN * self.brake.is_open | Flag.REFERENCE_SWITCH * self.reference_switch
         return int(flags | Flag.LIMIT * self.limit_active | Flag.WARNING * self.warning | Flag.POWER_ON * (self.state in _POWER))
 
     def _activate(self, value: SetValue, rest_ns: int) -> None:
-        before, self._set = self._set, value
-        self._may_switch_on = self._may_switch_on or not value.drive_on
-        if value.limit_switch and not before.limit_switch and not self._zero_wanted:
-            self._zero_wanted = True
-            self._look_around()
+        before = self.commanded.take(value)
+        if value.limit_switch and not before.limit_switch:
+            self.travel.seek_zero(self.servo, self.settings)
         match self.state:
             case State.READY:
-                if value.drive_on and self._may_switch_on:
+                if value.drive_on and self.commanded.may_switch_on:
                     self.state, self._due = State.CHARGING, self.servo.step + steps(self.settings.charge_s)
             case State.CHARGING | State.POWERED:
                 self._powered(value)
@@ -315,9 +292,9 @@ class ServodynAxis:
             self.state, self._due = State.READY, NEVER
         elif self.state is State.POWERED and value.enable:
             self.servo.hold()
-            self.servo.block(self._beyond)
+            self.servo.block(self.travel.beyond)
             self.servo.arm(True)
-            self._target = self._last_target = int(self.servo.counter_inc // 1.0)
+            self.commanded.begin(int(self.servo.counter_inc // 1.0))
             self.state = State.OPENING
             self._command_brake(True)
             return
@@ -327,58 +304,30 @@ class ServodynAxis:
             self._command_brake(False)
 
     def _follow(self, value: SetValue, rest_ns: int) -> None:
-        last = self._target // self._scale
-        target = (last + wrap(value.position_inc - last)) * self._scale
-        predicted = 2 * self._target - self._last_target
         window = self.settings.following_error_rad * INC_PER_TURN / (2.0 * pi)
-        if abs(target - self._target) > window and abs(target - predicted) > window:
+        if not self.commanded.lead(value.position_inc, window):
             self._fail(Fault.SET_JUMP)
             return
-        self._last_target, self._target = self._target, target
-        self.servo.follow(float(target), rest_ns, self._cycle_ns, value.speed_rpm * RPM)
+        self.servo.follow(float(self.commanded.target), rest_ns, self._cycle_ns, value.speed_rpm * RPM)
 
     def _reset(self) -> None:
         servo = self.servo
         cool = servo.i2t < I2T_COOL and servo.winding_c < self.settings.winding_warning_c
         if cool and not self.causes and abs(servo.speed_rad_s) < self.settings.brake_lock_speed_rad_s:
             self.fault_code, self.state = 0, State.READY
-            self._may_switch_on = not self._set.drive_on
+            self.commanded.may_switch_on = not self.commanded.value.drive_on
             servo.arm(True)
 
     # -- limits ---------------------------------------------------------------------------------
 
     def _look_around(self) -> None:
-        """Sets the window the model watches: between the limits, or beyond one of them, or the present turn while the zero is sought."""
-        low, high = self._limits()
-        position = self.servo.position_rad
-        self._beyond = 1 if position > high else -1 if position < low else 0
-        bounds = ((-inf, low), (low, high), (high, inf))[self._beyond + 1]
-        if self._zero_wanted and self._zero_inc is None:
-            self._turn, lower, upper = self.servo.turn_bounds_rad()
-            bounds = max(bounds[0], lower), min(bounds[1], upper)
-        self.servo.watch(*bounds)
-
-    def _limits(self) -> tuple[float, float]:
-        low, high = self.settings.hard_limit_min_rad, self.settings.hard_limit_max_rad
-        if self._zero_inc is not None and not self.servo.stuck:
-            ends = [
-                self.servo.shaft_rad(self._zero_inc + limit)
-                for limit in (self.settings.soft_limit_min_inc, self.settings.soft_limit_max_inc)
-            ]
-            low, high = max(low, min(ends)), min(high, max(ends))
-        return low, high
+        self.travel.look_around(self.servo, self.settings)
 
     def _crossed(self) -> None:
-        """The watched window was left: a resolver zero, a limit outwards, or back inside."""
-        if self._zero_wanted and self._zero_inc is None:
-            turn = int(self.servo.counter_inc // INC_PER_TURN)
-            if turn != self._turn:
-                self._zero_inc = max(turn, self._turn) * INC_PER_TURN
-        before = self._beyond
-        self._look_around()
-        if self._beyond == before:
+        """The watched window was left."""
+        if not self.travel.crossed(self.servo, self.settings):
             return
-        if not self._beyond:
+        if not self.travel.beyond:
             self.servo.block(0)
         elif self.state in _CONTROLLED:
             s, position = self.settings, self.servo.position_rad
@@ -398,7 +347,7 @@ class ServodynAxis:
         return answer
 
     def _tune(self) -> None:
-        self.settings, self._scale = self.parameters.settings(), self.parameters.scale
+        self.settings, self.commanded.scale = self.parameters.settings(), self.parameters.scale
         self.servo.retune(self.settings)
 
     # -- to order --------------------------------------------------------------
@@ -418,7 +367,7 @@ class ServodynAxis:
 
     def stick_brake(self, stuck: bool) -> None:
         """The brake does not open any more."""
-        self._brake_stuck = stuck
+        self.brake.stuck = stuck
 
     def jump_encoder(self, increments: int) -> None:
         """The counter jumps by so many increments."""
@@ -434,8 +383,8 @@ class ServodynAxis:
     def power_on(self) -> None:
         if self.state is State.OFFLINE:
             self.servo.power_up()
-            self._set, self._may_switch_on = _AT_POWER_UP, False
-            self._zero_wanted, self._zero_inc = False, None
+            self.commanded.restart()
+            self.travel.forget()
             self.parameters.restart()
             self._tune()
             self.servo.block(0)

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 from drivers.emulator.servo import record
-from drivers.emulator.servo.model import STEP_NS
+from drivers.emulator.servo.model import NEVER, STEP_NS
 from drivers.emulator.servo.settings import BusSettings, to_dict
-from drivers.emulator.servodyn.axis import CAUSES, NEVER, Fault, ServodynAxis, State
+from drivers.emulator.servodyn.axis import CAUSES, Fault, ServodynAxis, State
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, FrameFault, Ns, ms
 from protocols.servodyn.codec import ActualValue, Codec, SetValue
@@ -66,6 +66,38 @@ class _Seat:
     drop_set: int = 0
 
 
+@dataclass(slots=True)
+class _BusTime:
+    """Of the stamps of the frames; it begins with the first one."""
+
+    start: Ns | None = None
+    now: Ns = 0  # the time reached
+    last_sync: Ns | None = None
+
+    def steps(self, stamp: Ns) -> tuple[int, int]:
+        """The last whole step before `stamp`, and the nanoseconds that remain."""
+        assert self.start is not None, "time runs from the first stamp"
+        return divmod(stamp - self.start, STEP_NS)
+
+    def of_step(self, step: int) -> Ns:
+        return (self.start or 0) + step * STEP_NS
+
+    def ahead(self, cycle_ns: Ns) -> int | None:
+        """The last step before the next SYNC is expected; None: none has come."""
+        if self.start is None or self.last_sync is None:
+            return None
+        return (self.last_sync + cycle_ns - AHEAD_MARGIN_NS - self.start) // STEP_NS
+
+
+@dataclass(slots=True)
+class _Due:
+    """When the bus acts by itself; NEVER: it does not."""
+
+    sync: Ns = NEVER  # the end of its supervision; never while no SYNC comes
+    row: Ns = NEVER  # of the record, without a SYNC
+    idle: Ns = NEVER  # slow states move on
+
+
 class ServodynSlave:
     """A FrameMachine.  Never raises on what comes from the bus."""
 
@@ -81,10 +113,8 @@ class ServodynSlave:
         ]
         self._by_id = {set_id(seat.number): seat for seat in self._seats}
         self._parameters = {request_id(seat.number): seat for seat in self._seats}
-        self._start: Ns | None = None
-        self._time: Ns = 0
-        self._sync_due = self._row_due = self._idle_due = self._soonest = NEVER
-        self._last_sync: Ns | None = None
+        self._clock, self._due = _BusTime(), _Due()
+        self._soonest = NEVER
         self._output: list[Frame] = []
         self._events: list[Event] = []
         self._rows = bytearray()
@@ -139,11 +169,10 @@ class ServodynSlave:
 
     def prepare(self) -> None:
         """To be called when there is time after a SYNC: works ahead on copies, changes no result."""
-        if self._start is None or self._sync_due == NEVER or self._last_sync is None:
-            return
-        step = (self._last_sync + self.cycle_ns - AHEAD_MARGIN_NS - self._start) // STEP_NS
-        for seat in self._seats:
-            seat.axis.prepare(step)
+        step = self._clock.ahead(self.cycle_ns) if self._due.sync != NEVER else None
+        if step is not None:
+            for seat in self._seats:
+                seat.axis.prepare(step)
 
     def header(self) -> bytes:
         """First line of the record."""
@@ -176,7 +205,7 @@ class ServodynSlave:
                 "i2t": servo.i2t,
                 "winding_c": servo.winding_c,
             }
-        return {"bus_time_ns": self._time, "sync_alive": self._sync_due != NEVER, "counters": asdict(self.counters), "axes": axes}
+        return {"bus_time_ns": self._clock.now, "sync_alive": self._due.sync != NEVER, "counters": asdict(self.counters), "axes": axes}
 
     # -- faults to order (act at the bus time reached) --------------------------------------------
 
@@ -243,25 +272,27 @@ class ServodynSlave:
         raise KeyError(f"module {number} is not on this bus; there are {[seat.number for seat in self._seats]}")
 
     def _injected(self) -> None:
-        self._report_faults(self._time)
-        if self._sync_due == NEVER and self._start is not None and self._row_due == NEVER:
-            self._row_due, self._idle_due = self._time + self.cycle_ns, NEVER
+        self._report_faults(self._clock.now)
+        if self._due.sync == NEVER and self._clock.start is not None and self._due.row == NEVER:
+            self._due.row, self._due.idle = self._clock.now + self.cycle_ns, NEVER
         self._soonest = self._next_due()
 
     # -- time -----------------------------------------------------------------------------------
 
     def _stamp(self, stamp: Ns) -> Ns:
-        if self._start is None:
-            self._start = self._time = stamp
-            self._idle_due = self._soonest = stamp + IDLE_NS
-        if stamp < self._time:
+        clock = self._clock
+        if clock.start is None:
+            clock.start = clock.now = stamp
+            self._due.idle = self._soonest = stamp + IDLE_NS
+        if stamp < clock.now:
             self.counters.out_of_order += 1
-            return self._time
-        self._time = stamp
+            return clock.now
+        clock.now = stamp
         return stamp
 
     def _next_due(self) -> Ns:
-        due = min(self._sync_due, self._row_due, self._idle_due)
+        own = self._due
+        due = min(own.sync, own.row, own.idle)
         for seat in self._seats:
             if seat.life_due < due and seat.axis.supervised:
                 due = seat.life_due
@@ -269,26 +300,26 @@ class ServodynSlave:
 
     def _expire(self, now: Ns) -> None:
         while (due := self._next_due()) <= now:
-            self._time = max(self._time, due)
+            self._clock.now = max(self._clock.now, due)
             rest = self._advance(due)
-            if due == self._sync_due:
+            if due == self._due.sync:
                 self._sync_lost(due)
             for seat in self._seats:
                 if seat.life_due <= due and seat.axis.supervised:
                     seat.life_due = NEVER
                     seat.axis.fail(Fault.LIFE_LOST)
             self._report_faults(due)
-            if due == self._row_due:
+            if due == self._due.row:
                 self._row(due, [seat.axis.sync(rest, None, no_sync=True) for seat in self._seats])
                 settled = all(seat.axis.settled for seat in self._seats)
-                self._row_due, self._idle_due = (NEVER, due + IDLE_NS) if settled else (due + self.cycle_ns, NEVER)
-            elif due == self._idle_due:
-                self._idle_due = due + IDLE_NS
+                self._due.row, self._due.idle = (NEVER, due + IDLE_NS) if settled else (due + self.cycle_ns, NEVER)
+            elif due == self._due.idle:
+                self._due.idle = due + IDLE_NS
         self._soonest = self._next_due()
 
     def _sync_lost(self, due: Ns) -> None:
         self.counters.sync_losses += 1
-        self._sync_due, self._row_due = NEVER, due
+        self._due.sync, self._due.row = NEVER, due
         self._events.append(SyncLost(due))
         for seat in self._seats:
             if seat.axis.supervised:
@@ -298,8 +329,7 @@ class ServodynSlave:
 
     def _advance(self, stamp: Ns) -> int:
         """All axes up to the last whole step before `stamp`; the nanoseconds that remain."""
-        assert self._start is not None, "time runs from the first stamp"
-        step, rest = divmod(stamp - self._start, STEP_NS)
+        step, rest = self._clock.steps(stamp)
         news = False
         for seat in self._seats:
             seat.axis.advance(step)
@@ -315,7 +345,7 @@ class ServodynSlave:
             found += [(step, seat.number, value) for step, value in seat.axis.faulted_at]
             seat.axis.faulted_at.clear()
         for step, number, value in sorted(found):
-            self._events.append(FaultRaised(number, value.fault_code, (self._start or 0) + step * STEP_NS if stamp is None else stamp))
+            self._events.append(FaultRaised(number, value.fault_code, self._clock.of_step(step) if stamp is None else stamp))
             self._send(self._seat(number), value)
 
     # -- telegrams ------------------------------------------------------------------------------
@@ -361,8 +391,8 @@ class ServodynSlave:
             axis.faulted_at.clear()
             self._send(seat, axis.actual())
         self._row(stamp, rows)
-        self._last_sync = stamp
-        self._sync_due, self._row_due, self._idle_due = stamp + self.supervision_ns, NEVER, NEVER
+        self._clock.last_sync = stamp
+        self._due.sync, self._due.row, self._due.idle = stamp + self.supervision_ns, NEVER, NEVER
         self._soonest = self._next_due()
 
     def _send(self, seat: _Seat, value: ActualValue) -> None:

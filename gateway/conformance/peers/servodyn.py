@@ -170,7 +170,7 @@ def _drifts(booster: Booster, value: ActualValue) -> ActualValue:
 
 def _reset_by_level(booster: Booster, value: SetValue) -> SetValue:
     if booster.axis.state is State.FAULT and value.fault_reset:
-        booster.axis._set = booster.axis._set._replace(fault_reset=False)
+        booster.axis.commanded.value = booster.axis.commanded.value._replace(fault_reset=False)
     return value
 
 
@@ -187,7 +187,7 @@ def _reset_by_off(booster: Booster, value: SetValue) -> SetValue:
 
 
 def _brake_by_request(booster: Booster, value: ActualValue) -> ActualValue:
-    return value._replace(brake_open=value.brake_open or booster.axis._set.brake_open)
+    return value._replace(brake_open=value.brake_open or booster.axis.commanded.value.brake_open)
 
 
 def _brake_in_fault(booster: Booster, value: ActualValue) -> ActualValue:
@@ -208,7 +208,7 @@ def _no_sequence(booster: Booster, answer: Answer) -> Answer:
 
 
 def _restarts(booster: Booster, value: SetValue) -> SetValue:
-    booster.axis._may_switch_on = True
+    booster.axis.commanded.may_switch_on = True
     return value
 
 
@@ -262,8 +262,8 @@ class SelfStarting(Booster):
 
     def power(self, on: bool, now: Ns) -> None:
         super().power(on, now)
-        self.axis._may_switch_on = True
-        self.axis._set = SetValue()
+        self.axis.commanded.may_switch_on = True
+        self.axis.commanded.value = SetValue()
 
 
 class ReportsLate(Booster):

@@ -118,7 +118,7 @@ def sets_unwatched(booster: Booster, frame: Frame) -> Sequence[Frame]:
     came, booster.tally = booster.tally, 0
     if came:
         return [frame]
-    last = booster.axis._set
+    last = booster.axis.commanded.value
     booster.last_sync += 1
     return [codec().encode_set(1, last._replace(life=last.life + 1 + booster.last_sync & 0xFF)), frame]
 

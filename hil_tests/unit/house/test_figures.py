@@ -18,8 +18,6 @@ CLASSES: Mapping[str, int] = {
     "drivers/emulator/canopen/node.py:CanopenNode": 24,
     "drivers/emulator/cia402/axis.py:Cia402Axis": 24,
     "drivers/emulator/cia402/view.py:DriveView": 21,
-    "drivers/emulator/servodyn/axis.py:ServodynAxis": 25,
-    "drivers/emulator/servodyn/slave.py:ServodynSlave": 19,
     "gateway/pure/arbitration/data_blocks.py:DataBlocks": 22,
     "gateway/pure/controllers/rho3/signals/control.py:RhoControl": 31,
     "gateway/pure/cycle/alter.py:CoreAlter": 18,

@@ -6,7 +6,8 @@ import pytest
 
 from drivers.emulator.servo.record import Flag
 from drivers.emulator.servo.settings import INC_PER_TURN
-from drivers.emulator.servodyn.axis import State, wrap
+from drivers.emulator.servodyn.axis import State
+from drivers.emulator.servodyn.commanded import wrap
 from drivers.emulator.servodyn.slave import FaultRaised
 from hil_tests.lab.virtual.servodyn_axis import FREE, PLAIN, TURN, enabled, state, until
 from hil_tests.lab.virtual.servodyn_bus import DriveBus
