@@ -9,13 +9,15 @@ from dataclasses import dataclass
 from drivers.emulator.canopen.objects import OK, Objects
 from protocols.base.machine import Frame, Ns
 from protocols.canopen import cob_id as cobid
-from protocols.canopen import emcy
+from protocols.canopen import emcy, nmt
 from protocols.canopen.emcy import Emergency, Register
+from protocols.canopen.nmt import State
 from protocols.canopen.sdo import Abort
 from protocols.canopen.types import Value
 
 NEVER: Ns = 1 << 62
 HISTORY, EMCY_ID, EMCY_INHIBIT, CONSUMER, PRODUCER = 0x1003, 0x1014, 0x1015, 0x1016, 0x1017
+GUARD_TIME, LIFE_FACTOR = 0x100C, 0x100D
 HISTORY_DEPTH = 8
 
 
@@ -166,3 +168,38 @@ class Consumer:
     def reset(self) -> None:
         self.watched.clear()
         self.load()
+
+
+class LifeSigns:
+    """By which others see that the device lives: its heartbeat (1017h), or answers to node guarding (100Ch, 100Dh) where it has none."""
+
+    def __init__(self, objects: Objects) -> None:
+        self._objects = objects
+        self.beat_due: Ns = NEVER
+        self.life_due: Ns = NEVER  # end of the life time: who guards the node is gone
+        self.toggle = False
+
+    @property
+    def beat_ns(self) -> Ns:
+        return self._objects.whole((PRODUCER, 0)) * 1_000_000
+
+    def reset(self) -> None:
+        """No time runs."""
+        self.beat_due = self.life_due = NEVER
+
+    def begin(self, at: Ns | None) -> None:
+        """The first heartbeat comes one of its times behind `at`; None: at once."""
+        self.beat_due = NEVER if not self.beat_ns else 0 if at is None else at + self.beat_ns
+
+    def beat(self, number: int, state: State, now: Ns) -> Frame:
+        following = self.beat_due + self.beat_ns
+        self.beat_due = following if following > now else now + self.beat_ns
+        return nmt.heartbeat(number, state)
+
+    def guarded(self, number: int, state: State, now: Ns) -> Frame:
+        """The answer to who guards the node; its life time begins anew."""
+        answer = Frame(cobid.heartbeat(number), bytes((state | nmt.TOGGLE * self.toggle,)))
+        self.toggle = not self.toggle
+        life = self._objects.whole((GUARD_TIME, 0)) * self._objects.whole((LIFE_FACTOR, 0)) * 1_000_000
+        self.life_due = now + life if life else NEVER
+        return answer

@@ -5,12 +5,14 @@ its methods to do anything.  Every method takes the bus time `now`; nothing here
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Protocol
 
-from drivers.emulator.canopen.guard import NEVER, PRODUCER, Consumer, Emergencies
+from drivers.emulator.canopen.guard import NEVER, PRODUCER, Consumer, Emergencies, LifeSigns
 from drivers.emulator.canopen.lss import LssSlave
 from drivers.emulator.canopen.objects import OK, Objects
 from drivers.emulator.canopen.pdo import Rpdo, Tpdo
+from drivers.emulator.canopen.pdos import Pdos
 from drivers.emulator.canopen.sdo import SdoServer
 from protocols.base.machine import Frame, Ns
 from protocols.canopen import cob_id as cobid
@@ -22,15 +24,7 @@ from protocols.canopen.nmt import Command, State
 from protocols.canopen.sdo import Abort
 from protocols.canopen.types import Value
 
-SYNC_ID, CYCLE_PERIOD, SYNC_OVERFLOW, GUARD_TIME, LIFE_FACTOR, ERROR_BEHAVIOUR, IDENTITY = (
-    0x1005,
-    0x1006,
-    0x1019,
-    0x100C,
-    0x100D,
-    0x1029,
-    0x1018,
-)
+SYNC_ID, CYCLE_PERIOD, SYNC_OVERFLOW, ERROR_BEHAVIOUR, IDENTITY = 0x1005, 0x1006, 0x1019, 0x1029, 0x1018
 HEARTBEAT_LOST, BUS_OFF_GONE, PDO_SHORT, PDO_LONG, SYNC_LENGTH, RPDO_LATE = 0x8130, 0x8140, 0x8210, 0x8220, 0x8240, 0x8250
 NO_SYNC = -1
 Handler = Callable[[Frame, Ns], None]
@@ -47,27 +41,29 @@ class Application(Protocol):
     def changed(self) -> bool: ...  # something changed that an event-driven TPDO sends; asked once, then forgotten
 
 
+@dataclass(slots=True)
+class Accepted:
+    """Identifiers the node listens to, and what takes their frames."""
+
+    data: dict[int, Handler] = field(default_factory=dict)
+    remotes: dict[int, Handler] = field(default_factory=dict)  # remote frames
+    changed: bool = True  # since its bus looked last
+
+
 class CanopenNode:
-    """`handlers` are its identifiers; `soonest` the next instant at which `expire` has work."""
+    """`accepted` are its identifiers; `soonest` the next instant at which `expire` has work."""
 
     def __init__(self, dictionary: ObjectDictionary, node: int, application: Callable[[Objects, "CanopenNode"], Application]) -> None:
         self.objects = Objects(dictionary, node)
         self.state = State.INITIALISING
         self.output: list[Frame] = []
-        self.handlers: dict[int, Handler] = {}
-        self.remotes: dict[int, Handler] = {}
-        self.handlers_changed = True
+        self.accepted = Accepted()
         self.soonest: Ns = NEVER
         self.silent = False  # powered off or bus-off: hears and says nothing
         self.boot_ns: Ns = 0
-        self.toggle = False
-        self._boot_due = self._beat_due = self._life_due = NEVER
-        self._syncs = 0
-        self._rpdos: list[Rpdo] = []
-        self._tpdos: list[Tpdo] = []
-        self._waiting_rpdos: list[Rpdo] = []
-        self._sync_tpdos: list[Tpdo] = []
-        self._event_tpdos: list[Tpdo] = []
+        self._boot_due = NEVER
+        self.life = LifeSigns(self.objects)
+        self.pdos = Pdos()
         self.emergencies = Emergencies(self.objects, self.output.append)
         self.emergencies.allowed = lambda: self.state in (State.PRE_OPERATIONAL, State.OPERATIONAL)
         self.consumer = Consumer(self.objects, self._replan)
@@ -76,8 +72,7 @@ class CanopenNode:
         self.lss = LssSlave(identity, node, lambda: not self.silent)
         self._hook()
         self.application = application(self.objects, self)
-        self._rpdos = [Rpdo(self.objects, number, self._replan) for number in _numbers(dictionary, pdo.RPDO_COMMUNICATION)]
-        self._tpdos = [Tpdo(self.objects, number, self._replan) for number in _numbers(dictionary, pdo.TPDO_COMMUNICATION)]
+        self.pdos.make(self.objects, self._replan)
         self._replan()
 
     @property
@@ -105,53 +100,44 @@ class CanopenNode:
 
     def _replan(self) -> None:
         """Which identifiers reach which handler; PDOs of equal identifier all hear it."""
-        node = self.number
-        self._waiting_rpdos = [item for item in self._rpdos if item.valid and item.synchronous]
-        self._sync_tpdos = [item for item in self._tpdos if item.valid and (item.type <= pdo.SYNC_LAST or item.type == pdo.RTR_SYNC)]
-        self._event_tpdos = [item for item in self._tpdos if item.valid and (item.by_event or item.type == pdo.SYNC_ACYCLIC)]
-        self.handlers = {}
-        for item in self._rpdos:
-            if item.valid:
-                self.handlers[item.identifier] = self._rpdo_handler([other for other in self._rpdos if other.identifier == item.identifier])
-        self.handlers |= {cobid.LSS_MASTER: self._lss, cobid.NMT: self._nmt}
-        self.remotes = {item.identifier: self._asked(item) for item in self._tpdos if item.valid and item.rtr}
+        node, pdos, accepted = self.number, self.pdos, self.accepted
+        pdos.sort()
+        accepted.data = {identifier: self._rpdo_handler(targets) for identifier, targets in pdos.takers().items()}
+        accepted.data |= {cobid.LSS_MASTER: self._lss, cobid.NMT: self._nmt}
+        accepted.remotes = {item.identifier: self._asked(item) for item in pdos.sent if item.valid and item.rtr}
         if node <= cobid.MAX_NODE:
-            self.handlers |= {cobid.sdo_request(node): self._sdo, self.sync_identifier: self._sync}
-            self.handlers |= {cobid.heartbeat(other): self._heartbeat for other in self.consumer.watched}
-            self.remotes[cobid.heartbeat(node)] = self._guarded
-        self.handlers_changed = True
+            accepted.data |= {cobid.sdo_request(node): self._sdo, self.sync_identifier: self._sync}
+            accepted.data |= {cobid.heartbeat(other): self._heartbeat for other in self.consumer.watched}
+            accepted.remotes[cobid.heartbeat(node)] = self._guarded
+        accepted.changed = True
 
     # -- time -----------------------------------------------------------------------------------
 
     def plan(self, application_due: Ns) -> None:
         """Sets `soonest`; to be called after anything happened."""
-        due = application_due if application_due < self._beat_due else self._beat_due
-        for other in (self._boot_due, self._life_due, self.sdo.due, self.emergencies.due, self.consumer.due):
+        life = self.life
+        due = application_due if application_due < life.beat_due else life.beat_due
+        for other in (self._boot_due, life.life_due, self.sdo.due, self.emergencies.due, self.consumer.due):
             if other < due:
                 due = other
-        for tpdo in self._event_tpdos:
-            due = min(due, tpdo.due, tpdo.free_at if tpdo.happened and tpdo.by_event else NEVER)
-        for rpdo in self._rpdos:
-            due = rpdo.due if rpdo.due < due else due
-        self.soonest = due
+        self.soonest = self.pdos.due(due)
 
     def expire(self, now: Ns) -> None:
         """Everything that is due at `now`; the application was advanced already."""
+        life = self.life
         if now >= self._boot_due:
             self._booted(now)
         if now >= self.sdo.due:
             self.output += [Frame(cobid.sdo_answer(self.number), data) for data in self.sdo.wake(now)]
-        if now >= self._beat_due:
-            self.output.append(nmt.heartbeat(self.number, self.state))
-            following = self._beat_due + self._beat_ns
-            self._beat_due = following if following > now else now + self._beat_ns
+        if now >= life.beat_due:
+            self.output.append(life.beat(self.number, self.state, now))
         if now >= self.consumer.due:
             for lost in self.consumer.expired(now):
                 self._communication_error(HEARTBEAT_LOST, bytes((lost,)), now)
-        if now >= self._life_due:
-            self._life_due = NEVER
+        if now >= life.life_due:
+            life.life_due = NEVER
             self._communication_error(HEARTBEAT_LOST, bytes((self.number,)), now)
-        for rpdo in self._rpdos:
+        for rpdo in self.pdos.received:
             if now >= rpdo.due:
                 rpdo.due = NEVER
                 self._communication_error(RPDO_LATE, bytes((rpdo.number + 1,)), now)
@@ -160,10 +146,11 @@ class CanopenNode:
 
     def events(self, now: Ns) -> None:
         """Event-driven TPDOs: changes are sent when the inhibit time allows, the rest when the event timer expires."""
-        if not self._event_tpdos or self.state is not State.OPERATIONAL:
+        by_event = self.pdos.by_event
+        if not by_event or self.state is not State.OPERATIONAL:
             return
         changed = self.application.changed()
-        for tpdo in self._event_tpdos:
+        for tpdo in by_event:
             tpdo.happened = tpdo.happened or changed or (tpdo.inhibit_ns > 0 and tpdo.by_event and tpdo.read() != tpdo.last)
             if tpdo.by_event and ((tpdo.happened and now >= tpdo.free_at) or now >= tpdo.due):
                 self._send_tpdo(tpdo, now)
@@ -184,17 +171,16 @@ class CanopenNode:
 
     def power_down(self) -> None:
         self.silent, self.state = True, State.INITIALISING
-        self._boot_due = self._beat_due = self._life_due = NEVER
+        self._boot_due = NEVER
+        self.life.reset()
         self.sdo.reset()
         self.emergencies.reset()
         self.consumer.reset()
         self.consumer.watched.clear()
-        self._event_tpdos = []  # what is due would never be sent: time would stand still
-        for item in self._rpdos:
-            item.due = NEVER
+        self.pdos.power_down()
 
     def _reset(self, now: Ns, application: bool) -> None:
-        self.state, self.toggle = State.INITIALISING, False
+        self.state, self.life.toggle = State.INITIALISING, False
         node = self.lss.take_over()
         self.objects.reset(node, application)
         if (period := self.objects.written.get((CYCLE_PERIOD, 0))) is not None:
@@ -202,10 +188,9 @@ class CanopenNode:
         self.sdo.reset()
         self.emergencies.reset()
         self.consumer.reset()
-        self._beat_due = self._life_due = NEVER
+        self.life.reset()
         self._boot_due = now + self.boot_ns if node <= cobid.MAX_NODE else NEVER
-        for item in (*self._rpdos, *self._tpdos):
-            item.load()
+        self.pdos.load()
         self._replan()
 
     def _booted(self, now: Ns) -> None:
@@ -219,17 +204,12 @@ class CanopenNode:
         if state is State.OPERATIONAL and before is not state:
             self.application.advance(now)
             self.application.changed()  # what was before is no event
-            for tpdo in self._tpdos:
-                tpdo.count, tpdo.waits_for_start, tpdo.free_at = 0, tpdo.start_at > 0, 0
+            self.pdos.begin()
+            for tpdo in self.pdos.sent:
                 if tpdo.valid and tpdo.by_event:
                     self._send_tpdo(tpdo, now)  # its master learns how things stand
-            for rpdo in self._rpdos:
-                rpdo.pending, rpdo.due = None, NEVER
         if state is not State.OPERATIONAL:
-            for rpdo in self._rpdos:
-                rpdo.due = NEVER
-            for tpdo in self._tpdos:
-                tpdo.due = NEVER
+            self.pdos.end()
         self.emergencies.wake(now)  # what waited for a state in which it may be said
         if state is State.STOPPED:
             self.sdo.reset()
@@ -304,18 +284,17 @@ class CanopenNode:
         if len(frame.data) != expected:
             self.emergencies.raise_(SYNC_LENGTH, Register.COMMUNICATION, now, bytes((len(frame.data),)))
             return
-        self._syncs += 1
         application, operational = self.application, self.state is State.OPERATIONAL
         application.sample(now)
         if operational:
-            for rpdo in self._waiting_rpdos:
+            for rpdo in self.pdos.held:
                 if rpdo.pending is not None:
                     data, rpdo.pending = rpdo.pending, None
                     rpdo.apply(data)
         application.activate(now)
         if operational:
             counter = frame.data[0] if expected else None
-            for tpdo in self._sync_tpdos:
+            for tpdo in self.pdos.with_sync:
                 due = tpdo.on_sync(counter)
                 if due is not None:
                     self.output.append(Frame(tpdo.identifier, due))
@@ -339,14 +318,12 @@ class CanopenNode:
 
     # -- life -----------------------------------------------------------------------------------
 
-    @property
-    def _beat_ns(self) -> Ns:
-        return self.objects.whole((PRODUCER, 0)) * 1_000_000
-
     def _beat_changed(self, value: Value | None, now: Ns | None = None) -> None:
         """1017h was written (then the first beat is at once) or the device has booted."""
-        at = 0 if now is None else now + self._beat_ns
-        self._beat_due = at if self._beat_ns and self.state is not State.INITIALISING else NEVER
+        if self.state is State.INITIALISING:
+            self.life.beat_due = NEVER
+        else:
+            self.life.begin(now)
 
     def _heartbeat(self, frame: Frame, now: Ns) -> None:
         heard = nmt.heartbeat_of(frame)
@@ -357,12 +334,8 @@ class CanopenNode:
 
     def _guarded(self, frame: Frame, now: Ns) -> None:
         """Node guarding, where there is no heartbeat."""
-        if self._beat_ns or self.state is State.INITIALISING:
-            return
-        self.output.append(Frame(cobid.heartbeat(self.number), bytes((self.state | nmt.TOGGLE * self.toggle,))))
-        self.toggle = not self.toggle
-        life = self.objects.whole((GUARD_TIME, 0)) * self.objects.whole((LIFE_FACTOR, 0)) * 1_000_000
-        self._life_due = now + life if life else NEVER
+        if not self.life.beat_ns and self.state is not State.INITIALISING:
+            self.output.append(self.life.guarded(self.number, self.state, now))
 
     def _communication_error(self, code: int, detail: bytes, now: Ns) -> None:
         """Emergency, abort connection option, error behaviour 1029h."""
@@ -384,7 +357,3 @@ class CanopenNode:
         self.silent = False
         self.emergencies.raise_(BUS_OFF_GONE, Register.COMMUNICATION, now)
         self.emergencies.clear([BUS_OFF_GONE], now)
-
-
-def _numbers(dictionary: ObjectDictionary, first: int) -> list[int]:
-    return [index - first for index in sorted(dictionary.heads) if first <= index < first + 0x200]

@@ -153,7 +153,7 @@ class Cia402Slave:
                 self._output += self._delayed.take(due)
             if self._row_due <= due:
                 self._idle_row(due)
-            if any(seat.node.handlers_changed for seat in self.seats):
+            if any(seat.node.accepted.changed for seat in self.seats):
                 self._route()
             self._replan()
 
@@ -164,7 +164,7 @@ class Cia402Slave:
 
     def _handled(self, seat: Seat, stamp: Ns) -> None:
         """After a frame for one node; what was due before stays noted, so that this costs the same with many nodes."""
-        if seat.node.handlers_changed:
+        if seat.node.accepted.changed:
             self._route()
         if self._row_due == NEVER:
             self._row_due = stamp + self.cycle_ns
@@ -172,7 +172,7 @@ class Cia402Slave:
 
     def _after(self, stamp: Ns) -> None:
         """After something that concerned many."""
-        if any(seat.node.handlers_changed for seat in self.seats):
+        if any(seat.node.accepted.changed for seat in self.seats):
             self._route()
         if self._row_due == NEVER:
             self._row_due = stamp + self.cycle_ns
@@ -191,10 +191,10 @@ class Cia402Slave:
     def _route(self) -> None:
         self._routes, self._sync_ids = {}, {seat.node.sync_identifier for seat in self.seats}
         for seat in self.seats:
-            seat.node.handlers_changed = False
-            for identifier, handler in seat.node.handlers.items():
+            seat.node.accepted.changed = False
+            for identifier, handler in seat.node.accepted.data.items():
                 self._routes.setdefault(identifier, []).append((seat, handler))
-            for identifier, handler in seat.node.remotes.items():
+            for identifier, handler in seat.node.accepted.remotes.items():
                 self._routes.setdefault(identifier | cobid.REMOTE, []).append((seat, handler))
 
     def _sync(self, frame: Frame, routes: list[tuple[Seat, Handler]], stamp: Ns, now: Ns) -> None:

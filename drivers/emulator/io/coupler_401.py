@@ -104,7 +104,7 @@ class Couplers:
             stamp = frame.stamp_ns or now
             self.wake(stamp)
             for number, node in self.nodes.items():
-                handler = node.handlers.get(frame.identifier)
+                handler = node.accepted.data.get(frame.identifier)
                 if handler is None or node.silent:
                     continue
                 handler(frame, stamp)

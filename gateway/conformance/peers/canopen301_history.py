@@ -77,7 +77,7 @@ def always_event(drive: Drive) -> None:
         real = tpdo.on_sync
         put(tpdo, on_sync=lambda counter: tpdo.read() if tpdo.type == pdo.SYNC_ACYCLIC else real(counter))
 
-    for tpdo in drive.node._tpdos:
+    for tpdo in drive.node.pdos.sent:
         act(tpdo)
 
 

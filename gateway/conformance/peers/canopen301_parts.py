@@ -2,8 +2,7 @@
 
 from collections.abc import Callable
 
-from drivers.emulator.canopen.guard import NEVER
-from drivers.emulator.canopen.node import CanopenNode
+from drivers.emulator.canopen.guard import NEVER, LifeSigns
 from drivers.emulator.canopen.objects import OK
 from drivers.emulator.canopen.pdo import Rpdo
 from gateway.conformance.peers.can_devices import Drive, Tune, put
@@ -27,23 +26,23 @@ def mapping_free(drive: Drive) -> None:
 
 def count_free(drive: Drive) -> None:
     """Entries and count are checked for their sum only where the PDO is built: never."""
-    for pdo in drive.node._tpdos:
+    for pdo in drive.node.pdos.sent:
         put(pdo, _sound=lambda words: OK)
 
 
 def entries_free(drive: Drive) -> None:
-    for pdo in drive.node._tpdos:
+    for pdo in drive.node.pdos.sent:
         put(pdo, _entry_sound=lambda word: OK)
 
 
 def beat_times(factor: float) -> Tune:
-    class Slow(CanopenNode):
+    class Slow(LifeSigns):
         @property
-        def _beat_ns(self) -> Ns:
-            return round(super()._beat_ns * factor)
+        def beat_ns(self) -> Ns:
+            return round(super().beat_ns * factor)
 
     def tune(drive: Drive) -> None:
-        drive.node.__class__ = Slow
+        drive.node.life.__class__ = Slow
 
     return tune
 
@@ -131,9 +130,9 @@ def toggle_stays(drive: Drive) -> None:
     reset = node._reset
 
     def kept(now: Ns, application: bool) -> None:
-        toggle = node.toggle
+        toggle = node.life.toggle
         reset(now, application)
-        node.toggle = toggle
+        node.life.toggle = toggle
 
     put(node, _reset=kept)
 
@@ -142,14 +141,14 @@ def life_never(drive: Drive) -> None:
     expire = drive.node.expire
 
     def without(now: Ns) -> None:
-        drive.node._life_due = NEVER
+        drive.node.life.life_due = NEVER
         expire(now)
 
     put(drive.node, expire=without)
 
 
 def inhibit_ignored(drive: Drive) -> None:
-    for pdo in drive.node._tpdos:
+    for pdo in drive.node.pdos.sent:
         own = pdo._load_own
 
         def load(pdo: object = pdo, own: Callable[[], None] = own) -> None:
@@ -160,7 +159,7 @@ def inhibit_ignored(drive: Drive) -> None:
 
 
 def each_sync(drive: Drive) -> None:
-    for pdo in drive.node._tpdos:
+    for pdo in drive.node.pdos.sent:
         put(pdo, on_sync=lambda counter, pdo=pdo: pdo.read())
 
 
@@ -171,14 +170,14 @@ def always_valid(drive: Drive) -> None:
 
     def planned() -> None:
         replan()
-        node._sync_tpdos = [item for item in node._tpdos[:1] if item.mapping.parts and item.type <= 240]
+        node.pdos.with_sync = [item for item in node.pdos.sent[:1] if item.mapping.parts and item.type <= 240]
 
-    for item in node._tpdos:
+    for item in node.pdos.sent:
         item._changed = planned
 
 
 def rpdo_at_once(drive: Drive) -> None:
-    for pdo in drive.node._rpdos:
+    for pdo in drive.node.pdos.received:
         own = pdo._load_own
 
         def load(pdo: object = pdo, own: Callable[[], None] = own) -> None:
@@ -227,9 +226,9 @@ def kept_rpdos(drive: Drive) -> None:
     enter = node._enter
 
     def entered(state: State, now: Ns) -> None:
-        waiting = [rpdo.pending for rpdo in node._rpdos]
+        waiting = [rpdo.pending for rpdo in node.pdos.received]
         enter(state, now)
-        for rpdo, data in zip(node._rpdos, waiting, strict=True):
+        for rpdo, data in zip(node.pdos.received, waiting, strict=True):
             rpdo.pending = data
 
     put(node, _enter=entered)

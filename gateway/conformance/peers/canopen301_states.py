@@ -3,8 +3,7 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from drivers.emulator.canopen.guard import NEVER
-from drivers.emulator.canopen.node import CanopenNode
+from drivers.emulator.canopen.guard import NEVER, LifeSigns
 from drivers.emulator.canopen.objects import OK, Objects
 from drivers.emulator.canopen.pdo import TYPE, Pdo, Tpdo
 from drivers.emulator.canopen.sdo import Phase, SdoServer
@@ -107,9 +106,9 @@ def timers_run_on(drive: Drive) -> None:
     enter, events = node._enter, node.events
 
     def entered(state: State, now: Ns) -> None:
-        due = [tpdo.due for tpdo in node._tpdos]
+        due = [tpdo.due for tpdo in node.pdos.sent]
         enter(state, now)
-        for tpdo, before in zip(node._tpdos, due, strict=True):
+        for tpdo, before in zip(node.pdos.sent, due, strict=True):
             tpdo.due = before if state is State.PRE_OPERATIONAL else tpdo.due
 
     def always(now: Ns) -> None:
@@ -220,7 +219,7 @@ def _after_loading(item: Pdo, act: Callable[[], None]) -> None:
 
 def takes_invalid(drive: Drive) -> None:
     """Bit 31 of an RPDO does not count."""
-    for item in drive.node._rpdos:
+    for item in drive.node.pdos.received:
         _after_loading(item, partial(_made_valid, item))
 
 
@@ -238,13 +237,13 @@ def no_wrap(drive: Drive, frame: Frame) -> Sequence[Frame]:
 
 def starts_at_once(drive: Drive) -> None:
     """1800h:06 does not count."""
-    for item in drive.node._tpdos:
+    for item in drive.node.pdos.sent:
         _after_loading(item, partial(put, item, start_at=0, waits_for_start=False))
 
 
 def any_entry_length(drive: Drive) -> None:
     """The length of an entry is not compared with its object."""
-    for item in drive.node._tpdos:
+    for item in drive.node.pdos.sent:
         put(item, _entry_sound=partial(_sound_but_for_length, drive, item._entry_sound))
 
 
@@ -263,7 +262,7 @@ class FreeTpdo(Tpdo):
 
 
 def remaps_valid(drive: Drive) -> None:
-    for item in drive.node._tpdos:
+    for item in drive.node.pdos.sent:
         item.__class__ = FreeTpdo
 
 
@@ -273,7 +272,7 @@ def remaps_counted(drive: Drive) -> None:
     def only_invalid(item: Tpdo) -> Callable[[object], int]:
         return lambda value: Abort.ACCESS if item._exists else OK
 
-    for item in drive.node._tpdos:
+    for item in drive.node.pdos.sent:
         for sub in range(1, 9):
             if (item.map, sub) in drive.node.objects.values:
                 drive.node.objects.checks[item.map, sub] = only_invalid(item)
@@ -320,12 +319,12 @@ def late_ready(drive: Drive) -> None:
 def coarse_beats(drive: Drive) -> None:
     """Its heartbeat has a clock of 10 ms."""
 
-    class Coarse(CanopenNode):
+    class Coarse(LifeSigns):
         @property
-        def _beat_ns(self) -> Ns:
-            return -(-super()._beat_ns // ms(10)) * ms(10)
+        def beat_ns(self) -> Ns:
+            return -(-super().beat_ns // ms(10)) * ms(10)
 
-    drive.node.__class__ = Coarse
+    drive.node.life.__class__ = Coarse
 
 
 def never_says_gone(drive: Drive, frame: Frame) -> Sequence[Frame]:
