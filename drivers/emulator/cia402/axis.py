@@ -11,23 +11,18 @@ from drivers.emulator.cia402.errors import BLIND, KINDS, RAMPLESS, Error
 from drivers.emulator.cia402.modes import CODES, MODES, Mode
 from drivers.emulator.cia402.motion import DriveMotion
 from drivers.emulator.cia402.states import HALT_BIT, RESET_BIT, TRANSITIONS, Command, State, command_of
-from drivers.emulator.servo.model import STEP_NS, STEPS_PER_SLOW, Trip
+from drivers.emulator.servo.model import NEVER, STEP_NS, STEPS_PER_SLOW, Trip, steps
 from drivers.emulator.servo.record import AxisRow
 from drivers.emulator.servo.settings import DriveSettings
 from protocols.base.machine import Ns
 from protocols.canopen.sdo import Abort
 from protocols.canopen.types import Value
 
-NEVER = 1 << 62
 IDLE_STEPS = 5 * STEPS_PER_SLOW  # how often an axis with power looks around when nothing else wakes it
 HARDEST = 1e12  # inc/s2: as the torque limit allows
 I2T_COOL = 0.9
 _TRIPS = {Trip.FOLLOWING: Error.FOLLOWING, Trip.OVERSPEED: Error.OVERSPEED, Trip.I2T: Error.I2T, Trip.WINDING: Error.WINDING}
 _POWERED = frozenset((State.ENABLED, State.QUICK_STOP, State.REACTION))
-
-
-def steps(seconds: float) -> int:
-    return round(seconds * 1e9 / STEP_NS)
 
 
 class Cia402Axis(DriveMotion):
@@ -37,14 +32,11 @@ class Cia402Axis(DriveMotion):
         super().__init__(settings, cycle_ns, seed, objects, node, substeps)
         self.start: Ns = 0
         self.controlword = 0
-        self.brake_stuck = False
+        self.new_set = False
         self.row: AxisRow | None = None  # of the last SYNC
         self.modes: dict[int, Mode] = {mode.code: mode(self) for mode in MODES}
         self.mode = self.modes[0]
-        self._after: State | None = None  # where the stop under way leads; None: holds
-        self._opening = self._braking = False
-        self._stop_by = NEVER
-        self._sync_due = self._brake_due = self._tick_due = NEVER
+        self._sync_due = self._tick_due = NEVER
         self._boot_due = steps(settings.servo.boot_s + settings.servo.charge_s)
         self._hook()
         self.reset(0)
@@ -55,7 +47,7 @@ class Cia402Axis(DriveMotion):
 
     def _hook(self) -> None:
         objects, written, checks = self.objects, self.objects.written, self.objects.checks
-        checks[od.CONTROLWORD] = lambda value: Abort.LOCAL_CONTROL if self.local else OK
+        checks[od.CONTROLWORD] = lambda value: Abort.LOCAL_CONTROL if self.site.local else OK
         checks[od.MODE] = lambda value: OK if value in CODES else Abort.VALUE
         written[od.CONTROLWORD] = self._controlled
         written[od.MODE] = self._mode_written
@@ -80,8 +72,9 @@ class Cia402Axis(DriveMotion):
         self.start = self.now = start
 
     def advance(self, now: Ns) -> None:
-        step, self.rest_ns = divmod(now - self.start, STEP_NS)
-        self.now, self._fresh = now, False
+        step, rest_ns = divmod(now - self.start, STEP_NS)
+        self.now = now
+        self.place.at(rest_ns)
         servo = self.servo
         while True:
             trip = servo.run_to(step if step < self.due else self.due)
@@ -101,12 +94,12 @@ class Cia402Axis(DriveMotion):
             self.servo.prepare(step)
 
     def _plan(self) -> None:
-        due = self._tick_due if self._tick_due < self._brake_due else self._brake_due
+        due = self._tick_due if self._tick_due < self.brake.due else self.brake.due
         self.due = due if due < self._boot_due else self._boot_due
 
     def _schedule(self) -> None:
         """When to look again: every millisecond in motion, now and then with power, never at rest without."""
-        busy = self.mode.busy or self._stopping or self._follow_since is not None
+        busy = self.mode.busy or self.stop.active or self._follow_since is not None
         step = self.servo.step
         if busy:
             self._tick_due = (step // STEPS_PER_SLOW + 1) * STEPS_PER_SLOW
@@ -117,20 +110,19 @@ class Cia402Axis(DriveMotion):
         self._plan()
 
     def _timed(self, due: int) -> None:
-        self._fresh = False
+        self.place.look_again()
         if self._boot_due <= due:
             self._boot_due = NEVER
             if self.state is State.NOT_READY:
                 self.state = State.DISABLED  # transition 1
-        if self._brake_due <= due:
-            self._brake_due = NEVER
+        if self.brake.due <= due:
             self._brake_moved()
         if self._tick_due <= due:
             self._tick()
         self._schedule()
 
     def _tick(self) -> None:
-        if self._stopping:
+        if self.stop.active:
             self._stopped()
         elif self.mode.busy and self.state is State.ENABLED:
             self.mode.tick()
@@ -148,11 +140,11 @@ class Cia402Axis(DriveMotion):
         self.advance(now)
         self._watch_sync(now)
         self.row = self.make_row()
-        self._new = False
+        self.new_set = False
 
     def activate(self, now: Ns) -> None:
-        if self.state is State.ENABLED and not self._stopping:
-            self.mode.sync(self._new)
+        if self.state is State.ENABLED and not self.stop.active:
+            self.mode.sync(self.new_set)
         if self._tick_due == NEVER or self.mode.busy:
             self._schedule()
 
@@ -171,33 +163,33 @@ class Cia402Axis(DriveMotion):
     def _controlled(self, value: Value) -> None:
         word = int(value) if isinstance(value, int) else 0
         before, self.controlword = self.controlword, word
-        self._new = True
+        self.new_set = True
         if self.state is State.FAULT:
             if word & RESET_BIT and not before & RESET_BIT:
                 self._reset_fault()
         elif self.state not in (State.NOT_READY, State.REACTION):
             self._command(command_of(word))
-            if self.state is State.ENABLED and not (self._stopping and self._after is not None):
+            if self.state is State.ENABLED and not self.stop.leads_out:
                 self._halt(word)
                 if not self.mode.halted or self.mode.code == 1:
                     self.mode.control(word, before)
         self._schedule()
 
     def _command(self, command: Command) -> None:
-        if self._stopping and self._after is not None and command is not Command.DISABLE_VOLTAGE and self.state is State.ENABLED:
+        if self.stop.leads_out and command is not Command.DISABLE_VOLTAGE and self.state is State.ENABLED:
             return  # on its way out already
         hit = TRANSITIONS.get((self.state, command))
         if hit is not None:
             self._transit(*hit)
             if self.state is State.ON and command is Command.ENABLE and hit[0] == 3:
                 self._transit(4, State.ENABLED)
-        elif self._opening and command is not Command.ENABLE:
+        elif self.brake.opening and command is not Command.ENABLE:
             self._release(State.ON)
 
     def _transit(self, number: int, state: State) -> None:
         """The transitions of the standard by their numbers."""
         match number:
-            case 3 if Error.UNDERVOLTAGE in self.causes:
+            case 3 if self.site.no_power:
                 return  # no power, no power stage
             case 4:
                 self._enable()
@@ -218,17 +210,17 @@ class Cia402Axis(DriveMotion):
 
     def _enable(self) -> None:
         """Transition 4: torque on, brake opens, then operation is enabled (AX-289)."""
-        if self._opening:
+        if self.brake.opening:
             return
         self.servo.arm(True)
         self.servo.hold()
         self.sync_watch.unlock()
         self._block()
-        self._opening = True
+        self.brake.opening = True
         self._brake(True)
 
     def _enabled(self) -> None:
-        self._opening = False
+        self.brake.opening = False
         self.state = State.ENABLED
         self._choose_mode()
         self.mode.enter()
@@ -237,7 +229,8 @@ class Cia402Axis(DriveMotion):
 
     def _release(self, state: State) -> None:
         """Power stage off; nothing moves.  A brake that was on its way shut no longer ends a stop."""
-        self._opening = self._stopping = self._braking = False
+        self.stop.active = False
+        self.brake.nothing_waits()
         self.servo.off()
         self._window()
         self._brake(False)
@@ -273,7 +266,7 @@ class Cia402Axis(DriveMotion):
     def _back_to_work(self) -> None:
         """Transition 16, only where quick stop stays in its state."""
         if self.value(od.QUICK_STOP_OPTION) >= 5:
-            self._stopping, self.state = False, State.ENABLED
+            self.stop.active, self.state = False, State.ENABLED
             self.sync_watch.unlock()
             self.mode.enter()
             self._window()
@@ -283,11 +276,11 @@ class Cia402Axis(DriveMotion):
             self.mode.halt()
             self._ramp(self._slope(max(self.value(od.HALT_OPTION), 1)), None)
         elif not word & HALT_BIT and self.mode.halted:
-            self._stopping = False
+            self.stop.active = False
             self.mode.resume()
 
     def _mode_written(self, value: Value) -> None:
-        if self.state is State.ENABLED and not self._stopping:
+        if self.state is State.ENABLED and not self.stop.active:
             before = self.mode
             self._choose_mode()
             if self.mode is not before:
@@ -309,58 +302,53 @@ class Cia402Axis(DriveMotion):
         if self.state is not State.ENABLED or after is not None:
             self.mode.leave()
         self._follow_since = None
-        self._after, self._stopping = after, True
+        self.stop.begin(after, self.servo.step + steps(self.settings.servo.stop_timeout_s))
         self.servo.stop(max(deceleration, 1.0))
         self._window()
-        self._stop_by = self.servo.step + steps(self.settings.servo.stop_timeout_s)
         self._schedule()
 
     def _stopped(self) -> None:
         servo, still = self.servo, self.settings.servo.brake_lock_speed_rad_s
         if servo.speed_demand_rad_s == 0.0 and abs(servo.measured_speed_rad_s) < still:
-            if self._braking:
+            if self.brake.closing:
                 return  # stands; the brake is on its way
             servo.hold()
-            if self._after is None:
-                self._stopping = False
+            if self.stop.after is None:
+                self.stop.active = False
                 self._window()
             else:
-                self._braking = True
+                self.brake.closing = True
                 self._brake(False)
-        elif servo.step >= self._stop_by and not self._braking:
+        elif servo.step >= self.stop.by and not self.brake.closing:
             self._lost_control()
 
     def _lost_control(self) -> None:
         """The ramp did not end in its time: torque off."""
-        after = State.FAULT if self.state is State.REACTION else self._after or State.DISABLED
+        after = State.FAULT if self.state is State.REACTION else self.stop.after or State.DISABLED
         self._coast(after)
         if after is not State.FAULT:
             self.fail(Error.STOP_TIME_OUT)
 
     def _brake(self, open_it: bool) -> None:
         s = self.settings.servo
-        self._brake_opens = open_it
-        if open_it is self.brake_open or not s.brake:
-            self.brake_open = open_it
-            self._brake_due = self.servo.step if self._opening or self._braking else NEVER
-            if not s.brake:
-                self.servo.open_brake() if open_it else self.servo.close_brake()
-        else:
-            self._brake_due = self.servo.step + steps(s.brake_open_s if open_it else s.brake_close_s)
+        self.brake.command(open_it, self.servo.step, s)
+        if not s.brake:
+            self.servo.open_brake() if open_it else self.servo.close_brake()
         self._plan()
 
     def _brake_moved(self) -> None:
-        self.brake_open = self._brake_opens
-        if self.brake_open and not self.brake_stuck:
+        brake = self.brake
+        brake.moved()
+        if brake.is_open and not brake.stuck:
             self.servo.open_brake()
         else:
             self.servo.close_brake()
-        if self._opening and self.brake_open:
+        if brake.opening and brake.is_open:
             self._enabled()
-        elif self._braking and not self.brake_open:
-            self._braking = self._stopping = False
+        elif brake.closing and not brake.is_open:
+            brake.closing = self.stop.active = False
             self.servo.off()
-            self.state = self._after if self._after is not None else State.DISABLED
+            self.state = self.stop.after if self.stop.after is not None else State.DISABLED
 
     # -- supervision ------------------------------------------------------------------------------
 
@@ -373,7 +361,7 @@ class Cia402Axis(DriveMotion):
             self.fail(Error.FOLLOWING)
 
     def _tripped(self, trip: Trip) -> None:
-        self._fresh = False
+        self.place.look_again()
         if trip is Trip.WINDOW:
             for edge in self.switches.crossed(self.servo):
                 self._edge(edge)
@@ -396,9 +384,9 @@ class Cia402Axis(DriveMotion):
         self.servo.arm(False)
         self.objects.values[od.ERROR_CODE] = error
         self._sync_due = NEVER
-        powered = self.state in _POWERED or self._opening
+        powered = self.state in _POWERED or self.brake.opening
         option = self.value(od.FAULT_OPTION)
-        self._opening = self._braking = False
+        self.brake.nothing_waits()
         self.state = State.REACTION
         if not powered or option == 0 or error in BLIND or error in RAMPLESS:
             self._coast(State.FAULT)
@@ -410,7 +398,7 @@ class Cia402Axis(DriveMotion):
         """Transition 15: only when the cause is gone and the axis is at rest."""
         servo, s = self.servo, self.settings.servo
         cool = servo.i2t < I2T_COOL and servo.winding_c < s.winding_warning_c
-        if self.causes or not cool or abs(servo.speed_rad_s) >= s.brake_lock_speed_rad_s:
+        if self.site.causes or not cool or abs(servo.speed_rad_s) >= s.brake_lock_speed_rad_s:
             return
         self.state = State.DISABLED
         self.objects.values[od.ERROR_CODE] = 0
@@ -436,7 +424,8 @@ class Cia402Axis(DriveMotion):
     def reset(self, now: Ns) -> None:
         """Reset node: everything as after power-up, but encoder and homing, which the device does not lose (AX-290)."""
         self._coast(State.NOT_READY)
-        self._stopping = self._opening = self._braking = False
+        self.stop.active = False
+        self.brake.nothing_waits()
         self.controlword = 0
         self.servo.arm(True)
         self.mode = self.modes[0]

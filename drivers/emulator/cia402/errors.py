@@ -1,6 +1,7 @@
 """Error codes the emulated drive raises.  Source: CiA 402-2, object 603Fh; CiA 301, emergency error codes."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 from protocols.canopen.emcy import Register
@@ -56,3 +57,15 @@ CAUSES: Mapping[str, Error] = {
     "short_circuit": Error.SHORT_CIRCUIT,
     "motor_blocked": Error.BLOCKED,
 }
+
+
+@dataclass(slots=True)
+class Surroundings:
+    """What the drive cannot change: operation at its own panel (`local`), faults whose cause is present."""
+
+    local: bool = False
+    causes: set[Error] = field(default_factory=set)
+
+    @property
+    def no_power(self) -> bool:
+        return Error.UNDERVOLTAGE in self.causes

@@ -9,6 +9,7 @@ from typing import ClassVar, Protocol
 from drivers.emulator.canopen.objects import Objects
 from drivers.emulator.cia402 import objects as od
 from drivers.emulator.cia402.homing import HERE, METHODS, TO_INDEX, Homing, Phase
+from drivers.emulator.cia402.position import UserPosition
 from drivers.emulator.cia402.profile import Trapezoid, towards
 from drivers.emulator.cia402.servo import DriveServo
 from drivers.emulator.cia402.states import BIT12, BIT13, TARGET
@@ -27,7 +28,7 @@ class Drive(Protocol):
     servo: DriveServo
     switches: Switches
     homing: Homing
-    homed: bool
+    place: UserPosition
 
     @property
     def position(self) -> float: ...  # 6064h, not wrapped
@@ -35,8 +36,6 @@ class Drive(Protocol):
     def demand(self) -> float: ...  # 6062h, not wrapped
     @property
     def controlword(self) -> int: ...
-    @property
-    def rest_ns(self) -> int: ...  # since the last whole step of the model
     @property
     def period_ns(self) -> int: ...  # of the set values in cyclic modes
     @property
@@ -249,7 +248,7 @@ class HomingMode(Mode):
 
     def _begin(self) -> None:
         number = self.value(od.HOMING_METHOD)
-        self.drive.homed, self._begun = False, True
+        self.drive.place.homed, self._begun = False, True
         if number not in METHODS:
             self._fail()
             return
@@ -304,7 +303,7 @@ class HomingMode(Mode):
                 return BIT13 | still
             case Phase.INTERRUPTED:
                 return still
-        return (BIT12 if self.drive.homed else 0) | still
+        return (BIT12 if self.drive.place.homed else 0) | still
 
     @property
     def _here(self) -> bool:

@@ -26,15 +26,12 @@ class DriveMotion(DriveView):
         self.node = node
         self.now: Ns = 0
         self._cycle_ns = cycle_ns
-        self._low, self._high = -inf, inf  # software limits
 
     # -- limits and times -------------------------------------------------------------------------
 
     def _limits(self) -> None:
         self.servo.limit_torque(self.value(od.MAX_TORQUE) * 1e-3 * self.settings.servo.rated_torque_nm)
-        low, high = self.value(od.LIMIT_MIN), self.value(od.LIMIT_MAX)
-        whole = low >= high or (low == -(1 << 31) and high == (1 << 31) - 1)
-        self._low, self._high = (-inf, inf) if whole else (float(low), float(high))
+        self.soft_limits.load(self.value(od.LIMIT_MIN), self.value(od.LIMIT_MAX))
         self._window()
 
     def _timing(self) -> None:
@@ -54,7 +51,7 @@ class DriveMotion(DriveView):
     def _window(self) -> None:
         """Following error is watched in position control with power, unless the object says no."""
         window = self.value(od.FOLLOWING_WINDOW)
-        on = self.state is State.ENABLED and self.mode.follows and not self._stopping and window != 0xFFFFFFFF
+        on = self.state is State.ENABLED and self.mode.follows and not self.stop.active and window != 0xFFFFFFFF
         self.servo.following_window(float(window) if on and self._follow_since is None else inf)
         if not on:
             self._follow_since = None
@@ -64,23 +61,19 @@ class DriveMotion(DriveView):
     def follow(self, position: float, duration_ns: int, speed: float) -> None:
         """To this position in this time; INTEGER32 set values count on through their wrap."""
         servo = self.servo
-        goal = position - self.shift
+        goal = position - self.place.shift
         last = servo.goal_inc
         away = goal - last
         if not -0x80000000 <= away < 0x80000000:
             goal = last + wrap(away)
-        servo.follow(goal, self.rest_ns, duration_ns, speed / INC_PER_RAD)
+        servo.follow(goal, self.place.rest_ns, duration_ns, speed / INC_PER_RAD)
 
     def clip(self, position: float) -> float:
-        if self._low <= position <= self._high:
-            self.limited = False
-            return position
-        self.limited = True
-        return self._low if position < self._low else self._high
+        return self.soft_limits.clip(position)
 
     def set_home(self, counter: int) -> None:
         """The user position at `counter` is the home offset (AX-288)."""
-        self.shift, self.homed = self.value(od.HOME_OFFSET) - counter, True
+        self.place.home(counter, self.value(od.HOME_OFFSET))
 
     def homing_failed(self) -> None:
         self.node.emergencies.raise_(Error.HOMING, KINDS[Error.HOMING], self.now)
@@ -91,7 +84,7 @@ class DriveMotion(DriveView):
         self.switches.look_around(self.servo)
 
     def _edge(self, edge: Edge) -> None:
-        self.probe.edge(edge, self.shift)
+        self.probe.edge(edge, self.place.shift)
         if self.state is State.ENABLED:
             self.mode.edge(edge)
         if edge.signal in (Signal.NEGATIVE_LIMIT, Signal.POSITIVE_LIMIT):

@@ -1,7 +1,8 @@
 """What a tester may do to one emulated CiA 402 drive from outside: causes of faults, encoder, brake, supply."""
 
-from drivers.emulator.cia402.axis import NEVER, Cia402Axis
+from drivers.emulator.cia402.axis import Cia402Axis
 from drivers.emulator.cia402.errors import Error
+from drivers.emulator.servo.model import NEVER
 
 
 class OrderedAxis(Cia402Axis):
@@ -10,10 +11,10 @@ class OrderedAxis(Cia402Axis):
     def cause(self, error: Error, present: bool) -> None:
         """A fault whose cause remains until it is removed."""
         if present:
-            self.causes.add(error)
+            self.site.causes.add(error)
             self.fail(error)
         else:
-            self.causes.discard(error)
+            self.site.causes.discard(error)
 
     def reschedule(self) -> None:
         """After something was done from outside."""
@@ -22,20 +23,20 @@ class OrderedAxis(Cia402Axis):
     def encoder(self, factor: int) -> None:
         """1 true, -1 counts backwards, 0 stuck."""
         self.servo.encoder(factor)
-        self._fresh = False
+        self.place.look_again()
         self.watch_switches()
 
     def jump_encoder(self, increments: int) -> None:
         self.servo.jump(increments)
-        self._fresh = False
+        self.place.look_again()
         self.watch_switches()
 
     def stick_brake(self, stuck: bool) -> None:
         """The brake does not open (mechanically), whatever is commanded."""
-        self.brake_stuck = stuck
+        self.brake.stuck = stuck
         if stuck:
             self.servo.close_brake()
-        elif self.brake_open:
+        elif self.brake.is_open:
             self.servo.open_brake()
 
     def power_off(self) -> None:
@@ -47,5 +48,5 @@ class OrderedAxis(Cia402Axis):
         """The counter knows what its encoder knows; homing is lost unless the encoder keeps its turns."""
         self.servo.power_up()
         if not self.settings.multiturn_turns:
-            self.homed, self.shift = False, 0
+            self.place.forget()
         self.reset(self.now)

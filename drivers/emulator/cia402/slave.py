@@ -10,13 +10,12 @@ from dataclasses import asdict, replace
 
 from drivers.emulator.canopen.node import CanopenNode, Handler
 from drivers.emulator.canopen.objects import Objects
-from drivers.emulator.cia402.axis import NEVER
 from drivers.emulator.cia402.delayed_frames import DelayedFrames
 from drivers.emulator.cia402.errors import CAUSES
 from drivers.emulator.cia402.orders import OrderedAxis
 from drivers.emulator.cia402.seat import SPREAD, Counters, Event, Seat
 from drivers.emulator.servo import record
-from drivers.emulator.servo.model import STEP_NS
+from drivers.emulator.servo.model import NEVER, STEP_NS
 from drivers.emulator.servo.settings import BusSettings, to_dict
 from drivers.emulator.servodyn.slave import AHEAD_MARGIN_NS
 from protocols.base.machine import Frame, FrameFault, Ns, ms
@@ -371,7 +370,7 @@ class Cia402Slave:
         """The drive is operated at its own panel: bit 9 of the statusword falls, 6040h is refused."""
 
         def act(axis: OrderedAxis) -> None:
-            axis.local = local
+            axis.site.local = local
 
         self._order_axis(node, act)
 

@@ -7,10 +7,12 @@ from math import inf, pi
 
 from drivers.emulator.canopen.objects import Objects
 from drivers.emulator.cia402 import objects as od
-from drivers.emulator.cia402.errors import Error
+from drivers.emulator.cia402.brake import DriveBrake, DriveStop
+from drivers.emulator.cia402.errors import Surroundings
 from drivers.emulator.cia402.homing import Homing
 from drivers.emulator.cia402.modes import Mode
 from drivers.emulator.cia402.pll import SyncWatch
+from drivers.emulator.cia402.position import SoftLimits, UserPosition
 from drivers.emulator.cia402.probe import TouchProbe
 from drivers.emulator.cia402.servo import DriveServo
 from drivers.emulator.cia402.states import LIMIT, REMOTE, STATUS, TARGET, VOLTAGE, WARNING, State
@@ -32,6 +34,7 @@ class DriveView:
     """The drive's parts and what can be seen of them."""
 
     mode: Mode
+    new_set: bool  # a controlword came since the last SYNC
 
     def __init__(self, settings: DriveSettings, cycle_ns: Ns, seed: int, objects: Objects, substeps: int) -> None:
         self.settings, self.objects = settings, objects
@@ -40,18 +43,13 @@ class DriveView:
         self.switches = Switches(_windows(settings))
         self.probe = TouchProbe(objects)
         self.sync_watch = SyncWatch(cycle_ns)
-        self.rest_ns = 0  # since the last whole step of the model
         self.state = State.NOT_READY
-        self.local = False  # somebody works at the drive's own panel
-        self.causes: set[Error] = set()  # faults that stand until their cause goes
-        self.brake_open = False
-        self.homed = False
-        self.shift = 0  # user position = counter + shift
-        self.limited = False  # internal limit active
-        self._stopping = self._new = self._fresh = False
+        self.site = Surroundings()
+        self.brake, self.stop = DriveBrake(), DriveStop()
+        self.place = UserPosition(self.servo)
+        self.soft_limits = SoftLimits()
         self._follow_since: int | None = None
         self._reported: tuple[int, ...] = ()
-        self._counter = 0
         self._readers()
         self._factory()
 
@@ -84,19 +82,19 @@ class DriveView:
         objects.readers |= {
             od.STATUSWORD: lambda: self.statusword,
             od.MODE_DISPLAY: lambda: self.mode.code,
-            od.POSITION: lambda: wrap(self.counter + self.shift),
-            od.POSITION_COUNTER: lambda: wrap(self.counter),
+            od.POSITION: lambda: wrap(self.place.counter + self.place.shift),
+            od.POSITION_COUNTER: lambda: wrap(self.place.counter),
             od.POSITION_DEMAND: lambda: wrap(self.demand),
-            od.FOLLOWING_ERROR: lambda: wrap(self.demand - self.counter - self.shift),
+            od.FOLLOWING_ERROR: lambda: wrap(self.demand - self.place.counter - self.place.shift),
             od.SPEED: lambda: wrap(self.servo.measured_inc),
             od.SPEED_DEMAND: lambda: wrap(self.servo.speed_demand_rad_s * INC_PER_RAD),
             od.TORQUE: lambda: self._per_mille(self.servo.torque_nm),
             od.TORQUE_DEMAND: lambda: self._per_mille(self.servo.torque_demand_nm),
-            od.DC_LINK: lambda: 0 if Error.UNDERVOLTAGE in self.causes else round(self.settings.dc_link_v * 1000.0),
+            od.DC_LINK: lambda: 0 if self.site.no_power else round(self.settings.dc_link_v * 1000.0),
             od.INPUTS: lambda: self.switches.inputs(self.servo.position_rad),
             od.WINDING_TEMPERATURE: lambda: round(self.servo.winding_c * 10.0),
             od.LOAD_LEVEL: lambda: min(round(self.servo.i2t * 1000.0), 0xFFFF),
-            od.REFERENCED: lambda: int(self.homed),
+            od.REFERENCED: lambda: int(self.place.homed),
             od.SYNC_ERROR: lambda: wrap(self.sync_watch.error // 1000),
             od.SYNC_WORST: lambda: self.sync_watch.worst // 1000,
             od.SYNC_LOCKED: lambda: int(self.sync_watch.locked),
@@ -113,20 +111,17 @@ class DriveView:
     # -- what it is -----------------------------------------------------------------------------
 
     @property
-    def counter(self) -> int:
-        """Increments of the encoder now."""
-        if not self._fresh:
-            self._counter, self._fresh = self.servo.latch(self.rest_ns)[1], True
-        return self._counter
+    def brake_open(self) -> bool:
+        return self.brake.is_open
 
     @property
     def position(self) -> float:
-        return float(self.counter + self.shift)
+        return float(self.place.counter + self.place.shift)
 
     @property
     def demand(self) -> float:
         """6062h; without position control where it is."""
-        return (self.servo.demand_inc(self.rest_ns) + 1e-6) // 1.0 + self.shift if self.servo.mode == 1 else self.position
+        return (self.servo.demand_inc(self.place.rest_ns) + 1e-6) // 1.0 + self.place.shift if self.servo.mode == 1 else self.position
 
     @property
     def period_ns(self) -> int:
@@ -147,22 +142,22 @@ class DriveView:
     @property
     def statusword(self) -> int:
         state = self.state
-        word = STATUS[state] | (0 if self.local else REMOTE)
-        if Error.UNDERVOLTAGE not in self.causes and state is not State.NOT_READY:
+        word = STATUS[state] | (0 if self.site.local else REMOTE)
+        if not self.site.no_power and state is not State.NOT_READY:
             word |= VOLTAGE
         if self.warning:
             word |= WARNING
         if state is State.ENABLED:
             halted = self.mode.halted
-            word |= self.mode.bits() & ~TARGET | TARGET * (not self._stopping) if halted else self.mode.bits()
+            word |= self.mode.bits() & ~TARGET | TARGET * (not self.stop.active) if halted else self.mode.bits()
             word |= LIMIT * self._internal_limit
-        elif state is State.QUICK_STOP and not self._stopping:
+        elif state is State.QUICK_STOP and not self.stop.active:
             word |= TARGET
         return word
 
     @property
     def _internal_limit(self) -> bool:
-        return self.limited or bool(self.switches.inputs(self.servo.position_rad) & 3)
+        return self.soft_limits.active or bool(self.switches.inputs(self.servo.position_rad) & 3)
 
     def changed(self) -> bool:
         values = (
@@ -176,14 +171,14 @@ class DriveView:
         return values != before
 
     def make_row(self, no_sync: bool = False) -> AxisRow:
-        counter, servo = self.counter, self.servo
-        position = wrap(counter + self.shift)
+        place, servo = self.place, self.servo
+        position = wrap(place.counter + place.shift)
         demand = wrap(self.demand) if self.state is State.ENABLED else position
-        flags = Flag.NO_SYNC * no_sync | Flag.NEW_SET * self._new | Flag.ENABLED * (self.state is State.ENABLED)
-        flags |= Flag.BRAKE_OPEN * self.brake_open | Flag.POWER_ON * (self.state >= State.ON and self.state is not State.FAULT)
+        flags = Flag.NO_SYNC * no_sync | Flag.NEW_SET * self.new_set | Flag.ENABLED * (self.state is State.ENABLED)
+        flags |= Flag.BRAKE_OPEN * self.brake.is_open | Flag.POWER_ON * (self.state >= State.ON and self.state is not State.FAULT)
         inputs = self.switches.inputs(servo.position_rad)
         flags |= Flag.REFERENCE_SWITCH * (inputs >> Signal.HOME & 1) | Flag.LIMIT * bool(inputs & 3) | Flag.WARNING * self.warning
-        shaft = servo.position_rad + servo.speed_rad_s * self.rest_ns * 1e-9
+        shaft = servo.position_rad + servo.speed_rad_s * place.rest_ns * 1e-9
         fault = self.value(od.ERROR_CODE) >> 8 if self.state in (State.REACTION, State.FAULT) else 0
         return AxisRow(position, demand, shaft, servo.speed_rad_s, servo.torque_nm, self.state, fault, int(flags))
 

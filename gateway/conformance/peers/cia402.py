@@ -220,7 +220,7 @@ def _no_offset(drive: Drive) -> None:
     axis = drive.axis
 
     def home(counter: int) -> None:
-        axis.shift, axis.homed = -counter, True
+        axis.place.shift, axis.place.homed = -counter, True
 
     put(axis, set_home=home)
 

@@ -115,7 +115,7 @@ def zero_at_reset(drive: Drive) -> None:
     def begun() -> None:
         reset()
         if axis.state is State.DISABLED:
-            axis.shift = -int(axis.servo.counter_inc // 1.0)
+            axis.place.shift = -int(axis.servo.counter_inc // 1.0)
 
     put(axis, _reset_fault=begun)
 
@@ -125,7 +125,7 @@ def other_sign(drive: Drive) -> None:
     axis = drive.axis
 
     def home(counter: int) -> None:
-        axis.shift, axis.homed = -axis.value(od.HOME_OFFSET) - counter, True
+        axis.place.shift, axis.place.homed = -axis.value(od.HOME_OFFSET) - counter, True
 
     put(axis, set_home=home)
 
@@ -135,7 +135,7 @@ def absolute_offset(drive: Drive) -> None:
     axis = drive.axis
 
     def home(counter: int) -> None:
-        axis.shift, axis.homed = abs(axis.value(od.HOME_OFFSET)) - counter, True
+        axis.place.shift, axis.place.homed = abs(axis.value(od.HOME_OFFSET)) - counter, True
 
     put(axis, set_home=home)
 

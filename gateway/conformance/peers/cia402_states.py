@@ -162,7 +162,7 @@ def shown_later(drive: Drive) -> None:
 
 def has_reference(drive: Drive) -> None:
     """An absolute encoder: homing is attained from the beginning."""
-    drive.axis.homed = True
+    drive.axis.place.homed = True
 
 
 def changes_later() -> Drive:

@@ -15,8 +15,6 @@ MOST_ATTRIBUTES, MOST_PARAMETERS, MOST_LINES, MOST_FILE_LINES = 15, 8, 60, 450
 CLASSES: Mapping[str, int] = {
     "drivers/drives/cia402.py:Cia402Drive": 24,
     "drivers/drives/servodyn.py:Drive": 23,
-    "drivers/emulator/cia402/axis.py:Cia402Axis": 24,
-    "drivers/emulator/cia402/view.py:DriveView": 21,
     "gateway/pure/arbitration/data_blocks.py:DataBlocks": 22,
     "gateway/pure/controllers/rho3/signals/control.py:RhoControl": 31,
     "gateway/pure/cycle/alter.py:CoreAlter": 18,

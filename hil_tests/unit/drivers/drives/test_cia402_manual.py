@@ -47,7 +47,7 @@ def test_profile_velocity_runs_and_comes_to_rest() -> None:
 
 def test_homing_ends_at_the_index_pulse() -> None:
     moved, rig, _ = carried(homing(20_000), *HOME)
-    assert abs(moved.end_inc) < 400 and rig.slave.axis(NODE).homed and off(rig)
+    assert abs(moved.end_inc) < 400 and rig.slave.axis(NODE).place.homed and off(rig)
 
 
 def test_interpolated_points_are_followed_with_each_sync() -> None:

@@ -79,7 +79,7 @@ def home(method: int, start: float, offset: int = 0) -> CanopenBus:
 def found(bus: CanopenBus) -> float:
     """The counter at which position 0 (the home offset) lies."""
     axis = bus.axis()
-    return bus.node().read(0x607C) - axis.shift + turns_lost(bus)
+    return bus.node().read(0x607C) - axis.place.shift + turns_lost(bus)
 
 
 def turns_lost(bus: CanopenBus) -> int:
@@ -162,7 +162,7 @@ def test_bit_4_taken_away_interrupts_and_a_new_edge_begins_again() -> None:
     assert node.read(0x606C) > 10_000
     node.control(0x0F)
     node.until(lambda: node.status & 0x3400 == 0x0400)
-    assert abs(node.read(0x606C)) < 100 and not bus.axis().homed
+    assert abs(node.read(0x606C)) < 100 and not bus.axis().place.homed
     node.control(0x1F)
     node.until(lambda: node.status & 0x3400 == 0x1400, limit_s=20.0)
     assert found(bus) == math.floor(counter(LEFT))
@@ -178,7 +178,7 @@ def test_halt_stops_a_homing() -> None:
     node.control(0x11F)
     node.until(lambda: bool(node.status & 0x400))
     bus.run(0.05)
-    assert abs(node.read(0x606C)) < 100 and not bus.axis().homed
+    assert abs(node.read(0x606C)) < 100 and not bus.axis().place.homed
 
 
 def test_a_method_beyond_the_data_sheet_is_refused() -> None:

@@ -260,7 +260,7 @@ def test_csp_without_a_new_value_stays_where_the_last_one_pointed() -> None:
 
 def test_csp_counts_on_through_the_end_of_int32() -> None:
     bus, node = cyclic(8)
-    bus.axis().shift = 0x7FFFFF00
+    bus.axis().place.shift = 0x7FFFFF00
     node.set(0x607A, node.read(0x6064))
     position = node.read(0x6064)
     for _ in range(60):
