@@ -39,6 +39,9 @@ FLAGS = tuple(  # [lefty][epositive][wpositive]
     for s in (Shoulder.RIGHTY, Shoulder.LEFTY)
 )
 
+# j1, its cosine and sine, j2, j3, sine and cosine of j2 + j3, flags by the sign of j5
+_Arm = tuple[float, float, float, float, float, float, float, tuple[Configuration, ...]]
+
 
 @dataclass(frozen=True, slots=True)
 class ArmGeometry:
@@ -177,25 +180,46 @@ class Arm6:
         """Geometric angles -> joints of the robot."""
         return found if self._plain else [(self._joints(angles), flags) for angles, flags in found]
 
-    def _solve(  # noqa: PLR0915 - one function by hand: every planner and stepper calls it for every point
-        self, pose: Pose, hold1: float, hold4: float, hold6: float | None, only: tuple[bool, bool] | None = None
-    ) -> list[Branch]:
+    def _solve(self, pose: Pose, hold1: float, hold4: float, hold6: float | None, only: tuple[bool, bool] | None = None) -> list[Branch]:
         """Branches as geometric angles (rad); `hold`: what j1, j4, j6 keep where the pose leaves them open.
 
         `only`: lefty and epositive, or not.
         """
-        height, delta, side, arm, flange, reach, psi, sin_psi, cos_psi, farthest, nearest, out, inn, total, excess = self._fixed
+        height, flange = self._fixed[0], self._fixed[4]
         x, y, z = pose.position
         r11, r12, r13, r21, r22, r23, r31, r32, r33 = pose.rotation
-        x -= flange * r13
-        y -= flange * r23
-        z -= flange * r33 + height
+        found: list[Branch] = []
+        atan2, sqrt, pi = math.atan2, math.sqrt, math.pi
+        for t1, c1, s1, t2, t3, s23, c23, flags in self._arms(x - flange * r13, y - flange * r23, z - (flange * r33 + height), hold1, only):
+            nf, of, af = c1 * r11 + s1 * r21, c1 * r12 + s1 * r22, c1 * r13 + s1 * r23
+            ay = c1 * r23 - s1 * r13
+            xc, zc = c23 * af - s23 * r33, s23 * af + c23 * r33
+            h = sqrt(xc * xc + ay * ay)
+            if h > POLE:
+                t4, t5 = atan2(ay, xc), atan2(h, zc)
+                if h > NEAR_POLE:
+                    t6 = atan2(s23 * of + c23 * r32, -s23 * nf - c23 * r31)
+                else:  # j4 has lost digits: j6 goes with it
+                    row_n, row_o = c23 * nf - s23 * r31, c23 * of - s23 * r32
+                    t6 = atan2(xc * (c1 * r21 - s1 * r11) - ay * row_n, xc * (c1 * r22 - s1 * r12) - ay * row_o)
+                found.append(((t1, t2, t3, t4, t5, t6), flags[1]))
+                t4 += pi if t4 < 0.0 else -pi
+                t6 += pi if t6 < 0.0 else -pi
+                found.append(((t1, t2, t3, t4, -t5, t6), flags[0]))
+            else:
+                turn = atan2(c1 * r21 - s1 * r11, c23 * nf - s23 * r31)
+                found.append(((t1, t2, t3, *_at_the_pole(turn, zc, hold4, hold6)), flags[1]))
+        return found
+
+    def _arms(self, x: float, y: float, z: float, hold1: float, only: tuple[bool, bool] | None) -> list[_Arm]:
+        """What the first three axes may be with the wrist centre there (m, z from axis 2 on)."""
+        _, delta, side, arm, _, reach, psi, sin_psi, cos_psi, farthest, nearest, out, inn, total, excess = self._fixed
         away = x * x + y * y
         radius = away - side * side
         if not radius >= -SLACK:  # nearer to axis 1 than the arm's side offset; a NaN ends here too
             return []
         radius = math.sqrt(radius) if radius > 0.0 else 0.0
-        found: list[Branch] = []
+        arms: list[_Arm] = []
         atan2, sqrt, pi = math.atan2, math.sqrt, math.pi
         two = radius > 0.0 and away > LOST_SQUARE
         if only is None:
@@ -222,8 +246,6 @@ class Arm6:
             else:
                 bend = sqrt(beyond * within)  # 2 arm reach sin(phi): keeps its digits at a stretched and at a folded elbow
             phi = atan2(bend, square - total)
-            nf, of, af = c1 * r11 + s1 * r21, c1 * r12 + s1 * r22, c1 * r13 + s1 * r23
-            ay = c1 * r23 - s1 * r13
             lefty = FLAGS[forwards >= -BORDER]
             along, aside = 0.5 * (square + excess) / arm, 0.5 * bend / arm
             for sign in elbows if bend > 0.0 else (1.0,):
@@ -237,24 +259,8 @@ class Arm6:
                     t3 += 2.0 * pi if t3 < 0.0 else -2.0 * pi
                 u, w = (over - arm * s2) / reach, (lift - arm * c2) / reach
                 s23, c23 = u * cos_psi - w * sin_psi, w * cos_psi + u * sin_psi
-                xc, zc = c23 * af - s23 * r33, s23 * af + c23 * r33
-                h = sqrt(xc * xc + ay * ay)
-                t2, flags = atan2(s2, c2), lefty[sign > 0.0]
-                if h > POLE:
-                    t4, t5 = atan2(ay, xc), atan2(h, zc)
-                    if h > NEAR_POLE:
-                        t6 = atan2(s23 * of + c23 * r32, -s23 * nf - c23 * r31)
-                    else:  # j4 has lost digits: j6 goes with it
-                        row_n, row_o = c23 * nf - s23 * r31, c23 * of - s23 * r32
-                        t6 = atan2(xc * (c1 * r21 - s1 * r11) - ay * row_n, xc * (c1 * r22 - s1 * r12) - ay * row_o)
-                    found.append(((t1, t2, t3, t4, t5, t6), flags[1]))
-                    t4 += pi if t4 < 0.0 else -pi
-                    t6 += pi if t6 < 0.0 else -pi
-                    found.append(((t1, t2, t3, t4, -t5, t6), flags[0]))
-                else:
-                    turn = atan2(c1 * r21 - s1 * r11, c23 * nf - s23 * r31)
-                    found.append(((t1, t2, t3, *_at_the_pole(turn, zc, hold4, hold6)), flags[1]))
-        return found
+                arms.append((t1, c1, s1, atan2(s2, c2), t3, s23, c23, lefty[sign > 0.0]))
+        return arms
 
     # ------------------------------------------------------------------------------------------------ small parts
 
