@@ -21,7 +21,6 @@ CLASSES: Mapping[str, int] = {
     "gateway/pure/cycle/belts.py:CoreBelts": 29,
     "gateway/pure/cycle/core.py:CycleLogic": 22,
     "gateway/pure/cycle/path_mover.py:PathMover": 17,
-    "gateway/pure/languages/baps2/control.py:Control": 18,
     "motion/execution/follower.py:Follower": 21,
     "motion/execution/stepper.py:Stepper": 21,
     "motion/timing/foresight.py:Foresight": 20,

@@ -89,6 +89,7 @@ class CellRun(CellMotion):
         self._runs: dict[int, Task] = {}
         self._begun = _Begun()
         self._read: dict[int, set[tuple[int, int]]] = {}  # process -> places that have read in this turn
+        self._asked: Request | None = None  # what is answered just now
         self.pic: CellPic | None = None  # scanned beside the programs
         self.pendant = Pendant(CellDebugger(CellAccess(self), library.watched()), CellFiles(port))
         self.scheduler.debugger = self.test.debugger
@@ -299,6 +300,7 @@ class CellRun(CellMotion):
         return super()._process_answer(task, request)
 
     def _answer(self, task: Task, request: Request) -> object:
+        self._asked = request
         match request:
             case demands.Synchronise() | demands.Reference() if self._still(task):
                 return None

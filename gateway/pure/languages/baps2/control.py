@@ -8,6 +8,7 @@ from gateway.pure.languages.baps2.feed import SECOND, Feed
 from gateway.pure.languages.baps2.filing import Filing
 from gateway.pure.languages.baps2.frames import to_workpiece, to_world
 from gateway.pure.languages.baps2.handle import Handle
+from gateway.pure.languages.baps2.lasting import LastingValues
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
 from gateway.pure.languages.baps2.outside import Outside
@@ -15,7 +16,6 @@ from gateway.pure.languages.baps2.plant import Plant
 from gateway.pure.languages.baps2.semaphores import Semaphores
 from gateway.pure.languages.baps2.special import Specials
 from gateway.pure.languages.baps2.tasks import Block, FastWait, Lane, Lanes, Output, Release, Task, size_of
-from gateway.pure.languages.baps2.teach_points import TeachPoints
 from gateway.pure.languages.baps2.translation import Unit
 from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.baps2.values import Shared
@@ -46,11 +46,9 @@ class Control(Plant):
         self.devices = {name: Device(each) for name, each in feed.units.items()}
         self.units = Outside(self)
         self.specials = Specials(self)
-        self._shared: dict[str, Shared] = {}
         self._semaphores = Semaphores()
-        self._asked: Request | None = None  # what is answered just now
-        self.teach_points = TeachPoints(memory, feed, library.file_of)
-        self._moves = self._round = 0
+        self.lasting = LastingValues(library, memory, feed)
+        self._round = 0
 
     # ---- processes
 
@@ -219,7 +217,7 @@ class Control(Plant):
 
     def taught(self, program: str, name: str) -> tuple[float, ...] | None:
         """A point of the feed or the point file; None: not defined."""
-        return self.teach_points.get(program, name)
+        return self.lasting.points.get(program, name)
 
     def point_selected(self, program: str, point: str, points: Mapping[str, tuple[float, ...]]) -> None:
         """A dry run has no pendant."""
@@ -227,26 +225,15 @@ class Control(Plant):
 
     def keep(self, program: str, name: str, value: tuple[float, ...]) -> None:
         """A teach point was assigned to: it stays when the program ends, and is kept in the point file."""
-        self.teach_points.keep(program, name, value)
+        self.lasting.points.keep(program, name, value)
 
     def file_changed(self, name: str) -> None:
-        """A file of the memory was replaced or deleted: it is read again at the next start of a program."""
-        program, _, kind = name.rpartition(".")
-        if kind == "PKT":
-            self.teach_points.forget(program)
-        else:
-            self.library.forget(program)
-            self.teach_points.forget_sources()
+        """A file of the memory was replaced or deleted."""
+        self.lasting.file_changed(name, self.library)
 
     def shared(self, program: str) -> Shared:
-        """The PUBLIC variables of a program, made when first asked for; they stay when it ends."""
-        if program not in self._shared:
-            space = self._shared[program] = Shared()
-            unit, _ = self.library.unit(program)
-            if unit is None or unit.share is None:
-                raise fault(1092, program)
-            unit.share(Handle(self, None), space)
-        return self._shared[program]
+        """The PUBLIC variables of a program; they stay when it ends."""
+        return self.lasting.public(program, self)
 
     # ---- what programs ask
 
@@ -254,7 +241,6 @@ class Control(Plant):
         """Begins a request."""
         task = self.tasks[process.number]
         task.since, task.began, task.block, task.said, task.round = now, None, None, None, self._round
-        self._asked = request
         try:
             circles.follow(task, request)
             return self._answer(task, request)
@@ -265,7 +251,6 @@ class Control(Plant):
 
     def answer_of(self, process: Process, request: Request, now: int) -> object:
         """Asks again."""
-        self._asked = request
         try:
             return self._answer(self.tasks[process.number], request)
         except RuntimeFault as error:
@@ -379,8 +364,8 @@ class Control(Plant):
         target = self._target(task, lane, request)
         if lane.limits:
             self._check_range(lane, request, target)
-        self._moves += 1
-        block = Block(self._moves, request.kinematic, target, task.process.place, request.until, stops=not request.via)
+        self.lanes.blocks += 1
+        block = Block(self.lanes.blocks, request.kinematic, target, task.process.place, request.until, stops=not request.via)
         self._ready(task, lane, block, request)
         self.event(
             task, "move", block.line, n=block.number, kinematic=request.kinematic or UNNAMED, way=request.way, target=list(target),

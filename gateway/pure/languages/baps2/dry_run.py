@@ -259,7 +259,7 @@ class DryRun(Control):
 
     def _components(self, task: Task) -> int:
         """Of the points of a program that names no kinematic: as many as the points have that are known, else those of six axes."""
-        points = {**self.teach_points.of_file(task.unit.name), **self.feed.points.get(task.unit.name, {})}
+        points = {**self.lasting.points.of_file(task.unit.name), **self.feed.points.get(task.unit.name, {})}
         return next((len(point) for point in points.values()), SIX)
 
     def where(self, kinematic: str) -> tuple[float, ...]:

@@ -124,6 +124,7 @@ class Lanes(dict[str, Lane]):
     def __init__(self) -> None:
         super().__init__()
         self.numbers: dict[str, int] = {}
+        self.blocks = 0  # prepared so far, on any of them
 
     def on_belts(self, task: "Task", channel: int) -> list[tuple[str, Lane]]:
         """Those that SYNCHRON_END of this process takes off their belt: its own, on this belt (0: on any), else those of its program."""
