@@ -12,11 +12,14 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from gateway.pure.arbitration.block_handshake import BlockHandshake, HandshakeBits
 from gateway.pure.arbitration.block_keys import block_name
 from gateway.pure.arbitration.block_overrides import BlockOverrides
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.command_numbers import NUMBER, PARITY, SPEED, START, MoveNumbers
-from gateway.pure.arbitration.handshakes import Asked, Handshaking, Pattern
+from gateway.pure.arbitration.edges import Edges
+from gateway.pure.arbitration.handshakes import Handshaking, Pattern
+from gateway.pure.arbitration.plc_words import PlcWords
 from gateway.pure.image.reasons import CommandState
 from protocols.base.errors import ProtocolError
 from protocols.base.machine import Ns
@@ -78,16 +81,6 @@ class Slot:
     def overlaps(self, first: int, end: int) -> bool:
         """One of its words is."""
         return first < 2 * self.word + self.size and 2 * self.word < end
-
-
-@dataclass(frozen=True, slots=True)
-class HandshakeBits:
-    """start-busy-done: the bits of one old program."""
-
-    start: tuple[int, int, int] | None  # db, word, bit
-    busy: tuple[int, int, int] | None
-    done: tuple[int, int, int] | None
-    refused: tuple[int, int, int] | None
 
 
 @dataclass(slots=True)
@@ -188,44 +181,35 @@ class DataBlocks:
         self.life: int | None = None  # life word of the last telegram, if it wrote one
         self.clamped = 0
         self.forced: Mapping[tuple[int, int], tuple[int, int]] = {}  # block, word -> mask and values that stand whoever writes (AX-498)
-        self._said = {block.number: bytearray(2 * block.words) for block in blocks}  # what the PLC wrote, without forces
+        self._said = PlcWords({block.number: block.words for block in blocks})
         self._axes = tuple(axes)
-        self._handshake = handshake
+        self._handshake = BlockHandshake(selected.pattern, handshake)
+        self._selected = selected
         self._inputs = (*RC_NAMES, *inputs)
         self._host = host
-        self._pattern, self._positions, self._programs, self._asked = selected.pattern, selected.positions, selected.programs, Asked()
-        self._levels: dict[str, float] = {}
+        self._edges = Edges()
         self._reported: dict[Slot, str] = {}  # what was reported of a bad number that is still there
-        self._primed: set[str] = set()
         self._numbers = MoveNumbers({slot.name for block in blocks if block.from_plc for slot in block.slots})
-        self._since = {block.number: bytearray(2 * block.words) for block in blocks}  # 1: written since the link began
         self.overrides = BlockOverrides(self._numbers, len(self._axes))
-        self._move = CommandState.NONE
-        self._answered = False  # the start bit has fallen: done and refused are taken back
         self._leaving = False  # drives-on fell: give control back as soon as the axes rest
 
     # ---- from the PLC ------------------------------------------------------------------------------------------------
     def restart(self) -> None:
         """Start of services or return of the link: the next telegram only sets the state of the bits (AX-141)."""
-        self._primed.clear()
+        self._edges.restart()
         self._numbers.clear()
-        self._asked = Asked()
+        self._handshake.restart()
         self.overrides.restart()
-        if self._pattern is not None:
-            self._pattern.restart()
-        for since in self._since.values():
-            since[:] = bytes(len(since))
+        self._said.restart()
         for block in self.blocks.values():
             block.fresh = block.fresh and not block.from_plc  # what a Modbus client writes is its command source's business
 
     def written(self, db: int, word: int, data: bytes, now: Ns) -> None:
         """One SEND, already known to fit: take it whole, then act on its edges."""
-        block, said = self.blocks[db], self._said[db]
-        said[2 * word : 2 * word + len(data)] = data
-        block.data[2 * word : 2 * word + len(data)] = self.laid(db, bytes(said))[2 * word : 2 * word + len(data)]
+        block, first, end = self.blocks[db], 2 * word, 2 * word + len(data)
+        block.data[first:end] = self.laid(db, self._said.write(db, first, data))[first:end]
         block.fresh = True
-        self._since[db][2 * word : 2 * word + len(data)] = b"\1" * len(data)
-        self._take(block, [slot for slot in block.slots if slot.overlaps(2 * word, 2 * word + len(data))], 2 * word, len(data))
+        self._take(block, [slot for slot in block.slots if slot.overlaps(first, end)], first, len(data))
 
     def _take(self, block: DataBlock, slots: Sequence[Slot], first: int, size: int) -> None:
         """Slots whose bytes were written, from `first` so many: their values, then what they ask for."""
@@ -255,10 +239,10 @@ class DataBlocks:
 
     def forces_changed(self, db: int, now: Ns) -> None:
         """A force came or went: it acts at once where the PLC has written, else with the PLC's first telegram."""
-        block, since = self.blocks[db], self._since[db]
+        block = self.blocks[db]
         if block.from_plc and block.fresh:
-            block.data[:] = self.laid(db, bytes(self._said[db]))
-            written = [slot for slot in block.slots if all(since[2 * slot.word : 2 * slot.word + slot.size])]
+            block.data[:] = self.laid(db, self._said.whole(db))
+            written = [slot for slot in block.slots if self._said.complete(db, 2 * slot.word, slot.size)]
             self._take(block, written, 0, len(block.data))
 
     def _read(self, block: DataBlock, slot: Slot) -> tuple[float | None, str]:
@@ -286,31 +270,31 @@ class DataBlocks:
         for name in self._inputs:
             if name in levels:
                 self._host.level(name, levels[name])
-        on = self._edge("drives.on", levels)
-        if self._edge("cell.stop", levels) == 1:
+        on = self._edges.of("drives.on", levels)
+        if self._edges.of("cell.stop", levels) == 1:
             self._host.command(Command(Code.STOP))
         if on == -1:
             self._host.command(Command(Code.DISABLE, all_axes))
             self._leaving = True
-        if self._edge("cell.reset", levels) == 1:
+        if self._edges.of("cell.reset", levels) == 1:
             self._host.command(Command(Code.FAULT_RESET))
         if on == 1:
             self._leaving = False
             self._host.command(Command(Code.REQUEST_CONTROL))
             self._host.command(Command(Code.ENABLE, all_axes))
         self._override(levels, fresh=on == 1)
-        if self._edge("axis.*.reference", levels) == 1:
+        if self._edges.of("axis.*.reference", levels) == 1:
             self._give(Command(Code.REFERENCE, all_axes), self.overrides.refused)
-        if self._edge("cell.resume", levels) == 1:
+        if self._edges.of("cell.resume", levels) == 1:
             self._give(Command(Code.RESUME), self.overrides.refused)
-        if self._pattern is not None:
-            self._ask(self._pattern, levels, asked)
+        if (pattern := self._handshake.pattern) is not None:
+            self._ask(pattern, levels, asked)
             return
-        start = self._edge("move.start", levels)
+        start = self._edges.of("move.start", levels)
         if start == 1:
             self._start()
         elif start == -1:
-            self._answered = True
+            self._handshake.let_go()
 
     def _give(self, command: Command, fault: str) -> None:
         """A command, or its refusal."""
@@ -320,38 +304,20 @@ class DataBlocks:
             self._host.command(command)
 
     def _ask(self, pattern: Handshaking, levels: Mapping[str, float], asked: Collection[str]) -> None:
-        """What this telegram says of the request; what it does not carry is as before."""
+        """What this telegram says of the request."""
         if not {START, NUMBER, PARITY} & set(asked):
             return
-        old = self._asked
-        self._asked = Asked(
-            bool(levels.get(START, old.start)),
-            round(levels.get(NUMBER, old.number)),
-            bool(levels.get(PARITY, old.parity)),
-            self._numbers.missing(SELECTED_BY.get(pattern.pattern, ())),
-        )
+        request = self._handshake.hear(levels, self._numbers.missing(SELECTED_BY.get(pattern.pattern, ())))
         if not self._numbers.seen(NUMBER if pattern.pattern is Pattern.NUMBER_SELECT else START):
             return  # where the bit or number that starts is, is not known yet: it may have been there for long
-        if not pattern.see(self._asked):
+        if not pattern.see(request):
             if pattern.wrong:
                 self._host.refuse(Code.PTP_ABSOLUTE, pattern.wrong)
             return
-        number = self._asked.number
-        if pattern.selects and number in self._programs:
-            self._begin(Command(Code.PROGRAM, number, self._numbers.speed, 1.0), [SPEED])
+        if pattern.selects and request.number in self._selected.programs:
+            self._begin(Command(Code.PROGRAM, request.number, self._numbers.speed, 1.0), [SPEED])
         else:
-            self._start(self._positions.get(number) if pattern.selects else None)
-
-    def _edge(self, name: str, levels: Mapping[str, float]) -> int:
-        """1 rising, -1 falling, 0 none or not known yet."""
-        if name not in levels:
-            return 0
-        before, now = self._levels.get(name, 0.0), levels[name]
-        self._levels[name] = now
-        if name not in self._primed:
-            self._primed.add(name)
-            return 0
-        return (now > before) - (now < before)
+            self._start(self._selected.positions.get(request.number) if pattern.selects else None)
 
     def _override(self, levels: Mapping[str, float], *, fresh: bool) -> None:
         found = self.overrides.take(levels, fresh=fresh, control=bool(self._host.value("cell.control")))
@@ -371,7 +337,7 @@ class DataBlocks:
 
     def _begin(self, command: Command, needed: Sequence[str]) -> None:
         """A move or program: refused whole while one of its numbers is refused or not written."""
-        self._answered = False
+        self._handshake.begin()
         fault = self._numbers.missing([*needed, *self.overrides.names])
         if not fault:
             self._host.command(command)
@@ -388,19 +354,11 @@ class DataBlocks:
     # ---- to the PLC --------------------------------------------------------------------------------------------------
     def move_state(self, state: CommandState) -> None:
         """What became of the last move; shown in the handshake bits until start falls."""
-        self._move = state
-        if self._pattern is not None:
-            self._pattern.hear(state)
+        self._handshake.moved(state)
 
     def handshake_bit(self, key: str) -> bool:
         """busy, done, refused of the last move; done and refused fall with the start bit."""
-        if self._pattern is not None:
-            return self._pattern.bit(key)
-        if key == "busy":
-            return self._move in (CommandState.ACCEPTED, CommandState.RUNNING)
-        if self._answered:
-            return False
-        return self._move is CommandState.DONE if key == "done" else self._move in (CommandState.REFUSED, CommandState.ABORTED)
+        return self._handshake.bit(key)
 
     def fill(self, db: int) -> bytes:
         """The block as the PLC fetches it now; all of one moment."""
@@ -409,7 +367,7 @@ class DataBlocks:
             return bytes(block.data)
         for slot in block.slots:
             self.clamped += not block.put(slot, self._host.value(slot.name))
-        bits = self._handshake
+        bits = self._handshake.bits
         if bits is not None:
             for place, key in ((bits.busy, "busy"), (bits.done, "done")):
                 if place is not None and place[0] == db:

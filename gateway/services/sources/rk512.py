@@ -10,9 +10,10 @@ from gateway.assembly.axis_signals import rc_numbers
 from gateway.assembly.data_block_signals import flags_of, inputs_of
 from gateway.assembly.lanes import robot_axes
 from gateway.assembly.line_dialects import rk512_dialect
+from gateway.pure.arbitration.block_handshake import HandshakeBits
 from gateway.pure.arbitration.block_keys import block_key
 from gateway.pure.arbitration.command_block import COMMAND_WORDS, STATUS_WORDS, Code, Command
-from gateway.pure.arbitration.data_blocks import RC_NAMES, BlockHost, DataBlock, DataBlocks, HandshakeBits, Selected, Slot
+from gateway.pure.arbitration.data_blocks import RC_NAMES, BlockHost, DataBlock, DataBlocks, Selected, Slot
 from gateway.pure.arbitration.handshakes import Handshaking, Pattern
 from gateway.pure.arbitration.own_jobs import OwnJob, OwnJobs
 from gateway.pure.cell.cell import Cell, Db, Entry, Handshake, Line
