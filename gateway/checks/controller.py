@@ -67,7 +67,7 @@ def phg_fault(cell: Cell, name: str) -> str:
         control = trial(cell)
         if not isinstance(control, RhoControl):
             return only
-        control.phg.number(name)
+        control.pendant.phg.number(name)
     except KeyError:
         return "phg.CODE, phg.CODE.INDEX or phg.CODE.KINEMATIC.AXIS is expected, e.g. phg.33282.1.2"
     except (VariableError, ValueError) as fault:

@@ -34,7 +34,7 @@ class Rho3Panel:
 
     def look(self, now: Ns) -> None:
         """Before a step of the control."""
-        self.rho.panel_used = bool(self._pressed) and now - self._pressed < USED_NS
+        self.rho.pendant.used = bool(self._pressed) and now - self._pressed < USED_NS
 
     def judge_reset(self, now: Ns) -> str:
         """Mode 11.1 was chosen at the panel: a fault reset as any command source gives it; why it is refused."""
@@ -71,21 +71,21 @@ class Rho3Panel:
         return shown | {"graphic": self.rho.screen.shown()}
 
     def _back_up(self) -> None:
-        why = self.rho.panel_view.order_memory("backup")
+        why = self.rho.pendant.view.order_memory("backup")
         if why:
             self.rho.panel.refuse(why)
 
     # ---- variables of the PHG 2000 -----------------------------------------------------------------------------------
     def read(self, name: str) -> Value:
         """KeyError, VariableError."""
-        return self.rho.phg.read(name)
+        return self.rho.pendant.phg.read(name)
 
     def number(self, name: str) -> float:
         """KeyError, VariableError; ValueError: a text."""
-        return self.rho.phg.number(name)
+        return self.rho.pendant.phg.number(name)
 
     def write(self, name: str, value: Value) -> None:
         """KeyError, VariableError; ValueError: a row of values."""
         if isinstance(value, tuple):
             raise ValueError(f"{name}: one value is expected")
-        self.rho.phg.write(name, int(value) if isinstance(value, bool) else value)
+        self.rho.pendant.phg.write(name, int(value) if isinstance(value, bool) else value)

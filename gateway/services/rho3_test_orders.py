@@ -101,7 +101,7 @@ class TestOrders:
     def _point(self, request: Mapping[str, object], name: str) -> Row:
         """Teach in of the actual position, or a point by numbers."""
         point = str(request.get("point", "")).upper()[:32]
-        if Condition.DEFINE_DISABLED in self._control.panel_view.conditions():
+        if Condition.DEFINE_DISABLED in self._control.pendant.view.conditions():
             return {"error": f"{Condition.DEFINE_DISABLED.value}: the PLC has disabled Define and Teach in"}
         if request.get("do") == "define":
             return self._order("define", program=name, point=point, value=str(request.get("value", ""))[:MOST_TEXT])

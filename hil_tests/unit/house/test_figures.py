@@ -15,7 +15,6 @@ MOST_ATTRIBUTES, MOST_PARAMETERS, MOST_LINES, MOST_FILE_LINES = 15, 8, 60, 450
 CLASSES: Mapping[str, int] = {
     "drivers/drives/cia402.py:Cia402Drive": 24,
     "drivers/drives/servodyn.py:Drive": 23,
-    "gateway/pure/controllers/rho3/signals/control.py:RhoControl": 31,
     "gateway/pure/cycle/alter.py:CoreAlter": 18,
     "gateway/pure/cycle/belts.py:CoreBelts": 29,
     "gateway/pure/cycle/core.py:CycleLogic": 22,

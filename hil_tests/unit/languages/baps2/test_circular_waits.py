@@ -73,7 +73,7 @@ def test_a_cell_shows_who_waits_for_whom(tmp_path: pathlib.Path) -> None:
     cell.bench.run(0.2)
     rows = {row.branch: (row.waits, row.held, row.holder, row.stuck) for row in cell.language.rows()}
     assert rows == {False: ("its branches", "", "", True), True: ("a semaphore", "semaphore S", "P line 11", True)}
-    assert page_of((7, 3, 2), cell.control.panel_view, "en").rows == ("P           blocked", " S", " has: P 11")
+    assert page_of((7, 3, 2), cell.control.pendant.view, "en").rows == ("P           blocked", " S", " has: P 11")
     variables = SystemVariables(cell.control.processes)
     variables.write(34310, 1)
     assert variables.read(34313) == "blocked"
@@ -91,4 +91,4 @@ def test_a_process_that_waits_for_another_one_names_it(tmp_path: pathlib.Path) -
     cell.bench.run(0.1)
     cell.start("Q")
     cell.bench.run(0.1)
-    assert page_of((7, 3, 2), cell.control.panel_view, "de").rows == ("P           wartet", "Q           wartet", " S", " hat: P 11")
+    assert page_of((7, 3, 2), cell.control.pendant.view, "de").rows == ("P           wartet", "Q           wartet", " S", " hat: P 11")

@@ -20,7 +20,7 @@ def cell_with(**files: str) -> ProgramCell:
 @pytest.mark.requirement("RHO-PHG-04", by="gateway.pure.languages.baps2.cell_files:lines_of_list")
 def test_a_line_of_a_text_list_is_a_variable() -> None:
     cell = cell_with(VTL005_DAT="first\r\nsecond\r\nPfad \u0084lter\r\nlast\r\n\x1a", VTL255_DAT=LONG)
-    read = cell.control.phg.read
+    read = cell.control.pendant.phg.read
     assert [read(f"phg.34821.{n}") for n in (1, 2, 4, 5)] == ["first", "second", "last", ""]
     assert read("phg.34821.3").__class__ is str and str(read("phg.34821.3")).startswith("Pfad ")
     cell.until(lambda: read("phg.35071.999") == "line 999", 5.0)
@@ -32,7 +32,7 @@ def test_a_line_of_a_text_list_is_a_variable() -> None:
 @pytest.mark.requirement("RHO-PHG-04", by="gateway.pure.controllers.rho3.pendant.user_memory:UserMemory.hear")
 def test_a_text_list_that_changes_or_goes_is_seen() -> None:
     cell = cell_with(VTL005_DAT="old one\nold two\nold three")
-    files, read = cell.memory.files, cell.control.phg.read
+    files, read = cell.memory.files, cell.control.pendant.phg.read
     files["VTL005.DAT"] = b"new"
     cell.until(lambda: [read(f"phg.34821.{n}") for n in (1, 2)] == ["new", ""], 2.0)
     del files["VTL005.DAT"]
@@ -42,7 +42,7 @@ def test_a_text_list_that_changes_or_goes_is_seen() -> None:
 def test_files_are_listed_with_size_and_date() -> None:
     cell = cell_with(A_DAT="x" * 848)
     cell.language.pendant.files.stamps["A.DAT"] = ("24.09.95", "09:40")
-    read = cell.control.phg.read
+    read = cell.control.pendant.phg.read
     cell.until(lambda: read("phg.34561.1") == f"{'A.DAT':<12} {848:>8} Byte  24.09.95  09:40", 2.0)
     assert str(read("phg.34564.2")).strip() == "P.QLL"
     used = sum(len(data) for data in cell.memory.files.values())

@@ -56,7 +56,7 @@ def test_a_card_in_use_is_the_memory_and_has_to_stay(tmp_path: pathlib.Path) -> 
     cell = cell_with(tmp_path).stopped()
     initialised(cell)
     assert cell.control.functions.phg.mode == "0", "the control starts up"
-    cell.until(lambda: cell.control.phg.read("phg.34568") == MEGABYTE, 2.0)
+    cell.until(lambda: cell.control.pendant.phg.read("phg.34568") == MEGABYTE, 2.0)
     assert list(cell.folder.glob("*.QLL")) == [] and codes(cell).count(3622) == 0
     (tmp_path / "card.img").rename(tmp_path / "away.img")
     cell.until(lambda: 3622 in codes(cell), 2.0)
@@ -95,10 +95,10 @@ def test_the_keys_of_the_eprom_backup_take_another_card_or_the_internal_memory(t
     other = EepromCell(tmp_path, hardware="rho3.0", card="card.img")
     other.until(lambda: 3883 in codes(other), 2.0)
     backed_up(other)
-    other.until(lambda: other.control.phg.read("phg.34568") == 2 * MEGABYTE, 2.0)
+    other.until(lambda: other.control.pendant.phg.read("phg.34568") == 2 * MEGABYTE, 2.0)
     assert 3883 not in codes(other), "the new card is the memory"
     (tmp_path / "card.img").unlink()
     other.until(lambda: 3622 in codes(other), 2.0)
     backed_up(other)
-    other.until(lambda: other.control.phg.read("phg.34568") == 128 * 1024, 2.0)
+    other.until(lambda: other.control.pendant.phg.read("phg.34568") == 128 * 1024, 2.0)
     assert codes(other).count(3622) == 0, "the internal memory again"

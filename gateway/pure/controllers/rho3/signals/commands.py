@@ -96,6 +96,14 @@ class AxisCommands:
         """0..1."""
         self._say(source, Command(Code.OVERRIDE, velocity=value), now)
 
+    def bar(self, mask: int) -> None:
+        """These axes are disabled at the interface."""
+        self._dispatcher.bar(mask)
+
+    def open_ready(self) -> None:
+        """The READY contact opens."""
+        self._dispatcher.open_ready()
+
     def settle(self, now: Ns) -> None:
         """Once per cycle: what had to wait for rest."""
         cell = self._dispatcher.cell

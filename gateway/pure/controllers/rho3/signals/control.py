@@ -4,7 +4,7 @@ The command sources bring the RC inputs, the cycle what the axes do; outputs and
 axes through the dispatcher.  A restart of services counts as a start of the control (AX-332): signals already set start nothing.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
@@ -15,23 +15,23 @@ from gateway.pure.controllers.rho3.pendant.panel import Panel
 from gateway.pure.controllers.rho3.pendant.screen2000 import Screen2000
 from gateway.pure.controllers.rho3.pendant.user_memory import UserMemory
 from gateway.pure.controllers.rho3.signals.analog import AnalogChannels
-from gateway.pure.controllers.rho3.signals.codes import EMERGENCY_STOP, PIC_TIMER, PLC_SILENT, CycleErrors, code_text
+from gateway.pure.controllers.rho3.signals.codes import EMERGENCY_STOP, PIC_TIMER, code_text
 from gateway.pure.controllers.rho3.signals.commands import AxisCommands
+from gateway.pure.controllers.rho3.signals.control_pendant import ControlPendant
 from gateway.pure.controllers.rho3.signals.control_state import ControlState
+from gateway.pure.controllers.rho3.signals.control_values import ControlValues
 from gateway.pure.controllers.rho3.signals.coupling import Coupled
 from gateway.pure.controllers.rho3.signals.drives import DriveOn
 from gateway.pure.controllers.rho3.signals.errors import RHO3
 from gateway.pure.controllers.rho3.signals.fast_io import Channels
 from gateway.pure.controllers.rho3.signals.hosted import INTERPRETER_GONE, HostedPrograms
-from gateway.pure.controllers.rho3.signals.modes import TEST_MN
-from gateway.pure.controllers.rho3.signals.panel_view import PanelView
-from gateway.pure.controllers.rho3.signals.phg_values import PhgValues
+from gateway.pure.controllers.rho3.signals.modes import TEST_MN, OperatingModes
 from gateway.pure.controllers.rho3.signals.pic import PicLink
+from gateway.pure.controllers.rho3.signals.program_moves import ProgramMoves
 from gateway.pure.controllers.rho3.signals.setup import Setup
 from gateway.pure.controllers.rho3.signals.steps import Step, body_maker, fault_of
-from gateway.pure.controllers.rho3.signals.supervision import PicGuard, PlcWatch
+from gateway.pure.controllers.rho3.signals.watches import Watches
 from gateway.pure.controllers.rho3.signals.whole import Seen, SignalInterface
-from gateway.pure.controllers.rho3.signals.written_text import WrittenText
 from gateway.pure.image.error_list import ErrorList
 from gateway.pure.image.records import interpreter
 from gateway.pure.image.records.cell import RC_BYTES, CellState, InputImage, Permit, get_bit, set_bit
@@ -41,8 +41,6 @@ from protocols.base.machine import Ns
 STARTUP = 107  # RC output: run-up finished (rho3 L728-732)
 KEEP_PERMANENT = 61  # RC input (L2620)
 RESET_MODE = "11.1"  # mode of the panel that resets (L3059)
-BOARD_IN, BOARD_OUT = 8, 5
-SETTLES = 200  # cycles after a start in which a late one says nothing about the timer (AX-478)
 
 
 class RhoControl:
@@ -50,41 +48,55 @@ class RhoControl:
 
     def __init__(self, setup: Setup, dispatcher: CommandDispatcher, errors: ErrorList, now: Ns) -> None:
         """ValueError: a parameter out of its range."""
-        self.setup, self.errors = setup, errors
         self.image = PicImage()
         self.interface = SignalInterface(self.image, setup.installation, setup.numbers, errors, pic=setup.pic)
-        self.modes, self.user = self.interface.modes, self.interface.user
-        self.processes = ProcessTable(self._programs())
+        self.processes = ProcessTable(self._programs(setup))
         self.functions = Functions(setup.functions, errors, self.processes)
         occupied = {bit >> 3 for bit in range(8 * RC_BYTES) if get_bit(setup.of_cycle, bit)}
-        self.channels = Channels(setup.fast, self.user, occupied)
-        self.board_in, self.board_out = bytearray(BOARD_IN), bytearray(BOARD_OUT)
-        self.panel_used = False  # somebody works at the panel
+        self.channels = Channels(setup.fast, self.interface.user, occupied)
         self.hosted: HostedPrograms | None = None  # programs of the interpreter
         self._commands = AxisCommands(dispatcher, setup.sets_override)
-        self._dispatcher = dispatcher
         self._drive_on = DriveOn(len(setup.axes), lambda byte: setup.owners.get(byte, 0))
-        self._cycle_errors = CycleErrors(self.interface.faults, setup.axes)
-        self._watch = PlcWatch(setup.plc_silence, now, setup.plc_grace) if setup.plc_silence else None
-        self._guard = PicGuard(setup.pic_timeout, SETTLES) if setup.pic_timeout else None
-        self._jobs: dict[tuple[str, int], Job] = {}  # program and robot (0: a step of its own) -> its move
+        self._watches = Watches(setup, self.interface.faults, now)
         self._keep = int.from_bytes(setup.of_cycle, "little") ^ (1 << 8 * RC_BYTES) - 1
-        self._last = now
-        self._listed: set[str] = set()  # programs with a process, as of the last cycle
-        self._closed = True  # the chain, as the interface was given it last
-        self.factor_table = FactorTable(setup.installation.kinematics, setup.option)
-        self.view = ControlState(setup, errors, self.image, self.modes, self.user, self.processes, self.channels, self.factor_table, now)
+        self._last = now  # cycle
+        table = FactorTable(setup.installation.kinematics, setup.option)
+        modes, user = self.interface.modes, self.interface.user
+        self.view = ControlState(setup, errors, self.image, modes, user, self.processes, self.channels, table, now)
         self.view.screen.p35 = setup.p35
-        self.panel_view = PanelView(self.view)
-        self.panel = Panel(self.functions.display, self.functions.phg, self.functions.statuses, self.panel_view, setup.functions.language)
-        self.written = WrittenText(self.functions.display)
-        self.phg = PhgValues(self.view)
-        self._names = self._all_names()
+        self.pendant = ControlPendant(self.view, self.functions)
+        self.moves = ProgramMoves(self.view, self._commands, lambda: self.hosted)
+        self.values = ControlValues(user, self.channels, self.pic, board=bool(setup.coupling))
 
     @property
     def now(self) -> Ns:
         """Of the last cycle."""
         return self.view.now
+
+    @property
+    def setup(self) -> Setup:
+        """As the cell has it."""
+        return self.view.setup
+
+    @property
+    def errors(self) -> ErrorList:
+        """Of the cell."""
+        return self.view.errors
+
+    @property
+    def modes(self) -> OperatingModes:
+        """Of its interface."""
+        return self.interface.modes
+
+    @property
+    def factor_table(self) -> FactorTable:
+        """Factors of speed and acceleration."""
+        return self.view.factor_table
+
+    @property
+    def panel(self) -> Panel:
+        """Of its pendant."""
+        return self.pendant.panel
 
     @property
     def outputs(self) -> bytes:
@@ -95,7 +107,7 @@ class RhoControl:
     def coupled(self) -> Coupled | None:
         """Its bit coupling; None: P20 has none."""
         coupling = self.setup.coupling
-        return None if coupling is None else Coupled(coupling, self.image, self.board_in, self.board_out)
+        return None if coupling is None else Coupled(coupling, self.image, self.values.board_in, self.values.board_out)
 
     # ---- one cycle -----------------------------------------------------------------------------------------------------
     def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
@@ -104,12 +116,10 @@ class RhoControl:
         if self.pic is not None and self.pic.stopped:
             self.image.clear()
             return self._halt(now, first=self.pic.fails())
-        if self._guard is None:
-            return self._cycle(inputs, cycle, state, now, heard=heard)
         texts: list[str] = []
         before = self.halted
-        self._guard.run(self.image, now, lambda _: texts.extend(self._cycle(inputs, cycle, state, now, heard=heard)))
-        return self._halt(now, first=not before) if self.halted else texts
+        self._watches.run(self.image, now, lambda: texts.extend(self._cycle(inputs, cycle, state, now, heard=heard)))
+        return self._halt(now, first=not before) if self._watches.guarded and self.halted else texts
 
     @property
     def pic(self) -> PicLink | None:
@@ -129,13 +139,13 @@ class RhoControl:
     @property
     def halted(self) -> bool:
         """The PIC's timer has failed: inputs and outputs stay 0 and READY stays open until a restart."""
-        return (self._guard is not None and self._guard.stopped) or (self.pic is not None and self.pic.stopped)
+        return self._watches.stopped or (self.pic is not None and self.pic.stopped)
 
     def _halt(self, now: Ns, *, first: bool) -> list[str]:
         """Nothing moves and nobody switches on: READY is kept open against every fault reset."""
-        self._dispatcher.bar((1 << len(self.setup.axes)) - 1)
+        self._commands.bar((1 << len(self.setup.axes)) - 1)
         if self.view.cell.generation and not self.view.cell.emergency:
-            self._dispatcher.open_ready()
+            self._commands.open_ready()
         if not first:
             return []
         self.interface.faults.came(PIC_TIMER, active=True, now=now)
@@ -143,26 +153,25 @@ class RhoControl:
 
     def _cycle(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool) -> list[str]:
         self._look(inputs, cycle, state)
-        self._cycle_errors.look(state, now)
-        self._supervise(now, heard=heard)
+        self._watches.look(state, now, heard=heard)
         image, setup = self.image, self.setup
         panel_reset = self.functions.phg.mode == RESET_MODE
         emergency = image.input(setup.emergency_op)
-        seen = self.interface.step(now - self._last, self.panel_used, emergency, panel_reset, now)
+        seen = self.interface.step(now - self._last, self.pendant.used, emergency, panel_reset, now)
         self._last = now
         texts = self._react(seen)
         if self.hosted is not None and self.hosted.gone:
             self.hosted.gone = False
             self.interface.faults.came(INTERPRETER_GONE, now=now)
         texts += [refusal.text(setup.functions.language) for refusal in self.functions.step(inputs, image.outputs, now)]
-        self.panel.step(now)
-        self.written.echo()
-        if self.panel_view.memory_done():
+        self.pendant.step(now)
+        if self.pendant.view.memory_done():
             self._start_up()
         self._look_at_memory(now)
-        self._end_moves()
+        self.processes.take_stopped()
+        self.moves.end(now)
         self._commands.drives(self._drive_on.look(image), self._drive_on.wanted, seen.disabled, now)
-        self._dispatcher.bar(seen.disabled)
+        self._commands.bar(seen.disabled)
         self._commands.settle(now)
         self.channels.step(image)
         image.put(STARTUP, bool(state.generation))
@@ -173,16 +182,16 @@ class RhoControl:
 
     def _look(self, inputs: InputImage, cycle: bytes, state: CellState) -> None:
         """The image as the control sees it: command sources, inputs that are not wired, the chain as the cycle latched it (AX-335)."""
-        image = self.image
+        image, view = self.image, self.view
         image.take(inputs)
         for bit in self.setup.assumed:
             set_bit(image.inputs, bit, True)
         if state.generation:
-            self._closed = not state.emergency or bool(state.permits & Permit.CHAIN)
+            view.closed = not state.emergency or bool(state.permits & Permit.CHAIN)
             if not state.emergency:
                 self.interface.faults.forget(EMERGENCY_STOP)  # released by another command source's fault reset
-        set_bit(image.inputs, self.setup.numbers.chain, self._closed)
-        self.view.closed, self.view.hosted = self._closed, self.hosted
+        set_bit(image.inputs, self.setup.numbers.chain, view.closed)
+        view.hosted = self.hosted
         self._overlay(cycle)
 
     def _overlay(self, cycle: bytes) -> None:
@@ -206,16 +215,9 @@ class RhoControl:
             self.hosted.orders.append({"do": "hello"})
         self.panel.enter(())
 
-    def _supervise(self, now: Ns, *, heard: bool) -> None:
-        watch = self._watch
-        if watch is not None and heard:
-            watch.heard(now)
-        if watch is not None and watch.wake(now):
-            self.interface.faults.came(PLC_SILENT, now=now)
-
     # ---- programs ------------------------------------------------------------------------------------------------------
-    def _programs(self) -> dict[str, Program]:
-        language = self.setup.functions.language
+    def _programs(self, setup: Setup) -> dict[str, Program]:
+        language = setup.functions.language
         return {
             each.name.upper(): Program(
                 body_maker(each.name.upper(), each.steps, each.kinematics, self, repeat=each.repeat, language=language),
@@ -223,29 +225,20 @@ class RhoControl:
                 each.priority,
                 sum(1 << number - 1 for number in each.kinematics),
             )
-            for each in self.setup.programs
+            for each in setup.programs
         }
-
-    @property
-    def selector(self) -> int:
-        """The command source whose byte carries the selection strobe: programs move the axes in its name."""
-        return self.setup.owners.get(self.setup.functions.places.select_strobe >> 3, 0)
 
     def move(self, program: str, step: Step, now: Ns) -> Job:
         """What a program moves; refused as any other command of that command source."""
-        process = self.processes.named(program)
-        kinematic = 1 if process is None else (process.kinematics & -process.kinematics).bit_length()  # the lowest it moves
-        factors = self.factor_table.acting(min(max(kinematic, 1), self.setup.installation.kinematics))
-        job = self._jobs[program, 0] = self._commands.move(self.selector, step, now, factors)
-        return job
+        return self.moves.begin(program, step, now)
 
     def open_path(self, program: str, robot: int, now: Ns) -> Job:
         """A program of the interpreter moves a robot from now on; refused as any other command of its command source.  ProcessFault."""
-        return self._opened(program, robot, lambda source, mask: self._commands.stream(source, robot, mask))
+        return self.moves.open_path(program, robot)
 
     def open_reference(self, program: str, robot: int, now: Ns) -> Job:
         """REF_PNT: a program references a robot, as its command source would."""
-        return self._opened(program, robot, lambda source, mask: self._commands.reference(source, mask, now))
+        return self.moves.open_reference(program, robot, now)
 
     def slow(self, move: Job, share: float) -> None:
         """POTI_MODIFY: what the program moves goes at this share, 0 .. 1, of the speed it was planned with."""
@@ -255,25 +248,13 @@ class RhoControl:
         """MOVE_DIST: m or rad that a robot runs on behind an edge."""
         self._commands.run_on(self.setup.robot_masks[robot - 1], distance)
 
-    def _opened(self, program: str, robot: int, ask: Callable[[int, int], Job]) -> Job:
-        tested = self.hosted is not None and self.hosted.tests(program)
-        barred = self.modes.set_up(program, robot) if tested else self.modes.prepare(program, (robot,))
-        if barred is not None:
-            raise fault_of(barred)
-        source = (self.hosted.source_of(program) if self.hosted is not None else 0) or self.selector
-        job = self._jobs[program, robot] = ask(source, self.setup.robot_masks[robot - 1])
-        if job.open and not tested:
-            self.modes.begins(program, (robot,))
-        return job
-
     def test_allowed(self) -> bool:
         """Whether the PLC has selected the test; where no command source writes its signal, it always is."""
         return TEST_MN >> 3 not in self.setup.owners or self.image.input(TEST_MN)
 
     def path_closed(self, program: str, robot: int) -> None:
         """Its order is over."""
-        self.modes.ends(program, robot)
-        self._jobs.pop((program, robot), None)
+        self.moves.closed(program, robot)
 
     @property
     def analog(self) -> AnalogChannels | None:
@@ -282,7 +263,7 @@ class RhoControl:
 
     def panel_text(self, written: str) -> None:
         """WRITE PHG."""
-        self.written.write(written)
+        self.pendant.written.write(written)
 
     def seen(self) -> interpreter.Channels:
         """The interface as programs of the interpreter see it."""
@@ -293,7 +274,7 @@ class RhoControl:
         first = interpreter.FIRST_MULTI
         inputs = None if multi is None else sum(multi.read(first + n) << n for n in range(interpreter.MULTI))
         factors = self.factor_table.global_factors()
-        integers = bytes(self.user.integer(401 + n) & 0xFF for n in range(8))
+        integers = bytes(self.interface.user.integer(401 + n) & 0xFF for n in range(8))
         reals = (0, (0.0,) * interpreter.REALS) if self.analog is None else self.analog.seen
         return interpreter.Channels(
             bytes(self.image.inputs),
@@ -329,21 +310,6 @@ class RhoControl:
             if process.state is State.FAULTY and process.error in seen.outcome.cleared:
                 self.processes.stop(process.number)
         return texts
-
-    def _end_moves(self) -> None:
-        """The motion of a program that is gone or in error ends at once and is not finished (L2610)."""
-        self.processes.take_stopped()
-        for (name, robot), job in list(self._jobs.items()):
-            process = self.processes.named(name)
-            alive = process is not None and process.state is not State.FAULTY
-            if job.open and not alive:
-                self._commands.stop(job.source, self.now, give_up=job)
-            if not job.open or not alive:
-                del self._jobs[name, robot]
-        listed = {process.name for process in self.processes.processes}
-        for name in self._listed - listed:
-            self.modes.deselected(name)
-        self._listed = listed
 
     # ---- what others see -----------------------------------------------------------------------------------------------
     def flag_bytes(self) -> bytes:
@@ -382,47 +348,15 @@ class RhoControl:
 
     def names(self) -> list[str]:
         """Values beside the signals."""
-        return list(self._names)
-
-    def _all_names(self) -> tuple[str, ...]:
-        integers = [f"rho3.integer.{channel}" for channel in range(401, 409)]
-        board = [f"rho3.board.input.{n}" for n in range(BOARD_IN)] + [f"rho3.board.output.{n}" for n in range(BOARD_OUT)]
-        pic = self.pic.names() if self.pic is not None else []
-        analog = self.analog.names() if self.analog is not None else ()
-        return (*integers, *analog, *(board if self.setup.coupling else []), *pic, *self.channels.names())
+        return list(self.values.names)
 
     def value(self, name: str) -> float:
         """One of them; KeyError."""
-        if name not in self._names:
-            raise KeyError(name)
-        if self.analog is not None and self.analog.has(name):
-            return self.analog.value(name)
-        _, kind, *rest = name.split(".")
-        number = int(rest[-1])
-        if kind == "integer":
-            return float(self.user.integer(number))
-        if kind == "pic" and self.pic is not None:
-            return self.pic.value(name)
-        if kind == "board":
-            return float((self.board_in if rest[0] == "input" else self.board_out)[number])
-        return self.channels.value(name)
+        return self.values.value(name)
 
     def put(self, name: str, value: float) -> None:
-        """What is wired: inputs of boards, of the multi-function I/O, REAL inputs; KeyError for anything else, ValueError out of range."""
-        if name not in self._names or not (".input." in name or ".fast." in name):
-            raise KeyError(name)
-        if self.analog is not None and self.analog.has(name):
-            self.analog.wire(name, value)
-            return
-        most = 255 if ".board." in name else 1
-        if not 0 <= value <= most:
-            raise ValueError(f"{name}: 0..{most}")
-        if most == 255:
-            self.board_in[int(name.rpartition(".")[2])] = int(value)
-        elif name.startswith("rho3.pic.") and self.pic is not None:
-            self.pic.wire(name, bool(value))
-        else:
-            self.channels.wire(name, bool(value))
+        """What is wired; KeyError for anything else, ValueError out of range."""
+        self.values.put(name, value)
 
     def status(self) -> dict[str, object]:
         """For tools and pages."""

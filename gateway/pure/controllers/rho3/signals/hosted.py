@@ -33,7 +33,10 @@ class Mover(Protocol):
 
     processes: ProcessTable
     channels: Channels
-    panel: Panel
+
+    @property
+    def panel(self) -> Panel:
+        """Of its pendant."""
 
     @property
     def screen(self) -> Screen2000:

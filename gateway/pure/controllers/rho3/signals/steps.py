@@ -35,7 +35,10 @@ class Step:
 class StepHost(Protocol):
     """What a program needs of the cell."""
 
-    modes: OperatingModes
+    @property
+    def modes(self) -> OperatingModes:
+        """Its operating modes."""
+
     channels: Channels
 
     def move(self, program: str, step: Step, now: Ns) -> Job:

@@ -35,7 +35,7 @@ def test_a_process_waits_for_a_high_speed_input_and_mode_7_13_shows_its_board() 
     control.put("rho3.fast.623", 1)
     bench.cycle(2)
     assert bench.output(control.setup.numbers.first_output + 6) and not control.processes.processes
-    assert list(control.panel_view.fast_inputs()) == ["2: 001"], "the narrow board has none and is skipped"
+    assert list(control.pendant.view.fast_inputs()) == ["2: 001"], "the narrow board has none and is skipped"
     assert [control.value(f"rho3.fast.{n}") for n in (610, 621, 623)] == [0, 0, 1]
     for name, value, fault in (("rho3.fast.624", 1, KeyError), ("rho3.fast.610", 2, ValueError)):
         with pytest.raises(fault):

@@ -32,7 +32,7 @@ def bench() -> ControlBench:
 def read(bench: ControlBench, name: str) -> Any:
     """Its value, or what is said."""
     try:
-        return bench.rho3.phg.read(name)
+        return bench.rho3.pendant.phg.read(name)
     except VariableError as fault:
         return str(fault)
 
@@ -59,7 +59,7 @@ def test_a_name_of_three_numbers_is_a_coded_index() -> None:
 
 @pytest.mark.requirement("RHO-PHG-03", by="gateway.pure.controllers.rho3.signals.phg_values:PhgValues.write")
 def test_factors_outputs_and_processes_are_written_and_act(bench: ControlBench) -> None:
-    phg = bench.rho3.phg
+    phg = bench.rho3.pendant.phg
 
     def written(name: str, value: float | str) -> str:
         try:
@@ -98,7 +98,7 @@ def test_the_global_factor_slows_the_next_move_and_control_reset_brings_it_back(
         return command(source, order, now, **more)
 
     monkeypatch.setattr(bench.dispatcher, "command", heard)
-    bench.rho3.phg.write("phg.33793", 0.5)
+    bench.rho3.pendant.phg.write("phg.33793", 0.5)
     bench.put(23)
     bench.rho3.start("PICK")
     bench.cycle()
@@ -124,7 +124,7 @@ def test_what_is_not_there_is_said_and_is_no_zero(bench: ControlBench, name: str
 @pytest.mark.parametrize("name", ["phg.x", "phg.1.2.3.4"])
 def test_what_is_no_name_of_a_variable_is_refused(bench: ControlBench, name: str) -> None:
     with pytest.raises(KeyError):
-        bench.rho3.phg.read(name)
+        bench.rho3.pendant.phg.read(name)
 
 
 def test_registers_take_the_base_type() -> None:

@@ -51,7 +51,7 @@ def test_multi_function_terminals_and_the_board_are_values_of_the_cell() -> None
     assert bench.control.outputs[26] == 0b10
     assert [bench.control.value(f"rho3.terminal.output.{n}") for n in (1, 2, 3, 4)] == [0, 0, 0, 1]
     bench.control.put("rho3.board.input.7", 0x5A)
-    assert bench.rho3.board_in[7] == 0x5A == bench.control.value("rho3.board.input.7")
+    assert bench.rho3.values.board_in[7] == 0x5A == bench.control.value("rho3.board.input.7")
     for name, value, kind in (
         ("rho3.terminal.input.2", 2, ValueError), ("rho3.board.input.0", 256, ValueError),
         ("rho3.terminal.output.1", 1, KeyError), ("rho3.integer.401", 1, KeyError), ("rho3.board.input.8", 1, KeyError),
