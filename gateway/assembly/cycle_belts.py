@@ -29,7 +29,7 @@ class Encoder:
         octets = data[self.first : self.first + self.size]
         if len(octets) != self.size:
             return 0
-        new, value, half = not self.belts.heard[self.place], int.from_bytes(octets, "little"), 1 << (8 * self.size - 1)
+        new, value, half = not self.belts.encoders.heard[self.place], int.from_bytes(octets, "little"), 1 << (8 * self.size - 1)
         if self.last is None:  # a counter begins at 0 at start-up, unless its offset was kept
             self.belts.begins(self.place, value, 2 * half)
         else:

@@ -212,6 +212,9 @@ CLASSES: Mapping[str, str] = {  # id -> "module:Class" today, for classes rename
     "gateway.pure.computerlink:ComputerLink": "gateway.pure.lines.rk512_link:Rk512Link",
     "gateway.pure.modbus_words:Told": "gateway.pure.modbus.texts:ExchangeText",
     "gateway.pure.recording.messages:Told": "gateway.pure.recording.messages:ServiceEvent",
+    "gateway.pure.corebelts:Zero": "gateway.pure.cycle.belt_encoders:Zero",
+    "motion.stepper:Goal": "motion.execution.piece_run:Goal",
+    "motion.stepper:_Tables": "motion.execution.piece_run:_Tables",
 }
 
 _HOMES = {now: home for home, now in MODULES.items()}

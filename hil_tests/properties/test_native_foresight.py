@@ -75,7 +75,7 @@ class SideBySide(QuickForesight):
         asked, at = self._twin.step(tau, w, u, wanted), f"tau {tau}, omega {w}, u {u}, wanted {wanted}"
         assert (c, self.room) == (asked, self._twin.room), at
         assert np.array_equal(self._foreseen, self._twin.foreseen), at
-        kinds = {"turning": w * wanted < 0.0, "back": w < 0.0, "axes turn": bool(self._track.turns), "coarse": self._dt > self._h}
+        kinds = {"turning": w * wanted < 0.0, "back": w < 0.0, "axes turn": bool(self._track.turns), "coarse": self.horizon.apart > self._h}
         self.met.update(["step", *(name for name, is_so in kinds.items() if is_so)])
         return c
 
@@ -140,7 +140,7 @@ def test_the_same_on_rows_no_path_has(ramp: float) -> None:
         for _ in range(6):
             c = ahead.step(tau, omega, u, wanted)
             tau, omega = tau + MS * omega, min(max(omega + MS * u, -1.0), 1.0)
-            u = min(max(u + MS * c, -ahead.most_u), ahead.most_u)
+            u = min(max(u + MS * c, -ahead.horizon.most_u), ahead.horizon.most_u)
 
 
 def test_what_is_not_as_it_was_made_is_refused() -> None:

@@ -7,11 +7,13 @@ while omega changes.  Retrace is omega < 0: the same path, the same limits.
 
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import islice, pairwise
 from math import ceil
 from typing import NamedTuple
 
 from motion.errors import LatePieceError, PieceError
+from motion.execution.chain import Tail, TimedChain
 from motion.execution.timed import Quintic, TimedPiece
 from motion.timing.change import MOST, Change
 from motion.timing.foresight import Foresight
@@ -57,26 +59,28 @@ _Held = tuple[float, float, float, float, tuple[Quintic, ...]]  # begin and end 
 NOWHERE: _Held = (0.0, 0.0, 0.0, 0.0, ())
 
 
+@dataclass(slots=True)
+class _Place:
+    """Where tau is in the chain."""
+
+    index: int = 0  # of the piece under way
+    interval: int = 0  # of that piece
+    held: _Held = NOWHERE  # what was sampled last
+
+
 class Follower:
     """See the module.  Raises PieceError on pieces that cannot follow, never in step()."""
 
     def __init__(self, axes: int, period_s: float, foresight: type[Foresight] = Foresight) -> None:
         self._axes, self._parts = axes, max(ceil(period_s / LONGEST_S - ROUNDING), 1)
         self._h = h = period_s / self._parts
-        self._pieces: deque[TimedPiece] = deque()
-        self._begins: deque[float] = deque()
-        self._index = 0  # of the piece under way
-        self._interval = 0
+        self._chain, self._tail = TimedChain(), Tail()
+        self._at = _Place()
         self._track = Track(axes + 1, h)
         self._law = Change(self._track, h, foresight)
-        self._pending: list[TimedPiece] = []
-        self._rows: list[Rows] = []  # of the pending pieces: worked out as they come, so that taking a long tail costs little
-        self._next = 0.0  # tau at which the next pending piece begins
         self._tau = 0.0
         self._omega = self._u = 0.0
-        self._end = 0.0
         self._done = 0
-        self._held = NOWHERE  # what was sampled last
         self._places: list[float] = []  # of every column of the piece, where tau is now
         self._slopes: list[float] = []  # by tau
         self._past: deque[list[float]] = deque(maxlen=PAST)  # positions of the periods before, of the columns of the present piece
@@ -95,84 +99,79 @@ class Follower:
     @property
     def waiting(self) -> int:
         """Pieces behind the one under way."""
-        return max(len(self._pieces) - self._index - 1, 0)
+        return max(len(self._chain.pieces) - self._at.index - 1, 0)
 
     @property
     def pending(self) -> list[TimedPiece]:
         """Of a tail that is not complete yet."""
-        return list(self._pending)
+        return list(self._tail.pieces)
 
     @property
     def ahead(self) -> list[TimedPiece]:
         """The piece under way, those behind it, and what is pending."""
-        return [*islice(self._pieces, self._index, None), *self._pending]
+        return [*islice(self._chain.pieces, self._at.index, None), *self._tail.pieces]
 
     @property
     def last(self) -> TimedPiece | None:
         """The piece everything committed ends with."""
-        return self._pieces[-1] if self._pieces else None
+        return self._chain.last
 
     def load(self, piece: TimedPiece) -> None:
         """Run this piece when those before it are done.  It counts from the moment the tail it belongs to ends at rest."""
         if piece.new_tail:
-            self._pending, self._rows = [], []
+            self._tail.drop()
         else:
-            self._check_join(self._pending[-1] if self._pending else self.last, piece)
-        if len(self._pending) + 1 + self.waiting > WAITING:
-            self._pending, self._rows = [], []
+            self._check_join(self._tail.pieces[-1] if self._tail.pieces else self.last, piece)
+        if len(self._tail.pieces) + 1 + self.waiting > WAITING:
+            self._tail.drop()
             raise PieceError(f"piece {piece.id}: {WAITING} pieces are waiting already")
         self._prepare(piece)
         if piece.ends_at_rest:
-            tail, rows, self._pending, self._rows = self._pending, self._rows, [], []
-            self._commit(tail, rows)
+            self._commit(*self._tail.take())
 
     def uncommit(self) -> None:
         """The tail that is not complete is dropped; nothing of it has begun."""
-        self._pending, self._rows = [], []
+        self._tail.drop()
 
     def _prepare(self, piece: TimedPiece) -> None:
         """Everything that takes time, one piece at a time."""
-        begin, at = self._next, len(self._pieces)
-        if not self._pending:
+        chain, pending = self._chain, self._tail.pieces
+        begin, at = self._tail.next, len(chain.pieces)
+        if not pending:
             if piece.new_tail:
-                at = next((k for k, one in enumerate(self._pieces) if one.id >= piece.id), at)
-            begin = self._begins[at] if at < len(self._pieces) else self._end
-        elif self._pending[0].new_tail and len(self._pending) < NEAR:
-            at = next((k for k, one in enumerate(self._pieces) if one.id >= self._pending[0].id), at)
-        before = [*reversed(self._pending[-NEAR:]), *(self._pieces[k] for k in range(at - 1, max(at - NEAR, 0) - 1, -1))]
+                at = chain.place_of(piece.id)
+            begin = chain.begins[at] if at < len(chain.pieces) else chain.end
+        elif pending[0].new_tail and len(pending) < NEAR:
+            at = chain.place_of(pending[0].id)
+        before = [*reversed(pending[-NEAR:]), *(chain.pieces[k] for k in range(at - 1, max(at - NEAR, 0) - 1, -1))]
         piece.quintics  # noqa: B018 - worked out here, not in the middle of the piece
         self._track.rate(piece)
         self._law.prepare()
         rows = self._track.prepared(piece, before[:NEAR], begin, (*piece.axes, self._axes), self._law.apart)
-        self._pending.append(piece)
-        self._rows.append(rows)
-        self._next = begin + piece.duration
+        self._tail.add(piece, rows, begin)
 
     def _commit(self, tail: list[TimedPiece], rows: list[Rows]) -> None:
         if tail[0].new_tail:
             self._cut(tail[0])
         self._law.disturbed()
-        self._held = NOWHERE
+        self._at.held = NOWHERE
         for piece, table in zip(tail, rows, strict=True):
-            self._begins.append(self._end)
-            self._pieces.append(piece)
+            self._chain.append(piece)
             self._track.append(table)
-            self._end += piece.duration
-        for _ in range(min(self._index - HISTORY, FORGOTTEN * len(tail))):
-            self._pieces.popleft()
-            self._begins.popleft()
+        for _ in range(min(self._at.index - HISTORY, FORGOTTEN * len(tail))):
+            self._chain.forget()
             self._track.forget()
-            self._index -= 1
+            self._at.index -= 1
 
     def _cut(self, first: TimedPiece) -> None:
         """Drop the waiting pieces from this id on; they must not have begun."""
-        at = next((k for k, piece in enumerate(self._pieces) if piece.id >= first.id), len(self._pieces))
-        if at < len(self._pieces) and (at < self._index or (at == self._index and self._tau > self._begins[at])):
+        chain, here = self._chain, self._at.index
+        at = chain.place_of(first.id)
+        if at < len(chain.pieces) and (at < here or (at == here and self._tau > chain.begins[at])):
             raise LatePieceError(f"piece {first.id}: is too late to replace what has begun")
-        self._check_join(self._pieces[at - 1] if at else None, first)
-        while len(self._pieces) > at:
-            self._pieces.pop()
-            self._end = self._begins.pop()
+        self._check_join(chain.pieces[at - 1] if at else None, first)
+        while len(chain.pieces) > at:
+            chain.pop()
             self._track.pop()
 
     def _check_join(self, before: TimedPiece | None, piece: TimedPiece) -> None:
@@ -197,7 +196,7 @@ class Follower:
             wanted = 0.0
         self._part(wanted)
         for _ in range(self._parts - 1):
-            if self._tau < self._end and (self._tau > 0.0 or self._omega >= 0.0):
+            if self._tau < self._chain.end and (self._tau > 0.0 or self._omega >= 0.0):
                 self._part(wanted)
         return self._progress()
 
@@ -218,21 +217,23 @@ class Follower:
     @property
     def _forgotten(self) -> bool:
         """The path goes further back than what is kept of it, and that end is near."""
-        return self._begins[0] > 0.0 and self._tau < self._begins[0] + BRAKING_S
+        oldest = self._chain.begins[0]
+        return oldest > 0.0 and self._tau < oldest + BRAKING_S
 
     @property
     def within(self) -> float:
         """Time at full speed since the piece under way began."""
-        return self._tau - self._begins[self._index] if self._begins else 0.0
+        begins = self._chain.begins
+        return self._tau - begins[self._at.index] if begins else 0.0
 
     @property
     def _begins_here(self) -> bool:
         """The path begins or ends at rest at this very place: any omega may be the first one."""
-        tau, begins = self._tau, self._begins
-        if tau in (0.0, self._end):
+        tau, begins, here = self._tau, self._chain.begins, self._at.index
+        if tau in (0.0, self._chain.end):
             return True
-        at = next((k for k in (self._index, self._index + 1) if k < len(begins) and begins[k] == tau), None)
-        node = self._pieces[at].nodes[0] if at is not None else ()
+        at = next((k for k in (here, here + 1) if k < len(begins) and begins[k] == tau), None)
+        node = self._chain.pieces[at].nodes[0] if at is not None else ()
         return at is not None and all(abs(v) <= FIT and abs(a) <= FIT for v, a in zip(node[1::3], node[2::3], strict=True))
 
     def _change(self, wanted: float) -> None:
@@ -258,36 +259,38 @@ class Follower:
     # ---- sampling ------------------------------------------------------------------------------------------------------
     def _locate(self) -> _Held:
         """Piece and interval of the present tau."""
-        pieces, begins, tau = self._pieces, self._begins, self._tau
-        if not begins[0] <= tau <= self._end:
-            tau = self._tau = min(max(tau, begins[0]), self._end)
+        chain, at, tau = self._chain, self._at, self._tau
+        pieces, begins = chain.pieces, chain.begins
+        if not begins[0] <= tau <= chain.end:
+            tau = self._tau = min(max(tau, begins[0]), chain.end)
         last = len(pieces) - 1
-        while self._index < last and tau >= begins[self._index + 1]:
-            self._done = pieces[self._index].id
-            self._enter(self._index + 1)
-        while self._index > 0 and tau < begins[self._index]:
-            self._enter(self._index - 1)
-            self._done = pieces[self._index - 1].id if self._index else 0
-        piece, begin, k = pieces[self._index], begins[self._index], self._interval
-        till, times, u = begins[self._index + 1] if self._index < last else self._end, piece.times, tau - begin
+        while at.index < last and tau >= begins[at.index + 1]:
+            self._done = pieces[at.index].id
+            self._enter(at.index + 1)
+        while at.index > 0 and tau < begins[at.index]:
+            self._enter(at.index - 1)
+            self._done = pieces[at.index - 1].id if at.index else 0
+        piece, begin, k = pieces[at.index], begins[at.index], at.interval
+        till, times, u = begins[at.index + 1] if at.index < last else chain.end, piece.times, tau - begin
         while k < len(times) - 2 and u >= times[k + 1]:
             k += 1
         while k > 0 and u < times[k]:
             k -= 1
-        self._interval = k
-        self._held = begin, till, times[k], times[k + 1], piece.quintics[k]
-        return self._held
+        at.interval = k
+        at.held = begin, till, times[k], times[k + 1], piece.quintics[k]
+        return at.held
 
     def _enter(self, index: int) -> None:
         """Another piece is under way."""
-        before, after = self._pieces[min(index, self._index)], self._pieces[max(index, self._index)]
+        pieces, here = self._chain.pieces, self._at.index
+        before, after = pieces[min(index, here)], pieces[max(index, here)]
         if before.mask != after.mask or abs(before.nodes[-1][-3] - after.nodes[0][-3]) > FIT:
             self._past.clear()  # other axes, or another path: the way begins anew, at rest
-        self._index, self._interval = index, 0
+        self._at.index, self._at.interval = index, 0
 
     def _sample(self) -> None:
         """Position and slope by tau of every column of the piece, where tau is now."""
-        begin, till, first, last, row = self._held
+        begin, till, first, last, row = self._at.held
         if not (begin <= self._tau < till and first <= self._tau - begin < last):
             begin, _, first, _, row = self._locate()
         u = self._tau - begin - first
@@ -298,7 +301,7 @@ class Follower:
 
     def _correct(self) -> bool:
         """Move tau a little where the set values would leave the limits; whether it was moved."""
-        h, piece = self._h, self._pieces[self._index]
+        h, piece = self._h, self._chain.pieces[self._at.index]
         three, two, one = self._past
         rows = zip(self._places, self._slopes, one, two, three, piece.accel, piece.jerk, strict=True)
         more = correction(list(rows), self._omega, self._u, h)
@@ -312,8 +315,9 @@ class Follower:
         return True
 
     def _progress(self) -> Progress:
-        piece, tau = self._pieces[self._index], self._tau
-        at_end = tau >= self._end and self._index == len(self._pieces) - 1
+        chain, index, tau = self._chain, self._at.index, self._tau
+        piece = chain.pieces[index]
+        at_end = tau >= chain.end and index == len(chain.pieces) - 1
         if at_end:
             self._done, self._u, self._omega = piece.id, 0.0, 0.0
         if tau <= 0.0 and self._omega < 0.0:

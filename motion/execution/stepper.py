@@ -11,20 +11,17 @@ and can be retraced.  One kind follows the other at rest.
 from collections import deque
 from collections.abc import Sequence
 from enum import Enum, auto
-from itertools import accumulate
-from math import inf, sqrt
 from typing import NamedTuple
 
 from motion.errors import MotionError, PieceError
 from motion.execution.follower import FIT, Follower
+from motion.execution.piece_run import PieceRun
 from motion.execution.pieces import MAX_AXES, Piece
-from motion.execution.profile import Profile
 from motion.execution.run_on import RunOn
 from motion.execution.timed import TimedPiece
 from motion.timing.foresight import Foresight
 
 QUEUE = 8  # pieces that may wait behind the running one
-ARRIVED = 1e-12  # of the length: nothing left to go
 
 
 class State(Enum):
@@ -39,22 +36,6 @@ class State(Enum):
 IDLE, RUNNING = State.IDLE, State.RUNNING  # a name in an Enum is looked up slowly, and these are in every period
 
 
-class Goal(Enum):
-    """Where the plan under way leads; all but SLOW end at rest."""
-
-    NONE = auto()  # at rest, no plan
-    END = auto()  # end of the piece
-    REST = auto()  # anywhere on the path
-    SLOW = auto()  # down to a lower speed, from where END is planned
-
-
-class _Tables(NamedTuple):
-    """Of a piece: per segment (axis, coefficients, highest power first); per grid interval the highest sdot legal from there to the end."""
-
-    rows: list[list[tuple[int, tuple[float, ...]]]]
-    floor: tuple[float, ...]
-
-
 class Sample(NamedTuple):
     """Set values for one SYNC."""
 
@@ -64,12 +45,6 @@ class Sample(NamedTuple):
     s: float  # on that piece
     state: State
     done_id: int  # piece that ended last; stays until the next one ends; 0: none yet
-
-
-def stopping_distance(speed: float, accel: float, jerk: float) -> float:
-    """Way from a steady speed to rest, jerk-limited."""
-    ramp = accel / jerk
-    return speed * (speed / accel + ramp) / 2 if speed >= accel * ramp else speed * sqrt(speed / jerk)
 
 
 class Stepper:
@@ -82,15 +57,7 @@ class Stepper:
         self._q = [0.0] * axes if position is None else list(position)
         self._still = (0.0,) * axes
         self._queue: deque[Piece] = deque()
-        self._piece: Piece | None = None
-        self._own = _Tables([], ())  # of the running piece
-        self._profile = Profile()
-        self._motion = (0.0, 0.0, 0.0)  # s, sdot, sddot
-        self._time = 0.0  # s since the present plan began
-        self._goal = Goal.NONE
-        self._stale = False  # a new plan is due
-        self._speed = inf  # sdot limit of the present plan
-        self._slow = 0.0  # sdot at the end of SLOW
+        self._run = PieceRun(period_s)
         self._override = 1.0
         self._state = State.IDLE
         self._abandon = False
@@ -100,6 +67,15 @@ class Stepper:
         self._past: RunOn | None = None  # the way past the edge of a probe
         if len(self._q) != axes:
             raise MotionError(f"{len(self._q)} positions for {axes} axes")
+
+    @property
+    def period(self) -> float:
+        """s."""
+        return self._period
+
+    def fresh(self, position: Sequence[float]) -> "Stepper":
+        """Another one for the same axes, which rest there."""
+        return Stepper(len(self._q), self._period, position, self._foresight)
 
     @property
     def state(self) -> State:
@@ -119,7 +95,7 @@ class Stepper:
     @property
     def remaining(self) -> float:
         """Way left on the running piece, in its s."""
-        return self._piece.length - self._motion[0] if self._piece else 0.0
+        return self._run.remaining
 
     @property
     def within(self) -> float:
@@ -135,7 +111,7 @@ class Stepper:
 
     def place(self, position: Sequence[float]) -> None:
         """The axes are here (after enabling, referencing); only without a piece."""
-        if self._state is not State.IDLE or self._piece or self._queue:
+        if self._state is not State.IDLE or self._run.piece or self._queue:
             raise MotionError(f"the position can be set only while idle, the stepper is {self._state.name}")
         if len(position) != len(self._q):
             raise MotionError(f"{len(position)} positions for {len(self._q)} axes")
@@ -174,7 +150,7 @@ class Stepper:
             self._state = State.RUNNING
 
     def _load_timed(self, piece: TimedPiece) -> None:
-        if self._abandon or self._piece or self._queue or self._past is not None:
+        if self._abandon or self._run.piece or self._queue or self._past is not None:
             raise PieceError(f"piece {piece.id}: another piece is under way or being abandoned, load it at rest")
         if piece.axes[-1] >= len(self._q):
             raise PieceError(f"piece {piece.id}: axis {piece.axes[-1]} of its mask does not exist, there are {len(self._q)}")
@@ -210,20 +186,20 @@ class Stepper:
         """0 .. 1 of the programmed speed; 0 holds on the path."""
         if not 0.0 <= value <= 1.0:
             raise MotionError(f"override {value} is outside 0 .. 1")
-        self._stale = self._stale or value != self._override
+        self._run.stale = self._run.stale or value != self._override
         self._override = value
 
     def stop(self) -> None:
         """Stop on the path as fast as the limits allow; what is left waits for resume() or abandon()."""
         if self._state is State.RUNNING:
-            self._state, self._stale = State.STOPPING, True
+            self._state, self._run.stale = State.STOPPING, True
 
     def resume(self) -> None:
         """Go on after stop(), also while still stopping, and forward again while retracing; nothing after abandon()."""
         if self._state is State.RUNNING:
             self._direction = 1
         if self._state in (State.STOPPING, State.STOPPED) and not self._abandon:
-            self._state, self._stale, self._direction = State.RUNNING, True, 1
+            self._state, self._run.stale, self._direction = State.RUNNING, True, 1
 
     def abandon(self) -> None:
         """Stop on the path, then drop the rest of the piece and everything that waits."""
@@ -253,14 +229,15 @@ class Stepper:
             return self._follow(self._follower)
         if self._past is not None:
             return self._go_past(self._past)
-        if self._piece is None and self._state is not State.IDLE:
+        run = self._run
+        if run.piece is None and self._state is not State.IDLE:
             self._next_piece()
-        if self._piece is None:
+        if run.piece is None:
             return Sample(tuple(self._q), self._still, 0, 0.0, self._state, self._done)
-        if self._stale or self._speed < self._legal_speed():
-            self._plan(self._piece)
-        self._advance(self._piece)
-        return self._sample(self._piece)
+        run.step(run.piece, self._override, running=self._state is State.RUNNING)
+        if self._state is State.STOPPING and run.at_rest:
+            self._state = State.STOPPED
+        return self._sample(run.piece)
 
     def _follow(self, follower: Follower) -> Sample:
         """One period of the chain."""
@@ -302,7 +279,7 @@ class Stepper:
     def _check_fit(self, piece: Piece | TimedPiece) -> None:
         """Each axis of the piece must start where it will be by then."""
         positions = dict(enumerate(self._q))
-        for earlier in (*([self._piece] if self._piece else []), *self._queue):
+        for earlier in (*([self._run.piece] if self._run.piece else []), *self._queue):
             positions.update(zip(earlier.axes, earlier.end(), strict=True))
         for axis, value in zip(piece.axes, piece.start(), strict=True):
             if not abs(value - positions[axis]) <= FIT:
@@ -318,110 +295,21 @@ class Stepper:
         if not self._queue:
             self._state = State.IDLE
             return
-        piece = self._piece = self._queue.popleft()
-        rows = [[(axis, row[::-1]) for axis, row in zip(piece.axes, segment.coefficients, strict=True)] for segment in piece.segments]
-        lowest = list(accumulate(reversed(piece.table), min))[::-1]
-        self._own = _Tables(rows, tuple(sqrt(value) for value in lowest[:-1]))
-        self._motion, self._goal, self._stale = (0.0, 0.0, 0.0), Goal.NONE, True
-        if piece.length > 0:
-            self._profile.configure(piece.length, piece.accel, piece.jerk)
-
-    def _legal_speed(self) -> float:
-        """sdot limit from here to the end at the present override (a falling minimum: always legal, AX-104)."""
-        floor = self._own.floor
-        if len(floor) == 1 or not self._piece or self._piece.length == 0:
-            return floor[0] * self._override
-        index = int(self._motion[0] / self._piece.length * len(floor))
-        return floor[min(index, len(floor) - 1)] * self._override
-
-    def _plan(self, piece: Piece) -> None:
-        """A new plan from the present state.  Where none exists (too close to the end to slow down, or rounding) the old
-        one is followed and the next step tries again."""
-        speed = self._speed = self._legal_speed()
-        if piece.length == 0:
-            planned = True
-        elif self._state is not State.RUNNING or speed == 0.0:
-            planned = self._plan_rest()
-        elif self._too_fast(piece, speed):
-            planned = self._plan_slow(piece, speed)
-        else:
-            planned = self._plan_end(speed)
-        self._stale = not planned
-
-    def _plan_rest(self) -> bool:
-        if self._goal in (Goal.NONE, Goal.REST):
-            return True
-        return self._begin(Goal.REST, self._profile.to_speed(self._motion, 0.0))
-
-    def _plan_end(self, speed: float) -> bool:
-        return self._begin(Goal.END, self._profile.to_end(self._motion, speed))
-
-    def _plan_slow(self, piece: Piece, speed: float) -> bool:
-        """First down to the speed, then on: in one plan ruckig would dive through zero when the speed is low (AX-102)."""
-        latest = piece.length - stopping_distance(speed, piece.accel, piece.jerk) - speed * self._period
-        if not self._profile.to_speed(self._motion, speed, latest):
-            return False
-        self._slow = speed
-        return self._begin(Goal.SLOW, True)
-
-    def _begin(self, goal: Goal, planned: bool) -> bool:
-        if planned:
-            self._time, self._goal = 0.0, goal
-        return planned
-
-    def _too_fast(self, piece: Piece, speed: float) -> bool:
-        """Faster than speed, or about to be even if acceleration is taken back at once."""
-        _, sdot, sddot = self._motion
-        ahead = sddot * sddot / (2 * piece.jerk) if sddot > 0 else 0.0
-        return sdot + ahead > speed * (1 + 1e-9)
-
-    def _advance(self, piece: Piece) -> None:
-        """One period along the plan."""
-        if self._goal is not Goal.NONE:
-            self._time += self._period
-            if self._time < self._profile.duration or self._goal is Goal.SLOW:
-                s, speed, accel = self._profile.at(self._time)
-                self._motion = (min(max(s, self._motion[0]), piece.length), speed, accel)
-                if self._time >= self._profile.duration:
-                    self._slowed(piece)
-            else:
-                s = piece.length if self._goal is Goal.END else self._profile.at(self._profile.duration)[0]
-                self._motion, self._goal = (min(max(s, self._motion[0]), piece.length), 0.0, 0.0), Goal.NONE
-        if self._goal is Goal.NONE and self._state is State.STOPPING:
-            self._state = State.STOPPED
-
-    def _slowed(self, piece: Piece) -> None:
-        """SLOW has ended (steady speed from there): the rest is planned from this sample on."""
-        self._motion = (self._motion[0], self._slow, 0.0)
-        self._plan(piece)
-        if self._goal is Goal.SLOW and self._stale and not self._plan_end(self._slow):  # room was kept when SLOW was planned
-            self._plan_rest()
+        piece = self._queue.popleft()
+        self._run.begin(piece)
 
     def _sample(self, piece: Piece) -> Sample:
-        s, sdot, _ = self._motion
-        arrived = self._goal is Goal.NONE and piece.length - s <= ARRIVED * piece.length
-        if arrived:
-            s = piece.length
-        rows = self._own.rows
-        index = piece.segment_at(s) if len(rows) > 1 else 0
-        u = s - piece.segments[index - 1].end_s if index else s
-        q, qd = self._q, list(self._still)
-        for axis, row in rows[index]:
-            value = slope = 0.0
-            for coefficient in row:
-                slope = slope * u + value
-                value = value * u + coefficient
-            q[axis] = value
-            qd[axis] = slope * sdot
+        qd = list(self._still)
+        s, arrived = self._run.place(piece, self._q, qd)
         if arrived:
             self._finish(piece)
-        elif self._goal is Goal.NONE and self._abandon and self._state is State.STOPPED:
+        elif self._abandon and self._state is State.STOPPED and self._run.at_rest:
             self._drop()
-        return Sample(tuple(q), tuple(qd), piece.id, s, self._state, self._done)
+        return Sample(tuple(self._q), tuple(qd), piece.id, s, self._state, self._done)
 
     def _finish(self, piece: Piece) -> None:
         """The end is reached: rest, say so, and make way for the next piece."""
-        self._done, self._piece = piece.id, None
+        self._done, self._run.piece = piece.id, None
         if self._abandon:
             self._drop()
         elif not self._queue:
@@ -430,4 +318,4 @@ class Stepper:
     def _drop(self) -> None:
         self._queue.clear()
         self._follower, self._past = None, None
-        self._piece, self._state, self._abandon = None, State.IDLE, False
+        self._run.piece, self._state, self._abandon = None, State.IDLE, False

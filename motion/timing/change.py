@@ -52,7 +52,7 @@ class Change:
 
     def bounded(self, u: float, c: float) -> float:
         """c, as much of it as a period may bring at this u; the last look at the set values may go a little beyond what was foreseen."""
-        ahead = self._ahead
+        ahead = self._ahead.horizon
         most = max(BEYOND * ahead.most_u, abs(u))
         c = min(max(c, -ahead.most_c), ahead.most_c)
         return min(max(c, (-most - u) / self._h), (most - u) / self._h)
@@ -103,8 +103,8 @@ class Change:
         if w * wanted < 0.0:
             return []
         most_u, most_c = self._track.here(tau)
-        calm = least_time(left, most_u, most_c)
-        longest = max(CALM_ENOUGH * calm, least_time(left, self._ahead.most_u, self._ahead.most_c)) + 2 * abs(u) / most_c + 2 * h
+        calm, ahead = least_time(left, most_u, most_c), self._ahead.horizon
+        longest = max(CALM_ENOUGH * calm, least_time(left, ahead.most_u, ahead.most_c)) + 2 * abs(u) / most_c + 2 * h
         way = (0.5 * (abs(w) + abs(wanted)) * calm + top * abs(u) / most_c) * CALM_ENOUGH
         sense = 1.0 if w + wanted > 0.0 else -1.0
         for _ in range(LOOKS):

@@ -9,8 +9,9 @@ as many operations in every period.
 Everything is written for omega that falls; for omega that rises v = -u takes the place of u.
 """
 
+from dataclasses import dataclass
 from math import ceil
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +74,33 @@ class _Bounds(NamedTuple):
     sum: Array
 
 
+@dataclass(slots=True)
+class Horizon:
+    """How far ahead is looked, at how many places, and how much u and c may be at all: by the ramp of the slowest axis."""
+
+    ramp: float
+    most_u: float
+    most_c: float
+    probe: float  # u, for a look at places where v is smaller
+    apart: float  # s from place to place
+    places: int
+    used: list[Array]  # of the jerk limit, place by place: on the way up, on the way down
+    half: Array  # s from each place to the middle of the time its c holds: of the first one a period
+
+    @classmethod
+    def of(cls, ramp: float, period_s: float) -> Self:
+        h = period_s
+        most_u = min(MOST_U / h, QUICK / ramp)
+        most_c = min(MOST_C / h**2, HASTE * most_u / ramp)
+        ahead = max(AHEAD * ramp, 4 * h)
+        apart = max(h, ahead / PLACES)
+        count = ceil(ahead / apart) + 2
+        used = [np.maximum(1.0 - less * apart / h * np.arange(count), least) for less, least in LESS]
+        half = np.full(count, 0.5 * apart)
+        half[0] = 0.5 * h
+        return cls(ramp, most_u, most_c, PROBE * most_u, apart, count, used, half)
+
+
 class Foresight:
     """Of one track.  In C: gateway.cycle.native.foresight (AX-609)."""
 
@@ -80,7 +108,6 @@ class Foresight:
         self._track, self._h = track, period_s
         self.begun = False  # something is foreseen
         self.room = 0.0  # the smaller of the two bounds of c in the next period
-        self._ramp = 0.0
         self._set_up(period_s)
         self._reserve = 0.0  # of c, beyond its bound
         self._steady = False  # a way has been driven a period long already
@@ -89,7 +116,7 @@ class Foresight:
     @property
     def apart(self) -> float:
         """s from place to place."""
-        return self._dt
+        return self.horizon.apart
 
     def most(self, span: Span, omega: float, left: float, u: float) -> tuple[float, float]:
         """As Span.most."""
@@ -99,7 +126,7 @@ class Foresight:
         """c for this period, from tau, omega and u, towards the wanted omega."""
         if not self.begun:
             self._begin(u)
-        dt, seen, braking = self._dt, self._foreseen, abs(w) > abs(wanted)
+        dt, seen, braking = self.horizon.apart, self._foreseen, abs(w) > abs(wanted)
         seen[0] = u
         flip = 1.0 if w > wanted or (w == wanted and u > 0.0) else -1.0
         spare = SPARE if braking else AMPLE
@@ -119,7 +146,7 @@ class Foresight:
         if v0 <= 0.0:  # from the lowest v of place 1 every place behind can still be met
             first = scale.item(1) * (float(np.maximum.reduce(base[1:])) + total.item(1))
             least = min(max(first, least), 0.0)
-        highest = max(scale.item(1) * (total.item(1) + v0), v0 - self.most_c * dt)
+        highest = max(scale.item(1) * (total.item(1) + v0), v0 - self.horizon.most_c * dt)
         if self._steady and v0 <= 0.0:
             foreseen = flip * seen.item(1)
             least = min(foreseen + BOLD * (least - foreseen), max(least, highest))  # never above what c can reach now
@@ -146,7 +173,7 @@ class Foresight:
         base *= scale
         down = np.zeros(len(falls))
         np.add.accumulate(falls[:-1], out=down[1:])
-        down *= self._dt
+        down *= self.horizon.apart
         way = np.minimum(base, 0.0, out=base)
         way -= down
         way[0] = v0
@@ -157,36 +184,26 @@ class Foresight:
     def _begin(self, u: float) -> None:
         self.prepare()
         self._steady, self.begun = False, True
-        self._foreseen = np.zeros(self._places)
+        self._foreseen = np.zeros(self.horizon.places)
         self._foreseen[0] = u
 
     def prepare(self) -> None:
         """What depends on the robot's limits alone; to be called when the track has grown, so that no period has to."""
         ramp = max(self._track.ramp, 1e-6)
-        if ramp != self._ramp:
+        if ramp != self.horizon.ramp:
             self._set_up(ramp)
 
     def _set_up(self, ramp: float) -> None:
-        h = self._h
-        self._ramp = ramp
-        self.most_u = min(MOST_U / h, QUICK / ramp)
-        self._probe = PROBE * self.most_u
-        self.most_c = min(MOST_C / h**2, HASTE * self.most_u / ramp)
-        ahead = max(AHEAD * ramp, 4 * h)
-        self._dt = dt = max(h, ahead / PLACES)
-        count = ceil(ahead / dt) + 2
-        self._places = count
+        self.horizon = horizon = Horizon.of(ramp, self._h)
+        count = horizon.places
         self._sides, self._chords, self._gain = (np.empty((*parts, self._track.columns, count)) for parts in ((4,), (2,), ()))
         self._scale, self._sum = np.ones(count), np.zeros(count)
-        self._used = [np.maximum(1.0 - less * dt / h * np.arange(count), least) for less, least in LESS]
-        self._half = np.full(count, 0.5 * dt)  # from each place to the middle of the time its c holds: of the first one a period
-        self._half[0] = 0.5 * h
 
     def _summed(self, rates: Array) -> Array:
         """Trapezoids from the first place on: omega from u, times from omega.  One after the other: no row is chosen by a rounding."""
         sums = np.zeros(len(rates))
         np.add(rates[:-1], rates[1:], out=sums[1:])
-        sums *= 0.5 * self._dt
+        sums *= 0.5 * self.horizon.apart
         return np.add.accumulate(sums, out=sums)
 
     def _times(self, omega: Array) -> Array:
@@ -195,13 +212,13 @@ class Foresight:
         times = np.empty(2 * count)
         times[:count] = places = self._summed(omega)
         middles = times[count:]
-        np.multiply(omega, self._half, out=middles)
+        np.multiply(omega, self.horizon.half, out=middles)
         middles += places
         return times
 
     def _keep(self, way: Array, dt: float) -> None:
         """The way as it is seen a period later, never beyond what u can be at all: seen again it would only grow."""
-        mean, most = self._foreseen, max(BEYOND * self.most_u, abs(way.item(0)))
+        mean, most = self._foreseen, max(BEYOND * self.horizon.most_u, abs(way.item(0)))
         mean += way
         mean *= TRUST
         np.minimum(mean, most, out=mean)
@@ -216,15 +233,15 @@ class Foresight:
     def _bounds(self, taus: Array, omega: Array, v: Array, flip: float, braking: bool, turning: bool) -> _Bounds:
         """taus: of the places, then of the middles between them, where c is wanted: the first one a period, the others a place wide."""
         v0 = v.item(0)
-        lower = np.minimum(v, -self._probe)
+        lower = np.minimum(v, -self.horizon.probe)
         v = lower if v0 <= 0.0 else np.where(v > 0.0, v, lower)
         here, rows = self._track.around(taus, len(v), turning)  # (parts, columns, places), our own
         lowest = self._braked(here, omega, flip, braking)
-        middle = self._half * v
+        used, middle = self.horizon.used[1 if braking else 0], self.horizon.half * v
         if flip < 0.0:
             np.negative(middle, out=middle)
         middle += omega
-        rows[0] *= self._used[1 if braking else 0]  # what is foreseen comes a little otherwise: the places behind must still be met then
+        rows[0] *= used  # what is foreseen comes a little otherwise: the places behind must still be met then
         idle, foot, rises, falls = self._reach(rows, middle, v, flip)
         pull, lean = rows[0], rows[1]
         slope = idle - rises
@@ -241,25 +258,25 @@ class Foresight:
             self._use(pull[:, 0] <= HEAVY * tight, rises, falls)
         np.maximum(lowest, self._edge(room, free, v, lean), out=lowest)
         if self._track.turns:
-            self._turned(taus[: len(v)], omega, flip, lowest, self._used[1 if braking else 0])
+            self._turned(taus[: len(v)], omega, flip, lowest, used)
         lowest[-1] = 0.0
         np.negative(falls, out=falls)
         self.room = min(rises.item(1), -falls.item(1))
-        if self._dt > self._h:  # the next period lies between the first two places
+        if self.horizon.apart > self._h:  # the next period lies between the first two places
             self.room = min(self.room, rises.item(0), -falls.item(0))
         return _Bounds(lowest, falls, *self._risen(rises, slope, v))
 
     def _use(self, axes: NDArray[np.bool_], rises: Array, falls: Array) -> None:
         """What c may be at the present place, by these axes alone; by all of them where there are none."""
         if axes.any():
-            rises[0], falls[0] = (min(float(side[axes, 0].min()), self.most_c) for side in self._sides[2:])
+            rises[0], falls[0] = (min(float(side[axes, 0].min()), self.horizon.most_c) for side in self._sides[2:])
 
     def _braked(self, here: Array, omega: Array, flip: float, braking: bool) -> Array:
         """Lowest v by the accelerations; `here` is used up."""
         bound = here[Part.BEND]
         bound *= omega * omega if flip > 0.0 else -omega * omega
         bound += here[Part.REACH]
-        lowest: Array = np.minimum.reduce(bound, axis=0, initial=self.most_u * (1.0 if braking else CALM))
+        lowest: Array = np.minimum.reduce(bound, axis=0, initial=self.horizon.most_u * (1.0 if braking else CALM))
         return np.negative(lowest, out=lowest)
 
     def _turned(self, taus: Array, omega: Array, flip: float, lowest: Array, used: Array) -> None:
@@ -279,7 +296,7 @@ class Foresight:
         pull, lean, steady = rows
         lean *= middle
         gain = self._gain
-        np.multiply(lean, self._half, out=gain)
+        np.multiply(lean, self.horizon.half, out=gain)
         gain += 1.0  # c changes v, and v the jerk, while it lasts
         lean *= v
         steady *= flip * middle * middle * middle
@@ -290,7 +307,7 @@ class Foresight:
         np.add(pull, steady, out=sides[1])
         np.subtract(sides[0], lean, out=sides[2])
         np.add(sides[1], lean, out=sides[3])
-        return np.asarray(np.minimum.reduce(sides, axis=1, initial=self.most_c))  # over columns: in one run of memory, so they are quick
+        return np.asarray(np.minimum.reduce(sides, axis=1, initial=self.horizon.most_c))  # over columns: in one run of memory
 
     def _edge(self, room: Array, free: Array, v: Array, lean: Array) -> Array:
         """Lowest v by the jerks.  Both ends of what c may be are bent towards one another with growing |v|: chords from v = 0 to the v
@@ -298,14 +315,14 @@ class Foresight:
         edge = v * free
         edge /= np.maximum(free - room, LITTLE)
         further = np.minimum(edge, 0.0)
-        np.maximum(further, -self.most_u, out=further)
+        np.maximum(further, -self.horizon.most_u, out=further)
         further /= v
         further -= 1.0  # beyond the v foreseen the chord is not safe: looked at again there
         gain, (above, below) = self._gain, self._chords
         np.multiply(lean, further, out=gain)
         np.subtract(self._sides[2], gain, out=above)
         np.add(self._sides[3], gain, out=below)
-        spare = np.add(*np.minimum.reduce(self._chords, axis=1, initial=self.most_c))
+        spare = np.add(*np.minimum.reduce(self._chords, axis=1, initial=self.horizon.most_c))
         if np.minimum.reduce(spare) < 0.0:
             deep = (further > 0.0) & (spare < 0.0)
             np.copyto(edge, v * (1.0 + further * room / np.maximum(room - spare, LITTLE)), where=deep)
@@ -313,7 +330,7 @@ class Foresight:
 
     def _risen(self, rises: Array, slope: Array, v: Array) -> tuple[Array, Array]:
         """v rises by (rises + slope * (seen v - v)) * dt from place to place."""
-        dt, scale, total = self._dt, self._scale, self._sum  # their first ones stay 1 and 0
+        dt, scale, total = self.horizon.apart, self._scale, self._sum  # their first ones stay 1 and 0
         kept = dt * slope
         share = STIFF / np.maximum(kept, STIFF)  # stiffer: v comes near where it rises no more, not beyond
         np.minimum(kept, STIFF, out=kept)
@@ -327,8 +344,9 @@ class Foresight:
 
     def _landing(self, left: float, v0: float, least: float, highest: float, rise: _Rise) -> tuple[float, Array | None]:
         """The lowest v after this period, at least `least`, from which the wanted omega is not overshot; the way on where that decides."""
-        half = 0.5 * self._dt
-        way = -self._dt * rise.way(least) - half * (v0 + least)
+        dt = self.horizon.apart
+        half = 0.5 * dt
+        way = -dt * rise.way(least) - half * (v0 + least)
         if way <= left:
             return least, None
         tried = least + SHARES * max(highest - least, 0.0)
@@ -336,7 +354,7 @@ class Foresight:
             tried = np.append(least * (1.0 - SHARES), highest)
         low = least
         for v, behind in zip(tried.tolist(), rise.ways(tried).tolist(), strict=True):
-            before, way = way, -self._dt * behind - half * (v0 + v)
+            before, way = way, -dt * behind - half * (v0 + v)
             if way <= left:
                 low += (v - low) * (before - left) / (before - way)
                 break

@@ -44,4 +44,5 @@ class QuickForesight(Foresight):
 
     def _set_up(self, ramp: float) -> None:
         super()._set_up(ramp)
-        self._native = self.part.ahead(self._track.columns, self._places, self._dt, self._h, self.most_u, self.most_c, self._probe)
+        ahead = self.horizon
+        self._native = self.part.ahead(self._track.columns, ahead.places, ahead.apart, self._h, ahead.most_u, ahead.most_c, ahead.probe)

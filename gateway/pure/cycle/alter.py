@@ -51,12 +51,14 @@ class AlterFacts:
 
 @dataclass(slots=True)
 class Correction:
-    """Correction of the command source, and whether it is fresh."""
+    """Correction of the command source, whether it is fresh, and what it was answered (as `alter` of VAL 3)."""
 
     facts: AlterFacts
     _codes: struct.Struct = field(init=False)
     _life: int = -1
     _since: Ns = NEVER  # the life byte changed, or the bytes were written
+    fresh: bool = False
+    answer: int = 0
 
     def __post_init__(self) -> None:
         self._codes = struct.Struct(
@@ -98,13 +100,10 @@ class CoreAlter:
         every = max(round(facts.every_s / period_s), 1) * period_s
         self._alters = {number: Alter(period_s, stop_time_s=self._slowest(robot), every_s=every) for number, robot in robots.items()}
         self._kinematics, self.alter = next(iter(robots.values())), next(iter(self._alters.values()))  # of the robot of the part
-        self._arm = self._kinematics.axes
         self._order: AlterOrder | None = None
         self._q: tuple[float, ...] = ()
         self._tip: Pose | None = None  # tool centre point of the cycle before
         self._held = False  # after an error: the axes stand
-        self._alive = False
-        self._answer = 0
 
     def _slowest(self, robot: PathKinematics) -> float:
         """Time the slowest of its axes takes to stop."""
@@ -118,12 +117,11 @@ class CoreAlter:
             raise MotionError("an alterable part is under way, or the robot has no correction")
         self.alter.reset_motion()
         self._kinematics, self.alter = self._robots[order.kinematic], self._alters[order.kinematic]
-        self._arm = self._kinematics.axes
         self.reset()
         self._order, self._q, self._tip, self.block = order, tuple(q), None, order.block
-        self.alter.begin(order.reference, order.frame, order.limits(self._limits[: self._arm]))
+        self.alter.begin(order.reference, order.frame, order.limits(self._limits[: self._kinematics.axes]))
         self.on = True
-        if not self._alive:
+        if not self._source.fresh:
             self.fault = (SILENT, 0)
 
     def freeze(self) -> None:
@@ -156,8 +154,8 @@ class CoreAlter:
     # ---- one cycle -----------------------------------------------------------------------------------------------------
     def listen(self, inputs: InputImage, now: Ns) -> None:
         """The correction of this cycle, also where no part is under way: a command source that speaks has its answer."""
-        self._alive = self._source.alive(inputs, now)
-        self._answer = self.alter.alter(self._source.read(inputs))
+        self._source.fresh = self._source.alive(inputs, now)
+        self._source.answer = self.alter.alter(self._source.read(inputs))
 
     def step(self, sample: Sample, override: float) -> Sample:
         """Set values of all axes for the path's; `fault` is the cause that ended the part."""
@@ -168,7 +166,7 @@ class CoreAlter:
             alter.stopping()
         else:
             alter.running()
-        if not self._alive and alter.mode in (Mode.PENDING, Mode.ACTIVE):
+        if not self._source.fresh and alter.mode in (Mode.PENDING, Mode.ACTIVE):
             self.fault = (SILENT, 0)
             alter.end()
         alter.step()
@@ -182,7 +180,7 @@ class CoreAlter:
     def _altered(self, path: tuple[float, ...]) -> tuple[float, ...]:
         """Joints of the altered path; after a fault those of the cycle before."""
         assert self._order is not None
-        n = self._arm
+        n = self._kinematics.axes
         there = self._kinematics.forward(path[:n])
         flange = self.alter.altered(there, self._order.tool)
         try:
@@ -215,4 +213,4 @@ class CoreAlter:
             return
         left = self.alter.stop_time()
         shown = -1 if left < 0.0 else min(round(left * 1e3), MOST_MS)
-        _STATUS.pack_into(outputs, self.facts.status, self._answer, SHOWN.index(self.alter.mode), shown)
+        _STATUS.pack_into(outputs, self.facts.status, self._source.answer, SHOWN.index(self.alter.mode), shown)

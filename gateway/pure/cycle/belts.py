@@ -7,15 +7,17 @@ jerk; faults of types 2 and 3 open READY (rho3 L6112), and the drives stop by th
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isnan, nan, sqrt
+from math import isnan, sqrt
 
+from gateway.pure.cycle.belt_encoders import BeltEncoders
+from gateway.pure.cycle.belt_parts import BeltRide, BeltRobots, BeltWay
 from gateway.pure.image.records.cell import InputImage, Quality
 from gateway.pure.planning.belt_statements import COUNTER, PARAMETERS, ActOrder
 from motion.errors import MotionError
 from motion.execution.pieces import Piece
 from motion.execution.stepper import Sample, State, Stepper
 from motion.execution.timed import TimedPiece
-from motion.geometry.frames import Pose, Rotation, compose
+from motion.geometry.frames import compose
 from motion.geometry.limits import TOUCH, AxisLimits
 from motion.kinematics.base import KinematicsError, PathKinematics
 from motion.kinematics.placed import first_of
@@ -47,18 +49,6 @@ class BeltFault:
     opens_ready: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Zero:
-    """First reading of an encoder."""
-
-    raw: int
-    span: int  # its counts are 0..span-1
-
-    def says(self, count: int) -> int:
-        """Its present reading, `count` increments further."""
-        return (self.raw + count) % self.span
-
-
 class CoreBelts:
     """All belts of a cell and the one part that may be under way.  robots: kinematics by number, each on the axes of the cell."""
 
@@ -67,64 +57,39 @@ class CoreBelts:
     ) -> None:
         """limits: of all axes of the cell."""
         self.facts, self.all = tuple(facts), make_belts(tuple(facts), period_s)
-        self.counts = [0] * len(self.facts)  # as the encoders said last
-        self.heard = [False] * len(self.facts)  # since the last cycle
+        self.encoders = BeltEncoders(len(self.facts))
         self.order: SynchronOrder | None = None  # of the part under way
         self.fault: BeltFault | None = None
         self.engaged_now = False  # in this cycle the robot got onto its belt
-        self._robots, self._limits, self._period = robots, tuple(limits), period_s
-        self._kinematics = next(iter(robots.values()))  # of the robot of the part
-        self._arm = self._kinematics.axes
-        self._bearing: PathKinematics = self._kinematics  # of the part under way
-        self._encoders = [False] * len(self.facts)
-        self._zeros: list[Zero | None] = [None] * len(self.facts)  # of encoders that have spoken
-        self._kept: dict[int, float] = {}  # offsets as they were kept, until their encoder speaks
-        self._restored = [False] * len(self.facts)  # the counter has its retained value, or none was retained
-        self._silent = [0] * len(self.facts)
+        first = next(iter(robots.values()))
+        self._robot, self._ride, self._way = BeltRobots(robots, tuple(limits), first), BeltRide(first), BeltWay()
+        self._period = period_s
         self._trackers = [Tracker(period_s, DELAY * period_s) for _ in self.facts]
-        self._rig: SyncStepper | None = None
-        self._carried: Carried | None = None
-        self._part: SynchronPart | None = None
-        self._rotation: Rotation | None = None  # of the tool at the start of a part of type 2 or 3
         self._q: tuple[float, ...] = ()
         self._sync: tuple[Sync, ActOrder] | None = None
         self._behind = 0
-        self._waited = 0  # cycles since the belt was where the part begins
         self._override = 0.0
-        self._reference = 0.0  # belt value at which the path of a type 1 was planned
 
     # ---- counters ----------------------------------------------------------------------------------------------------
     def expect(self, place: int) -> None:
         """This belt has an encoder on a bus."""
-        self._encoders[place] = True
+        self.encoders.expect(place)
 
     def begins(self, place: int, raw: int, span: int) -> None:
         """The first telegram of its encoder has `raw` of 0..span-1; from here the counts go on from 0."""
-        self._zeros[place] = Zero(raw, span)
+        self.encoders.begins(place, raw, span)
 
     def restore(self, place: int, offset: float) -> None:
         """The counter's offset as it was kept (m or rad), NaN: none; taken once, when the encoder has spoken (AX-480)."""
-        if 0 <= place < len(self.facts) and not self._restored[place]:
-            self._kept[place] = offset
+        self.encoders.keep(place, offset)
 
     def offset(self, place: int) -> float:
         """Counter minus encoder value, m or rad: it stays while the belt runs.  NaN: nothing to keep yet."""
-        zero, belt = self._zeros[place], self.all.all[place]
-        if zero is None or not self._restored[place]:
-            return nan
-        return belt.counter - zero.says(self.counts[place]) * belt.data.increment
-
-    def _restore(self) -> None:
-        """After the counters have been updated with what the encoders said."""
-        for place in [place for place in self._kept if self._zeros[place] is not None]:
-            zero, belt, offset = self._zeros[place], self.all.all[place], self._kept.pop(place)
-            self._restored[place] = True
-            if zero is not None and not isnan(offset):
-                belt.set_counter(offset + zero.says(self.counts[place]) * belt.data.increment)
+        return self.encoders.offset(place, self.all.all[place])
 
     def count(self, place: int, value: int) -> None:
         """A telegram of its encoder."""
-        self.counts[place], self.heard[place] = value, True
+        self.encoders.count(place, value)
 
     def update(self, inputs: InputImage) -> None:
         """One cycle further."""
@@ -132,14 +97,11 @@ class CoreBelts:
         numbers = (*range(SET_COUNTER, SET_COUNTER + len(self.facts)), SIMULATION)
         on = [n for n in numbers if inputs.quality[n >> 3] == good and inputs.bit(n)]
         self.all.inputs(on)
-        self.all.update(self.counts)
-        if self._kept:
-            self._restore()
-        for n, encoder in enumerate(self._encoders):
-            self._silent[n] = 0 if self.heard[n] or not encoder or self.all.simulated else self._silent[n] + 1
-            self.heard[n] = False
-            if self._carried is None or self.order is None or n != self.order.belt:  # a carried robot's own belt: motion.sync.belt_frame
-                belt = self.all.all[n]
+        self.all.update(self.encoders.counts)
+        self.encoders.listen(self.all)
+        carried = self.order.belt if self._ride.carried is not None and self.order is not None else -1
+        for n, belt in enumerate(self.all.all):
+            if n != carried:  # a carried robot's own belt: motion.sync.belt_frame
                 self._trackers[n].update(belt.way + 0.5 * abs(belt.data.increment), at_rest=belt.watch.motion is Motion.STOPPED)
 
     @property
@@ -181,7 +143,7 @@ class CoreBelts:
     @property
     def carries(self) -> bool:
         """The robot is on a belt of type 1, or leaving it."""
-        return self._rig is not None
+        return self._ride.rig is not None
 
     @property
     def free(self) -> bool:
@@ -192,33 +154,34 @@ class CoreBelts:
         """SYNCHRON: the axes (all of the cell) rest at q.  MotionError where a part is under way, or there is no such belt."""
         if self.order is not None or not 0 <= order.belt < len(self.facts) or order.kinematic not in self.facts[order.belt].carriers:
             raise MotionError(f"SYNCHRON of kinematic {order.kinematic} on belt {order.belt + 1}: not possible now")
-        self._kinematics = self._robots[order.kinematic]
-        self._arm = self._kinematics.axes
-        self.order, self.fault, self._q, self._behind, self._waited = order, None, tuple(q), 0, 0
+        self._robot.choose(order.kinematic)
+        self.order, self.fault, self._q, self._behind, self._ride.waited = order, None, tuple(q), 0, 0
         self.all.all[order.belt].kind, self.all.all[order.belt].tolerance = order.kind, order.tolerance
         if order.kind is Type.PARALLEL:
             facts = self.facts[order.belt]
             belt, coupling = self.all.all[order.belt], Coupling(facts.accel, facts.jerk)
             carrier = facts.carriers[order.kinematic]
-            self._bearing = bearing(carrier, self._kinematics, self._limits, first_of(self._kinematics))
-            self._carried = Carried(ParallelPart(belt, carrier), self._trackers[order.belt], coupling)
+            self._ride.bearing = bearing(carrier, self._robot.now, self._robot.limits, first_of(self._robot.now))
+            self._ride.carried = Carried(ParallelPart(belt, carrier), self._trackers[order.belt], coupling)
             return
         belt = self.all.all[order.belt]
-        pose = compose(self._kinematics.forward(self._q[: self._arm]), order.tool)
-        self._rotation = pose.rotation
-        self._part = SynchronPart(belt, order.kinematic, (*coordinates(pose, pose.rotation), *self._q[self._arm :]), order.at)
+        robot = self._robot.now
+        pose = compose(robot.forward(self._q[: robot.axes]), order.tool)
+        self._way.rotation = pose.rotation
+        self._way.part = SynchronPart(belt, order.kinematic, (*coordinates(pose, pose.rotation), *self._q[robot.axes :]), order.at)
 
     def add(self, block: BeltBlock) -> None:
         """The next block of types 2 and 3; BeltError, MotionError."""
-        if self._part is None:
+        if self._way.part is None:
             raise MotionError("a block without its part")
-        others = self._part.position[len(block.target) :]  # axes of the cell that are not the robot's stay
+        others = self._way.part.position[len(block.target) :]  # axes of the cell that are not the robot's stay
         via = (*block.via, *others) if block.via else ()
-        self._part.add(replace(block, target=(*block.target, *others), via=via))
+        self._way.part.add(replace(block, target=(*block.target, *others), via=via))
 
     def drop(self) -> None:
         """The part is over, or forgotten; the axes are released."""
-        self.order, self._rig, self._carried, self._part, self._sync = None, None, None, None, None
+        self.order, self._way.part, self._sync = None, None, None
+        self._ride.drop()
 
     def forget(self) -> None:
         """The program whose SYNC waits is over."""
@@ -227,39 +190,39 @@ class CoreBelts:
     def release(self) -> bool:
         """SYNCHRON_END of type 1: the robot comes to rest beside the belt; True when it has."""
         self.forget()
-        if self._carried is None or self._rig is None:
+        if self._ride.carried is None or self._ride.rig is None:
             return True
-        self._carried.release()
-        arrived = self._behind == 0 or self._rig.fault is not None
-        return self._carried.coupling.state is Hold.OFF and arrived
+        self._ride.carried.release()
+        arrived = self._behind == 0 or self._ride.rig.fault is not None
+        return self._ride.carried.coupling.state is Hold.OFF and arrived
 
     @property
     def done(self) -> bool:
         """A part of type 2 or 3 has run all blocks it has."""
-        return self._part is not None and self._part.phase is Phase.BETWEEN
+        return self._way.in_phase(Phase.BETWEEN)
 
     @property
     def running(self) -> bool:
         """A block of type 2 or 3 is under way."""
-        return self._part is not None and self._part.phase is Phase.RUNNING
+        return self._way.in_phase(Phase.RUNNING)
 
     def stop(self) -> BeltFault | None:
         """Nothing may go on: type 1 leaves its belt; with types 2 and 3 it is the error of feed hold (rho3 L6113)."""
-        if self._part is not None and self.running:
-            return BeltFault(self._part.hindered("stopped").code, 0, opens_ready=True)
+        if self._way.part is not None and self.running:
+            return BeltFault(self._way.part.hindered("stopped").code, 0, opens_ready=True)
         self.release()
         return None
 
     def set_override(self, value: float) -> bool:
         """True when it acts here instead of at the stepper."""
         self._override = value
-        return self._rig is not None
+        return self._ride.rig is not None
 
     def load(self, piece: Piece | TimedPiece) -> bool:
         """A piece of a type 1; False: it is the stepper's alone."""
-        if self._rig is None:
+        if self._ride.rig is None:
             return False
-        self._rig.load(piece)
+        self._ride.rig.load(piece)
         return True
 
     # ---- one cycle ---------------------------------------------------------------------------------------------------
@@ -270,29 +233,29 @@ class CoreBelts:
         order = self.order
         if order is None:
             return stepper.step()
-        leaving = self._rig is not None and self._carried is not None and self._carried.coupling.state in (Hold.LEAVING, Hold.OFF)
-        if self._silent[order.belt] > SILENT_CYCLES and not leaving:
+        leaving = self._ride.leaving
+        if self.encoders.silent[order.belt] > SILENT_CYCLES and not leaving:
             self.fault = BeltFault(SILENT, 0, opens_ready=order.kind is not Type.PARALLEL)
         return self._carry(stepper, order) if order.kind is Type.PARALLEL else self._follow(stepper)
 
     # ---- type 1 --------------------------------------------------------------------------------------------------------
     def _carry(self, stepper: Stepper, order: SynchronOrder) -> Sample:
-        carried = self._carried
+        carried = self._ride.carried
         assert carried is not None
         frame = carried.step(self._period)
-        if self._rig is None:
+        if self._ride.rig is None:
             belt = carried.part.belt
             ahead = (order.at - belt.counter) * (-1.0 if belt.watch.speed < 0.0 else 1.0)
-            self._waited += not ahead > 0.0  # NaN: at once
-            if self._waited and (self._settled(carried) or self._waited > PATIENT_CYCLES):
+            self._ride.waited += not ahead > 0.0  # NaN: at once
+            if self._ride.waited and (self._settled(carried) or self._ride.waited > PATIENT_CYCLES):
                 self._engage(stepper, carried, order)
             return Sample(self._q, (0.0,) * len(self._q), 0, 0.0, State.IDLE, stepper.step().done_id)
-        self._rig.set_override(min(self._override, carried.beside))
-        made = self._rig.step(self._framed(carried, frame))
+        self._ride.rig.set_override(min(self._override, carried.beside))
+        made = self._ride.rig.step(self._ride.framed(carried, frame))
         self._behind = self._behind + 1 if made.short else 0
         self._look_ahead(carried, made.q)
         if self._behind > BEHIND_CYCLES and carried.coupling.state in (Hold.CATCHING, Hold.ON):
-            self.fault = self.fault or BeltFault(SPEED, self._slowest(made.q))
+            self.fault = self.fault or BeltFault(SPEED, self._robot.slowest(self._q, made.q))
         speeds = tuple((b - a) / self._period for a, b in zip(self._q, made.q, strict=True))
         self._q = made.q
         path = made.path
@@ -305,64 +268,50 @@ class CoreBelts:
         return abs(carried.tracker.speed - watch.speed) <= SETTLED * abs(watch.speed) + watch.stop
 
     def _engage(self, stepper: Stepper, carried: Carried, order: SynchronOrder) -> None:
-        moved, own = self._bearing, self._limits[: self._bearing.axes]
+        moved, own = self._ride.bearing, self._robot.limits[: self._ride.bearing.axes]
         rig = SyncStepper(stepper, moved, [axis.speed for axis in own], self._period, self._q)
         carried.bear(moved, own, self._q[: moved.axes])
         carried.engage()
-        self._reference = carried.coupling.value if isnan(order.reference) else order.reference
+        self._ride.reference = carried.coupling.value if isnan(order.reference) else order.reference
         try:
-            rig.place(self._framed(carried, carried.frame))
+            rig.place(self._ride.framed(carried, carried.frame))
         except KinematicsError:
             self.fault = BeltFault(TRAVEL)
             return
-        self._rig, self.engaged_now = rig, True
-
-    def _framed(self, carried: Carried, frame: Pose) -> Pose:
-        """The belt's frame from the value the path was planned at."""
-        if self._reference == 0.0:
-            return frame
-        return compose(carried.part.carrier.frame(self._reference).inverse(), frame)
+        self._ride.rig, self.engaged_now = rig, True
 
     @property
     def value(self) -> float:
         """Of the robot's frame."""
-        return self._carried.coupling.value if self._carried is not None else 0.0
+        return self._ride.value
 
     def _look_ahead(self, carried: Carried, q: Sequence[float]) -> None:
         """Were the robot to leave its belt now: would every axis come to rest inside its travel?"""
-        assert self._rig is not None
+        assert self._ride.rig is not None
         if carried.coupling.state not in (Hold.CATCHING, Hold.ON):
             return
-        if self._rig.fault is not None:
-            self.fault = BeltFault(TRAVEL, self._numbered(self._rig.fault.axis))
+        if self._ride.rig.fault is not None:
+            self.fault = BeltFault(TRAVEL, self._robot.place_of(self._ride.rig.fault.axis))
             return
         coupling = carried.coupling
         rate = carried.part.belt.watch.speed if coupling.state is Hold.ON else coupling.rate
         lasts = max(1.875 * abs(rate) / coupling.accel, sqrt(5.78 * abs(rate) / coupling.jerk))
         ahead = carried.part.carrier.frame(0.5 * rate * lasts)
         try:
-            own = q[: self._bearing.axes]
-            rest = self._bearing.follow(compose(ahead, self._bearing.forward(own)), own)
+            own = q[: self._ride.bearing.axes]
+            rest = self._ride.bearing.follow(compose(ahead, self._ride.bearing.forward(own)), own)
         except KinematicsError as error:
-            self.fault = BeltFault(TRAVEL, self._numbered(error.axis))
+            self.fault = BeltFault(TRAVEL, self._robot.place_of(error.axis))
             return
-        for number, (here, there, axis) in enumerate(zip(q, rest, self._limits, strict=False), 1):
+        for number, (here, there, axis) in enumerate(zip(q, rest, self._robot.limits, strict=False), 1):
             if not min(axis.lower, here) - TOUCH <= there <= max(axis.upper, here) + TOUCH:
                 self.fault = BeltFault(TRAVEL, number)
                 return
 
-    def _slowest(self, q: Sequence[float]) -> int:
-        """The axis nearest to its speed limit in this cycle, from 1."""
-        shares = [abs(b - a) / axis.speed for a, b, axis in zip(self._q, q, self._limits, strict=False)]
-        return shares.index(max(shares)) + 1
-
-    def _numbered(self, name: str) -> int:
-        return next((n for n, axis in enumerate(self._limits, 1) if axis.name == name), 0)
-
     # ---- types 2 and 3 -------------------------------------------------------------------------------------------------
     def _follow(self, stepper: Stepper) -> Sample:
-        part, resting = self._part, stepper.step()
-        assert part is not None and self._rotation is not None and self.order is not None
+        part, resting = self._way.part, stepper.step()
+        assert part is not None and self._way.rotation is not None and self.order is not None
         if self.fault is not None:
             return Sample(self._q, (0.0,) * len(self._q), 0, 0.0, State.IDLE, resting.done_id)
         try:
@@ -372,18 +321,18 @@ class CoreBelts:
         except BeltError as error:
             self.fault = BeltFault(error.code, 0, opens_ready=True)
             return Sample(self._q, (0.0,) * len(self._q), 0, 0.0, State.IDLE, resting.done_id)
-        pose = compose(pose_of(at, self._rotation), self.order.tool.inverse())
+        pose = compose(pose_of(at, self._way.rotation), self.order.tool.inverse())
         try:
-            goal = (*self._kinematics.follow(pose, self._q[: self._arm]), *at[6:])
+            goal = (*self._robot.now.follow(pose, self._q[: self._robot.now.axes]), *at[6:])
         except KinematicsError as error:
-            self.fault = BeltFault(TRAVEL, self._numbered(error.axis), opens_ready=True)
+            self.fault = BeltFault(TRAVEL, self._robot.place_of(error.axis), opens_ready=True)
             goal = self._q
         return self._limited(goal, resting.done_id)
 
     def _limited(self, goal: tuple[float, ...], done: int) -> Sample:
         """No axis faster than it may be: the whole step is shortened, as P306 sub-query 6 = 3 does it (rho3 L5549-5596)."""
         h = self._period
-        shares = [abs(b - a) / (axis.speed * h) for a, b, axis in zip(self._q, goal, self._limits, strict=True)]
+        shares = [abs(b - a) / (axis.speed * h) for a, b, axis in zip(self._q, goal, self._robot.limits, strict=True)]
         most = max(shares)
         if most > 1.0:
             goal = tuple(a + (b - a) / most for a, b in zip(self._q, goal, strict=True))
@@ -399,6 +348,6 @@ class CoreBelts:
     @property
     def block(self) -> int:
         """Block of the program a part of type 2 or 3 is in; 0: the planner knows."""
-        if self._part is None or self.order is None:
+        if self._way.part is None or self.order is None:
             return 0
-        return self.order.block + self._part.passed
+        return self.order.block + self._way.part.passed

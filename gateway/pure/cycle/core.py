@@ -13,6 +13,7 @@ from drivers.drives.tracking import Tracking
 from gateway.pure.cycle.axis import CoreAxis, HeldAxis
 from gateway.pure.cycle.axis_loops import PYTHON, AxisLoops
 from gateway.pure.cycle.core_settings import AS_SHIPPED_RULES, NO_PARTS, CoreParts, CoreRules
+from gateway.pure.cycle.core_watch import DriveWatch, Permissions, ServicesWatch
 from gateway.pure.cycle.enabling_inputs import EVERY, EnablingInputs
 from gateway.pure.cycle.endless import CoreEndless
 from gateway.pure.cycle.lane import give_back, held_together, lanes_with, leading, whole_of, withhold
@@ -34,7 +35,7 @@ from gateway.pure.image.records.cell import (
 from gateway.pure.image.records.planner import PieceRecord
 from motion.execution.stepper import State
 from motion.timing.foresight import Foresight
-from protocols.base.machine import Ns, ms
+from protocols.base.machine import Ns
 
 if TYPE_CHECKING:
     from gateway.pure.cycle.shared_output import CoreShared
@@ -45,7 +46,6 @@ CHAIN, CONTROL, FEED, RUN, TRAVEL = (int(permit) for permit in Permit)
 FLOW = FEED | RUN
 BROKEN = ((Power.FAULT, Reason.DRIVE_FAULT), (Power.LOST, Reason.DRIVE_LOST))
 TOO_MANY_SKIPPED = 3  # SYNCs skipped in a row: stop on the path
-SERVICES_LIMIT = ms(250)  # life counter of services older than this: dead
 
 
 class CycleLogic:
@@ -77,18 +77,12 @@ class CycleLogic:
                 parts.belts, parts.alter, parts.functions, self._off,
             )
         )  # fmt: skip
-        self._drive_axes, self._watch_axes = loops.drive_axes, loops.watch_axes
+        self._drives = DriveWatch(loops.drive_axes, loops.watch_axes)
         self._publisher = Publisher(self.state, self.outputs, rules.numbers, period_s, loops)
-        self._finish = rules.finish_without_services
-        self._enabling_inputs = EnablingInputs(rules.numbers, rules.assumed, [axis.kinematic for axis in axes])
-        self._permits = 0
+        self._services = ServicesWatch(rules.finish_without_services)
+        self._permissions = Permissions(EnablingInputs(rules.numbers, rules.assumed, [axis.kinematic for axis in axes]))
         self._enabling: list[tuple[int, int]] = []  # job, mask, of each that waits for its axes
         self._reset = False
-        self._services_alive = False
-        self._settled = False
-        self._settled_axes = False  # every drive follows, and none lost its increments
-        self._eventful = False  # a drive did something by itself in this cycle
-        self._lost_cycles = 0  # since chain or control was lost
 
     def _tracking(self, plan: CoreAxis) -> Tracking:
         return Tracking(plan.standstill, plan.lag_warn, plan.lag_trip, round(SETTLE_S / self._period))
@@ -124,12 +118,13 @@ class CycleLogic:
 
     # ---- inputs ------------------------------------------------------------------------------------------------------
     def _judge_inputs(self, inputs: InputImage, services_ns: Ns, now: Ns) -> None:
-        view = self._enabling_inputs.judge(inputs, services_ns, now)
-        if view.permits != self._permits:
-            self._permits, self.state.permits = view.permits, EVERY[view.permits]
-        if (single := self._enabling_inputs.single) is not None and (lost := withhold(self.lanes, single, inputs, services_ns, now)):
+        permissions = self._permissions
+        view = permissions.inputs.judge(inputs, services_ns, now)
+        if permissions.changed(view.permits):
+            self.state.permits = EVERY[view.permits]
+        if (single := permissions.inputs.single) is not None and (lost := withhold(self.lanes, single, inputs, services_ns, now)):
             self._stop(Reason.INPUT_LOST, lost)
-        if view.taken & CHAIN and self._settled:
+        if view.taken & CHAIN and permissions.chain_seen:
             self._emergency()
         if view.taken & CONTROL:
             self._off(Reason.CONTROL_NOT_ALLOWED)
@@ -137,7 +132,7 @@ class CycleLogic:
         if view.taken & TRAVEL:
             self._stop(Reason.TRAVEL_NOT_ALLOWED)
         if view.permits & CHAIN:
-            self._settled = True  # before the chain was seen closed once there is nothing to latch
+            permissions.chain_seen = True
         self._reset = view.reset
         if self._reset:
             self._acknowledge()
@@ -147,34 +142,33 @@ class CycleLogic:
         if just_lost:
             self._stop(Reason.INPUT_LOST)
         if not lost & (CHAIN | CONTROL):
-            self._lost_cycles = 0
+            self._permissions.lost_cycles = 0
             return
-        self._lost_cycles += 1
+        self._permissions.lost_cycles += 1
         moving = any(lane.homings.job or lane.mover.moving for lane in self.lanes)
-        if not moving or self._lost_cycles * self._period > LOST_STOP_S:
+        if not moving or self._permissions.lost_cycles * self._period > LOST_STOP_S:
             self._off(Reason.INPUT_LOST)
 
     def _judge_services(self, services_ns: Ns, now: Ns) -> None:
-        alive = services_ns != 0 and now - services_ns < SERVICES_LIMIT
+        alive = self._services.heard(services_ns, now)
         if not alive:
             self.services_lost()
-        self._services_alive = alive
+        self._services.alive = alive
 
     def services_lost(self) -> None:
         """They are silent, or a successor is there already: it knows nothing of the move that runs, so the move ends as configured."""
-        if not self._services_alive:
+        if not self._services.lost():
             return  # noticed before
-        self._services_alive = False
         self.state.services_lost += 1
         for lane in self.lanes:
-            if lane.held or not self._finish:
+            if lane.held or not self._services.finish:
                 lane.stop(Reason.SERVICES_LOST)
 
     def _apply_override(self) -> None:
         """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""
         for lane in self.lanes:
             ordered = lane.ramp.step(lane.ordered) * lane.factor
-            value = ordered if self._permits & FLOW & ~lane.withheld == FLOW else 0.0
+            value = ordered if self._permissions.permits & FLOW & ~lane.withheld == FLOW else 0.0
             if value != lane.mover.override:
                 lane.mover.set_override(value)
 
@@ -329,8 +323,8 @@ class CycleLogic:
             if lane.homings.under_way:
                 lane.homings.step(actuals)
         sample = merged(self.lanes, samples)
-        values, settled, self._eventful = self._drive_axes(self._axes, actuals, sample.q, sample.qd, self._reset)
-        self._settled_axes = settled
+        values, settled, self._drives.eventful = self._drives.drive(self._axes, actuals, sample.q, sample.qd, self._reset)
+        self._drives.settled = settled
         referencing = [lane for lane in self.lanes if lane.homings.under_way]
         for lane in referencing:
             lane.homings.judge()
@@ -367,15 +361,15 @@ class CycleLogic:
     # ---- supervision -------------------------------------------------------------------------------------------------
     def _watch(self, actuals: Sequence[Actual | None]) -> None:
         self._reset = False
-        found = self._watch_axes(self._axes, actuals, 0)
+        found = self._drives.watch(self._axes, actuals, 0)
         while found >= 0:
             mask = held_together(self.lanes, [found])
             self._because(Reason.FOLLOWING_ERROR, mask)
             self._off(Reason.FOLLOWING_ERROR, mask)
-            found = self._watch_axes(self._axes, actuals, found + 1)
-        if not self._settled_axes:
+            found = self._drives.watch(self._axes, actuals, found + 1)
+        if not self._drives.settled:
             self._judge_powers()
-        if self._eventful:
+        if self._drives.eventful:
             self._judge_events()
         if self._enabling:
             self._enabling = [one for one in self._enabling if not self.lanes[0].mover.all_enabled(one[1])]

@@ -294,7 +294,7 @@ class Mover(PathMover):
                 if program.begun:
                     self._state.met = program.met and not (program.flushed or program.late)  # of its last part, which nothing rests behind
             self._over()
-        elif self._arriving * self._period > ARRIVAL_S:
+        elif self._arriving * self.stepper.period > ARRIVAL_S:
             self._state.fail(self.running, Reason.FOLLOWING_ERROR)
             self._over()
 

@@ -46,7 +46,6 @@ class PathMover:
         self._inputs = InputImage()  # of the last cycle
         self._arriving = 0  # cycles since the set values of the running job arrived
         self._axes, self._state, self._outputs, self._homings = axes, state, outputs, homings
-        self._period, self._foresight = period_s, foresight
 
     @property
     def _own(self) -> Iterator[HeldAxis]:
@@ -162,7 +161,7 @@ class PathMover:
         self._state.fail(self.running or self.program.job, reason)
         self.running = 0
         self._clear()
-        self.stepper = Stepper(len(self._axes), self._period, [axis.set for axis in self._axes], self._foresight)
+        self.stepper = self.stepper.fresh([axis.set for axis in self._axes])
         self.stepper.set_override(self.override)
 
     # ---- drive-on of single axes --------------------------------------------------------------------------------------

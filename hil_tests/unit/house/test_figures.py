@@ -15,13 +15,6 @@ MOST_ATTRIBUTES, MOST_PARAMETERS, MOST_LINES, MOST_FILE_LINES = 15, 8, 60, 450
 CLASSES: Mapping[str, int] = {
     "drivers/drives/cia402.py:Cia402Drive": 24,
     "drivers/drives/servodyn.py:Drive": 23,
-    "gateway/pure/cycle/alter.py:CoreAlter": 18,
-    "gateway/pure/cycle/belts.py:CoreBelts": 29,
-    "gateway/pure/cycle/core.py:CycleLogic": 22,
-    "gateway/pure/cycle/path_mover.py:PathMover": 17,
-    "motion/execution/follower.py:Follower": 21,
-    "motion/execution/stepper.py:Stepper": 21,
-    "motion/timing/foresight.py:Foresight": 20,
 }
 PARAMETERS: Mapping[str, int] = {}
 LINES: Mapping[str, int] = {

@@ -8,9 +8,10 @@ import pytest
 
 from hil_tests.unit.motion.execution.measure import axes_limits, loaded, off_line, run_out, worst
 from motion.errors import MotionError, PieceError
+from motion.execution.piece_run import stopping_distance
 from motion.execution.pieces import Piece, Segment
 from motion.execution.ptp import nominal_duration, plan_ptp
-from motion.execution.stepper import QUEUE, Sample, State, Stepper, stopping_distance
+from motion.execution.stepper import QUEUE, Sample, State, Stepper
 
 P5 = 0.004
 LIMITS = axes_limits(3)

@@ -10,7 +10,7 @@ from drivers.drives.servodyn import Drive, DriveSettings
 from drivers.emulator.servodyn.slave import ServodynSlave
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.cell.cell import FollowingError
-from gateway.pure.cycle.core import SERVICES_LIMIT
+from gateway.pure.cycle.core_watch import SERVICES_LIMIT
 from gateway.pure.image.reasons import CommandState, Reason
 from gateway.pure.image.records.cell import AxisFlag, Motion, Permit, Quality
 from hil_tests.lab.virtual.cell_bench import ALL, DEMO, CellBench
@@ -115,7 +115,9 @@ def test_a_lost_enabling_input_stops_and_its_return_starts_nothing() -> None:
     cell = CellBench().ready()
     move = cell.give(Code.PTP_ABSOLUTE, targets=FAR)
     cell.run(0.5)
-    cell.core._enabling_inputs.assume(Permit.CHAIN | Permit.CONTROL | Permit.TRAVEL)  # wired elsewhere: feed allow and feed hold are lost
+    cell.core._permissions.inputs.assume(
+        Permit.CHAIN | Permit.CONTROL | Permit.TRAVEL
+    )  # wired elsewhere: feed allow and feed hold are lost
     cell.inputs.quality[3] = Quality.BAD
     cell.run(1.0)
     assert cell.core.state.motion is Motion.STOPPED
