@@ -96,6 +96,27 @@ class Restarts(Receiver):
         return super()._collect(data[: at + 1], at)
 
 
+class PairRestarts(Receiver):
+    """DLE STX inside a block begins it anew."""
+
+    def _broken_pair(self, byte: int) -> None:
+        if byte != Char.STX:
+            super()._broken_pair(byte)
+            return
+        self._state = Hearing.DATA
+        self._data.clear()
+        self._count, self._check = 0, 0
+
+
+class StaysDoubled(Receiver):
+    """A doubled DLE is two characters of the data."""
+
+    def _second_of_pair(self, byte: int) -> None:
+        super()._second_of_pair(byte)
+        if byte == Char.DLE:
+            self._store(bytes((Char.DLE,)))
+
+
 class NakEnds(Receiver):
     """15h inside a block ends it."""
 

@@ -18,7 +18,7 @@ from gateway.conformance.serial.partners import (
 )
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, check_of
-from protocols.p3964r.events import BlockRefused, BlockSent
+from protocols.p3964r.events import BlockReceived, BlockRefused, BlockSent
 from protocols.p3964r.profiles import RHO3, Priority
 from protocols.p3964r.sender import State as Saying
 
@@ -121,6 +121,49 @@ class DeafAfter(Built):
         if any(isinstance(event, self._event) for event in events):
             self._until = now + self._how_long
         return events
+
+
+class NaksFirstStx(Built):
+    """NAK to an STX, DLE to the one that follows."""
+
+    _heard = b""
+    _count = 0
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        self._heard = data
+        return super().receive(data, now)
+
+    def take_output(self) -> bytes:
+        output = super().take_output()
+        if self._heard == STX and output == DLE:
+            self._count += 1
+            if self._count % 2:
+                fresh_link(self, Priority.LOW)
+                return NAK
+        return output
+
+
+class DleTwice(Built):
+    """Acknowledges a block with two DLE."""
+
+    _good = False
+
+    def _handle(self, events: Sequence[object], now: Ns) -> Sequence[object]:
+        self._good = self._good or any(isinstance(event, BlockReceived) for event in events)
+        return super()._handle(events, now)
+
+    def take_output(self) -> bytes:
+        output = super().take_output()
+        twice = self._good and output[:1] == DLE
+        self._good = self._good and not output
+        return DLE + output if twice else output
+
+
+class Hurried(Built):
+    """Correct; its commands of RK512 do not wait for the reaction to the one before."""
+
+    def stimulate(self, now: Ns, block: bytes = b"\0\0ED\x05\0\0\x02\xff\xff") -> None:
+        super().stimulate(now, block)
 
 
 class NakTwice(Built):

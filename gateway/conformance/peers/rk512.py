@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from gateway.conformance.peers.p3964r_receivers import TakesBrokenOff
+from gateway.conformance.peers.p3964r_receivers import StaysDoubled, TakesBrokenOff
 from gateway.conformance.peers.p3964r_stations import NeverDoublesDle, check_counts_once, check_doubled, wrong_long_check
 from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.rk512_active import (
@@ -48,9 +48,11 @@ from gateway.conformance.peers.rk512_passive import (
     Change,
     ChangedReactions,
     DiesOfErrors,
+    FetchDx,
     Ignores,
     KeepsPieces,
     LockedByFollowOn,
+    LoneSend,
     LowAmount,
     NeverLocks,
     NoFirstByte,
@@ -264,6 +266,9 @@ MUTANTS = (
     _mutant("writes-to-the-end", "a refused SEND is written up to the end", [f"{P}BI_16"], _memory(WritesToTheEnd)),
     _mutant("reaction-ff", "the first reaction begins with FF", [f"{P}BV_01"], _passive(lambda command, said: b"\xff" + said[1:])),
     _mutant("send-dx", "a SEND to DX is written to DB", [f"{P}BV_18"], _kind(SendDx)),
+    _mutant("fetch-dx", "a FETCH of DX brings the words of DB", [f"{P}BV_18"], _kind(FetchDx)),
+    _mutant("lone-send", "a follow-on SEND without a first one is written", [f"{P}BI_21"], _kind(LoneSend)),
+    _mutant("undoubled", "a doubled DLE stays doubled in what it receives", [f"{P}BV_02"], lambda: Built(receiver=StaysDoubled)),
     _mutant("low-amount", "the high byte of the amount does not count", [f"{P}BI_17", f"{P}BI_18"], _kind(LowAmount)),
     _mutant("keeps-pieces", "what an abandoned SEND brought is in the next one", [f"{P}RC_06"], _kind(KeepsPieces)),
     _flagged("never-locks", "a coordination flag locks nothing", [f"{P}CA_08"], lambda blocks: Passive(blocks, SERVES, flags=NeverLocks())),

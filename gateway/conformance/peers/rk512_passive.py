@@ -118,6 +118,27 @@ class SendDx(Passive):
         return super().telegram(data[:2] + b"AD" + data[4:] if data[2:3] == b"O" else data, now)
 
 
+class FetchDx(Passive):
+    """A FETCH of DX brings the words of the data block of the same number; SEND to DX is refused."""
+
+    def telegram(self, data: bytes, now: Ns) -> list[PassiveEvent]:
+        return super().telegram(data[:2] + b"ED" + data[4:] if data[2:4] == b"EX" else data, now)
+
+
+class LoneSend(Passive):
+    """A follow-on SEND without a first one is written behind the last SEND."""
+
+    _behind = 0
+
+    def telegram(self, data: bytes, now: Ns) -> list[PassiveEvent]:
+        if data[:4] == b"\0\0AD" and len(data) >= 10:
+            self._last, self._behind = data, data[5] + (len(data) - 10) // 2
+        elif data[:4] == b"\xff\0AD" and self._behind and len(self._last) < 100:
+            head = self._last[:5] + bytes((self._behind, 0, (len(data) - 4) // 2)) + self._last[8:10]
+            return super().telegram(head + data[4:], now)
+        return super().telegram(data, now)
+
+
 class LowAmount(Passive):
     """The high byte of the amount does not count."""
 

@@ -294,8 +294,8 @@ class LineTester(Tester):
         with self.given():
             self.open()
 
-    def open(self) -> None:
-        """STX and the station's DLE; the station's own send requests are served first if they collide."""
+    def open(self) -> int:
+        """STX and the station's DLE, the NAKs before it; its own send requests are served first if they collide."""
         while self._hear(self.wire.now()) is not None:
             if self.notes.trace[-1].data == STX:
                 self.serve()
@@ -308,7 +308,7 @@ class LineTester(Tester):
             if got == Char.STX:
                 got = self.answer(max(ms(100), self.conflict_wait if self.slowest > ms(60) else 0))
                 if got == Char.DLE:
-                    return
+                    return refused
                 if got is None:
                     self.serve()
                     self.answers_jobs()
@@ -316,7 +316,7 @@ class LineTester(Tester):
             if got == Char.DLE:
                 self.slowest = max(self.slowest, self.mark - start)
                 self.timed("DLE after STX", self.mark - start, None, self.profile.ack_delay + self.tolerance)
-                return
+                return refused
             if got != Char.NAK or refused > 2:
                 self.fail("STX", got, f"{named(Char.DLE)} within {self.profile.ack_delay / 1e6:.0f} ms")
             refused += 1  # no buffer: it may have been busy with the block before

@@ -1,6 +1,6 @@
 """3964R, what an earlier step leaves: times of later repeats, attempts after a conflict; long blocks (serial-protocols 1.2 to 1.6)."""
 
-from gateway.conformance.suites.line import DLE, NAK, STX, Block, LineTester, named
+from gateway.conformance.suites.line import BETWEEN, DLE, NAK, STX, Block, LineTester, named
 from gateway.conformance.suites.p3964r.conflicts import gives_way
 from gateway.conformance.suites.p3964r.failures import refused_to_the_end
 from gateway.conformance.suites.p3964r.receive import BLOCK, CHECK, CONNECT, REFUSES, text
@@ -150,7 +150,11 @@ def waits_behind(t: LineTester) -> None:
     if t.answer(wait) != Char.STX:
         raise NotApplicable("two jobs at once are not kept, or the second one waits for more than the acknowledgement")
     t.take()
-    t.settle()
+    with t.given():
+        if t.answers_jobs():  # it may keep one job at a time, and wait for this reaction
+            t.settle(BETWEEN)
+        t.settle()
+    t.unanswered = b""  # else the first of the two jobs would be served before the second is given
     t.setup.stimulus(t)
     t.starts_sending()
     refused_to_the_end(t)

@@ -45,11 +45,14 @@ def _echoes(t: LineTester) -> bool:
 def connection(t: LineTester) -> None:
     if _echoes(t):
         raise Fail("each character is returned: an echo, or a short circuit between wires", "DLE (10h) after STX", "what was sent")
+    refusals = list[int]()
     for _ in range(3):  # one that answers each second STX only is found here
-        t.open()
+        refusals.append(t.open())
         t.say(wire_block(t.harmless, t.profile.block_check))
         t.answer(t.profile.ack_delay)
         t.settle(BETWEEN)
+    if all(refusals):  # one without a free buffer has it before the first block
+        raise Fail("each STX is answered with NAK at first, and with DLE only when it is repeated", named(Char.DLE), named(Char.NAK))
 
 
 @RCV.case(
@@ -60,7 +63,7 @@ def connection(t: LineTester) -> None:
     preamble=(CONNECT,),
 )
 def good_block(t: LineTester) -> None:
-    t.good(PAYLOAD)
+    t.good_once(PAYLOAD, "a good block")  # one that sends DLE twice has this FAIL only
 
 
 @RCV.case(

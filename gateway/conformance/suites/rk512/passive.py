@@ -89,6 +89,12 @@ def many_words(t: LineTester) -> None:
         raise NotApplicable(f"DB{t.setup.db} has {t.setup.words} word")
     for words in sorted({min(2, t.setup.words), min(3, t.setup.words), room(t, 32)}):
         read(t, t.setup.db, 0, words)
+    if t.setup.words >= 16 and room(t, 32) >= 16:
+        found = ask(t, fetch(t.setup.db, 0, 16))
+        if found.number or len(found.data) != 32:
+            raise Fail(
+                f"FETCH of 16 words, whose header holds 10h (doubled on the line): {found.words()}", "00h and 32 bytes", found.words()
+            )
     words = min(64, t.setup.words)
     found = ask(t, fetch(t.setup.db, 0, words))
     if found.number in NO_FOLLOW_ON and not found.data:
@@ -288,9 +294,8 @@ def _type(number: int, kind: int) -> None:
         for amount in (1, 3):
             found = ask(t, header(FETCH, kind, block, 0, amount))
             if found.number == 0 and len(found.data) != unit * amount:
-                raise Fail(
-                    f"{amount} of type {what}: {len(found.data)} bytes, expected {unit * amount}", f"{unit * amount} bytes", found.words()
-                )
+                wanted = f"{unit * amount} {'byte' if unit * amount == 1 else 'bytes'}"
+                raise Fail(f"{amount} of type {what}: {len(found.data)} data bytes, expected {unit * amount}", wanted, found.words())
             if found.number == 0 and t.setup.pics.get(f"type_{what}") is False:
                 raise Fail(f"type {what} is served although the PICS excludes it", "a refusal", found.words())
             if found.number:

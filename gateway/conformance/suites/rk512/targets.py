@@ -45,8 +45,8 @@ MANY = 257  # words: one, if the high byte of the amount is lost
 
 @PAS.case(
     "BV_18",
-    "SEND to DX leaves the data block of the same number alone",
-    "SEND in DX lässt den Datenbaustein gleicher Nummer unberührt",
+    "DX and the data block of the same number are two blocks",
+    "DX und der Datenbaustein gleicher Nummer sind zwei Bausteine",
     clause="serial-protocols 2.1",
     condition=WRITE,
     preamble=(BASIC, WRITES, READ_BACK),
@@ -58,12 +58,48 @@ def other_blocks(t: LineTester) -> None:
         there = ask(t, header(FETCH, DX, db, 0, 1))
         readable = there.number == 0 and len(there.data) == 2
         if readable and there.data == before:
-            raise NotApplicable(f"DX{db} shows the words of DB{db}, or the same words")
+            _is_another_block(t, db, before)
+            raise NotApplicable(f"DX{db} and DB{db} hold the same words")
         word = there.data if readable else bytes(byte ^ 0x5A for byte in before)
         found = ask(t, header(DX_SEND, DX, db, 0, 1) + word)
         t.remark(f"SEND to DX: {number_words(found.number)}")
         if saved(t, db, 0, 1) == word:
             raise Fail(f"SEND to DX{db}.DW0 was written to DB{db}.DW0", before.hex(" ").upper(), word.hex(" ").upper())
+
+
+def _is_another_block(t: LineTester, db: int, word: bytes) -> None:
+    """What is written to the data block must not be in DX."""
+    other = bytes(byte ^ 0x5A for byte in word)
+    with t.given():
+        write(t, db, 0, other)
+    there = ask(t, header(FETCH, DX, db, 0, 1))
+    if there.number == 0 and there.data == other:
+        raise Fail(f"FETCH of DX{db} brings the words of DB{db}: type X is not told from type D", word.hex(" ").upper(), there.words())
+
+
+@PAS.case(
+    "BI_21",
+    "a follow-on SEND without a first one is refused and writes nothing",
+    "ein Folge-SEND ohne ersten wird abgelehnt und schreibt nichts",
+    clause="serial-protocols 2.3",
+    condition=WRITE,
+    preamble=(BASIC, REFUSES, WRITES, READ_BACK),
+)
+def lone_send(t: LineTester) -> None:
+    """Behind a SEND that is complete: one that keeps its place writes there, others at the beginning."""
+    words = room(t, 16)
+    if words < 4:
+        raise NotApplicable(f"DB{t.setup.db} has {t.setup.words} words")
+    with borrowed(t, words) as db:
+        before = saved(t, db, 0, words)
+        with t.given():
+            write(t, db, 0, before[:4])
+        found = ask(t, b"\xff\0" + bytes((SEND, DB)) + bytes(byte ^ 0xFF for byte in before[4:8]))
+        after = saved(t, db, 0, words)
+        if after != before:
+            raise Fail("a follow-on SEND without a first one was written", before.hex(" ").upper(), after.hex(" ").upper())
+        if not found.number:
+            raise Fail("a follow-on SEND without a first one is acknowledged", number_words(0x36), found.words())
 
 
 @PAS.case(
