@@ -27,6 +27,7 @@ from gateway.conformance.peers.modbus_answers import (
 )
 from gateway.conformance.peers.modbus_devices import SIZE, Answer, Busy, Device, Tables
 from gateway.conformance.peers.modbus_tables import (
+    AlignedCoils,
     AsFarAsCoilsGo,
     AsFarAsThereIs,
     Cut,
@@ -185,7 +186,12 @@ ROWS: tuple[Row, ...] = (
     _tables("ninety-registers", "the rest of a long write is lost", ["EFF_BV_01", "CON_BV_16"], Most),
     _answers("writes-unread", "FC 23 writes though its reading part is missing", ["EFF_BI_20"], writes_unread),
     _answers("reads-126", "FC 23 serves 126 registers", ["EFF_BI_22"], reads_126),
+    _answers("status-two", "FC 7 brings two bytes", ["FUN_CA_07"], lambda device, asked, said: b"\x07\0\0" if asked[0] == 7 else said),
+    _answers(
+        "id-count", "FC 17 counts a byte too many", ["FUN_CA_17"], lambda device, asked, said: b"\x11\3a\xff" if asked[0] == 17 else said
+    ),
     _tables("whole-bytes", "coils are read from whole bytes on", ["ANS_BV_03"], WholeBytes),
+    _tables("aligned-coils", "coils are written from whole bytes on", ["CON_BV_15"], AlignedCoils),
     _tables("without-carry", "a read across address 256 begins again at 0", ["ANS_BV_08"], WithoutCarry),
     _tables("even-counts", "FC 16 writes an even number of registers", ["CON_BV_16"], EvenCounts),
     _tables("signed-bytes", "extends a value of one byte by its top bit", ["ANS_BV_02"], SignedBytes),

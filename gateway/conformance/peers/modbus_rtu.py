@@ -33,6 +33,13 @@ class AnyCrc(Device):
         return event
 
 
+class AnyCrcOfWrites(AnyCrc):
+    """Does not look at the CRC of FC 6."""
+
+    def _good(self, event: object) -> object:
+        return super()._good(event) if isinstance(event, Dropped) and event.frame[1:2] == b"\x06" else event
+
+
 class LowCrc(AnyCrc):
     """Looks at one byte of the CRC."""
 
@@ -69,6 +76,13 @@ class NoBroadcast(Device):
 class AnswersBroadcast(Device):
     def serve(self, request: Request, now: Ns) -> bytes:
         return super().serve(request._replace(unit=1) if request.unit == 0 else request, now)
+
+
+class AnswersBroadcastInputs(Device):
+    """Answers a broadcast of FC 4."""
+
+    def serve(self, request: Request, now: Ns) -> bytes:
+        return super().serve(request._replace(unit=1) if request.unit == 0 and request.pdu[:1] == b"\x04" else request, now)
 
 
 class WritesForOthers(Device):
@@ -204,6 +218,8 @@ MORE: tuple[Row, ...] = (
     ("any-unit", "answers for every unit", ("RTU_BI_04",), lambda rtu: AnyUnit(True)),
     ("exception-for-bad", "answers a bad frame with an exception", ("RTU_BI_01",), lambda rtu: ExceptionForBad(True)),
     ("answers-broadcast", "answers a broadcast", ("RTU_BI_06",), lambda rtu: AnswersBroadcast(True)),
+    ("answers-inputs", "answers a broadcast of FC 4", ("RTU_BI_06",), lambda rtu: AnswersBroadcastInputs(True)),
+    ("writes-any-crc", "does not look at the CRC of FC 6", ("STA_BI_05",), lambda rtu: AnyCrcOfWrites(True)),
     ("writes-for-others", "executes writes to other units", ("ANS_BI_01",), lambda rtu: WritesForOthers(True)),
     ("loses-next", "the request after a short frame is lost", ("ANS_RC_01",), lambda rtu: LosesNext(True)),
     ("no-broadcast", "a broadcast has no effect", ("RTU_BV_01",), lambda rtu: NoBroadcast(True)),

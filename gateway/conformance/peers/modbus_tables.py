@@ -97,6 +97,13 @@ class WholeBytes(Tables):
         return super().read_bits(kind, address & ~7 if kind is Kind.COILS and count > 1 else address, count)
 
 
+class AlignedCoils(Tables):
+    """Several coils are written from the beginning of a byte."""
+
+    def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None:
+        return super().write_bits(address & ~7 if len(values) > 1 else address, values)
+
+
 class SignedBytes(Tables):
     """A value of one byte is extended by its top bit."""
 

@@ -3,8 +3,8 @@
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (120, 120),
     "rk512": (84, 84),
-    "modbus-tcp": (98, 98),
-    "modbus-rtu": (91, 91),
+    "modbus-tcp": (101, 101),
+    "modbus-rtu": (96, 96),
     "cia402": (112, 112),
     "canopen-301": (154, 154),
     "servodyn": (82, 82),

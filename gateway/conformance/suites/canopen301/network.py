@@ -46,12 +46,19 @@ def reset_communication(t: NodeTester) -> None:
     _boots(t, Command.RESET_COMMUNICATION, "reset communication")
 
 
+def _instead(t: NodeTester, since: int) -> str:
+    """What the node sent on the identifier of its boot-up message."""
+    found = [frame for frame in t.heard[since:] if frame.identifier == cobid.heartbeat(t.setup.node)]
+    return shown(found[0] if found else None)
+
+
 def _boots(t: NodeTester, what: Command, words: str) -> None:
+    since = len(t.heard)
     t.command(what)
     asked = t.asked_at
     frame = t.boot_up()
     if frame is None:
-        raise Fail(f"no boot-up message after {words}", f"{cobid.heartbeat(t.setup.node):03X}h 00", "nothing")
+        raise Fail(f"no boot-up message after {words}", f"{cobid.heartbeat(t.setup.node):03X}h 00", _instead(t, since))
     t.timed(f"{words} to boot-up", frame.stamp_ns - asked, None, t.setup.boot)
     t.ready()
 

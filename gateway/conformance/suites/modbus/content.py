@@ -292,6 +292,11 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
                 data = number.to_bytes((size + 7) // 8, "little")
                 t.echo(struct.pack(">BHHB", 15, at, size, len(data)) + data, 5, f"FC 15, {size} coils")
                 same_values(t.bits(1, at, size), bits, f"{size} coils from {at}")
+            if count > 12:  # not from a whole byte on
+                first, bits = at + (2 if (at + 3) % 8 == 0 else 3), [1, 0] * 4 + [1]
+                number = sum(bit << place for place, bit in enumerate(bits))
+                t.echo(struct.pack(">BHHB", 15, first, 9, 2) + number.to_bytes(2, "little"), 5, "FC 15, 9 coils")
+                same_values(t.bits(1, first, 9), bits, f"9 coils from {first}")
 
     @p.case(
         "BV_24",

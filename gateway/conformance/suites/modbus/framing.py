@@ -317,6 +317,8 @@ def torn(t: ModbusTester) -> None:
 @RTU.case("BI_06", "a broadcast read is not answered", "ein Rundspruch-Lesen wird nicht beantwortet", clause="serial line guide V1.02, 2.1")
 def broadcast_read(t: ModbusTester) -> None:
     _silence(t, t.frame(readable_request(t), unit=0), "a broadcast read")
+    for function, at in t.setup.base.items():
+        _silence(t, t.frame(struct.pack(">BHH", function, at, 1), unit=0), f"a broadcast of FC {function}")
 
 
 @RTU.case(

@@ -38,6 +38,36 @@ def _objects(t: ModbusTester, got: bytes) -> list[int]:
     return named
 
 
+def _short_answers(p: Purposes[ModbusTester], basic: str) -> None:
+    @p.case(
+        "CA_07",
+        "FC 7: one byte of status",
+        "FC 7: ein Statusbyte",
+        clause="V1.1b3, 6.7",
+        condition=("fc7",),
+        preamble=(basic,),
+    )
+    def status(t: ModbusTester) -> None:
+        got = t.normal(b"\x07", "FC 7")
+        if len(got) != 2:
+            raise Fail(f"FC 7: {len(got) - 1} bytes of status", "07 and one byte", t.words(got))
+
+    @p.case(
+        "CA_17",
+        "FC 17: as many bytes as it counts",
+        "FC 17: so viele Bytes, wie es zählt",
+        clause="V1.1b3, 6.13",
+        condition=("fc17",),
+        preamble=(basic,),
+    )
+    def server_id(t: ModbusTester) -> None:
+        got = t.normal(b"\x11", "FC 17")
+        if len(got) < 2 or got[1] != len(got) - 2:
+            raise Fail(
+                "FC 17: its byte count is wrong", f"11 {len(got) - 2:02X} .." if len(got) > 1 else "11, byte count, data", t.words(got)
+            )
+
+
 def other_functions(p: Purposes[ModbusTester], basic: str) -> None:
     @p.case(
         "BI_01",
@@ -97,3 +127,5 @@ def other_functions(p: Purposes[ModbusTester], basic: str) -> None:
         other = t.ask(b"\x2b\x55\x00\x00")  # a transport that is none
         if other and not other[0] & 0x80:
             raise Fail("FC 43 with MEI type 55h, which is none, was executed", "an exception", t.words(other))
+
+    _short_answers(p, basic)

@@ -61,6 +61,22 @@ def other_unit(t: ModbusTester) -> None:
 
 
 @STA.case(
+    "BI_05",
+    "a write of each function with a wrong CRC: silence, and nothing is written",
+    "ein Schreiben jeder Funktion mit falscher CRC: Stille, und nichts wird geschrieben",
+    clause="serial line guide V1.02, 2.4.2",
+    preamble=("MBRTU_FUN_BV_01", "MBRTU_RTU_BI_01"),
+)
+def spoilt_write(t: ModbusTester) -> None:
+    for function, table, at, request, _ in _other_values(t):
+        with kept(t, table, at, 1):
+            before = t.read(table, at, 1)
+            frame = t.frame(request)
+            _unanswered(t, frame[:-1] + bytes((frame[-1] ^ 0x10,)), f"FC {function} with a wrong CRC")
+            same_values(t.read(table, at, 1), before, f"{at} after FC {function} with a wrong CRC")
+
+
+@STA.case(
     "BV_01",
     "a broadcast write of each function: silence, and it is done",
     "ein Rundspruch-Schreiben jeder Funktion: Stille, und es wird ausgeführt",
