@@ -1,7 +1,6 @@
 """The bench file (TOML): device, port, link, what may be touched, what is known, stimulus, power, report.  All faults in one run."""
 
 import datetime
-import difflib
 import pathlib
 import re
 import tomllib
@@ -11,7 +10,7 @@ from typing import cast
 
 from drivers.ports.open import tcp_address
 from drivers.ports.serial.line_format import parse_format
-from gateway.conformance.framework.bench_rules import CHOICES, rule_faults
+from gateway.conformance.framework.bench_rules import error_faults, missing_files, near, rule_faults, wanted_in_pics
 from protocols.p3964r.profiles import PROFILES
 
 Table = Mapping[str, object]
@@ -235,11 +234,6 @@ KEYS: dict[str, dict[str, Check]] = {
 FREE = ("device", "known", "pics")
 
 
-def _near(name: str, names: object) -> str:
-    found = difflib.get_close_matches(name, list(cast(Mapping[str, object], names)), n=1, cutoff=0.5)
-    return f"; did you mean {found[0]}?" if found else ""
-
-
 def read_toml(path: pathlib.Path) -> dict[str, object]:
     """BadFile where it cannot be read."""
     try:
@@ -255,7 +249,7 @@ def load_bench(path: pathlib.Path, items: Mapping[str, str] | None = None) -> Be
     found = read_toml(path)
     stated = found.get("pics")
     of_pics = pics_faults(stated, items) if items is not None and isinstance(stated, dict) else []
-    faults = [f"{path}: {fault}" for fault in (*_faults(found), *of_pics)]
+    faults = [f"{path}: {fault}" for fault in (*_faults(found), *of_pics, *missing_files(path.parent, found))]
     if faults:
         raise BadFile(faults)
     return _bench(path, found)
@@ -265,7 +259,7 @@ def _faults(found: Table) -> list[str]:
     faults = []
     for section, value in found.items():
         if section not in KEYS and section not in FREE:
-            faults.append(f"[{section}]: no such table; there are {', '.join((*FREE, *KEYS))}{_near(section, KEYS)}")
+            faults.append(f"[{section}]: no such table; there are {', '.join((*FREE, *KEYS))}{near(section, KEYS)}")
         elif not isinstance(value, dict):
             faults.append(f"{section}: a table [{section}] expected")
         else:
@@ -291,7 +285,7 @@ def _key_faults(section: str, table: Table, keys: Mapping[str, Check]) -> list[s
     faults = []
     for key, value in table.items():
         if key not in keys:
-            faults.append(f"{section}.{key}: no such key; there are {', '.join(keys)}{_near(key, keys)}")
+            faults.append(f"{section}.{key}: no such key; there are {', '.join(keys)}{near(key, keys)}")
         elif wanted := keys[key](value):
             faults.append(f"{section}.{key}: {wanted} expected, found {value!r}")
     return faults
@@ -366,30 +360,14 @@ def pics_faults(table: Table, known: Mapping[str, str]) -> list[str]:
         kind = known.get(key)
         if kind is None:
             faults.append(
-                f"pics.{key}: no such item; there are {', '.join(known)}{_near(key, known)}; axisgate conformance new-pics writes one"
+                f"pics.{key}: no such item; there are {', '.join(known)}{near(key, known)}; axisgate conformance new-pics writes one"
             )
             continue
-        good = {
-            "bool": isinstance(value, bool),
-            "text": isinstance(value, str),
-            "whole": isinstance(value, int) and not isinstance(value, bool) and value >= 0,
-            "table": isinstance(value, dict) and all(_is_number(one) for one in value.values()),
-        }[kind]
-        wanted = {
-            "bool": "true or false",
-            "text": "a text",
-            "whole": "a whole number from 0",
-            "table": 'a table of error numbers such as { missing_block = "2A" }',
-        }
-        if not good:
-            faults.append(f"pics.{key}: {wanted[kind]} expected, found {value!r}")
-        elif key in CHOICES and value not in CHOICES[key]:
-            faults.append(f"pics.{key}: one of {', '.join(CHOICES[key])} expected, found {value!r}")
+        if kind == "table" and isinstance(value, dict):
+            faults += error_faults(value)
+        elif wanted := wanted_in_pics(key, kind, value):
+            faults.append(f"pics.{key}: {wanted} expected, found {value!r}")
     return faults
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, str) and re.fullmatch(r"[0-9A-Fa-f]{1,2}", value) is not None
 
 
 @dataclass(frozen=True, slots=True)
@@ -430,7 +408,7 @@ def _waiver_faults(row: Table, ids: frozenset[str], today: datetime.date) -> lis
     faults = [f"{', '.join(missing)} missing; each needs id, reason, who, until"] if missing else []
     faults += [f"{key}: no such key; there are {', '.join(keys)}" for key in row if key not in keys]
     if row.get("id") and (name := str(row["id"])) not in ids:
-        faults.append(f"id {name} is in no case of this suite{_near(name, dict.fromkeys(ids))}")
+        faults.append(f"id {name} is in no case of this suite{near(name, dict.fromkeys(ids))}")
     until = _date(row["until"]) if row.get("until") else today
     if until is None:
         faults.append(f"until {row['until']}: a date such as 2027-06-30 expected")

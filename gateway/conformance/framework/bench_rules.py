@@ -1,12 +1,27 @@
 """What keys of a bench file need or exclude each other: a key that could not act is refused."""
 
-from collections.abc import Mapping
+import difflib
+import pathlib
+import re
+from collections.abc import Iterable, Mapping
 from typing import cast
 
 from protocols.p3964r.profiles import PROFILES
 
 Table = Mapping[str, object]
 CHOICES: Mapping[str, tuple[str, ...]] = {"profile": tuple(PROFILES), "priority": ("high", "low")}  # values of keys of the PICS
+RANGES: Mapping[str, tuple[int, int]] = {  # whole numbers of the PICS
+    "node": (1, 127),
+    "module": (1, 6),
+    "most_registers": (1, 125),
+    "most_bits": (1, 2000),
+    "most_received": (1, 65535),
+    "words": (1, 256),
+}
+ERRORS = (  # what own error numbers of the PICS may be for: cases of the suite rk512
+    *("missing_block", "missing_block_send", "behind_the_end", "wrong_command", "wrong_type", "wrong_byte_1", "follow_on_alone"),
+    *("short_header", "data_behind_fetch", "amount_0", "send_too_short", "send_too_long", "send_odd", "send_no_data", "type"),
+)
 POWER = ("on", "off", "command", "relay", "prompt")
 MODBUS = frozenset(("url", "unit", "coil", "holding", "value"))
 NEEDED = {  # kind of [stimulus] -> keys that act with it
@@ -18,6 +33,44 @@ NEEDED = {  # kind of [stimulus] -> keys that act with it
     "command": frozenset(("command", "timeout_ms")),
     "none": frozenset[str](),
 }
+
+
+def near(name: str, names: Iterable[str]) -> str:
+    found = difflib.get_close_matches(name, list(names), n=1, cutoff=0.5)
+    return f"; did you mean {found[0]}?" if found else ""
+
+
+def wanted_in_pics(key: str, kind: str, value: object) -> str:
+    """What is expected of an item in place of this value; empty: nothing."""
+    if kind == "bool":
+        return "" if isinstance(value, bool) else "true or false"
+    if kind == "whole":
+        least, most = RANGES[key]
+        good = isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
+        return "" if good else f"a whole number {least} to {most}"
+    if kind == "text":
+        wanted = f"one of {', '.join(CHOICES[key])}" if key in CHOICES else "a text"
+        return "" if isinstance(value, str) and value in CHOICES.get(key, (value,)) else wanted
+    return 'a table of error numbers such as { missing_block = "2A" }'
+
+
+def error_faults(table: Mapping[str, object]) -> list[str]:
+    """Of the table of own error numbers: a name that no case knows would have no effect."""
+    faults = []
+    for name, value in table.items():
+        if name not in ERRORS:
+            faults.append(f"pics.errors.{name}: no such error; there are {', '.join(ERRORS)}{near(name, ERRORS)}")
+        elif not isinstance(value, str) or re.fullmatch(r"[0-9A-Fa-f]{1,2}", value) is None:
+            faults.append(f'pics.errors.{name}: an error number in hexadecimal such as "2A" expected, found {value!r}')
+    return faults
+
+
+def missing_files(folder: pathlib.Path, found: Table) -> list[str]:
+    """Files that [link] names; where they can be read, the suite judges what is in them."""
+    link = found.get("link")
+    named = {key: link.get(key) for key in ("eds", "layout")} if isinstance(link, dict) else {}
+    paths = {key: (folder / name).resolve() for key, name in named.items() if isinstance(name, str) and name}
+    return [f"link.{key}: {path} does not exist; the path begins at the bench file" for key, path in paths.items() if not path.is_file()]
 
 
 def rule_faults(found: Table) -> list[str]:
@@ -43,7 +96,7 @@ def _stimulus(table: Table) -> list[str]:
     if acting is None:
         return []
     faults = [
-        f'stimulus.{key}: does not act with kind = "{kind}"; {", ".join(sorted(acting)) or "no key"} does; remove it'
+        f'stimulus.{key}: does not act with kind = "{kind}", only {", ".join(sorted(acting)) or "no key"}; remove it'
         for key in table
         if key != "kind" and key not in acting
     ]

@@ -175,7 +175,7 @@ def stopped(t: NodeTester) -> None:
     "603Fh is the code of the emergency message",
     "603Fh ist der Code der Emergency-Nachricht",
     clause="CiA 402-2, 603Fh",
-    condition=FAULTS,
+    condition=(*FAULTS, "emcy"),
     preamble=(*POWER, LOST),
 )
 def same_code(t: NodeTester) -> None:

@@ -17,11 +17,13 @@ from drivers.ports.serial.line_format import parse_format
 from drivers.ports.serial.pty import PtyPort
 from gateway.commands.conformance import main
 from gateway.conformance.framework.bench_file import BadFile, Bench, load_bench, load_waivers
+from gateway.conformance.framework.bench_rules import ERRORS, RANGES
 from gateway.conformance.framework.power import switch_of
 from gateway.conformance.peers.powered import Powered
 from gateway.conformance.peers.score import fails, play
 from gateway.conformance.peers.stations import Built, Variant, link_of
 from gateway.conformance.suites.registry import SUITES
+from gateway.conformance.suites.rk512 import refusals
 from gateway.pure.conformance.verdict import Inconclusive, Verdict
 from hil_tests.unit.gateway.conformance.test_command import BENCHES, run
 from protocols.base.machine import Damage
@@ -220,3 +222,32 @@ def test_all_faults_of_a_waiver_are_named_in_one_run(tmp_path: pathlib.Path) -> 
         "4: id ['A_1'] is in no case of this suite",
         "4: until soon: a date such as 2027-06-30 expected",
     ]
+
+
+def test_numbers_and_error_names_of_the_pics_and_files_of_the_bench(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An unknown name of an error, and a number out of its range, had no effect; a missing EDS was reported alone."""
+    bench = tmp_path / "bench.toml"
+    bench.write_text(
+        '[port]\nurl = "sim"\n[link]\neds = "none.eds"\n[pics]\nmost_received = 0\nwords = 257\n'
+        'errors = { missing_blok = "2A", wrong_type = "100", amount_0 = "2A" }\n'
+    )
+    assert main(["run", "rk512", "--bench", str(bench)]) == 2
+    said = capsys.readouterr().err
+    for text in (
+        f"link.eds: {tmp_path / 'none.eds'} does not exist",
+        "pics.most_received: a whole number 1 to 65535 expected, found 0",
+        "pics.words: a whole number 1 to 256 expected, found 257",
+        "pics.errors.missing_blok: no such error; there are missing_block, ",
+        "did you mean missing_block?",
+        "pics.errors.wrong_type: an error number in hexadecimal such as \"2A\" expected, found '100'",
+    ):
+        assert text in said, (text, said)
+    assert "amount_0: " not in said
+
+
+def test_each_whole_number_of_the_pics_has_a_range_and_each_error_a_case() -> None:
+    wholes = {question.key for suite in SUITES.values() for question in suite.questions if question.kind == "whole"}
+    assert wholes == set(RANGES)
+    folder = pathlib.Path(refusals.__file__).parent
+    cases = "".join((folder / name).read_text(encoding="utf-8") for name in ("refusals.py", "passive.py"))
+    assert [name for name in ERRORS if f'"{name}"' not in cases] == []

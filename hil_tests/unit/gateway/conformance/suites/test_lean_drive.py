@@ -42,3 +42,10 @@ def test_modes_are_found_by_6060h_where_6502h_is_missing() -> None:
 def test_a_mode_without_its_mandatory_object_is_one_fail() -> None:
     found = played(("CIA402_MOD_BV_04", "CIA402_POS_BV_01"), 0x6081)
     assert fails(list(found.values())) == ("CIA402_MOD_BV_04",) and "pp without 6081h:00" in found["CIA402_MOD_BV_04"].reason
+
+
+def test_a_drive_without_emergency_messages_is_judged_by_its_state() -> None:
+    """CiA 301 leaves 1014h to the maker: two cases were FAIL, one of them with a code that was not said."""
+    found = played(("CIA402_FLT_BV_01", "CIA402_FLT_BV_07", "CIA402_FLT_BV_09"), 0x1003, 0x1014, 0x1015)
+    assert fails(list(found.values())) == ()
+    assert [found[f"CIA402_FLT_BV_0{number}"].verdict for number in (1, 7, 9)] == [Verdict.PASS, Verdict.PASS, Verdict.NA]
