@@ -67,6 +67,18 @@ def _short_answers(p: Purposes[ModbusTester], basic: str) -> None:
                 "FC 17: its byte count is wrong", f"11 {len(got) - 2:02X} .." if len(got) > 1 else "11, byte count, data", t.words(got)
             )
 
+    @p.case(
+        "CA_08",
+        "FC 8/0: the data are returned",
+        "FC 8/0: die Daten kommen zurück",
+        clause="V1.1b3, 6.8",
+        condition=("fc8",),
+        preamble=(basic,),
+    )
+    def loop(t: ModbusTester) -> None:
+        for data in (b"\xa5\x37", b"\x00\x00", b"\xff\xff"):
+            t.echo(b"\x08\x00\x00" + data, 5, "FC 8/0")
+
 
 def other_functions(p: Purposes[ModbusTester], basic: str) -> None:
     @p.case(
@@ -91,18 +103,6 @@ def other_functions(p: Purposes[ModbusTester], basic: str) -> None:
     def high(t: ModbusTester) -> None:
         for function in (0x83, 0xFF, 0x00):
             _never_executed(t, function)
-
-    @p.case(
-        "CA_08",
-        "FC 8/0: the data are returned",
-        "FC 8/0: die Daten kommen zurück",
-        clause="V1.1b3, 6.8",
-        condition=("fc8",),
-        preamble=(basic,),
-    )
-    def loop(t: ModbusTester) -> None:
-        for data in (b"\xa5\x37", b"\x00\x00", b"\xff\xff"):
-            t.echo(b"\x08\x00\x00" + data, 5, "FC 8/0")
 
     @p.case(
         "CA_43",

@@ -74,7 +74,7 @@ def _is_another_block(t: LineTester, db: int, word: bytes) -> None:
         write(t, db, 0, other)
     there = ask(t, header(FETCH, DX, db, 0, 1))
     if there.number == 0 and there.data == other:
-        raise Fail(f"FETCH of DX{db} brings the words of DB{db}: type X is not told from type D", word.hex(" ").upper(), there.words())
+        raise Fail(f"FETCH of DX{db} brings the words of DB{db}: types X and D are one", word.hex(" ").upper(), there.words())
 
 
 @PAS.case(
