@@ -116,7 +116,7 @@ def _result(client: ToolClient, number: int, name: str, answer: Row, seconds: fl
         "seconds": round(seconds, 3),
         "axes": rows,
         "measured": measured,
-        "sentence": f"program {number} {name}: {outcome}; the axes stand at {places}{_caught(measured)}",
+        "sentence": f"program {number} {name}: {outcome}; the axes are at {places}{_caught(measured)}",
     }
 
 

@@ -222,4 +222,4 @@ def _result(client: ToolClient, name: str, answer: Row, seconds: float) -> Row:
         what = f"{answer['code']} {answer['text']}" if answer["code"] else str(answer["text"])
         words = f"{answer['how']}: {answer['place']}: {what}".replace(": :", ":")
     facts = {"program": name, **{key: answer[key] for key in ("how", "code", "text", "place")}, "seconds": round(seconds, 3), "axes": rows}
-    return {**facts, "lost": answer.get("lost", []), "sentence": f"{name} {words}; the axes stand at {places}"}
+    return {**facts, "lost": answer.get("lost", []), "sentence": f"{name} {words}; the axes are at {places}"}

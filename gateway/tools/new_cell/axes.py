@@ -45,7 +45,7 @@ def axes_text(family: str, count: int) -> str:
     """[[axis]] tables and the emulated machine of `run --sim`."""
     axes = [_axis(family, number, name, kind) for number, (name, kind) in enumerate(_NAMES[:count], start=1)]
     plant = [f"[plant.axis.{name}]\n{kind.plant}\n" for name, kind in _NAMES[:count]]
-    heading = "# ---- only for `run --sim`: where the axes stand at power-up and where their reference switches are ----"
+    heading = "# ---- only for `run --sim`: where the axes are at power-up and where their reference switches are ----"
     return "\n".join([*axes, heading, "[plant]\nseed = 1\n", *plant])
 
 

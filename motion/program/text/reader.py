@@ -431,7 +431,7 @@ def read(text: str) -> Program:
     except TextError as fault:
         faults.append(fault)
     if not reader.start:
-        faults.append(TextError(0, "start", "is missing: where the axes stand before the first block"))
+        faults.append(TextError(0, "start", "is missing: where the axes are before the first block"))
     if faults:
         raise TextFaults(faults)
     return Program(reader.name, reader.robot, reader.start, tuple(reader.blocks), reader.units, reader.acts, reader.systems.active)

@@ -42,7 +42,7 @@ def faults(more: str, *edits: tuple[str, str]) -> list[str]:
         ("[controller]\nkind = 'reis'\npin = '9-9'", "up to 16 letters and digits"),
         ("[controller]\nkind = 'val3'\nmemory = '.'", 'programs belong to kind = "rho3" and kind = "reis"'),
         ("[controller]\nmemory = '.'", "programs need the kinematics of a [robot] with a model"),
-        ("[controller]\nhardware = 'rho3.0'\n[rho3]\nP36 = [24, 18]", "signals stand in I24"),
+        ("[controller]\nhardware = 'rho3.0'\n[rho3]\nP36 = [24, 18]", "signals are in I24"),
         ("[controller]\n[rho3]\nP20 = 19\nP21 = [5, 92, 0, 87]", "a start above 0"),
         ("[controller]\n[rho3]\nP20 = 15\nP21 = [0, 44]", "four numbers"),
         ("[controller]\n[rho3]\nP3 = 12", "8, 16, 24 or 32"),

@@ -31,7 +31,7 @@ class Axes:
 def test_a_message_without_a_number_is_said_too(how: str, code: int, text: str, said: str) -> None:
     answer: dict[str, object] = {"how": how, "code": code, "text": text, "place": "PICK"}
     found = _result(cast(ToolClient, Axes()), "PICK", answer, 2.0)
-    assert str(found["sentence"]) == f"{said} the axes stand at A1 1.500"
+    assert str(found["sentence"]) == f"{said} the axes are at A1 1.500"
 
 
 class Moving:

@@ -152,7 +152,7 @@ def test_a_key_given_twice_is_a_slip(line: str, key: str) -> None:
 
 
 def test_a_text_without_a_start_or_empty_says_so() -> None:
-    assert faults("") == [(0, "start", "is missing: where the axes stand before the first block")]
+    assert faults("") == [(0, "start", "is missing: where the axes are before the first block")]
     assert read("start 1 2").blocks == ()
 
 

@@ -119,7 +119,7 @@ class MultiFunction:
         """`occupied`: bytes of PLC inputs signals are in.  ValueError: an address that does not exist or is not free."""
         self._in, self._out = _place("input", p36_in, MF_INPUTS, stand_alone), _place("output", p36_out, MF_OUTPUTS, stand_alone)
         if self._in in occupied:
-            raise ValueError(f"P36 input {self._in}: signals stand in I{self._in}")
+            raise ValueError(f"P36 input {self._in}: signals are in I{self._in}")
         if self._out is not None and self._out < 88 and self._out not in FREE_OUTPUTS:
             raise ValueError(f"P36 output {self._out}: free are {sorted(FREE_OUTPUTS)}")
         self._baps = 0
