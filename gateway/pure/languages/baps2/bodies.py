@@ -357,7 +357,7 @@ class Bodies:
     def _exclusive(self, statement: Exclusive) -> None:
         symbol = self.names.find(statement.semaphore)
         if statement.semaphore and (symbol is None or (symbol.kind != "semaphore" and not symbol.misread)):
-            self.names.once("semaphore", statement.semaphore, statement.at, f"{statement.semaphore} is no semaphore")
+            self.names.once("semaphore", statement.semaphore, statement.at, f"{statement.semaphore} is not a semaphore")
         key = f"{(symbol.owner if symbol is not None else '', statement.semaphore)!r}"
         self.out.add(f"yield Enter({key})")
         self.function.path.append(id(statement))
@@ -391,7 +391,7 @@ class Bodies:
     def _startstop(self, statement: StartStop, request: str, program: str) -> None:
         symbol = self.names.find(program)
         if symbol is not None and symbol.kind != "program" and not symbol.misread:
-            self.names.faults.error("no-program", statement.at, f"{program} is {with_article(symbol.kind)}, no program")
+            self.names.faults.error("no-program", statement.at, f"{program} is {with_article(symbol.kind)}, not a program")
         self.out.add(f"yield {request}({program!r})")
 
     def _set(self, statement: Set) -> None:

@@ -18,7 +18,7 @@ def call(bodies: Writer, statement: CallStatement) -> None:
         if statement.name in standard.PROCEDURES and statement.behind is None:
             _procedure(bodies, statement)
         else:
-            text = f"{statement.name} is no subroutine"
+            text = f"{statement.name} is not a subroutine"
             bodies.names.unknown(statement.name, statement.at, text, "declare it, or write a colon behind a label")
         return
     if statement.behind is not None:
@@ -27,7 +27,7 @@ def call(bodies: Writer, statement: CallStatement) -> None:
     if symbol.misread:
         return
     if symbol.kind not in ("subroutine", "special", "program"):
-        faults.error("no-subroutine", statement.at, f"{statement.name} is {with_article(symbol.kind)}, no subroutine")
+        faults.error("no-subroutine", statement.at, f"{statement.name} is {with_article(symbol.kind)}, not a subroutine")
         return
     values = _arguments(bodies, statement, symbol)
     if values is None:

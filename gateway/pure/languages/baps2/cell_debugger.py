@@ -158,7 +158,7 @@ class CellDebugger:
                 raise DebugFault(f"{base} is an array: {base}[{held.low}] to {base}[{held.high}]")
             held.set(index, value_of(kind, text, self.cell.components(program)))
         elif index is not None:
-            raise DebugFault(f"{base} is no array")
+            raise DebugFault(f"{base} is not an array")
         else:
             poke(python, value_of(kind, text, self.cell.components(program)))
 
@@ -273,7 +273,7 @@ def value_of(kind: str, text: str, components: int) -> object:
     if kind == "REAL" and (number := _number(typed)) is not None:
         return number
     ranges = {"BINARY": "0 or 1", "INTEGER": f"a whole number {LOWEST} to {HIGHEST}", "REAL": "a number of up to 3.4E38"}
-    raise DebugFault(f"{text!r} is no value: {ranges.get(kind, f'a {kind} is not set here')}")
+    raise DebugFault(f"{text!r} is not a value: {ranges.get(kind, f'a {kind} is not set here')}")
 
 
 def point_of(text: str, components: int) -> tuple[float, ...]:
@@ -281,7 +281,7 @@ def point_of(text: str, components: int) -> tuple[float, ...]:
     parts = [each for each in re.split(r"[\s,]+", text.strip().removeprefix("@").strip("() ")) if each]
     found = [_number(each) for each in parts]
     if len(found) != components or None in found:
-        raise DebugFault(f"{text!r} is no point: {components} numbers with a comma between")
+        raise DebugFault(f"{text!r} is not a point: {components} numbers with a comma between")
     return tuple(each for each in found if each is not None)
 
 

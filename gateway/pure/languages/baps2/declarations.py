@@ -206,7 +206,7 @@ class DeclarationReader:
                 raise Misread
         kind = self.type_name()
         if kind.base not in (*PLAIN, "POINT", "JC_POINT"):
-            self._stream.wrong(f"{kind.base} is no type of an element", at=kind.at)
+            self._stream.wrong(f"{kind.base} is not a type of an element", at=kind.at)
         return TypeName(at, kind.base, kind.kinematic, low, high)
 
     def _names(self, kind: TypeName | None) -> list[Token]:

@@ -21,7 +21,7 @@ def _unit(bodies: Writer, name: str, statement: Read | Write | FileOrder) -> tup
     if symbol is not None and symbol.misread:
         return repr(name), None
     if symbol is not None or (name and name not in DEVICES):
-        bodies.names.once("file-unknown", name, statement.at, f"{name} is no file and no device")
+        bodies.names.once("file-unknown", name, statement.at, f"{name} is neither a file nor a device")
     return repr(name or "PHG"), None
 
 

@@ -70,12 +70,12 @@ def _known(table: Mapping[str, object], keys: tuple[str, ...], what: str) -> Non
     """A key that is misspelt would be without effect."""
     for key in table:
         if key not in keys:
-            raise FeedFault(f"{key} is no key of {what}; the keys are {', '.join(keys)}")
+            raise FeedFault(f"{key} is not a key of {what}; the keys are {', '.join(keys)}")
 
 
 def _program(name: object) -> str:
     if not isinstance(name, str):
-        raise FeedFault(f"compiled: {name!r} is no name of a program")
+        raise FeedFault(f"compiled: {name!r} is not a name of a program")
     return name.upper().removesuffix(".QLL")
 
 
@@ -91,13 +91,13 @@ def _number(value: object, where: str, low: float, high: float) -> float:
 
 def _table(value: object, where: str) -> Mapping[str, object]:
     if not isinstance(value, Mapping):
-        raise FeedFault(f"{where} is no table")
+        raise FeedFault(f"{where} is not a table")
     return value
 
 
 def _list(value: object, where: str) -> list[object]:
     if not isinstance(value, list):
-        raise FeedFault(f"{where} is no list")
+        raise FeedFault(f"{where} is not a list")
     return value
 
 

@@ -78,7 +78,7 @@ def _other(text: str, word: str, kinematic: str, value: str, at: Position, head:
 
 def _none(text: str, at: Position, head: Head, faults: Faults, meant: str = "") -> None:
     """No instruction; one with numbers of kinematics counts as KINEMATICS.  meant: the one it is like."""
-    faults.error("instruction-unknown", at, f"';;{text}' is no compiler instruction", f"{meant} is the word like it" if meant else "")
+    faults.error("instruction-unknown", at, f"';;{text}' is not a compiler instruction", f"did you mean {meant}?" if meant else "")
     if _PAIR.search(text):
         head.faulty.add("KINEMATICS")
 

@@ -78,7 +78,7 @@ _MEANT = {"!=": "<>", "&": "AND", "&&": "AND", "|": "OR", "||": "OR"}  # signs o
 def _runs_on(found: str, match: re.Match[str], behind: re.Match[str], position: Position, faults: Faults) -> tuple[str, re.Match[str]]:
     """Reports a number that does not end where it should: what to read for it, and up to where."""
     if behind[0].startswith("."):
-        faults.error("no-token", position, f"'{found}{behind[0]}' is no number")
+        faults.error("no-token", position, f"'{found}{behind[0]}' is not a number")
         return found.partition(".")[0] or "0", behind  # a whole number fits everywhere
     faults.error("number-runs-into-word", position, f"'{found}' runs into the word behind it", "put a blank between them")
     return found, match
@@ -167,5 +167,5 @@ def _meant(found: str, position: Position, words: Words, faults: Faults) -> Toke
         faults.error("no-token", position, f"{begin} begins no comment", "a semicolon begins a comment")
         return None
     sign = _MEANT[found]
-    faults.error("no-token", position, f"'{found}' is no sign", f"write {sign}")
+    faults.error("no-token", position, f"'{found}' is not a sign", f"write {sign}")
     return Token(Kind.NAME if sign.isalpha() else Kind.SIGN, sign, position, words.token(sign) or "")

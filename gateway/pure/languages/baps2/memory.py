@@ -89,10 +89,10 @@ def points_of(text: str, file: str, faults: Faults) -> Points:
         row = line.partition(";")[0].strip()
         match = _POINT.fullmatch(row)
         if row and match is None:
-            faults.error("point-line", Position(file, number), f"{row[:40]!r} is no point", "the form is NAME = (1, 2, 3)")
+            faults.error("point-line", Position(file, number), f"{row[:40]!r} is not a point", "the form is NAME = (1, 2, 3)")
         elif match is not None:
             try:
                 found[_named(match)] = tuple(float(each) for each in re.split(r"[\s,]+", match[2].strip(", ")))
             except ValueError:
-                faults.error("point-line", Position(file, number), f"{match[2][:40]!r} are no numbers", "the form is NAME = (1, 2, 3)")
+                faults.error("point-line", Position(file, number), f"{match[2][:40]!r} are not numbers", "the form is NAME = (1, 2, 3)")
     return found

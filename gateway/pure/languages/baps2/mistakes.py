@@ -57,7 +57,7 @@ class Mistakes:
         alone = following.kind is Kind.END or following.position.line != token.position.line
         spelling = self._stream.slip([each for each in words if not (alone and each in WITH_OPERAND)])
         if spelling:
-            self._stream.faults.error("name-unknown", token.position, f"{token.text} is no subroutine", f"{spelling} is the word like it")
+            self._stream.faults.error("name-unknown", token.position, f"{token.text} is not a subroutine", f"did you mean {spelling}?")
             self._stream.read_as(spelling)
         return bool(spelling)
 
@@ -95,7 +95,7 @@ class Mistakes:
             return False
         if remedy not in self._strange:  # a WHILE and its end are one mistake
             self._strange.add(remedy)
-            self._stream.faults.error("name-unknown", token.position, f"{token.text} is no word of BAPS2", remedy)
+            self._stream.faults.error("name-unknown", token.position, f"{token.text} is not a word of BAPS2", remedy)
         self._stream.take()
         whole = token.key in WHOLE_LINES
         while token.key not in IN_FRONT and self._stream.token.position.line == token.position.line and (whole or not self.starts()):
@@ -107,7 +107,7 @@ class Mistakes:
         token = self._stream.token
         if token.key not in ELSE_IF or token.kind is not Kind.NAME or self.is_known(token):
             return False
-        self._stream.faults.error("name-unknown", token.position, f"{token.text} is no word of BAPS2", "write ELSE IF")
+        self._stream.faults.error("name-unknown", token.position, f"{token.text} is not a word of BAPS2", "write ELSE IF")
         self._stream.read_as("IF")
         return True
 
@@ -159,7 +159,7 @@ class Mistakes:
     def assigned(self, where: str) -> None:
         """Takes the = of an assignment; `:=` and `==` are reported."""
         if self._stream.is_sign(":") and self._stream.ahead().text == "=":
-            self._stream.faults.error("syntax", self._stream.token.position, "':=' is no sign", "write =")
+            self._stream.faults.error("syntax", self._stream.token.position, "':=' is not a sign", "write =")
             self._stream.take()
         self._stream.expect_sign("=", where)
         self._stream.doubled("=")
@@ -184,7 +184,7 @@ class Mistakes:
         ):
             return False
         self._stream.faults.error(
-            "name-unknown", token.position, f"{token.text} is no subroutine", "declare it, or write a colon behind a label"
+            "name-unknown", token.position, f"{token.text} is not a subroutine", "declare it, or write a colon behind a label"
         )
         return True
 

@@ -51,7 +51,7 @@ class Naming:
     def _constant(self, each: Constant) -> None:
         value = self._typing.of(each.value)
         if value.type is not NONE and value.constant is None:
-            self.fault("no-constant", each.at, f"{each.name} is no constant: its value is known only when the program runs")
+            self.fault("no-constant", each.at, f"{each.name} is not a constant: its value is known only when the program runs")
         self._names.declare(Symbol(each.name, "constant", value.type, constant=value.constant), each.at)
 
     def type_of(self, written: TypeName, *, joint: bool = False) -> Type:
@@ -77,7 +77,7 @@ class Naming:
     def _declared(self, each: Declared, level: int) -> None:
         base = each.type.base
         if (each.public or each.teach) and level:
-            self.fault("public-place", each.at, "PUBLIC and DEF stand in the declarations of the main program only")
+            self.fault("public-place", each.at, "PUBLIC and DEF belong in the declarations of the main program only")
         if each.teach and base and base not in ("POINT", "JC_POINT"):
             self.fault("teach-type", each.at, f"DEF is for points, {each.name} is {base}")
         if base == "JC_POINT" and not each.name.startswith("@"):
@@ -106,7 +106,7 @@ class Naming:
             if isinstance(channel.constant, int):
                 number = channel.constant
             elif channel.type is not NONE:
-                self.fault("channel", each.at, f"the channel of {each.name} is no INTEGER constant")
+                self.fault("channel", each.at, f"the channel of {each.name} is not an INTEGER constant")
         if kind == "belt":
             if not 501 <= number <= 508:
                 self.fault("channel", each.at, f"belt channel {number} of {each.name} is not in 501..508")
@@ -127,7 +127,7 @@ class Naming:
                 self._names.declare(self._other(name, at), at)
             return
         if level:
-            self.fault("public-place", each.at, "EXTERNAL data stand in the declarations of the main program only")
+            self.fault("public-place", each.at, "EXTERNAL data belong in the declarations of the main program only")
         if self._imported not in ("", each.program):
             self.fault("import-two", each.at, f"data of {self._imported} are imported already; only one program may be imported from")
         self._imported = each.program
@@ -136,9 +136,7 @@ class Naming:
         exporter = self._programs(each.program)
         if exporter is None and each.program not in self._gone:
             self._gone.add(each.program)
-            self.fault(
-                "import-missing", each.at, f"program {each.program} is not there", f"{each.program}.QLL belongs into the same folder"
-            )
+            self.fault("import-missing", each.at, f"program {each.program} is not there", f"{each.program}.QLL belongs in the same folder")
         exports = {} if exporter is None else exports_of(exporter, self._programs)
         for name, at in each.names:
             found = exports.get(name)

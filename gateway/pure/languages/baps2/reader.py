@@ -160,7 +160,7 @@ class _Reader:
             return False
         spelling = self._stream.slip(("BEGIN",))
         if spelling:
-            self._faults.error("no-begin", token.position, f"BEGIN is expected, not {token}", f"{spelling} is the word like it")
+            self._faults.error("no-begin", token.position, f"BEGIN is expected, not {token}", f"did you mean {spelling}?")
             self._stream.read_as(spelling)
         return bool(spelling)
 

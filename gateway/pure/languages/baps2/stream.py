@@ -126,7 +126,7 @@ class Stream:
     def doubled(self, sign: str) -> None:
         """Takes the same sign once more, right behind the one that was taken, and reports it."""
         if self.is_sign(sign) and self.ahead(-1).touches(self.token):
-            self.faults.error("syntax", self.token.position, f"'{sign}{sign}' is no sign", f"write {sign}")
+            self.faults.error("syntax", self.token.position, f"'{sign}{sign}' is not a sign", f"write {sign}")
             self.take()
 
     def comma(self) -> bool:

@@ -123,7 +123,7 @@ def _belt(bodies: Writer, statement: Sync | Synchron) -> int | None:
     symbol = bodies.names.find(statement.belt)
     if symbol is None or symbol.kind != "belt":
         if symbol is None or not symbol.misread:
-            bodies.names.faults.error("belt-unknown", statement.at, f"{statement.belt} is no belt")
+            bodies.names.faults.error("belt-unknown", statement.at, f"{statement.belt} is not a belt")
         return None
     return symbol.channel
 

@@ -56,7 +56,7 @@ class Typing:
     def _number(self, at: Position, value: int | float) -> Typed:
         if isinstance(value, int):
             if value > values.HIGHEST:
-                return self.fault("number-range", at, f"{value} is no 32-bit integer")
+                return self.fault("number-range", at, f"{value} is not a 32-bit integer")
             return Typed(INTEGER, str(value), value)
         if not abs(value) <= values.MOST_REAL:
             return self.fault("number-range", at, "this number is greater than any REAL")
@@ -116,7 +116,7 @@ class Typing:
     def _member(self, tree: Member) -> Typed:
         if isinstance(tree.base, Name) and self.is_kinematic(tree.base):
             if tree.name not in standard.STANDARD_NAMES:
-                return self.fault("name-unknown", tree.at, f"{tree.name} is no standard variable of a kinematic")
+                return self.fault("name-unknown", tree.at, f"{tree.name} is not a standard variable of a kinematic")
             return self._standard(Name(tree.at, tree.name), tree.base.name)
         base = self.of(tree.base)
         index = self.component(tree, base.type)
@@ -127,11 +127,11 @@ class Typing:
         if kind is NONE:
             return None
         if kind.base not in POINTS or kind.is_array:
-            self.fault("type", tree.at, f"{tree.name} is no component: {kind} has none")
+            self.fault("type", tree.at, f"{tree.name} is not a component: {kind} has none")
             return None
         index = self.names.component(kind, tree.name)
         if index is None:
-            self.fault("component-unknown", tree.at, f"{tree.name} is no component of {kind}")
+            self.fault("component-unknown", tree.at, f"{tree.name} is not a component of {kind}")
         return index
 
     def _index(self, tree: Index) -> Typed:
@@ -222,9 +222,9 @@ class Typing:
             return NOTHING if any(part.type is NONE for part in parts) else Typed(FRAME, numbers_text(parts))
         known = self.names.find(tree.name)
         if known is not None:
-            text = f"{tree.name} is {with_article(known.kind)}, no function"
+            text = f"{tree.name} is {with_article(known.kind)}, not a function"
             return NOTHING if known.misread else self.fault("no-value", tree.at, text)
-        self.names.unknown(tree.name, tree.at, f"{tree.name} is no function")
+        self.names.unknown(tree.name, tree.at, f"{tree.name} is not a function")
         return NOTHING
 
     def _function(self, tree: Call) -> Typed:
@@ -275,7 +275,7 @@ class Typing:
         argument = tree.arguments[0]
         if isinstance(argument, Text):
             if not signal_place(argument.value):
-                return self.fault("signal", argument.at, f"{argument.value!r} is no signal", "the form is I88.0")
+                return self.fault("signal", argument.at, f"{argument.value!r} is not a signal", "the form is I88.0")
             code = f"Condition({argument.value.upper()!r}, True)"
         elif (unit := self.unit(argument)) == "":
             return self.fault("type", tree.at, f"{tree.name} takes a device, a file or a signal")

@@ -29,7 +29,7 @@ def nearest(text: str, words: Iterable[str]) -> str:
 def hint_of(name: str, names: Iterable[str]) -> str:
     """The remedy for a name that is not known; "": none is like it."""
     found = nearest(name, sorted(each for each in names if each != name))
-    return f"{found} is the name like it" if found else ""
+    return f"did you mean {found}?" if found else ""
 
 
 def _plain(text: str) -> str:

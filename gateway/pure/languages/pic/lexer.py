@@ -59,7 +59,7 @@ def _row(line: str, file: str, number: int, faults: Faults) -> list[Token]:
         match = _TOKEN.match(line, at)
         here = Position(file, number, at + 1)
         if match is None:
-            faults.error("character", here, f"{line[at]!r} is no part of a PIC program", "a comment begins with ;")
+            faults.error("character", here, f"{line[at]!r} is not part of a PIC program", "a comment begins with ;")
             return found
         kind = match.lastgroup or ""
         if kind == "slip":
@@ -74,5 +74,5 @@ def _meant(text: str, here: Position, faults: Faults) -> Token:
     """A sign of another language, or an address with a comma or a letter O: it is reported, and read as it was meant."""
     word = MEANT.get(text)
     meant = word or text[0] + text[1:].translate(DIGITS)
-    faults.error("character", here, f"{text!r} is no part of a PIC program", f"write {meant}")
+    faults.error("character", here, f"{text!r} is not part of a PIC program", f"write {meant}")
     return Token(Kind.NAME if word else Kind.BIT, meant, here)

@@ -232,7 +232,7 @@ class Reader:
         if then and not found:
             return
         if token.word in REMEDIES:
-            self.faults.error("name", token.at, f"{token.text} is no signal and no symbol", REMEDIES[token.word])
+            self.faults.error("name", token.at, f"{token.text} is neither a signal nor a symbol", REMEDIES[token.word])
         else:
             self.faults.error("operator", token.at, f"AND or OR is missing in front of {token.text}")
         while place:
@@ -290,13 +290,13 @@ class Reader:
         token = self.token
         target = self._operand(writes=True)
         if self._sign(":"):
-            self.faults.error("assign", self.token.at, "':=' is no sign", "write =")
+            self.faults.error("assign", self.token.at, "':=' is not a sign", "write =")
             self._take()
         if not self._sign("="):
             raise self._fail("assign", self.token.at, f"= is expected behind {token.text}")
         self._take()
         if self._sign("=") and not self.token.first:
-            self.faults.error("assign", self.token.at, "'==' is no sign", "write =")
+            self.faults.error("assign", self.token.at, "'==' is not a sign", "write =")
             self._take()
         if self.token.first and self._ahead().text == "=":
             raise self._fail("operand", self.token.at, f"a signal or an address is expected behind {token.text} =, not a new line")
@@ -352,7 +352,7 @@ class Reader:
         operand = not behind.first and (behind.kind is Kind.BIT or (behind.kind is Kind.NAME and behind.word not in (*RESERVED, *LIST)))
         if token.kind is Kind.NAME and operand and token.word not in RESERVED and self.symbols.find(token.text) is None:
             if spelling := nearest(token.word, NOT):
-                self.faults.error("name", token.at, f"{token.text} is no signal and no symbol", f"{spelling} is the name like it")
+                self.faults.error("name", token.at, f"{token.text} is neither a signal nor a symbol", f"did you mean {spelling}?")
                 self._take()
 
     def _binary(self) -> int:
@@ -394,7 +394,7 @@ class Reader:
             self._unknown.add(token.word)
             hint = REMEDIES.get(token.word) or hint_of(token.word, (*self.symbols.own, *RESERVED))
             hint = hint or f"a line {token.word} = I88.0 in the SYM file"
-            raise self._fail("name", token.at, f"{token.text} is no signal and no symbol", hint)
+            raise self._fail("name", token.at, f"{token.text} is neither a signal nor a symbol", hint)
         return found
 
     # ---- the instruction list

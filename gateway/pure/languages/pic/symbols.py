@@ -102,12 +102,12 @@ def symbols_of(text: str, file: str, signals: Signals, faults: Faults) -> Symbol
             continue
         match, here = _ROW.fullmatch(row), Position(file, number)
         if match is None:
-            faults.error("symbol-line", here, f"{row[:40]!r} is no symbol", "the form is NAME = I88.0")
+            faults.error("symbol-line", here, f"{row[:40]!r} is not a symbol", "the form is NAME = I88.0")
             continue
         name, meant = (match[1] or match[3]).upper(), match[2] or match[4]
         place = address(meant)
         if place is None:
-            place = known.find(meant) or f"{meant[:40]!r} is no address and no signal"
+            place = known.find(meant) or f"{meant[:40]!r} is neither an address nor a signal"
         if isinstance(place, str):
             faults.error("symbol-line", here, place, "the form is NAME = I88.0")
         elif name in own:

@@ -45,7 +45,7 @@ def pic_feed_of(raw: Mapping[str, object], symbols: Symbols, program: PicProgram
     _known(raw, KEYS, "a feed of a PIC program")
     inputs = raw.get("input", [])
     if not isinstance(inputs, list):
-        raise PicFeedFault("input is no list of tables")
+        raise PicFeedFault("input is not a list of tables")
     changes = sorted((_change(each, symbols, program) for each in inputs), key=lambda change: change.at)
     p3 = round(_number(raw.get("p3", 8), "p3", 8, 32))
     if p3 % 8:
@@ -63,7 +63,7 @@ def pic_feed_of(raw: Mapping[str, object], symbols: Symbols, program: PicProgram
 def _known(table: Mapping[str, object], keys: tuple[str, ...], what: str) -> None:
     for key in table:
         if key not in keys:
-            raise PicFeedFault(f"{key} is no key of {what}; the keys are {', '.join(keys)}")
+            raise PicFeedFault(f"{key} is not a key of {what}; the keys are {', '.join(keys)}")
 
 
 def _number(value: object, where: str, low: float, high: float) -> float:

@@ -22,7 +22,7 @@ def test_faulty_names_of_components(right: str, wrong: str, found: tuple[str, in
     assert faults_of(ROBOT + MOVES) == []
     assert faults_of(ROBOT.replace(right, wrong) + MOVES) == [found]
     assert faults_of(ROBOT.replace(right, wrong) + MOVES + "SR S\nBEGIN\nX = 1\nSR_END\n") == [found, ("name-unknown", 15)], (
-        "what is no consequence is reported"
+        "what is not a consequence is reported"
     )
 
 

@@ -123,7 +123,7 @@ def test_a_habit_of_another_language_is_one_fault(statements: str, line: int, co
 
 def test_points_of_a_kinematic_that_is_not_declared_are_one_fault() -> None:
     found = check(f"{HEAD}PROGRAM P\nROBB.POINT : P1\nBEGIN\nMOVE TO P1\nPROGRAM_END\n")
-    assert [(each.id, each.position.line, each.hint) for each in found] == [("kinematic-unknown", 6, "ROB is the name like it")]
+    assert [(each.id, each.position.line, each.hint) for each in found] == [("kinematic-unknown", 6, "did you mean ROB?")]
 
 
 def test_less_than_a_negative_number_is_no_arrow() -> None:

@@ -95,4 +95,4 @@ def test_names_of_the_user_stay_names(statements: str) -> None:
 
 def test_the_fault_names_the_word_that_is_like_it() -> None:
     found = check("PROGRAMM P\nANFANG\nWDHH 3 MAL\nWARTE 1\nWDH_ENDE\nPROGRAMM_ENDE\n")
-    assert [fault.hint for fault in found] == ["WDH is the word like it"]
+    assert [fault.hint for fault in found] == ["did you mean WDH?"]

@@ -129,7 +129,7 @@ WRONG = (
     ("SHARE", "much", "a number"),
     ("ROW", "1", "ROW[1] to ROW[3]"),
     ("ROW[4]", "1", "ROW[1] to ROW[3]"),
-    ("COUNT[1]", "1", "no array"),
+    ("COUNT[1]", "1", "not an array"),
     ("START1", "1, 2", "4 numbers"),
     ("NOTE", "x" * 81, "up to 80"),
     ("NOTHING", "1", "no variable of this name"),

@@ -68,13 +68,13 @@ def test_two_mistakes_are_two_faults(first: str, wrong: str, second: str, wrong_
 @pytest.mark.parametrize(
     "statements, hint",
     [
-        ("ZEILLE = 1", "ZEILE is the name like it"),
-        ("SPRUNG SCHLUS\nSCHLUSS:", "SCHLUSS is the name like it"),
-        ("MELD\nHALT", "MELDE is the name like it"),
+        ("ZEILLE = 1", "did you mean ZEILE?"),
+        ("SPRUNG SCHLUS\nSCHLUSS:", "did you mean SCHLUSS?"),
+        ("MELD\nHALT", "did you mean MELDE?"),
         ("WARTE 1,5", "write 1.5"),
         ("ZEILE := 1", "write ="),
         ("PARALLEL\nALSO\nPARALLEL ENDE", "write PARALLEL_ENDE"),
-        ("V_PTB = 1", "V_PTP is the name like it"),
+        ("V_PTB = 1", "did you mean V_PTP?"),
         ("NR = 1", "line 2 has it in a comment behind a semicolon"),
     ],
 )
@@ -86,7 +86,7 @@ def test_the_hint_says_what_was_meant(statements: str, hint: str) -> None:
 @pytest.mark.parametrize("name, kind", [("E", "an input"), ("O", "an output"), ("I", "a variable")])
 def test_what_is_started_and_is_no_program_is_named_with_its_article(name: str, kind: str) -> None:
     text = body(f"START {name}", "INPUT : 1 = E OUTPUT : 1 = O INTEGER : I")
-    assert [fault.text for fault in library_of({}).check("P.QLL", text)[1]] == [f"{name} is {kind}, no program"]
+    assert [fault.text for fault in library_of({}).check("P.QLL", text)[1]] == [f"{name} is {kind}, not a program"]
 
 
 ENGLISH = """PROGRAM P

@@ -57,7 +57,7 @@ def test_a_feed_that_sets_what_the_program_writes_or_names_nothing_is_one_senten
         ('[[input]]\nname = "I200.1"', "bytes are 0..127"),
         ("timers = [-1]", "timers = -1: a number from 0"),
         ("p3 = 9", "p3 = 9: 8, 16, 24 or 32"),
-        ("block_s = 1", "block_s is no key"),
+        ("block_s = 1", "block_s is not a key"),
     ):
         (tmp_path / "feed.toml").write_text(entry)
         assert main(["trace", str(tmp_path), "HOLD.QLS", "--feed", str(tmp_path / "feed.toml")]) == 2
