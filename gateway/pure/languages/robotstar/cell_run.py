@@ -30,7 +30,6 @@ from gateway.pure.languages.robotstar.values import Array, Cell, Names, Structur
 
 WAITS = {Wait: "a time", BitWait: "a bit"}
 RUNS = (State.RUNNING, State.WAITING)
-PROGRESS_NS = 50_000_000
 LEFT = -1  # code of an order that ended because the rest of the path was given up
 SYSTEM = "$SYSTEM"  # name of what the control itself keeps
 STARTABLE = ("MPR", "SPR", "MAC")
@@ -46,8 +45,6 @@ class CellRun:
         self.run = 0  # of the control, while the program runs
         self.selected: Program | None = None
         self.mouse = Mouse()
-        self._told: tuple[int, ...] = (0, 0, 0, 0)
-        self._told_ns = 0
         self._take(memory)
 
     def _hand_speeds(self) -> tuple[float, float]:
@@ -336,7 +333,7 @@ class CellRun:
         self.ahead.look(self.port.view.set)
         before = self.robot.cursor()
         self.robot.advance(now)
-        self._tell_progress(now)
+        self.world.report_progress(now)
         if self.machine.tool is not self._tool:
             self._tool = self.machine.tool
             self.port.send("tool", values=" ".join(f"{value:.10g}" for value in tool_values(self._tool)))
@@ -351,13 +348,6 @@ class CellRun:
                 self.path.release(self)  # others may move the axes
             self.hand.look(self.port.view.set, now)
         return self.runs and not self.robot.waits and not self.machine.idle and self.robot.cursor() != before
-
-    def _tell_progress(self, now: Ns) -> None:
-        """M1464 to M1479, as often as a page or a PLC can follow."""
-        self.world.progress = self.ahead.progress(self.world.progress)
-        if now - self._told_ns >= PROGRESS_NS and (numbers := self.world.progress.numbers()) != self._told:
-            self._told, self._told_ns = numbers, now
-            self.port.send("progress", values=" ".join(str(number) for number in numbers))
 
     def _over(self, error: RuntimeFault | None) -> None:
         """The run that has ended is reported."""

@@ -12,7 +12,7 @@ from gateway.pure.languages.robotstar.faults import INPUT_WRITTEN, StepFault
 from gateway.pure.languages.robotstar.machine import Machine, NotYet
 from gateway.pure.languages.robotstar.operands import signed
 from gateway.pure.languages.robotstar.path import Target
-from gateway.pure.languages.robotstar.progress import Progress
+from gateway.pure.languages.robotstar.progress import Progress, Reports
 from gateway.pure.languages.robotstar.virtual import ANALOG_INPUTS, ANALOG_OUTPUTS, BASES, SCALE
 
 SHOWN_NS = 50_000_000  # so long what was written is read back, whether the control shows it or not: the PLC may have changed it since
@@ -27,6 +27,7 @@ class CellWorld:
     machine: Machine | None = None  # set once it is made
     now: Ns = 0
     progress: Progress = field(default_factory=Progress)
+    _reports: Reports = field(default_factory=Reports)
     _written: dict[int, tuple[int, int, Ns]] = field(default_factory=dict)  # byte -> mask, bits, until: not shown by the control yet
 
     # ---- reading
@@ -66,6 +67,12 @@ class CellWorld:
         """_RPATH_DIST[1], [2], _RTIME_DIST[1], [2]: of the position before, once it is reached."""
         self._wait()
         return self.progress.values()[number - 1]
+
+    def report_progress(self, now: Ns) -> None:
+        """M1464 to M1479."""
+        self.progress = self.ahead.progress(self.progress)
+        if numbers := self._reports.due(self.progress, now):
+            self.port.send("progress", values=numbers)
 
     def actual(self) -> Target:
         """Where the robot is."""

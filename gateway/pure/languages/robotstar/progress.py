@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.lines import arc_length
 from gateway.pure.languages.robotstar.path import Target
+from protocols.base.machine import Ns
 
 FIRST = 1464  # four double words: done and left in 0.01 mm, done and left in 0.01 s
 HIGHEST = 2**31 - 1
+REPORT_NS: Ns = 50_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +29,21 @@ class Progress:
     def numbers(self) -> tuple[int, ...]:
         """The same as the markers have it."""
         return tuple(min(round(value * 100), HIGHEST) for value in self.values())
+
+
+class Reports:
+    """What the markers are given of it, as often as a page or a PLC can follow."""
+
+    def __init__(self) -> None:
+        self._last: tuple[int, ...] = ()  # behind a memory that was read anew the markers have the numbers of the one before
+        self._at: Ns = 0
+
+    def due(self, progress: Progress, now: Ns) -> str:
+        """The numbers to send, separated by blanks; empty: they have not changed, or the last ones are too young."""
+        if now - self._at < REPORT_NS or (numbers := progress.numbers()) == self._last:
+            return ""
+        self._last, self._at = numbers, now
+        return " ".join(str(number) for number in numbers)
 
 
 def length_of(start: Target, target: Target, via: Target | None = None) -> float:
