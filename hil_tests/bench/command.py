@@ -10,7 +10,6 @@ import math
 import os
 import pathlib
 import platform
-import signal
 import subprocess
 import sys
 import traceback
@@ -151,8 +150,6 @@ def main(argv: list[str]) -> int:
     if missing:
         print(f"axisgate bench: {', '.join(missing)} not built; run: make references", file=sys.stderr)
         return 3
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in a shell's background job: programs would ignore it, too
-        signal.signal(signal.SIGINT, signal.default_int_handler)
     found, broken = measured(list(BENCHES) if arguments.name == "all" else [arguments.name], arguments)
     if arguments.json:
         print(json.dumps(found, indent=1))

@@ -3,8 +3,6 @@
 import json
 import math
 import pathlib
-import signal
-import subprocess
 from collections.abc import Callable
 
 import pytest
@@ -70,23 +68,3 @@ def test_a_bench_that_fails_among_others_is_repeated_at_the_end_in_its_place_on_
     assert "a failed (the cause is above) and is repeated" in capsys.readouterr().err
     runs.clear()
     assert command.main(["a"]) == 3 and runs == ["a"], "one bench alone is not repeated"
-
-
-def test_programs_that_a_bench_in_the_background_starts_can_be_ended_by_sigint(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A shell starts a background job with SIGINT ignored, and a process hands that on to those it starts."""
-    ended = list[int]()
-
-    def bench(arguments: object) -> list[command.Figure]:
-        with subprocess.Popen(["sleep", "2"]) as program:
-            program.send_signal(signal.SIGINT)
-            ended.append(program.wait())
-        return []
-
-    monkeypatch.setattr(command, "BENCHES", {"a": bench})
-    monkeypatch.setattr(command, "REFERENCES", ())
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        assert command.main(["a"]) == 0
-    finally:
-        signal.signal(signal.SIGINT, before)
-    assert ended == [-signal.SIGINT]
