@@ -123,9 +123,10 @@ class DeafAfter(Built):
         return events
 
 
-class NaksFirstStx(Built):
-    """NAK to an STX, DLE to the one that follows."""
+class _OddStx(Built):
+    """Every other STX, from the first one on, is not accepted: `reply` takes the place of DLE."""
 
+    reply = b""
     _heard = b""
     _count = 0
 
@@ -139,8 +140,18 @@ class NaksFirstStx(Built):
             self._count += 1
             if self._count % 2:
                 fresh_link(self, Priority.LOW)
-                return NAK
+                return self.reply
         return output
+
+
+class NaksFirstStx(_OddStx):
+    """NAK to an STX, DLE to the one that follows."""
+
+    reply = NAK
+
+
+class EverySecondStx(_OddStx):
+    """One STX of two is not received."""
 
 
 class DleTwice(Built):
@@ -203,26 +214,6 @@ class FlipsPriority(Built):
 
 class NeverDoublesDle(NeverDoubles, Built):
     """Sends a DLE of its data once."""
-
-
-class EverySecondStx(Built):
-    """One STX of two is not received."""
-
-    _heard = b""
-    _count = 0
-
-    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
-        self._heard = data
-        return super().receive(data, now)
-
-    def take_output(self) -> bytes:
-        output = super().take_output()
-        if self._heard == STX and output == DLE:
-            self._count += 1
-            if self._count % 2:
-                fresh_link(self, Priority.LOW)
-                return b""
-        return output
 
 
 class NakOpens(Built):
