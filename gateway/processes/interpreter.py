@@ -28,7 +28,7 @@ from gateway.pure.image.records.interpreter import (
 )
 from gateway.pure.image.records.planner import SAY_LAYOUT, BlockRecord, PlannerState, Say, pack_block, unpack_planner
 from gateway.pure.languages.base.hosting import PathState, View, as_reported, paths_of
-from gateway.pure.languages.base.kept import Kept
+from gateway.pure.languages.base.lost_files import LostFiles
 from gateway.pure.languages.base.requests import RuntimeFault
 from gateway.pure.planning.ahead import StatementsAhead
 from gateway.registry import language_in
@@ -60,7 +60,7 @@ class CellPort:
         self._says = RingWriter(fds["program-says"], "program-says", TEXT_LAYOUT)
         self._lines = RingWriter(fds["lines"], "lines", SAY_LAYOUT)
         self._correction = RegionWriter(fds["correction"], "correction", CORRECTION_LAYOUT) if "correction" in fds else None
-        self.kept = Kept()
+        self.lost_files = LostFiles()
 
     def look(self) -> None:
         """The cell in a new turn."""
@@ -130,7 +130,7 @@ class CellPort:
         """A process is over."""
         code, text = (fault.code, fault.text) if fault is not None else (0, "")
         self.say("over", run=run, how=how, code=code, text=text, place=place)
-        self.kept.over(run)
+        self.lost_files.over(run)
 
     def report(self, program: str, line: int, text: str) -> None:
         """What a person should read."""
@@ -224,7 +224,7 @@ class InterpreterProcess:
                 self._fresh = False
                 if (faults := self.programs.refresh(self._alive)) is not None:
                     self._have_read(faults)
-                self.port.kept.begins(int(order["run"]))
+                self.port.lost_files.begins(int(order["run"]))
                 self.language.start_run(str(order["program"]), int(order["run"]), now)
             case "select":
                 if (faults := self.programs.refresh(self._alive)) is not None:
@@ -248,7 +248,7 @@ class InterpreterProcess:
         faults = self.programs.write_back()
         for fault in faults:
             self.journal.write("alarm", fault)
-        for run, lost in self.port.kept.written(faults):
+        for run, lost in self.port.lost_files.written(faults):
             self.port.say("kept", run=run, text="\n".join(lost))
 
     def _report(self, now: int) -> None:

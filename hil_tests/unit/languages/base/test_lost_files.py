@@ -1,22 +1,22 @@
 """What a program has written and is not on the disk is known once it is over: the interpreter reports it with its end."""
 
-from gateway.pure.languages.base.kept import Kept
+from gateway.pure.languages.base.lost_files import LostFiles
 from gateway.services.rho3_programs import _outcome
 from hil_tests.lab.virtual.baps2_bench import ProgramCell, one
 
 
 def test_a_run_reports_what_was_lost_while_it_was_under_way() -> None:
-    kept = Kept()
-    assert kept.written(["A"]) == []
-    kept.begins(1)
-    assert kept.written(["B"]) == []
-    kept.begins(2)
-    kept.over(1)
-    assert kept.written(["C", "B"]) == [(1, ["B", "C"])]
-    kept.over(2)
-    kept.over(1 << 20)  # a program has started it
-    assert kept.written([]) == [(2, ["C", "B"])]
-    assert kept.written(["D"]) == []
+    lost_files = LostFiles()
+    assert lost_files.written(["A"]) == []
+    lost_files.begins(1)
+    assert lost_files.written(["B"]) == []
+    lost_files.begins(2)
+    lost_files.over(1)
+    assert lost_files.written(["C", "B"]) == [(1, ["B", "C"])]
+    lost_files.over(2)
+    lost_files.over(1 << 20)  # a program has started it
+    assert lost_files.written([]) == [(2, ["C", "B"])]
+    assert lost_files.written(["D"]) == []
 
 
 def test_a_tool_learns_of_it_once_all_is_written() -> None:

@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 
 
-class Kept:
-    """Call `begins` and `over` for each run that was ordered, `written` behind each turn."""
+class LostFiles:
+    """Call `begins` and `over` for each run that was ordered, `written` after each turn."""
 
     def __init__(self) -> None:
         self._lost: dict[int, list[str]] = {}  # run -> sentences about files that were lost since it began
