@@ -249,7 +249,7 @@ def team_meant(cell: Cell, kinematics: "Sequence[Kinematic]") -> "Team":
         if not written_for(each.robot, cell.robot[places[-1]].model):
             raise MotionError(f"kinematic {each.name} is written for robot {each.robot}, this cell's is {cell.robot[places[-1]].model}")
     if places != sorted(places):
-        raise MotionError(f"kinematics are in the order of the cell's [[robot]] tables: {', '.join(names)}")
+        raise MotionError(f"kinematics must be in the order of the cell's [[robot]] tables: {', '.join(names)}")
     machines = machines_of_cell(cell)
     return Team(tuple(each.name for each in kinematics), tuple(machines[n] for n in places))
 

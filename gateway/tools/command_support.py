@@ -9,7 +9,7 @@ INTERRUPTED = 130  # by Ctrl-C
 BANNER = (
     "axisgate is not a safety device. It has no safety function, no performance level and no certificate. Emergency stop, safe torque\n"
     "off, guards, enabling devices and speed monitoring must be realised in certified hardware that works without axisgate.\n"
-    "axisgate ist keine Sicherheitseinrichtung: Not-Halt, STO, Schutztueren, Zustimmeinrichtungen und sichere Geschwindigkeit gehoeren in\n"
+    "axisgate ist keine Sicherheitseinrichtung: Not-Halt, STO, Schutztueren, Zustimmung und sichere Geschwindigkeit gehoeren in\n"
     "zertifizierte Hardware, die ohne axisgate wirkt."
 )
 

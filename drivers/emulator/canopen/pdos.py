@@ -67,7 +67,7 @@ class Pdos:
             tpdo.due = NEVER
 
     def power_down(self) -> None:
-        """What is due would never be sent: time would stand still."""
+        """Nothing is sent any more, so nothing may stay due: time would not go on."""
         self.by_event = []
         for item in self.received:
             item.due = NEVER

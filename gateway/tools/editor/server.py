@@ -70,8 +70,8 @@ class Looks:
             return Look()
 
 
-class Others:
-    """The other open documents: they may include, import or call what was typed, and are checked again behind the last key."""
+class OtherDocuments:
+    """Open documents that are not typed in: they may include, import or call what was typed, and are checked after the last key."""
 
     def __init__(self, publish: Callable[[str], None]) -> None:
         self._publish = publish
@@ -99,7 +99,7 @@ def made_server() -> LanguageServer:
         found = [_diagnostic(each.line, each.column, document, each.fault) for each in looks.of(uri).faults if each.path.resolve() == path]
         server.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(uri, found, version=document.version))
 
-    others = Others(publish)
+    others = OtherDocuments(publish)
 
     @server.feature(lsp.TEXT_DOCUMENT_DID_OPEN)
     def opened(params: lsp.DidOpenTextDocumentParams) -> None:

@@ -3,7 +3,7 @@ import { DE } from "./texts_de.js";
 
 const SAFETY = {
   en: "axisgate is not a safety device. It has no safety function, no performance level and no certificate. Emergency stop, safe torque off, guards, enabling devices and speed monitoring must be realised in certified hardware that works without axisgate. Speed, torque and position limits in axisgate protect parts, not people.",
-  de: "axisgate ist keine Sicherheitseinrichtung. Not-Halt, STO, Schutztüren, Zustimmeinrichtungen und sichere Geschwindigkeit sind in zertifizierter Hardware auszuführen, die ohne axisgate wirkt. Grenzwerte in axisgate schützen Teile, nicht Personen.",
+  de: "axisgate ist keine Sicherheitseinrichtung. Not-Halt, STO, Schutztüren, Zustimmung und sichere Geschwindigkeit sind in zertifizierter Hardware auszuführen, die ohne axisgate wirkt. Grenzwerte in axisgate schützen Teile, nicht Personen.",
 };
 const ENGLISH = { "kept: watch": "saved lists", "kept: scope": "saved layouts" };
 let now = "en";

@@ -97,7 +97,7 @@ class Names:
         for key, places in self._values.items():
             written = self._written(*key)
             if written and written[0].type.at in lacking:
-                kind, hint = written[0].type, f"calls pass values to {written[0].name}, no variables"
+                kind, hint = written[0].type, f"calls pass values to {written[0].name}, not variables"
                 self.faults.error("value-missing", kind.at, f"VALUE is missing in front of {kind.base}", hint)
                 continue
             for at in places:

@@ -228,7 +228,9 @@ class Interpreter:
             act, command, leads, ends, byte, mask = bound[at]
             done += 1
             if leads:  # what asks for allowance, and where an error is named
-                frame.at, paid, self.allowance = at + 1, done, self.allowance - (done - paid)
+                frame.at = at + 1
+                self.allowance -= done - paid
+                paid = done
             act(command)
             if ends:
                 self.fresh = True

@@ -302,7 +302,7 @@ def _misfit(name: str, parameter: Parameter, slots: Mapping[str, Operand]) -> st
     if not isinstance(given, Number):
         return f"{name} must be a number, not {parameter.text}"
     if name == "FRAME" and not (isinstance(given.value, int) and 0 <= given.value <= HIGHEST):
-        return f"Frame {given.value:g} is no number of a station: a whole number from 0 on"
+        return f"Frame {given.value:g} is not the number of a station: a whole number from 0 on"
     return ""
 
 

@@ -8,7 +8,7 @@ from gateway.pure.languages.val3.model import Application, Declaration
 
 OUTPUTS = ("%q", "valve", "fout", "bout", "usrout", "vreg")
 INPUTS = ("%i", "fin", "bin", "usrin")
-NAMED_OUTPUT = re.compile(r"[da]o(?![a-z])|[DA]O", re.ASCII)  # doLamp, do_lamp, DO1; a door is none
+NAMED_OUTPUT = re.compile(r"[da]o(?![a-z])|[DA]O", re.ASCII)  # doLamp, do_lamp, DO1, not door
 WRITTEN = re.compile(r"(?:^\s*|\b(?:dio|aio)Set\s*\(\s*)((?:\w+:)?\w+)\s*(?:\[[^\]]*\]\s*)?(?:=(?!=)|,)", re.IGNORECASE)
 
 
