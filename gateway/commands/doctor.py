@@ -13,18 +13,20 @@ import socket
 import subprocess
 from collections.abc import Iterable
 
+from gateway.files.texts import spoken
+from gateway.pure.lines.texts import LANGUAGES, language_of
 from gateway.pure.reports.doctor import CanState, Finding, PortState, RealTime, can_interface, can_state, real_time, serial_port
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
-  axisgate doctor                                   everything that is plugged in
-  axisgate doctor --port /dev/ttyUSB0 --can can0    one port and one CAN interface by name
-  axisgate doctor --json                            the same for a program
+  axisgate doctor                                   every port and interface that is plugged in
+  axisgate doctor --port /dev/ttyUSB0 --can can0    one port and one CAN interface, by name
+  axisgate doctor --json                            the same as JSON
   axisgate doctor serial /dev/ttyUSB0               measured: echo of the adapter (loop plug), lateness of this machine
   axisgate doctor can socketcan:can0 --send         the same for a CAN adapter
-  axisgate doctor --hour cell.toml                  an hour of this machine: fast enough for the cycle of the cell?
-exit code: 0 no finding, 1 something to improve, 2 command line or cell, 3 a named port or interface is not there"""
+  axisgate doctor --hour cell.toml                  for an hour: is this machine fast enough for the cycle of the cell?
+exit code: 0 no finding, 1 something to improve, 2 command line or cell, 3 a named port or interface is missing"""
 PORTS = ("/dev/serial/by-id/*", "/dev/ttyUSB*", "/dev/ttyACM*")
 TRIED_PRIORITY = 10
 IP_LIMIT_S = 5.0
@@ -38,11 +40,12 @@ def main(argv: list[str]) -> int:
     parser = argparse.ArgumentParser(
         "axisgate doctor", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--port", action="append", default=[], metavar="DEVICE", help="a serial port; may be given again")
-    parser.add_argument("--can", action="append", default=[], metavar="IFACE", help="a CAN interface; may be given again")
+    parser.add_argument("--port", action="append", default=[], metavar="DEVICE", help="a serial port; may be repeated")
+    parser.add_argument("--can", action="append", default=[], metavar="IFACE", help="a CAN interface; may be repeated")
     parser.add_argument("--json", action="store_true", help="a list of JSON objects on standard output")
+    parser.add_argument("--language", choices=LANGUAGES, help="language of the report (default: the system's)")
     parser.add_argument("--hour", metavar="CELL", help="measure for an hour how late this machine is, compared with the cycle of the cell")
-    parser.add_argument("--seconds", type=float, default=3600.0, help="with --hour: this time instead of an hour")
+    parser.add_argument("--seconds", type=float, default=3600.0, help="with --hour: seconds to measure instead of an hour")
     options = parser.parse_args(argv)
     if options.hour:
         return _hour(options)
@@ -50,7 +53,8 @@ def main(argv: list[str]) -> int:
     if options.json:
         print(json.dumps([dataclasses.asdict(finding) for finding in findings], indent=1))
     else:
-        print("\n".join(line for finding in findings for line in finding_lines(finding)))
+        language = language_of(options.language, dict(os.environ))
+        print("\n".join(line for finding in findings for line in finding_lines(finding, language)))
     return verdict(findings)
 
 
@@ -62,15 +66,18 @@ def _hour(options: argparse.Namespace) -> int:
     if isinstance(cell, int):
         return cell
     if not 0 < options.seconds <= 86_400:
-        complain("doctor", f"--seconds {options.seconds:g}: up to 86400")
+        complain("doctor", f"--seconds {options.seconds:g}: above 0, at most 86400 expected")
         return Exit.INVALID
-    return hour(cell, options.seconds, as_json=options.json)
+    return hour(cell, options.seconds, language_of(options.language, dict(os.environ)), as_json=options.json)
 
 
-def finding_lines(finding: Finding) -> list[str]:
+def finding_lines(finding: Finding, language: str = "en") -> list[str]:
     """One finding as lines."""
-    lines = [f"{finding.level:<8} {finding.what}: {finding.text}"]
-    return lines + ([f"{'':<8} do: {finding.todo}"] if finding.todo else [])
+    german = spoken("doctor").german
+    level, what, text, todo, do = (
+        german(each) if language == "de" else each for each in (finding.level, finding.what, finding.text, finding.todo, "do")
+    )
+    return [f"{level:<8} {what}: {text}"] + ([f"{'':<8} {do}: {todo}"] if todo else [])
 
 
 def verdict(findings: Iterable[Finding]) -> Exit:
@@ -80,7 +87,7 @@ def verdict(findings: Iterable[Finding]) -> Exit:
 
 
 def read_real_time() -> RealTime:
-    """Limits, and whether FIFO is really granted: tried on this process and taken back."""
+    """Limits, and whether FIFO is granted: tried on this process, then restored."""
     before = os.sched_getscheduler(0), os.sched_getparam(0)
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(TRIED_PRIORITY))
@@ -127,7 +134,7 @@ def buses(named: list[str]) -> list[Finding]:
         return [Finding("can", "missing" if named else "warn", why, "install iproute2")]
     if not named:
         found = [finding for state in states if state.kind in ("can", "vcan") for finding in can_interface(state)]
-        return found or [Finding("can", "ok", "the kernel has CAN; no interface is there")]
+        return found or [Finding("can", "ok", "the kernel has CAN; there is no interface")]
     known = {state.name: state for state in states}
     absent = {name: [Finding(f"can {name}", "missing", "no such interface", "ip -brief link lists them")] for name in named}
     return [finding for name in named for finding in (can_interface(known[name]) if name in known else absent[name])]

@@ -1,4 +1,4 @@
-"""What `doctor` concludes from what it read: pure, so that every wording is tested without the hardware."""
+"""Findings of `axisgate doctor` from what was read of the system; pure, so that they are tested without hardware."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ LATENCY_GOOD_MS = 1
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One line: what, ok | warn | missing, and what to do (missing: a named thing is not there)."""
+    """One line: subject, level (ok, warn, or missing for a named thing that does not exist), text, and what to do."""
 
     what: str
     level: str
@@ -19,7 +19,7 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class PortState:
-    """What the system reports about one serial port; latency_ms is None where the driver has no such timer."""
+    """What the system reports about one serial port; latency_ms is None if the driver has no such timer."""
 
     name: str
     exists: bool
@@ -43,7 +43,7 @@ class RealTime:
 
 @dataclass(frozen=True, slots=True)
 class CanState:
-    """The settings of one interface out of `ip -details -json link`."""
+    """The settings of one interface, from `ip -details -json link`."""
 
     name: str
     up: bool
@@ -66,7 +66,7 @@ def serial_port(port: PortState) -> list[Finding]:
             else f"sudo usermod -aG {port.group or DIALOUT} $USER"
         )
         return [Finding(what, "warn", f"no permission to read and write (group {port.group or '?'})", member)]
-    findings = [Finding(what, "ok", "may be read and written")]
+    findings = [Finding(what, "ok", "can be read and written")]
     if port.latency_ms is not None:
         late = port.latency_ms > LATENCY_GOOD_MS
         todo = f"echo {LATENCY_GOOD_MS} | sudo tee {port.latency_file}" if late else ""
@@ -77,7 +77,7 @@ def serial_port(port: PortState) -> list[Finding]:
 
 def real_time(state: RealTime) -> list[Finding]:
     """May the cycle run with FIFO priority and locked memory?"""
-    limits = "put into /etc/security/limits.d/axisgate.conf: '* - rtprio 40' and '* - memlock unlimited', then log in again"
+    limits = "write '* - rtprio 40' and '* - memlock unlimited' to /etc/security/limits.d/axisgate.conf, then log in again"
     findings = []
     if state.fifo_error:
         text = f"SCHED_FIFO refused ({state.fifo_error}; rtprio limit {state.rtprio}): the demo and run --sim use P5 = 10 ms"

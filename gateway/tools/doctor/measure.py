@@ -23,11 +23,11 @@ Said = Callable[[float], None]  # share of the work that is done
 
 
 class NoEcho(Exception):
-    """Nothing came back; what to do about it."""
+    """No echo was received; the text names what to check."""
 
 
 def progress(what: str) -> Said:
-    """One line on a terminal's standard error, nothing in a pipe."""
+    """Progress in percent on standard error; nothing where that is not a terminal."""
     if not sys.stderr.isatty():
         return lambda share: None
     shown = [-1]
@@ -42,7 +42,7 @@ def progress(what: str) -> Said:
 
 
 def serial_echo(url: str, line_format: str, count: int, said: Said) -> list[float]:
-    """From writing one character to having it back, without the time the character takes on the line.  PortError, NoEcho, ValueError."""
+    """Times from writing a character to reading its echo, less its time on the line.  Raises PortError, NoEcho, ValueError."""
     port = open_bytes(url, line_format)
     try:
         port.read()  # what was in the line before
@@ -60,8 +60,8 @@ def serial_echo(url: str, line_format: str, count: int, said: Said) -> list[floa
 
 
 def can_echo(url: str, count: int, said: Said) -> list[float]:
-    """From sending a frame without data to another listener of the same channel having it; of an adapter only one can open, until it
-    gives the frame back.  PortError, NoEcho."""
+    """Times from sending a frame until another listener of the channel has it; for an adapter that opens once, until it returns the
+    frame.  Raises PortError, NoEcho."""
     if is_adapter(url):
         return _own_echo(url, count, said)
     sender, listener = open_can(url), open_can(url)
@@ -119,11 +119,13 @@ def _until_heard(fd: int, heard: Callable[[], bool], url: str) -> None:
     while (left := end - time.monotonic()) > 0:
         if select.select([fd], [], [], left)[0] and heard():
             return
-    raise NoEcho(f"{url}: no echo within {PATIENCE_S:g} s; bridge its send and receive lines (RS-232: pins 2 and 3), or plug a loop in")
+    raise NoEcho(
+        f"{url}: no echo within {PATIENCE_S:g} s; bridge its send and receive lines (RS-232: pins 2 and 3), or plug in a loop plug"
+    )
 
 
 def lateness(seconds: float, said: Said) -> list[float]:
-    """How late a process that wants to wake every millisecond is, with real-time priority where it is granted."""
+    """How late a process wakes that is due every millisecond, with real-time priority where it is granted."""
     policy, priority = os.sched_getscheduler(0), os.sched_getparam(0)
     with contextlib.suppress(OSError):  # refused: then the cycle's is refused too
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))

@@ -13,7 +13,20 @@ from gateway.files.texts import read_texts
 from gateway.pure.reports.spoken import FIELD
 from gateway.tools.help_language import actions, explained, paragraphs
 
-WORDS = ("check", "run", "line", "line export", "modbus", "program", "robotstar", "val3", "conformance")
+WORDS = (
+    "check",
+    "run",
+    "line",
+    "line export",
+    "modbus",
+    "program",
+    "robotstar",
+    "val3",
+    "conformance",
+    "doctor",
+    "doctor serial",
+    "doctor can",
+)
 
 
 def answer(words: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> str:

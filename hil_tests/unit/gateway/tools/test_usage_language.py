@@ -73,6 +73,9 @@ def test_a_wrong_command_line_is_named_in_german(
         ("val3 check /none", "axisgate val3: /none: kein solcher Ordner, keine solche Datei; den Ordner einer Anwendung"),
         ("conformance run 3964", "axisgate conformance: Prueffolge 3964 gibt es nicht; vorhanden: 3964r, "),
         ("conformance verify /none", "axisgate conformance: /none/SHA256SUMS: nicht lesbar (Datei oder Ordner fehlt); ist das der Ordner"),
+        ("doctor serial pty:/x --count 0", "axisgate doctor: --count 0: 1..1000000\n"),
+        ("doctor can socketcan:can0", "axisgate doctor: sendet Telegramme mit Identifier 7FFh auf einen echten Bus; erst die Antriebe"),
+        ("doctor serial /dev/ttyNONE", "axisgate doctor: serieller Anschluss /dev/ttyNONE: fehlt; Adapter einstecken oder Pfad"),
         ("restore /none --to /tmp/x", "axisgate restore: /none: Datei oder Ordner fehlt\n"),
     ],
 )
@@ -162,6 +165,11 @@ def test_each_reason_of_an_import_has_its_german(name: str, monkeypatch: pytest.
     found = [(line, PUT_TOGETHER.get(words, words)) for line, words in sentences(IMPORT / f"{name}.py") if not NO_SENTENCE.search(words)]
     missing = [f"{name}.py:{line}: {words}" for line, words in found if report_text(words) == words]
     assert not missing, "give them a line in configs/texts/plc-import.toml"
+
+
+def test_each_missing_echo_has_its_german() -> None:
+    found = [words for _, words in sentences(pathlib.Path(gateway.__file__).parent / "tools/doctor/measure.py") if ": " in words]
+    assert len(found) == 3 and not [words for words in found if "echo " in usage_text(words, GERMAN) or words == usage_text(words, GERMAN)]
 
 
 def test_an_import_and_a_plc_are_reported_in_german(
