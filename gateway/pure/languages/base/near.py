@@ -1,6 +1,6 @@
 """Which word a misspelt one was meant to be: letters that are missing, too many, wrong or have changed places."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 
 SHORT = 7  # letters; longer words may have two slips
 LEAST = 3
@@ -8,28 +8,48 @@ MOST_HINTS = 100  # faults of one kind behind which a reader looks for no like w
 
 
 def nearest(text: str, words: Iterable[str]) -> str:
-    """The word most like the text; "": none is like it.  Case and underscores do not count."""
-    best, least = "", 3
+    """The word most like the text, the first of several; "": none is like it.  Case and underscores do not count."""
+    return next(iter(all_nearest(text, words)), "")
+
+
+def all_nearest(text: str, words: Iterable[str]) -> list[str]:
+    """The words most like the text in their order: more than one where the text is equally near to them."""
+    best: list[str] = []
+    least = 3
     wanted = _plain(text)
     letters = set(wanted)
     for word in words:
         plain = _plain(word)
         difference = abs(len(wanted) - len(plain))
-        if difference >= least:
+        if difference > least:
             continue
-        slips = min(_allowed(wanted, plain), least - 1)
+        slips = min(_allowed(wanted, plain), least)
         if difference > slips or len(letters - set(plain)) > slips:
             continue  # most words, without counting
         far = _distance(wanted, plain)
-        if far <= slips:
-            best, least = word, far
+        if far > slips:
+            continue
+        best = [*best, word] if far == least else [word]
+        least = far
     return best
+
+
+def meant(text: str, table: Mapping[str, str]) -> list[str]:
+    """The spellings of a table most like the text, the first of each meaning."""
+    found = {table[spelling]: spelling for spelling in reversed(all_nearest(text, table))}
+    return [*reversed(found.values())]
 
 
 def hint_of(name: str, names: Iterable[str]) -> str:
     """The remedy for a name that is not known; "": none is like it."""
-    found = nearest(name, sorted(each for each in names if each != name))
-    return f"did you mean {found}?" if found else ""
+    return hint_with(all_nearest(name, sorted(each for each in names if each != name)))
+
+
+def hint_with(words: Sequence[str]) -> str:
+    """The remedy with the words a text may have been meant to be; "": with none."""
+    if len(words) < 2:
+        return f"did you mean {words[0]}?" if words else ""
+    return f"did you mean {words[0]} or {words[1]}?"
 
 
 def _plain(text: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.base.faults import Faults, also_at, hints
-from gateway.pure.languages.base.near import MOST_HINTS, nearest
+from gateway.pure.languages.base.near import MOST_HINTS, all_nearest, hint_with, meant, nearest
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.access import of_one_group
 from gateway.pure.languages.robotstar.circles import wrong_circles
@@ -25,7 +25,7 @@ from gateway.pure.languages.robotstar.faults import (
 from gateway.pure.languages.robotstar.literals import wrong_kind, wrong_literal
 from gateway.pure.languages.robotstar.memory import DEFAULT_TOOL, Memory
 from gateway.pure.languages.robotstar.operands import HIGHEST, LOWEST, Equate, Number, Operand, Ref, Text
-from gateway.pure.languages.robotstar.pallet import pattern_of
+from gateway.pure.languages.robotstar.pallet import PatternFault, pattern_of
 from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Program, Step, definition_late
 from gateway.pure.languages.robotstar.reader import spelled
 from gateway.pure.languages.robotstar.values import Array, Names, Structure, SystemCell, Variable
@@ -33,6 +33,7 @@ from gateway.pure.languages.robotstar.values import Array, Names, Structure, Sys
 POSITIONS = ("POSITION", "VAR_POS")
 WRITTEN = ("destination", "control")  # places a step writes to
 WRITTEN_BY = (("ACT_POS", "position"), ("CALC_REL", "vector"))
+TARGETS = {"CALL": ("SPR",), "PROGRAM": ("MPR",), "PALLET": ("PAL", "MPR")}
 TAKE_PROGRAMS = ("CALL", "PROGRAM", "PALLET", "TRAFO_6D")
 CARTESIAN_PARTS = ("Frame", "X", "Y", "Z", "A", "B", "C", "A1..A24")
 PARTS = {"V": CARTESIAN_PARTS, "P": ("MA", "AA", "PT", *CARTESIAN_PARTS), "T": ("X", "Y", "Z", "RX", "RY", "RZ")}
@@ -49,7 +50,8 @@ class _Check:
     intended: set[str] = field(default_factory=set)  # names that misspelt definitions would define
     lost: dict[str, list[Step]] = field(default_factory=dict)  # names defined nowhere, and the steps of this program with them
     unreached: dict[str, list[Step]] = field(default_factory=dict)  # faults of calls, and the steps of this program with them
-    spellings: tuple[str, ...] = ()  # of commands, and names of macros
+    spellings: dict[str, str] = field(default_factory=dict)  # of commands, and names of macros, with what they mean
+    patterns: dict[str, Program] = field(default_factory=dict)  # pallet patterns by their files
 
     def structural(self, program: Program, step: Step, id: str, text: str, hint: str = "") -> None:
         """A fault that keeps the program from starting."""
@@ -66,9 +68,8 @@ class _Check:
             self.lost.setdefault(name, []).append(step)
 
     def like(self, word: str, words: Iterable[str]) -> str:
-        """The hint with the one of these words that a word was meant to be; "": of none."""
-        near = nearest(word, words) if len(self.faults) < MOST_HINTS else ""
-        return f"did you mean {near}?" if near else ""
+        """The hint with the one or two of these words that a word was meant to be; "": of none."""
+        return hint_with(all_nearest(word, words)) if len(self.faults) < MOST_HINTS else ""
 
 
 def check(memory: Memory, faults: Faults, system: Names) -> None:
@@ -77,8 +78,9 @@ def check(memory: Memory, faults: Faults, system: Names) -> None:
     for table in (memory.globals, *memory.locals.values()):
         for name, variable in table.items():
             checking.known.setdefault(name, []).append(variable)
-    macros = {program.name.upper() for program in memory.all() if program.kind == "MAC"}
-    checking.spellings = tuple(sorted(macros | memory.words.words.keys() - HEADS))
+    macros = {program.name.upper(): program.name.upper() for program in memory.all() if program.kind == "MAC"}
+    commands = {spelling: word for spelling, word in memory.words.words.items() if spelling not in HEADS}
+    checking.spellings = dict(sorted((macros | commands).items()))
     definitions = [spelling for spelling, word in memory.words.words.items() if word in DEFINITIONS]
     for program in memory.all():
         checking.made.update(_destinations(program))
@@ -86,6 +88,8 @@ def check(memory: Memory, faults: Faults, system: Names) -> None:
     for program in memory.all():
         if program.kind != "PLC":
             _program(checking, program)
+    for pattern in checking.patterns.values():
+        _format(checking, pattern)
 
 
 def _destinations(program: Program) -> Iterator[str]:
@@ -112,8 +116,8 @@ def _name_of(operand: Operand) -> str:
 
 
 def _program(checking: _Check, program: Program) -> None:
-    if program.kind == "PAL" and not program.refused and (wrong := _format(checking, program)):
-        checking.late(program, program.steps[0], "rsv.pallet", wrong)
+    if program.kind == "PAL":
+        checking.patterns[program.file] = program
     if program.kind == "MAC" and program.steps and program.name.upper() in checking.memory.words.words:
         text = f"{program.name} is a command of the control: a macro of this name is never called"
         checking.late(program, program.steps[0], "rsv.macro_name", text)
@@ -148,8 +152,8 @@ def _lost(checking: _Check, program: Program) -> None:
         remedy = near or ("" if name.startswith("_") else "define it with VAR or LOC_VAR")
         checking.late(program, steps[0], "rsv.operand", f"{name}: {NOT_FOUND}", hints(remedy, also_at(step.number for step in steps[1:])))
     for text, steps in checking.unreached.items():
-        kind = "SPR" if steps[0].word == "CALL" else "MPR"
-        names = (each.name for each in checking.memory.all() if each.kind == kind)
+        kinds = TARGETS[steps[0].word]
+        names = (each.name for each in checking.memory.all() if each.kind in kinds)
         near = checking.like(_name_of(steps[0].slots["program"]), names) if text.endswith("not found") else ""
         checking.late(program, steps[0], "rsv.program", text, hints(near, also_at(step.number for step in steps[1:])))
     checking.lost.clear()
@@ -160,7 +164,8 @@ def _macro(checking: _Check, program: Program, step: Step) -> int:
     """Number of a step that calls a macro; 0: a word that nobody knows, which may be a misspelt definition."""
     if checking.memory.find(step.word, program.directory, ("MAC",)) is None:
         text = f"{step.word} is neither a command nor a macro of this memory"
-        hint = checking.like(step.word, checking.spellings) or f"a macro is a file {step.word}.MAC"
+        hint = hint_with(meant(step.word, checking.spellings)) if len(checking.faults) < MOST_HINTS else ""
+        hint = hint or f"a macro is a file {step.word}.MAC"
         checking.structural(program, step, "rsv.word", text, hint)
         return 0
     if step.parameters:
@@ -179,13 +184,9 @@ def _step(checking: _Check, program: Program, step: Step) -> None:
     ranges = list(_ranges(step))
     for text in ranges:
         checking.structural(program, step, "rsv.range", f"{spelled(step, checking.memory.words)}: {text}")
-    if step.word in ("CALL", "PROGRAM"):
+    if step.word in ("CALL", "PROGRAM", "PALLET"):
         if wrong := _target(checking, program, step):
             checking.unreached.setdefault(wrong, []).append(step)
-    if step.word == "PALLET":
-        wrong = _pattern(checking, program, step)
-        if wrong:
-            checking.late(program, step, "rsv.pallet", wrong)
     for place, operand in step.slots.items():
         named = step.word in TAKE_PROGRAMS and place in NAMES_OF_PROGRAMS
         if isinstance(operand, Ref) and place != "label" and not named:
@@ -223,8 +224,11 @@ def _target(checking: _Check, program: Program, step: Step) -> str:
     if step.word == "PROGRAM" and program.kind not in ("MPR", "PAL"):
         return "PROGRAM is allowed in a main program only"
     text = _name_of(step.slots["program"])
-    kinds = ("SPR",) if step.word == "CALL" else ("MPR",)
-    if not text or checking.memory.find(text, program.directory, kinds) is not None:
+    if not text:
+        return ""
+    if step.word == "PALLET":
+        return _pattern(checking, program, text)
+    if checking.memory.find(text, program.directory, TARGETS[step.word]) is not None:
         return ""
     if text.replace("\\", "/").rpartition("/")[2].strip().upper() in checking.made:
         return ""
@@ -233,23 +237,31 @@ def _target(checking: _Check, program: Program, step: Step) -> str:
     return f"program {text} not found"
 
 
-def _pattern(checking: _Check, program: Program, step: Step) -> str:
-    text = _name_of(step.slots["program"])
-    if not text:
-        return ""
-    found = checking.memory.find(text, program.directory, ("PAL", "MPR"))
+def _pattern(checking: _Check, program: Program, text: str) -> str:
+    """What is wrong with the name of a pattern; the pattern itself is checked once, however many steps name it."""
+    found = checking.memory.find(text, program.directory, TARGETS["PALLET"])
     if found is None:
         return f"pallet program {text} not found"
-    return _format(checking, found)
+    if found.kind == "PAL" or _has_vectors(checking, found):
+        checking.patterns[found.file] = found
+        return ""
+    return f"program {text} is no pallet program"
 
 
-def _format(checking: _Check, pattern: Program) -> str:
-    """What a pattern program does not keep to."""
+def _has_vectors(checking: _Check, program: Program) -> bool:
+    """Whether a main program may be meant as a pattern: it defines vectors, as many as a pattern or one fewer."""
+    names = [step.slots.get("name") for step in program.steps if step.word in DEFINITIONS]
+    return sum(isinstance(name, Ref) and checking.memory.kind_of(name.name) == "V" for name in names) >= 2
+
+
+def _format(checking: _Check, pattern: Program) -> None:
+    """One fault for what a pattern program does not keep to; those that its steps have already keep it from running."""
     try:
         pattern_of(pattern, checking.memory.kind_of)
-    except StepFault as fault:
-        return fault.text
-    return ""
+    except PatternFault as fault:
+        checking.late(pattern, fault.step, "rsv.pallet", f"pallet program {pattern.name}: syntax error: {fault.mistake}")
+    except StepFault:
+        return
 
 
 def _meant(checking: _Check, ref: Ref) -> list[Variable]:

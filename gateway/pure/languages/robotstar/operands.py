@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from gateway.pure.languages.base.near import nearest
+from gateway.pure.languages.base.near import hint_with, meant
 
 LOWEST, HIGHEST = -(2**31), 2**31 - 1
 INDEX_SYNTAX, NESTED = "Syntax error in the index!", "Nesting not allowed!"
@@ -92,8 +92,8 @@ def _equate(text: str, equates: Mapping[str, str]) -> Equate:
     if name in RELATIONS or name in ("=0", "=1"):
         return Equate(name)
     if name not in equates:
-        near = name[::-1] if name in ("=>", "=<") else nearest(name, equates)
-        raise OperandFault(f"{text}: no such system equate", f"did you mean #{near}?" if near else "")
+        near = [name[::-1]] if name in ("=>", "=<") else meant(name, equates)
+        raise OperandFault(f"{text}: no such system equate", hint_with([f"#{each}" for each in near]))
     return Equate(equates[name])
 
 

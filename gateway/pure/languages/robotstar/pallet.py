@@ -5,7 +5,7 @@ as one and has no delta; behind the last part the slowest counter goes on.
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from gateway.pure.languages.robotstar.access import structure, text
@@ -58,37 +58,73 @@ def _names(machine: Machine, program: Program) -> Names:
 
 
 # ---- format ----------------------------------------------------------------------------------------------------------------
+FRONT = "IIIIVVVIII"  # total, three actual values, three vectors, three part counts; then none or four positions
+
+
+class PatternFault(StepFault):
+    """A pattern program does not keep to the format.  `step`: the one that holds the mistake, or in front of which a step is missing."""
+
+    def __init__(self, program: Program, step: Step, text: str) -> None:
+        super().__init__(f"pallet program {program.name}: syntax error: step {step.number}: {text}")
+        self.step, self.mistake = step, text
+
+
 def pattern_of(program: Program, kind_of: Callable[[str], str]) -> Pattern:
-    """The pattern a program is; StepFault where it does not keep to the format (L4246-4256, L4526-4602)."""
+    """The pattern a program is; PatternFault where it does not keep to the format (L4246-4256, L4526-4602)."""
     if program.refused:
-        raise _syntax(program, program.refused[0][1])
-    steps = [step for step in program.steps[1:-1] if step.valid and step.word != "C"]
-    definitions = [step for step in steps if step.word in DEFINITIONS]
-    rest = [step for step in steps if step.word not in DEFINITIONS]
-    if [step.word == "TOOL" for step in rest] != [True, False, False, False, False]:
-        raise _syntax(program, "one TOOL and four positions are needed")
-    if any(step.word not in ("POSITION", "VAR_POS") for step in rest[1:]):
-        raise _syntax(program, "TOOL must be followed by four positions")
-    front = [step for step in definitions if step.number < rest[0].number]
-    behind = [step for step in definitions if step.number > rest[4].number]
-    if len(front) + len(behind) != len(definitions):
-        raise _syntax(program, "no definition is allowed between the positions")
+        raise _whole(program, program.refused[0][1])
+    steps = [step for step in program.steps[1:] if step.valid and step.word != "C"]
+    positions = _places(program, steps)
+    front = [step for step in steps if step.word in DEFINITIONS and step.number < positions[0].number]
+    behind = [step for step in steps[:-1] if step.word in DEFINITIONS and step.number > positions[-1].number]
+    _front(program, front, steps[len(front)], kind_of)
     names = [_name(step) for step in front]
-    kinds = "".join(kind_of(name) for name in names)
-    if kinds not in ("IIIIVVVIII", "IIIIVVVIIIPPPP"):
-        raise _syntax(program, f"four integers, three vectors, three part counts and no or four position variables are needed, not {kinds}")
-    if foreign := [name for step in rest[1:] if (name := _position_variable(step)) and name not in names[10:]]:
-        raise _syntax(program, f"position variable {foreign[0]} is not one of four that are defined in the pattern itself")
-    if any(step.word not in ("VAR", "LOC_VAR") for step in front[:7]):
-        raise _syntax(program, "counters and vectors are variables")
+    for step in positions:
+        if (name := _position_variable(step)) and name not in names[10:]:
+            raise PatternFault(program, step, f"position variable {name} is not one of four that are defined in the pattern itself")
     optional = "".join(kind_of(_name(step)) for step in behind)
     if optional not in ("", "I", "IRRR"):
-        raise _syntax(program, "the positions must be followed by no constant, one integer, or one integer and three reals")
+        text = "the positions must be followed by no constant, one integer, or one integer and three reals"
+        raise PatternFault(program, _odd(behind, optional, "IRRR", steps[-1]), text)
     extra = tuple(_name(step) for step in behind)
-    return Pattern(program, tuple(names[:4]), tuple(names[4:7]), tuple(names[7:10]), tuple(rest[1:]), "".join(extra[:1]), extra[1:])
+    return Pattern(program, tuple(names[:4]), tuple(names[4:7]), tuple(names[7:10]), positions, "".join(extra[:1]), extra[1:])
 
 
-def _syntax(program: Program, text: str) -> StepFault:
+def _places(program: Program, steps: Sequence[Step]) -> tuple[Step, ...]:
+    """The four positions, which follow TOOL and each other.  `steps` ends with END."""
+    rest = [step for step in steps if step.word not in DEFINITIONS]
+    for at, step in enumerate(rest[:-1]):
+        if at > 4 or (step.word == "TOOL") != (at == 0):
+            raise PatternFault(program, step, "one TOOL and four positions are needed")
+        if at and step.word not in ("POSITION", "VAR_POS"):
+            raise PatternFault(program, step, "TOOL must be followed by four positions")
+    if len(rest) != 6:
+        raise PatternFault(program, steps[steps.index(rest[-2]) + 1] if rest[:-1] else rest[-1], "one TOOL and four positions are needed")
+    between = [step for step in steps if step.word in DEFINITIONS and rest[0].number < step.number < rest[4].number]
+    if between:
+        raise PatternFault(program, between[0], "no definition is allowed between the positions")
+    return tuple(rest[1:5])
+
+
+def _front(program: Program, front: Sequence[Step], tool: Step, kind_of: Callable[[str], str]) -> None:
+    """The definitions in front of TOOL."""
+    kinds = "".join(kind_of(_name(step)) for step in front)
+    if kinds not in (FRONT, f"{FRONT}PPPP"):
+        text = f"four integers, three vectors, three part counts and no or four position variables are needed, not {kinds}"
+        raise PatternFault(program, _odd(front, kinds, f"{FRONT}PPPP", tool), text)
+    for step in front[:7]:
+        if step.word not in ("VAR", "LOC_VAR"):
+            raise PatternFault(program, step, "counters and vectors are variables")
+
+
+def _odd(steps: Sequence[Step], kinds: str, wanted: str, following: Step) -> Step:
+    """The first definition that is not of the kind wanted or is one too many; with one missing, the step that comes in its place."""
+    differ = [step for step, kind, right in zip(steps, kinds, wanted, strict=False) if kind != right]
+    return differ[0] if differ else steps[len(wanted)] if len(steps) > len(wanted) else following
+
+
+def _whole(program: Program, text: str) -> StepFault:
+    """A fault that no single step holds."""
     return StepFault(f"pallet program {program.name}: syntax error: {text}")
 
 
@@ -108,13 +144,13 @@ def _init(machine: Machine, pattern: Pattern, names: Names) -> None:
     """Totals, counters and delta vectors from the positions as they are now."""
     control = _integer(names, pattern.control) if pattern.control else 0
     if control & DISTANCES and not pattern.distances:
-        raise _syntax(pattern.program, "bit 1 of the control constant needs three distances")
+        raise _whole(pattern.program, "bit 1 of the control constant needs three distances")
     counts = [_integer(names, name) for name in pattern.parts]
     if any(count < 0 for count in counts):
         raise StepFault(f"pallet program {pattern.program.name}: a part count is below 0")
     corners = [_corner(machine, names, step) for step in pattern.positions]
     if any(not corner.pose for corner in corners) or len({corner.frame for corner in corners}) > 1:
-        raise _syntax(pattern.program, "its positions are Cartesian and in one frame")
+        raise _whole(pattern.program, "its positions are Cartesian and in one frame")
     if control & RECTANGULAR:
         corners = _rectangular(machine, names, pattern, corners)
     total = math.prod(max(count, 1) for count in counts)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from gateway.pure.languages.base.faults import Faults, also_at, hints
-from gateway.pure.languages.base.near import MOST_HINTS, nearest
+from gateway.pure.languages.base.near import MOST_HINTS, all_nearest, hint_with, meant, nearest
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.grammar import GRAMMAR, NOT_BUILT, Place, fits, typed
 from gateway.pure.languages.robotstar.operands import HIGHEST, Blank, Equate, Number, Operand, OperandFault, Ref, Text, operand
@@ -183,8 +183,8 @@ def _parameters(rest: str, reading: _Reading) -> tuple[Parameter, ...]:
             known, following = reading.descriptor(text), ":"
         if following == ":" and not text.startswith(('"', "#")):
             if not known:
-                near = nearest(text, reading.words.descriptors)
-                raise OperandFault(f"{text}: no such descriptor", f"did you mean {near.title()}?" if near else "")
+                near = meant(text, reading.words.descriptors)
+                raise OperandFault(f"{text}: no such descriptor", hint_with([each.title() for each in near]))
             descriptor, at = known, at + 1
             continue
         if known.startswith("OP_") and following and following != ",":
@@ -378,8 +378,8 @@ def _labels(reading: _Reading) -> None:
         if needed and needed not in program.labels:
             lost.setdefault(needed, []).append(step)
     for place, (name, steps) in enumerate(lost.items()):
-        near = nearest(name, program.labels) if place < MOST_HINTS else ""
-        hint = hints(f"did you mean {near}?" if near else "", also_at(step.number for step in steps[1:]))
+        near = hint_with(all_nearest(name, program.labels)) if place < MOST_HINTS else ""
+        hint = hints(near, also_at(step.number for step in steps[1:]))
         reading.fault("rsv.label_lost", steps[0].line, f"step {steps[0].number}: label {name} is not in this program", hint)
 
 

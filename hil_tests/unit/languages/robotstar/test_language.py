@@ -273,7 +273,7 @@ def test_a_misspelt_definition_is_one_fault_and_a_macro_in_front_of_definitions_
 def test_a_pattern_that_nobody_calls_is_checked() -> None:
     _, faults = checked({"P.PAL": "VAR I1"})
     assert [(fault.position.line, fault.text) for fault in faults] == [
-        (1, "step 1: pallet program P: syntax error: one TOOL and four positions are needed")
+        (3, "step 3: pallet program P: syntax error: one TOOL and four positions are needed")
     ]
 
 

@@ -15,6 +15,7 @@ POSITION = "POSITION #N, X:1, Y:0, Z:0, A:0, B:0, C:0"
     [
         ("WARTE_BITT #EINGANG, 1, 0, 5", 2, "WARTE_BITT is neither a command nor a macro of this memory", "did you mean WARTE_BIT?"),
         ("GREIFERZU", 2, "GREIFERZU is neither a command nor a macro of this memory", "did you mean GREIFER_ZU?"),
+        ("PTP_BESCHW 50", 2, "PTP_BESCHW is neither a command nor a macro of this memory", "did you mean PTP_BESCHL or PTP_GESCHW?"),
         ("XYZZY", 2, "XYZZY is neither a command nor a macro of this memory", "a macro is a file XYZZY.MAC"),
         ("LOK_VARR IX\nCOPY 1, IX\nADD IX, _SPS[IX]", 2, "LOK_VARR is neither a command nor a macro of this memory", "LOK_VAR?"),
         ("COPY 1, INICHT\nADD 1, INICHT\nWAIT 1\nADD 1, INICHT", 2, "INICHT: Definition not found!", "LOC_VAR; also at steps 3, 5"),

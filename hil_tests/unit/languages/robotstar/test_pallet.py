@@ -106,5 +106,51 @@ def test_position_variables_are_defined_in_the_pattern_itself() -> None:
     corners = "VAR_POS P_ELSEWHERE\n" + "\n".join(["POSITION #N, X:0, Y:0, Z:0, A:0, B:0, C:0"] * 3)
     memory = files("PALLET PAT #INIT", corners=corners) | {"W.MPR": "VAR P_ELSEWHERE"}
     said = "position variable P_ELSEWHERE is not one of four that are defined in the pattern itself"
-    assert run(memory).texts() == [f"pallet program PAT: syntax error: {said}"]
+    assert run(memory).texts() == [f"pallet program PAT: syntax error: step 14: {said}"]
     assert [said in fault.text for fault in checked(memory)[1]] == [True]
+
+
+FOUR = "one TOOL and four positions are needed"
+KINDS = "four integers, three vectors, three part counts and no or four position variables are needed, not"
+BEHIND = "the positions must be followed by no constant, one integer, or one integer and three reals"
+
+
+@pytest.mark.parametrize(
+    ("given", "step", "text"),
+    [
+        ({"TOOL variable:T\n": ""}, 13, FOUR),
+        ({"TOOL variable:T": "TOOL variable:T\nTOOL variable:T"}, 14, FOUR),
+        ({"X:0, Y:0, Z:50, A:0, B:0, C:0": "X:0, Y:0, Z:50, A:0, B:0, C:0\nPOSITION #N, X:0, Y:0, Z:0, A:0, B:0, C:0"}, 18, FOUR),
+        ({"POSITION #N, X:0, Y:0, Z:50, A:0, B:0, C:0": "LOC_CONST I_STEUER,0"}, 17, FOUR),
+        ({"POSITION #N, X:200": "WAIT 1\nPOSITION #N, X:200"}, 15, "TOOL must be followed by four positions"),
+        ({"POSITION #N, X:200": "LOC_CONST I_STEUER,0\nPOSITION #N, X:200"}, 15, "no definition is allowed between the positions"),
+        ({"VAR name:ACTVALUE3\n": ""}, 5, f"{KINDS} IIIVVVIII"),
+        ({"LOC_CONST name:I_PARTS3,value:2\n": ""}, 12, f"{KINDS} IIIIVVVII"),
+        ({"VAR name:ACTVALUE3": "VAR name:R_ACT3"}, 5, f"{KINDS} IIIRVVVIII"),
+        ({"TOOL variable:T": "VAR P1\nVAR P2\nTOOL variable:T"}, 15, f"{KINDS} IIIIVVVIIIPP"),
+        ({"VAR name:ITOTAL": "CONST ITOTAL,9"}, 2, "counters and vectors are variables"),
+        ({"Z:50, A:0, B:0, C:0": "Z:50, A:0, B:0, C:0\nLOC_CONST R_ABST1,1.0"}, 18, BEHIND),
+        ({"Z:50, A:0, B:0, C:0": "Z:50, A:0, B:0, C:0\nLOC_CONST I_STEUER,2\nLOC_CONST R_ABST1,1.0"}, 20, BEHIND),
+    ],
+)
+def test_a_mistake_in_a_pattern_is_one_fault_at_its_step(given: dict[str, str], step: int, text: str) -> None:
+    memory = files("PALLET PAT #INIT\nPALLET PAT #ON\nPALLET PAT #OFF")
+    memory["PAT.PAL"] = memory.pop("PAT.MPR")
+    for old, new in given.items():
+        assert old in memory["PAT.PAL"]
+        memory["PAT.PAL"] = memory["PAT.PAL"].replace(old, new)
+    found = [(fault.position.file, fault.position.line, fault.text) for fault in checked(memory)[1]]
+    assert found == [("PAT.PAL", step, f"step {step}: pallet program PAT: syntax error: {text}")]
+    assert run(memory).texts() == [f"pallet program PAT: syntax error: step {step}: {text}"]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "hint"),
+    [
+        ("PTA", "pallet program PTA not found", "did you mean PAT?; also at step 3"),
+        ("P", "program P is no pallet program", "also at step 3"),
+    ],
+)
+def test_a_wrong_name_of_a_pattern_is_one_fault(name: str, text: str, hint: str) -> None:
+    (fault,) = checked(files(f"PALLET {name} #INIT\nPALLET {name} #ON"))[1]
+    assert (fault.position.line, fault.text, fault.hint) == (2, f"step 2: {text}", hint)
