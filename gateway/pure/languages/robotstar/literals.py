@@ -36,7 +36,7 @@ def _refusal(value: Scalar, name: str, variable: Variable) -> str:
     if parameter in RANGES and not isinstance(value, str):
         low, high = RANGES[parameter]
         if not low <= value <= high:
-            return f"{parameter.lstrip('_')} {value:g} is outside {low:g} .. {high:g}"
+            return f"{parameter} {value:g} is outside {low:g} .. {high:g}"
     return ""
 
 

@@ -139,8 +139,8 @@ def test_validity_of_each_element() -> None:
     [
         ('COPY "ABCDEF",S1', "the text has 6 characters, the variable holds 5"),
         ('COPY "ABCDEF",S_TWO[2]', "the text has 6 characters, the variable holds 5"),
-        ("COPY 101,_ISPL_TENS", "ISPL_TENS 101 is outside 0 .. 100"),
-        ("COPY -1,_IDEF_ACCTIM", "IACC_TIME -1 is outside 0 .. 50"),
+        ("COPY 101,_ISPL_TENS", "_ISPL_TENS 101 is outside 0 .. 100"),
+        ("COPY -1,_IDEF_ACCTIM", "_IACC_TIME -1 is outside 0 .. 50"),
         ("COPY 5,_IBIN_IN[1]", "Writing not allowed!"),
         ('ADD "A",I1', "Wrong operand types!"),
         ("MUL 2,V1", "Wrong operand types!"),

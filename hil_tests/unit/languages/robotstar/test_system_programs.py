@@ -68,7 +68,7 @@ def test_syvarini_gives_values_when_the_control_is_switched_on() -> None:
 @pytest.mark.parametrize(
     ("step", "text"),
     [
-        ("COPY 200, _ISPL_TENS", "ISPL_TENS 200 is outside 0 .. 100"),
+        ("COPY 200, _ISPL_TENS", "_ISPL_TENS 200 is outside 0 .. 100"),
         ("WAIT 1", "SYVARINI gives values to variables and neither waits nor moves the robot"),
         ('LABEL "A"\nBRANCH "A"', "SYVARINI gives values to variables and neither waits nor moves the robot"),
         ("COPY 1", "program SYVARINI has faults: step 2: COPY: destination missing"),
