@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 SHORT = 7  # letters; longer words may have two slips
 LEAST = 3
+_LOOKS = str.maketrans("OQIL|SBZ", "00111582")
 MOST_HINTS = 100  # faults of one kind behind which a reader looks for no like words any more: a foreign file
 
 
@@ -43,6 +44,12 @@ def meant(text: str, table: Mapping[str, str]) -> list[str]:
 def hint_of(name: str, names: Iterable[str]) -> str:
     """The remedy for a name that is not known; "": none is like it."""
     return hint_with(all_nearest(name, sorted(each for each in names if each != name)))
+
+
+def hint_for_print(text: str, words: Sequence[str]) -> str:
+    """The remedy for a name that may be misread from a print (M1 for ML), however short it is; "": none is like it."""
+    looks = text.upper().translate(_LOOKS)
+    return hint_with([word for word in words if word.upper().translate(_LOOKS) == looks] or all_nearest(text, words))
 
 
 def hint_with(words: Sequence[str]) -> str:

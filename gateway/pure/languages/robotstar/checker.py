@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.base.faults import Faults, also_at, hints
-from gateway.pure.languages.base.near import MOST_HINTS, all_nearest, hint_with, meant, nearest
+from gateway.pure.languages.base.near import MOST_HINTS, hint_for_print, hint_with, meant, nearest
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.access import of_one_group
 from gateway.pure.languages.robotstar.circles import wrong_circles
@@ -69,7 +69,7 @@ class _Check:
 
     def like(self, word: str, words: Iterable[str]) -> str:
         """The hint with the one or two of these words that a word was meant to be; "": of none."""
-        return hint_with(all_nearest(word, words)) if len(self.faults) < MOST_HINTS else ""
+        return hint_for_print(word, [*words]) if len(self.faults) < MOST_HINTS else ""
 
 
 def check(memory: Memory, faults: Faults, system: Names) -> None:

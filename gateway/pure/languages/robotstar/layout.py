@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 Line = tuple[int, str]  # number in the file, text
 Note = Callable[[int, str], None]
 _TWO = re.compile(r"^(\s*S?\d+[.:)]?\s+\S.*?)(?:\s+[|¦]\s*|\s{3,})(S?\d+[.:)]?\s+\\?[^\W\d].*)$")
+_HEADED = re.compile(r"S?1[.:)]?\s+(?:MPR?|SPR?|MAC|PAL|PLC)\s", re.IGNORECASE)
 _LEFT = re.compile(r"^(\s*S?\d+[.:)]?\s+.*?|\s+\S.*?)\s+[|¦]\s*$")
 _NUMBERED = re.compile(r"^\s*\W{0,2}\s*S?\d+\s*[.:)]?(\s|$)", re.IGNORECASE)
 _MISREAD = re.compile(r"^(\s*S?)(?=[\dOolI]*\d)([\dOolI]{1,4})(\s+[^\W\d])")
@@ -38,15 +39,18 @@ def is_numbered(lines: Iterable[str]) -> bool:
 
 
 def with_lost_numbers(lines: Sequence[Line], note: Note) -> list[Line]:
-    """A single line without a number between step n and step n + 2 is the step between them."""
+    """A single line without a number, or with another one, between step n and step n + 2 is the step between them."""
     found = list(lines)
     printed = [_printed(line) for _, line in lines]
     filled = [at for at, (_, line) in enumerate(lines) if line.strip()]
     for before, at, behind in zip(filled, filled[1:], filled[2:], strict=False):
         number, line = lines[at]
         lost = printed[before] + 1
-        if lost > 1 and not printed[at] and printed[behind] == lost + 1 and re.match(r"\s*\\?[^\W\d]", line):
-            found[at] = number, f"{lost} {line.strip()}"
+        if not printed[behind] - 1 == lost > 1 or printed[at] == lost:
+            continue
+        step = _NUMBERED.sub("", line, count=1) if printed[at] else line
+        if re.match(r"\s*\\?[^\W\d]", step):
+            found[at] = number, f"{lost} {step.strip()}"
             note(number, f"{line.strip()} is read as {found[at][1]}")
     return found
 
@@ -82,10 +86,11 @@ def _one_column(lines: Iterable[Line], note: Note) -> list[Line]:
 
 
 def _follows(two: "re.Match[str]", right: list[Line]) -> bool:
-    """The right column counts on by itself, behind the left one."""
+    """The right column counts on by itself: behind the left one, or from the head of another program on."""
     left, own = (int(re.sub(r"\D.*", "", part.strip().lstrip("Ss"))) for part in (two[1], two[2]))
-    last = int(re.sub(r"\D.*", "", right[-1][1].strip().lstrip("Ss"))) if right else left
-    return own > left and own > last
+    last = int(re.sub(r"\D.*", "", right[-1][1].strip().lstrip("Ss"))) if right else 0
+    headed = _HEADED.match(right[0][1] if right else two[2])
+    return own > last and (own > left or headed is not None)
 
 
 def _continues(before: str, line: str, is_descriptor: Callable[[str], bool], is_command: Callable[[str], bool]) -> bool:

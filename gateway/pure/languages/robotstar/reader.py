@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from gateway.pure.languages.base.faults import Faults, also_at, hints
-from gateway.pure.languages.base.near import MOST_HINTS, all_nearest, hint_with, meant, nearest
+from gateway.pure.languages.base.near import MOST_HINTS, hint_for_print, hint_with, meant, nearest
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.robotstar.grammar import GRAMMAR, NOT_BUILT, Place, fits, typed
 from gateway.pure.languages.robotstar.operands import HIGHEST, Blank, Equate, Number, Operand, OperandFault, Ref, Text, operand
@@ -378,7 +378,7 @@ def _labels(reading: _Reading) -> None:
         if needed and needed not in program.labels:
             lost.setdefault(needed, []).append(step)
     for place, (name, steps) in enumerate(lost.items()):
-        near = hint_with(all_nearest(name, program.labels)) if place < MOST_HINTS else ""
+        near = hint_for_print(name, [*program.labels]) if place < MOST_HINTS else ""
         hint = hints(near, also_at(step.number for step in steps[1:]))
         reading.fault("rsv.label_lost", steps[0].line, f"step {steps[0].number}: label {name} is not in this program", hint)
 

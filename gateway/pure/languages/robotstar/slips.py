@@ -30,7 +30,7 @@ _COLON_LOST = re.compile(r"(?:(?<=^)|(?<=,))(\s*)([A-Za-z][\w-]*)\s+(?=[-+\d#\"]
 _COMMA_LOST = re.compile(r"(?<=[\w\"\]])\s+(?=[A-Za-z_][\w-]*\s*:)")
 _COMMA_BEHIND_NUMBER = re.compile(r"(?<=[\s,:])([+-]?\d+(?:\.\d+)?)\s+(?=[A-Za-z_#\"])")
 _DECIMAL = re.compile(r"^(\s*[+-]?\d+),(\d+)\s*$")
-_OF_POSITION = re.compile(r"(\b(?:[XYZABC]|A\d+)\s*:\s*[+-]?\d{1,3})((?:\.\d{3})*),(\d+)(?=\s*(?:,|$))")
+_OF_POSITION = re.compile(r"(\b(?:[XYZABC]|A\d+)\s*:\s*[+-]?\d{1,3})((?:\.\d{3})*),(\d+)(?=\s*(?:,|$)|\s+[A-Za-z]\w*\s*:)")
 
 
 def command(word: str, words: Words) -> str:

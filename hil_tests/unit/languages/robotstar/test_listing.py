@@ -160,6 +160,8 @@ def test_two_columns_of_a_page_are_read_one_after_the_other() -> None:
     assert steps["G.SPR"] == ['SPR "G"', "WAIT 1", "C left", "C to the end", 'LABEL "ZU"', "WAIT 3", "END"]
     assert steps["M.MPR"] == ['MPR "M"', "WAIT 2", "WAIT 3", "WAIT 4", "END"]
     assert [(note.line, note.text) for note in found.notes] == [(line, "two columns are read one after the other") for line in (1, 6)]
+    two = import_listing("1 MPR A          1 SPR B\n2 CALL B         2 WAIT 2\n3 END            3 END\n", WORDS)
+    assert [(name, len(text.splitlines())) for name, text in two.files.items()] == [("A.MPR", 3), ("B.SPR", 3)] and len(two.notes) == 1
 
 
 CLEAN = (
@@ -220,6 +222,8 @@ def test_a_step_whose_number_is_lost_is_between_its_neighbours() -> None:
         "GREIFER_ZU is no command; it is kept as the call of a macro",
         "WAIT 4 is read as 5 WAIT 4",
     ]
+    found = import_listing('1 MPR "A"\n2 WAIT 1\n8 WAIT 2\n4 WAIT 3\n4 WAIT 4\n6 ENDE\n', WORDS)
+    assert [note.text for note in found.notes] == ["8 WAIT 2 is read as 3 WAIT 2", "4 WAIT 4 is read as 5 WAIT 4"]
 
 
 def test_steps_of_a_printed_plc_program_stay_as_they_are() -> None:
@@ -242,3 +246,8 @@ def test_the_first_letter_of_a_variable_read_as_a_digit_is_put_right_where_no_la
     listing = "\n".join(f"{number} {step}" for number, step in enumerate(steps[0], 1))
     found = import_listing(listing, WORDS).files["P.MPR"]
     assert [line[5:] for line in found.splitlines()[1:]] == steps[1][1:]
+
+
+def test_decimal_commas_of_a_position_without_commas_between_its_values() -> None:
+    found = import_listing("1 MPR A\n2 TOOL T\n3 POSITION #N, X: 500,0 Y: -0,5 Z: 1.234,5 A: 0 B: 0 C: 180\n4 END\n", WORDS)
+    assert found.files["A.MPR"].splitlines()[2][5:] == "POSITION #N, X: 500.0, Y: -0.5, Z: 1234.5, A: 0, B: 0, C: 180"

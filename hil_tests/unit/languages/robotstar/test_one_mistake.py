@@ -23,6 +23,7 @@ POSITION = "POSITION #N, X:1, Y:0, Z:0, A:0, B:0, C:0"
         ("COPY 1, _SPSS[1]", 2, "_SPSS: Definition not found!", "did you mean _SPS?"),
         ("COPY 1, _SPS[513]", 2, "_SPS: Index too big or too small!", "_SPS[1] .. _SPS[512]"),
         ("BRANCH FERTIK\nBRANCH FERTIK\nLABEL FERTIG", 2, "label FERTIK is not in this program", "did you mean FERTIG?; also at step 3"),
+        ("BRANCH M1\nLABEL ML", 2, "label M1 is not in this program", "did you mean ML?"),
         ('CALL "HOLNE"\nCALL HOLNE', 2, "program HOLNE not found", "did you mean HOLEN?; also at step 3"),
         (f"{POSITION}\n{POSITION}\n{POSITION}", 2, "POSITION: TOOL is needed in front of the first position", ""),
         ("WAIT 1\nVAR I1\nVAR I2\nVAR I3", 3, "definitions belong at the beginning, before step 2", "also at steps 4, 5"),
