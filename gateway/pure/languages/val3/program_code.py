@@ -26,7 +26,7 @@ class Block:
     step: str = ""
     column: int = 1
     default: int = 0  # label of the default branch of a switch
-    spare: bool = False  # `else if` has opened another one in it: whether it has an end of its own is unknown
+    spare: bool = False  # opened by `else if` or by a misspelt word, or around such a one: whether it has an end of its own is unknown
 
 
 @dataclass(slots=True)

@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position
+from gateway.pure.languages.val3.block_words import CLOSERS, OPENERS, end_in_two_words, meant_word, shown
 from gateway.pure.languages.val3.expressions import Translator
 from gateway.pure.languages.val3.model import Application, Parameter, ProgramText
 from gateway.pure.languages.val3.program_code import Block, Code, Instruction
@@ -17,12 +18,9 @@ from gateway.pure.languages.val3.syntax import Assign, CompileFault, Consequence
 from gateway.pure.languages.val3.typing_rules import EQUAL
 
 TARGET = re.compile(r"@(\d+)@")
-CLOSERS = {"endif": "if", "endwhile": "while", "until": "do", "endfor": "for", "endswitch": "switch"}
-SHOWN = {"endif": "endIf", "endwhile": "endWhile", "endfor": "endFor", "endswitch": "endSwitch"}
 NO_SERVER = "opcuaexport"  # s8: variables for clients of OPC UA
 COMPLIANCE = ("movejf", "movelf", "iscompliant")  # instructions of an option of s7
 CONDITIONS = ("if", "elseif", "while", "until")
-OPENERS = {opener: closer for closer, opener in CLOSERS.items()}
 
 
 class ProgramTranslator:
@@ -89,9 +87,9 @@ class ProgramTranslator:
 
     def _keep_blocks(self, line: str) -> None:
         """A faulty line still opens or closes its block, so that one fault is one fault."""
-        word = (re.match(r"\s*(\w*)", line) or [""])[0].strip().lower()
+        word, certain = meant_word(line)
         if word in OPENERS and (not self.blocks or self.blocks[-1].line != self.line):
-            self._open(word)
+            self._open(word).spare = not certain
         elif word in CLOSERS and self.blocks and self.blocks[-1].kind == CLOSERS[word]:
             self._place(self.blocks.pop().end)
 
@@ -142,7 +140,10 @@ class ProgramTranslator:
     def _close(self, closer: str, parser: Expressions) -> Block:
         if not self._innermost(CLOSERS[closer]):
             raise CompileFault(f"{shown(closer)} does not match {CLOSERS[closer]}", parser.tokens[0].start + 1)
-        return self.blocks[-1]
+        block = self.blocks[-1]
+        if block.spare and self.blocks[-2:-1] and self.blocks[-2].kind == block.kind:
+            self.blocks[-2].spare = True
+        return block
 
     def _innermost(self, kind: str) -> bool:
         """Whether the innermost open block is of this kind.  One that a closing word has crossed before lacks its own: it is over."""
@@ -198,6 +199,8 @@ class ProgramTranslator:
         return first
 
     def _do_begin(self, parser: Expressions, translator: Translator) -> None:
+        if closer := end_in_two_words(translator.line):
+            raise CompileFault(f"'{' '.join(translator.line.split())}' : {shown(closer)} expected", parser.tokens[0].start + 1)
         raise CompileFault(f"'{parser.tokens[0].text}' : instruction expected")
 
     _do_end = _do_begin
@@ -251,8 +254,6 @@ class ProgramTranslator:
         self._place(block.again)
         self._place(block.end)
         self.blocks.pop()
-        if block.spare and self.blocks and self.blocks[-1].kind == "if":
-            self.blocks[-1].spare = True
 
     # ---- loops -----------------------------------------------------------------------------------------------------------
     def _do_while(self, parser: Expressions, translator: Translator) -> None:
@@ -426,8 +427,3 @@ class ProgramTranslator:
 
 
 STATEMENTS = frozenset(name[4:] for name in dir(ProgramTranslator) if name.startswith("_do_"))
-
-
-def shown(word: str) -> str:
-    """A closing word as the manual writes it."""
-    return SHOWN.get(word, word)

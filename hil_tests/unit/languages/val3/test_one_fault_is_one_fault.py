@@ -115,3 +115,22 @@ ELSE_IF = "'else if' : elseIf expected"
 )
 def test_else_if_in_two_words_is_one_fault_with_one_end_and_with_two(code: str, lines: list[int]) -> None:
     assert faults_of(code, datum("n", "num")) == [(line, ELSE_IF) for line in lines]
+
+
+@pytest.mark.parametrize(
+    ("code", "line", "text"),
+    [
+        ("if n==1\nn=2\nend if\nn=3", 4, "'end if' : endIf expected"),
+        ("while n<3\nn=n+1\nEnd  While", 4, "'End While' : endWhile expected"),
+        ("while n<3\nn=n+1\nendWile", 4, "'endWile' : instruction expected"),
+        ("for n=0 to 3\nif n==1\nn=2\nendiff\nendFor", 5, "'endiff' : instruction expected"),
+        ("do\nn=n+1\nuntill n>3", 4, "'n' : end of line expected"),
+        ("whlie (n<3)\nn=n+1\nendWhile", 2, "'whlie' : undefined instruction"),
+        ("fro n=0 to 3\nfor n=1 to 2\nendFor\nendFor", 2, "'n' : end of line expected"),
+        ("for n=0 to 3\nfort(n)\nendFor", 3, "'fort' : undefined instruction"),
+        ("if n==1\nfi n==2\nn=3\nendIf\nelse\nn=4\nendIf", 3, "'n' : end of line expected"),
+        ("swich n\ncase 1\nbreak\nendSwitch", 2, "'n' : end of line expected"),
+    ],
+)
+def test_a_misspelt_word_of_a_block_is_one_fault(code: str, line: int, text: str) -> None:
+    assert faults_of(code, datum("n", "num")) == [(line, text)]
