@@ -1,9 +1,11 @@
 """What a verdict was made of: a test with what it uses of its own file, and the function it breaks.
 
-A verdict holds as long as both read the same (AX-1510).  Comments, line breaks and neighbours in the file do not count.
+A verdict holds as long as both read the same (AX-1510).  Comments, docstrings, line breaks and neighbours in the file
+do not count.
 """
 
 import ast
+import copy
 import functools
 import hashlib
 import pathlib
@@ -21,13 +23,22 @@ def fingerprint(test_file: pathlib.Path, name: str, by: str) -> str:
     source = pathlib.Path(code.co_filename)
     function = _named(_parsed(source, source.stat().st_mtime_ns), code.co_qualname.split(".")) if source.is_file() else ()
     used = _used(test_file, test_file.stat().st_mtime_ns, name.partition("::")[0])
-    text = "\n".join([*used, *map(ast.unparse, function)])
+    text = "\n".join([*used, *map(_code, function)])
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
 @functools.lru_cache(maxsize=256)
 def _parsed(path: pathlib.Path, _changed_ns: int) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def _code(node: ast.AST) -> str:
+    """Source of this node without its docstrings."""
+    bare = copy.deepcopy(node)
+    for inner in ast.walk(bare):
+        if isinstance(inner, DEFINITIONS) and ast.get_docstring(inner, clean=False) is not None:
+            inner.body = inner.body[1:] or [ast.Pass()]
+    return ast.unparse(bare)
 
 
 def _named(tree: ast.AST, parts: list[str]) -> tuple[ast.AST, ...]:
@@ -53,7 +64,7 @@ def _used(path: pathlib.Path, changed_ns: int, name: str) -> tuple[str, ...]:
     while waiting:
         one = waiting.pop()
         if one in bound and one not in seen:
-            seen[one] = "\n".join(map(ast.unparse, bound[one]))
+            seen[one] = "\n".join(map(_code, bound[one]))
             waiting += [other for node in bound[one] for other in _names(node)]
     return tuple(seen[one] for one in sorted(seen))
 

@@ -309,6 +309,8 @@ def test_b():
     [
         ("assert 2", "assert 3", True),
         ("import pytest", "# why\nimport pytest", True),
+        ("def helper(): return VALUES", 'def helper():\n    """Whatever it says."""\n    return VALUES', True),
+        ("def test_a(made):", 'def test_a(made):\n    """Whatever it says."""', True),
         ("assert helper() == made", "assert helper() != made", False),
         ("[1, 2]", "[1, 3]", False),
         ("return 3", "return 4", False),
