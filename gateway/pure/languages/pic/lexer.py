@@ -41,6 +41,11 @@ class Token:
         """In upper case."""
         return self.text.upper()
 
+    @property
+    def end(self) -> Position:
+        """The place right behind it."""
+        return self.at._replace(column=self.at.column + len(self.text))
+
 
 def tokens_of(text: str, file: str, faults: Faults) -> list[Token]:
     """All tokens, END behind them; a character that is none is a fault and left out."""
@@ -48,7 +53,7 @@ def tokens_of(text: str, file: str, faults: Faults) -> list[Token]:
     for number, line in enumerate(text.splitlines(), 1):
         row = _row(line, file, number, faults)
         found += [Token(each.kind, each.text, each.at, n == 0, n == len(row) - 1) for n, each in enumerate(row)]
-    end = found[-1].at if found else Position(file, 1)
+    end = found[-1].end if found else Position(file, 1)
     return [*found, Token(Kind.END, "", end)]
 
 

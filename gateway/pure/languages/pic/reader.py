@@ -5,36 +5,21 @@ Source: rho3 6, L1471-1572, L2079-2095, L3962-4044, L10698-10747.  What the manu
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.near import hint_of, nearest
 from gateway.pure.languages.base.source import Position
+from gateway.pure.languages.pic import words
 from gateway.pure.languages.pic.expressions import FLAGS, INPUTS, OUTPUTS, Expression, Operand, chain, constant, inverted, joined
 from gateway.pure.languages.pic.lexer import Kind, Token, tokens_of
 from gateway.pure.languages.pic.symbols import Area, Bit, Symbols, address
+from gateway.pure.languages.pic.token_reader import TokenReader
 from gateway.pure.languages.plc.commands import Code, Command, Program, Routine
 
 FIRST = {Area.INPUT: INPUTS, Area.OUTPUT: OUTPUTS, Area.FLAG: FLAGS}
-IF, THEN, ELSE, JUMP = ("IF", "WENN"), ("THEN", "DANN"), ("ELSE", "SONST"), ("JUMP", "SPRUNG")
-BEGIN, END = ("BEGIN", "ANFANG"), ("END", "ENDE")
-NOT, AND, OR = ("NOT", "NICHT"), ("AND", "UND"), ("OR", "ODER")
-RESERVED = frozenset((*IF, *THEN, *ELSE, *JUMP, *BEGIN, *END, *NOT, *AND, *OR))
-LINKS = {"A": Code.AND, "U": Code.AND, "AN": Code.AND_NOT, "UN": Code.AND_NOT, "O": Code.OR, "ON": Code.OR_NOT}
-OPENS = {"A": Code.OPEN_AND, "U": Code.OPEN_AND, "O": Code.OPEN_OR}
-SETS = {"S": Code.SET, "R": Code.RESET}
-JUMPS = {"JC": Code.JUMP_IF, "SPB": Code.JUMP_IF, "JU": Code.JUMP, "SPA": Code.JUMP}
-NOTHING, ENDS = ("NOP1", "NOP0"), ("EP", "PE")
-LIST = frozenset((*LINKS, *SETS, *JUMPS, *NOTHING, *ENDS))
 DEEPEST = 40  # statements or brackets one in the other
 UNKNOWN = Bit(Area.FLAG, 0, 0)  # in the place of what is reported
 END_LABEL = "\0end"  # no name of a program
-SEVERAL = "put several statements between BEGIN and END"
-REMEDIES = {  # for words of other languages
-    "GOTO": "write JUMP",
-    **dict.fromkeys(("ENDIF", "END_IF", "IF_END"), f"an IF has no end: {SEVERAL}"),
-    **dict.fromkeys(("ELSEIF", "ELSIF"), "write ELSE IF"),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,50 +47,20 @@ def read_program(text: str, file: str, symbols: Symbols, faults: Faults) -> PicP
 
 
 @dataclass(slots=True)
-class Reader:
+class Reader(TokenReader):
     """Recursive descent; a fault goes on with the next statement."""
 
-    tokens: list[Token]
     symbols: Symbols
     faults: Faults
     commands: list[Command] = field(default_factory=list)
     outputs: dict[int, Position] = field(default_factory=dict)
-    _at: int = 0
     _depth: int = 0
     _made: int = 0  # labels of conditions
     _brackets: list[Position] = field(default_factory=list)  # of the instruction list
+    _forgiven: int = 0  # closing brackets that may still follow, of brackets that are reported
     _labels: dict[str, Position] = field(default_factory=dict)
     _jumps: list[tuple[str, Position]] = field(default_factory=list)
     _unknown: set[str] = field(default_factory=set)  # names that are reported
-    _colons: set[str] | None = None  # names in front of a colon
-
-    # ---- tokens
-
-    @property
-    def token(self) -> Token:
-        """The next one."""
-        return self.tokens[self._at]
-
-    def _is_label(self, token: Token) -> bool:
-        """Whether a colon follows it somewhere: a label may be a word of the other language (`ENDE:`)."""
-        if self._colons is None:
-            self._colons = {each.word for each, behind in pairwise(self.tokens) if behind.text == ":"}
-        return token.word in self._colons
-
-    def _ahead(self, by: int = 1) -> Token:
-        return self.tokens[min(self._at + by, len(self.tokens) - 1)]
-
-    def _take(self) -> Token:
-        token = self.token
-        if token.kind is not Kind.END:
-            self._at += 1
-        return token
-
-    def _is(self, words: tuple[str, ...]) -> bool:
-        return self.token.kind is Kind.NAME and self.token.word in words
-
-    def _sign(self, sign: str) -> bool:
-        return self.token.kind is Kind.SIGN and self.token.text == sign
 
     def _fail(self, id: str, at: Position, text: str, hint: str = "") -> _Wrong:
         self.faults.error(id, at, text, hint)
@@ -159,25 +114,25 @@ class Reader:
         elif token.kind is Kind.NAME and self._ahead().text == ":" and self._ahead(2).text != "=":
             self._label(self._take())
             self._take()
-        elif self._is(IF):
+        elif self._is(words.IF):
             self._take()
             self._condition()
         elif self._lacks_if(token):
             self._condition()
         elif self._lacks_jump(token):
             self._go(Code.JUMP, token.at.line)
-        elif self._is(JUMP):
-            self._jump()
-        elif self._is(BEGIN):
+        elif self._is(words.JUMP):
+            self._go(Code.JUMP, self._take().at.line)
+        elif self._is(words.BEGIN):
             self._compound()
-        elif token.kind is Kind.NAME and token.word in LIST and (token.last or self._ahead().text not in ("=", ":")):
+        elif token.kind is Kind.NAME and token.word in words.LIST and (token.last or self._ahead().text not in ("=", ":")):
             self._list()
-        elif (token.kind is Kind.NAME and token.word not in RESERVED) or token.kind is Kind.BIT:
+        elif (token.kind is Kind.NAME and token.word not in words.RESERVED) or token.kind is Kind.BIT:
             self._assignment()
         else:
             shown = repr(token.text) if token.text else "the end"
-            if self._is(ELSE) or self._is(END):
-                raise self._fail("statement", token.at, f"{shown} without {'IF' if self._is(ELSE) else 'BEGIN'}", SEVERAL)
+            if self._is(words.ELSE) or self._is(words.END):
+                raise self._fail("statement", token.at, f"{shown} without {'IF' if self._is(words.ELSE) else 'BEGIN'}", words.SEVERAL)
             raise self._fail("statement", token.at, f"{shown} begins no statement", "NAME = .., IF .. THEN .., JUMP NAME, NAME:")
         self._depth -= 1
 
@@ -191,30 +146,30 @@ class Reader:
         """Whether a condition and THEN follow in the line without IF, or behind a word that is none; it is reported."""
         place, closed = 0, False
         while (each := self._ahead(place)).kind is not Kind.END and not (each.first and place):
-            closed = each.word in THEN
-            if closed or each.word in IF or (each.text == "=" and self._ahead(place + 1).kind is not Kind.NUMBER):
+            closed = each.word in words.THEN
+            if closed or each.word in words.IF or (each.text == "=" and self._ahead(place + 1).kind is not Kind.NUMBER):
                 break
             place += 1
-        if not closed or (token.word in RESERVED and token.word not in NOT):
+        if not closed or (token.word in words.RESERVED and token.word not in words.NOT):
             return False
         behind = self._ahead()
-        misspelt = token.kind is Kind.NAME and (behind.kind is Kind.BIT or behind.word in NOT or not self._joins(behind))
-        text = f"IF is expected, not {token.text}" if misspelt and token.word not in NOT else f"IF is missing in front of {token.text}"
-        self.faults.error("if", token.at, text)
-        if misspelt and token.word not in NOT:
+        misspelt = token.kind is Kind.NAME and (behind.kind is Kind.BIT or behind.word in words.NOT or not self._joins(behind))
+        misspelt = misspelt and token.word not in words.NOT
+        self.faults.error("if", token.at, f"IF is {'expected, not' if misspelt else 'missing in front of'} {token.text}")
+        if misspelt:
             self._take()
         return True
 
     @staticmethod
     def _joins(token: Token) -> bool:
         """Whether it may follow an operand of a condition."""
-        return token.word in (*AND, *OR, *THEN) or token.text in ("=", ")")
+        return token.word in (*words.AND, *words.OR, *words.THEN) or token.text in ("=", ")")
 
     def _lacks_jump(self, token: Token) -> bool:
         """Whether a label is next where a statement is expected in the line; it is reported."""
         if token.kind is not Kind.NAME or token.first or self._ahead().text in ("=", ":") or not self._is_label(token):
             return False
-        if token.word in LIST and not token.last:
+        if token.word in words.LIST and not token.last:
             return False
         self.faults.error("jump", token.at, f"JUMP is missing in front of {token.text}")
         return True
@@ -222,17 +177,17 @@ class Reader:
     def _lacks_operator(self, *, then: bool) -> None:
         """Reports an operand that follows an operand; reading goes on at THEN or in the next line."""
         token = self.token
-        operand = token.kind is Kind.BIT or (token.kind is Kind.NAME and token.word not in RESERVED and token.word not in LIST)
+        operand = token.kind is Kind.BIT or (token.kind is Kind.NAME and token.word not in words.RESERVED and token.word not in words.LIST)
         if token.first or not operand or self._ahead().text in ("=", ":") or (not then and self._is_label(token)):
             return
         place = 0
-        while not (self._ahead(place).first or self._ahead(place).kind is Kind.END or self._ahead(place).word in THEN):
+        while not (self._ahead(place).first or self._ahead(place).kind is Kind.END or self._ahead(place).word in words.THEN):
             place += 1
-        found = self._ahead(place).word in THEN
+        found = self._ahead(place).word in words.THEN
         if then and not found:
             return
-        if token.word in REMEDIES:
-            self.faults.error("name", token.at, f"{token.text} is neither a signal nor a symbol", REMEDIES[token.word])
+        if token.word in words.REMEDIES:
+            self.faults.error("name", token.at, f"{token.text} is neither a signal nor a symbol", words.REMEDIES[token.word])
         else:
             self.faults.error("operator", token.at, f"AND or OR is missing in front of {token.text}")
         while place:
@@ -241,11 +196,10 @@ class Reader:
 
     def _condition(self) -> None:
         line = self.token.at.line
-        test = self._expression(compares=True)
-        self._lacks_operator(then=True)
-        if not self._is(THEN):
-            self.faults.error("then", self.token.at, "THEN is expected behind the condition")
-            if self.token.kind is not Kind.NAME or not nearest(self.token.word, THEN):
+        test = self._test()
+        if not self._is(words.THEN):
+            self.faults.error("then", self._gap(), "THEN is expected behind the condition")
+            if self.token.kind is not Kind.NAME or not nearest(self.token.word, words.THEN):
                 raise _Wrong
         self._take()
         self._made += 1
@@ -253,7 +207,7 @@ class Reader:
         self.commands += chain(test, line)
         self._emit(Code.JUMP_IF_NOT, line, name=otherwise)
         self._statement()
-        if self._is(ELSE):
+        if self._is(words.ELSE):
             self._take()
             self._emit(Code.JUMP, line, name=behind)
             self._emit(Code.LABEL, line, name=otherwise)
@@ -262,25 +216,36 @@ class Reader:
         else:
             self._emit(Code.LABEL, line, name=otherwise)
 
+    def _test(self) -> Expression:
+        """The condition of an IF; where it is refused, reading goes on at its THEN."""
+        depth = self._depth
+        try:
+            found = self._expression(compares=True)
+            self._lacks_operator(then=True)
+        except _Wrong:
+            while not self._is(words.THEN):
+                if self.token.kind is Kind.END or self.token.first:
+                    raise
+                self._take()
+            self._depth, found = depth, constant(0)
+        return found
+
     def _compound(self) -> None:
         begun = self._take()
-        while not self._is(END):
+        while not self._is(words.END):
             if self.token.kind is Kind.END:
                 raise self._fail("end", begun.at, "END is missing for this BEGIN")
             self._statement()
         self._take()
-
-    def _jump(self) -> None:
-        line = self._take().at.line
-        self._go(Code.JUMP, line)
 
     def _go(self, code: Code, line: int) -> None:
         symbol = self._sign("-")  # behind it any word is a name
         if symbol:
             self._take()
         token = self.token
-        if token.kind is not Kind.NAME or (token.word in RESERVED and not symbol and not self._is_label(token)):
-            raise self._fail("label", token.at, "the name of a label is expected")
+        far = token.first and not self._is_label(token)
+        if far or token.kind is not Kind.NAME or (token.word in words.RESERVED and not symbol and not self._is_label(token)):
+            raise self._fail("label", self._gap(), "the name of a label is expected")
         self._take()
         self._outside(token.at)
         self._jumps.append((token.word, token.at))
@@ -293,13 +258,11 @@ class Reader:
             self.faults.error("assign", self.token.at, "':=' is not a sign", "write =")
             self._take()
         if not self._sign("="):
-            raise self._fail("assign", self.token.at, f"= is expected behind {token.text}")
+            raise self._fail("assign", self._gap(), f"= is expected behind {token.text}")
         self._take()
         if self._sign("=") and not self.token.first:
             self.faults.error("assign", self.token.at, "'==' is not a sign", "write =")
             self._take()
-        if self.token.first and self._ahead().text == "=":
-            raise self._fail("operand", self.token.at, f"a signal or an address is expected behind {token.text} =, not a new line")
         self.commands += chain(self._expression(compares=False), token.at.line)
         self._lacks_operator(then=False)
         self._emit(Code.ASSIGN, token.at.line, target)
@@ -308,21 +271,21 @@ class Reader:
 
     def _expression(self, *, compares: bool) -> Expression:
         parts = [self._term(compares=compares)]
-        while self._is(OR):
+        while self._is(words.OR):
             self._take()
             parts.append(self._term(compares=compares))
         return joined(parts, every=False)
 
     def _term(self, *, compares: bool) -> Expression:
         parts = [self._factor(compares=compares)]
-        while self._is(AND):
+        while self._is(words.AND):
             self._take()
             parts.append(self._factor(compares=compares))
         return joined(parts, every=True)
 
     def _factor(self, *, compares: bool) -> Expression:
         turned = False
-        while self._is(NOT):
+        while self._is(words.NOT):
             self._take()
             turned = not turned
         self._misspelt_not()
@@ -339,6 +302,7 @@ class Reader:
         elif self.token.kind is Kind.NUMBER:
             found = constant(self._binary())
         else:
+            self._lacks_operand(compares=compares)
             found = self._operand(writes=False)
         if compares and self._sign("="):
             self._take()
@@ -346,19 +310,27 @@ class Reader:
                 turned = not turned
         return inverted(found) if turned else found
 
+    def _lacks_operand(self, *, compares: bool) -> None:
+        """Reports an operand that is missing at the end of a line: an assignment begins the next one."""
+        if self.token.first and self._ahead().text == "=" and not (compares and self._ahead(2).kind is Kind.NUMBER):
+            before = self._ahead(-1)
+            raise self._fail("operand", before.end, f"a signal or an address is expected behind {before.text}, not a new line")
+
     def _misspelt_not(self) -> None:
         """A NOT with a slip in it, in front of an operand: it is reported and passed over."""
         token, behind = self.token, self._ahead()
-        operand = not behind.first and (behind.kind is Kind.BIT or (behind.kind is Kind.NAME and behind.word not in (*RESERVED, *LIST)))
-        if token.kind is Kind.NAME and operand and token.word not in RESERVED and self.symbols.find(token.text) is None:
-            if spelling := nearest(token.word, NOT):
+        operand = not behind.first and (
+            behind.kind is Kind.BIT or (behind.kind is Kind.NAME and behind.word not in (*words.RESERVED, *words.LIST))
+        )
+        if token.kind is Kind.NAME and operand and token.word not in words.RESERVED and self.symbols.find(token.text) is None:
+            if spelling := nearest(token.word, words.NOT):
                 self.faults.error("name", token.at, f"{token.text} is neither a signal nor a symbol", f"did you mean {spelling}?")
                 self._take()
 
     def _binary(self) -> int:
         token = self.token
         if token.kind is not Kind.NUMBER or token.text not in ("0", "1"):
-            raise self._fail("binary", token.at, f"{token.text or 'the end'}: 0 or 1 is expected")
+            raise self._fail("binary", self._gap(), f"{token.text or 'the end'}: 0 or 1 is expected")
         self._take()
         return int(token.text)
 
@@ -371,7 +343,7 @@ class Reader:
             if writes and bit.area is Area.INPUT:
                 raise self._fail("written", token.at, f"{token.text} is an input of the PIC: it is read, not written")
         except _Wrong:
-            if token.kind not in (Kind.NAME, Kind.BIT) or token.word in RESERVED or (writes and self._ahead().text != "="):
+            if token.kind not in (Kind.NAME, Kind.BIT) or token.word in words.RESERVED or (writes and self._ahead().text != "="):
                 raise
             bit = UNKNOWN  # reported; the statement is read to its end for the faults behind it
         self._take()
@@ -385,14 +357,14 @@ class Reader:
             if isinstance(place, Bit):
                 return place
             raise self._fail("address", token.at, str(place), "I0.0 to I127.7, O0.0 to O127.7, M0.0 to M127.7")
-        if token.kind is not Kind.NAME or token.word in RESERVED:
-            raise self._fail("operand", token.at, f"{token.text or 'the end'}: a signal or an address is expected")
+        if token.kind is not Kind.NAME or token.word in words.RESERVED:
+            raise self._fail("operand", self._gap(), f"{token.text or 'the end'}: a signal or an address is expected")
         found = self.symbols.find(token.text)
         if found is None:
             if token.word in self._unknown:
                 raise _Wrong
             self._unknown.add(token.word)
-            hint = REMEDIES.get(token.word) or hint_of(token.word, (*self.symbols.own, *RESERVED))
+            hint = words.REMEDIES.get(token.word) or hint_of(token.word, (*self.symbols.own, *words.RESERVED))
             hint = hint or f"a line {token.word} = I88.0 in the SYM file"
             raise self._fail("name", token.at, f"{token.text} is neither a signal nor a symbol", hint)
         return found
@@ -404,7 +376,9 @@ class Reader:
         if token.text == "=":
             self._outside(token.at)
             self._emit(Code.ASSIGN, token.at.line, self._operand(writes=True))
-        elif not self._brackets or self.commands[-1].code in OPENS.values():
+        elif self._forgiven and not self._brackets:
+            self._forgiven -= 1
+        elif not self._brackets or self.commands[-1].code in words.OPENS.values():
             raise self._fail("bracket", token.at, "this ) closes no bracket, or an empty one")
         else:
             self._brackets.pop()
@@ -413,29 +387,29 @@ class Reader:
     def _list(self) -> None:
         token = self._take()
         word, line = token.word, token.at.line
-        if token.last and word in (*LINKS, *SETS) and (self._sign("=") or self.token.word in LIST):
-            raise self._fail("operand", token.at, f"a signal or an address is expected behind {token.text}, not a new line")
-        if word in OPENS and self._sign("("):
+        if token.last and word in (*words.LINKS, *words.SETS) and (self._sign("=") or self.token.word in words.LIST):
+            raise self._fail("operand", token.end, f"a signal or an address is expected behind {token.text}, not a new line")
+        if word in words.OPENS and self._sign("("):
             self._take()
             if len(self._brackets) >= DEEPEST:
                 raise self._fail("nesting", token.at, f"more than {DEEPEST} nested brackets")
             self._brackets.append(token.at)
-            self._emit(OPENS[word], line)
+            self._emit(words.OPENS[word], line)
             self._begins_bracket(word)
-        elif word in LINKS:
-            self._emit(LINKS[word], line, self._operand(writes=False))
-        elif word in SETS:
+        elif word in words.LINKS:
+            self._emit(words.LINKS[word], line, self._operand(writes=False))
+        elif word in words.SETS:
             self._outside(token.at)
-            self._emit(SETS[word], line, self._operand(writes=True))
-        elif word in JUMPS:
-            self._go(JUMPS[word], line)
-        elif word in ENDS:
+            self._emit(words.SETS[word], line, self._operand(writes=True))
+        elif word in words.JUMPS:
+            self._go(words.JUMPS[word], line)
+        elif word in words.ENDS:
             self._emit(Code.JUMP, line, name=END_LABEL)
 
     def _begins_bracket(self, word: str) -> None:
         """An operand alone is no instruction, as in BAPS-PIC."""
         token = self.token
-        if token.first or token.kind is Kind.END or token.word in LIST or token.text in (")", "="):
+        if token.first or token.kind is Kind.END or token.word in words.LIST or token.text in (")", "="):
             return
         shown = token.text if token.kind is Kind.BIT else "I88.0"
         raise self._fail(
@@ -443,6 +417,7 @@ class Reader:
         )
 
     def _outside(self, at: Position) -> None:
+        self._forgiven = len(self._brackets)
         if self._brackets:
             self._brackets.clear()
             raise self._fail("bracket", at, "a bracket is open here", "close it with )")

@@ -100,7 +100,7 @@ def test_a_program_that_does_not_end_is_stopped() -> None:
         ("A I88.0 ) = O58.0", (1, 9, "bracket")),
         ("O58.0 I88.0", (1, 7, "assign")),
         ("THEN", (1, 1, "statement")),
-        ("O58.0 =\nO58.1 = I88.0", (2, 1, "operand")),
+        ("O58.0 =\nO58.1 = I88.0", (1, 8, "operand")),
         ("O58.0 = I88.0 ?", (1, 15, "character")),
     ],
 )
@@ -205,7 +205,30 @@ def test_two_mistakes_are_two_faults_at_their_places(text: str, found: list[tupl
 
 
 def test_an_instruction_without_operand_is_one_fault() -> None:
-    assert faults_of("A\n= O58.0\n") == [(1, 1, "operand")]
+    assert faults_of("A\n= O58.0\n") == [(1, 2, "operand")]
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("O58.0 = I88.0 AND\nO58.1 = I88.1", [(1, 18, "operand")]),
+        ("IF I88.0 OR\nTHEN BEGIN O58.0 = 1\nEND\nELSE O58.0 = 0", [(1, 12, "operand")]),
+        ("IF I88.0 =\nTHEN O58.0 = 1", [(1, 11, "binary")]),
+        ("IF I88.0\nO58.0 = 1", [(1, 9, "then")]),
+        ("JUMP\nA I88.0\n= O58.0", [(1, 5, "label")]),
+        ("A I88.0\nS", [(2, 2, "operand")]),
+        ("IF I88.0 AND\nI88.1 = 1 THEN O58.0 = 1", []),
+    ],
+)
+def test_what_is_missing_at_the_end_of_a_line_is_reported_there(text: str, found: list[tuple[int, int, str]]) -> None:
+    assert faults_of(text) == found
+
+
+@pytest.mark.parametrize("inside", ["JC OUT", "S O58.1", "IF I88.2 THEN JUMP OUT"])
+def test_an_output_or_jump_inside_of_a_bracket_is_one_fault(inside: str) -> None:
+    text = f"A(\nA I88.0\n{inside}\nO I88.1\n)\n= O58.0\nOUT:\n"
+    assert [(line, id) for line, _, id in faults_of(text)] == [(3, "bracket")]
+    assert [(line, id) for line, _, id in faults_of(text + "A I88.0\n)\n= O58.0")] == [(3, "bracket"), (9, "bracket")]
 
 
 @pytest.mark.parametrize(
