@@ -394,9 +394,20 @@ class Typing:
         if symbol is not None and symbol.shared:
             owner, _, attribute = symbol.python.partition(".")
             return found.type, f"Ref(lambda: {symbol.python}, lambda x: setattr({owner}, {attribute!r}, x))"
+        if isinstance(tree, Member | Index) and not (self.is_kinematic(tree.base) or self.of(tree.base).type.is_array):
+            return found.type, self._part(tree)
         if isinstance(tree, Index) and value and ".set(" in value and " = " not in value and "yield" not in value:
             return found.type, f"element({self.of(tree.base).code}, {self.of(tree.index).code})"
         return self._no_reference(tree)
+
+    def _part(self, tree: Member | Index) -> str:
+        """Python text of a component of a point or a character of a TEXT, by way of the whole."""
+        kind, whole = self.reference(tree.base)
+        if not whole:
+            return ""
+        if isinstance(tree, Index):
+            return f"sign({whole}, {self.of(tree.index).code})"
+        return f"part({whole}, {self.component(tree, kind)}, {len(self.names.components(kind))})"
 
     def _no_reference(self, tree: Expression, id: str = "reference") -> tuple[Type, str]:
         self.fault(id, tree.at, "a variable or an element is expected, which the subroutine can set", "use VALUE for expressions")

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable
-from typing import NoReturn
+from typing import NoReturn, cast
 
 from gateway.pure.languages.baps2.demands import Point
 from gateway.pure.languages.baps2.errors import fault
@@ -100,6 +100,17 @@ def element(array: Array, index: int) -> Ref:
     """An element passed by reference."""
     array.get(index)
     return Ref(lambda: array.get(index), lambda value: array.set(index, value))
+
+
+def part(whole: Ref, index: int, size: int) -> Ref:
+    """A component of a point passed by reference."""
+    return Ref(lambda: component(whole.get(), index), lambda value: whole.set(with_component(whole.get(), index, size, value)))
+
+
+def sign(whole: Ref, index: int) -> Ref:
+    """A character of a TEXT passed by reference."""
+    letter(str(whole.get()), index)
+    return Ref(lambda: letter(str(whole.get()), index), lambda value: whole.set(lettered(str(whole.get()), index, str(value))))
 
 
 class Shared:
@@ -230,11 +241,11 @@ def component(values: object, index: int) -> float:
     return float(value)
 
 
-def with_component(values: object, index: int, size: int, value: float) -> Point:
+def with_component(values: object, index: int, size: int, value: object) -> Point:
     """The point with one component replaced; the others of a point not defined stay so."""
     old: list[float | None] = list(values) if isinstance(values, tuple) else []
     old += [None] * (max(size, index + 1) - len(old))
-    old[index] = value
+    old[index] = cast(float, value)
     return tuple(old)
 
 

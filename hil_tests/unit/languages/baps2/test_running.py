@@ -8,7 +8,7 @@ from gateway.pure.languages.baps2.dry_run import DryRun
 from gateway.pure.languages.baps2.feed import FeedFault, feed_of
 from gateway.pure.languages.baps2.library import Library
 from gateway.pure.languages.baps2.memory import Memory
-from hil_tests.unit.languages.baps2.running import all_of, body, run, short, written
+from hil_tests.unit.languages.baps2.running import all_of, body, faults_of, run, short, written
 from hil_tests.unit.languages.baps2.words import WORDS
 
 
@@ -102,6 +102,20 @@ def test_subroutines_set_what_is_passed_by_reference_and_not_what_is_passed_by_v
         + "SUBROUTINE DEEPER(INTEGER : Z)\nINTEGER : L\nBEGIN L = Z Z = L + 1 SUB_END\n"
     )
     assert written(run(text)) == ["1210", "11"]
+
+
+def test_components_and_characters_are_passed_by_reference() -> None:
+    names = ";;KINEMATICS : (1 = K)\n;;K.WC_NAMES = X, Y\n"
+    text = body(
+        "P = (1, 2) D = (3, 4) F[2] = (5, 6) T = 'ABC' N = 2\nTWICE(P.Y) TWICE(D.X) TWICE(F[N].Y) MARK(T[N])\n"
+        "WRITE P.X, P.Y, D.X, F[2].Y, T\nWHOLE(P) WRITE P.X",
+        "POINT : P DEF POINT : D ARRAY[1..2] POINT : F TEXT : T INTEGER : N",
+    )
+    twice = "SUBROUTINE TWICE(REAL : R)\nBEGIN R = R * 2 SUB_END\n"
+    text += twice + "SUBROUTINE MARK(CHAR : C)\nBEGIN C = '-' SUB_END\nSUBROUTINE WHOLE(POINT : Q)\nBEGIN TWICE(Q.X) SUB_END\n"
+    assert [row.split() for row in written(run(names + text))] == [["1.0", "4.0", "6.0", "12.0A-C"], ["2.0"]]
+    assert [faults_of(names + body(f"TWICE({value})") + twice)[0][1] for value in ("K.VFACTOR", "VFACTOR", "POS.X")] == [6, 6, 6]
+    assert short(run(names + body("TWICE(P.X)", "POINT : P") + twice), "error") == [(0.0, "error", 200)]
 
 
 def test_a_subroutine_without_end_of_calls_is_a_runtime_error() -> None:
