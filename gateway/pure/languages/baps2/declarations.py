@@ -183,7 +183,7 @@ class DeclarationReader:
             self._stream.take()
             self._stream.take()
         elif self._stream.ahead().text == "." and self._stream.ahead(2).word in KINEMATIC:
-            self._stream.wrong(f"kinematic {token.text} is not declared", "kinematic-unknown")
+            self._stream.wrong(f"kinematic {token.text} is not declared", "kinematic-unknown", token.position)
         word = self._stream.token.word
         if word not in TYPES or (kinematic and word not in KINEMATIC):
             self._stream.wrong(f"a type is expected, not {self._stream.token}")
@@ -211,7 +211,7 @@ class DeclarationReader:
 
     def _names(self, kind: TypeName | None) -> list[Token]:
         if self._begins_next():
-            self._stream.faults.error("syntax", self._stream.token.position, f"a name is expected, not {self._stream.token}")
+            self._stream.faults.error("syntax", self._stream.gap, f"a name is expected, not {self._stream.token}")
             return []
         found = [self._declare(self._stream.name("a name"), kind)]
         while self._stream.comma() or self._no_comma(found[-1]):
@@ -315,7 +315,7 @@ class DeclarationReader:
         at = self._stream.token.position
         number: Expression = self._expressions.sum() if self._stream.token.kind is not Kind.NUMBER else self._number()
         if not self._stream.sign("="):
-            self._stream.faults.error("syntax", self._stream.token.position, f"'=' is expected behind the number, not {self._stream.token}")
+            self._stream.faults.error("syntax", self._stream.gap, f"'=' is expected behind the number, not {self._stream.token}")
             self._stream.sign(":")  # as it is printed once (D-63)
         name = self._declare(self._stream.name("the name of the special function"), None)
         return SpecialFunction(at, number, name.key, self.parameters())
@@ -357,7 +357,7 @@ class DeclarationReader:
                 if not (self._stream.sign(",") or self._no_comma_here(token)) or self._group():
                     break
             if not (self._group() or self._stream.is_sign(")")):
-                self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}", at=self._stream.bracket_place())
+                self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}", at=self._stream.gap)
 
     def _no_comma_here(self, before: Token) -> bool:
         """Whether another parameter of the group follows without its comma; it is reported."""
@@ -371,7 +371,7 @@ class DeclarationReader:
         """VALUE; a word in front of a type that is another one is reported."""
         token = self._stream.token
         if token.kind is Kind.NAME and not token.word and self._stream.ahead().word in TYPES:
-            self._stream.faults.error("syntax", token.position, f"VALUE or a type is expected, not {token}")
+            self._stream.faults.error("syntax", self._stream.gap, f"VALUE or a type is expected, not {token}")
             self._stream.take()
             return True
         return self._stream.word("VALUE")
@@ -381,7 +381,7 @@ class DeclarationReader:
         token = self._stream.token
         if token.kind is not Kind.NAME or token.word in TYPES or self._stream.ahead().text != ":":
             return self.type_name()
-        self._stream.faults.error("syntax", token.position, f"a type is expected, not {token}")
+        self._stream.faults.error("syntax", self._stream.gap, f"a type is expected, not {token}")
         return TypeName(self._stream.take().position, "")
 
     def _group(self) -> bool:

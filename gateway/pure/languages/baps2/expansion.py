@@ -32,7 +32,7 @@ class _Expansion:
         add = self.tokens.append
         for token in tokens_of(source, self._words, self._faults):
             if token.kind is Kind.INSTRUCTION:
-                word, _, name = token.text.partition(" ")
+                word, _, name = token.text.partition(";")[0].strip().partition(" ")
                 if word.upper() == "INCLUDE":
                     self._include(source, name.strip(" =:"), token.position)
                     continue

@@ -10,7 +10,7 @@ from gateway.pure.languages.baps2.tree import Binary, Call, Expression, Index, M
 
 T = TypeVar("T")
 LEVELS = {"OR": 0, "AND": 1, **dict.fromkeys(("=", "<>", "<", ">", "<=", ">="), 3), "+": 4, "-": 4, "*": 5, "/": 5, "MOD": 5}
-NOT_LEVEL = 2
+NOT_LEVEL, COMPARED = 2, 3
 FUNCTION_WORDS = {"CHAR": "CHR", "WC_FRAME": "WC_FRAME"}  # words that are functions in front of a bracket
 
 
@@ -20,25 +20,45 @@ class ExpressionReader:
     def __init__(self, stream: Stream, names: set[str]) -> None:
         self._stream, self.names = stream, names
         self._alone = False  # one value: a comma behind a number does not separate values
+        self._lines = False  # it may go on in the next line with what looks like an assignment: a comparison
 
     def read(self) -> Expression:
         """A whole expression."""
+        self._expect_value()
         return self._binary(0)
 
     def sum(self) -> Expression:
         """An expression without comparisons: targets of moves."""
         return self._binary(LEVELS["+"])
 
+    def target(self) -> Expression:
+        """A variable that is read."""
+        self._expect_value()
+        return self.sum()
+
     def alone(self) -> Expression:
         """A whole expression where no list of values can be, so that a comma in a number is a mistake."""
-        return self._with_commas(self.read, alone=True)
+        return self._within(self.read, alone=True)
 
-    def _with_commas(self, read: Callable[[], T], *, alone: bool) -> T:
-        before, self._alone = self._alone, alone
+    def condition(self) -> Expression:
+        """A whole condition, behind which a word of the language follows."""
+        return self._within(self.read, alone=True, lines=True)
+
+    def constant(self) -> Expression:
+        """One of a list in front of a colon."""
+        return self._within(self.sum, lines=True)
+
+    def _within(self, read: Callable[[], T], *, alone: bool = False, lines: bool = False) -> T:
+        before, self._alone, self._lines = (self._alone, self._lines), alone, lines
         try:
             return read()
         finally:
-            self._alone = before
+            self._alone, self._lines = before
+
+    def _expect_value(self, *, compared: bool = False) -> None:
+        """Reports a value that is missing at the end of a line: an assignment or a label begins the next one."""
+        if (compared or not self._lines) and self._stream.ends_line():
+            self._stream.wrong(f"a value is expected, not {self._stream.token}")
 
     def names_it(self, token: Token) -> bool:
         """Whether the token is a name here: declared, or no word of the language."""
@@ -64,6 +84,8 @@ class ExpressionReader:
             at = self._stream.take().position
             if sign == "=":
                 self._stream.doubled("=")
+            if level > NOT_LEVEL:  # what AND and OR join is a condition
+                self._expect_value(compared=level == COMPARED)
             left = Binary(at, sign, left, self._binary(level + 1))
         self._stream.back()
         return left
@@ -125,9 +147,9 @@ class ExpressionReader:
         """Values up to the closing bracket; the opening one is taken."""
         if self._stream.sign(")"):
             return ()
-        values = [self._with_commas(self.read, alone=False)]
+        values = [self._within(self.read, lines=True)]
         while self._stream.sign(","):
-            values.append(self._with_commas(self.read, alone=False))
+            values.append(self._within(self.read, lines=True))
         self._stream.expect_sign(")", "behind the values")
         return tuple(values)
 
@@ -154,7 +176,7 @@ class ExpressionReader:
                 value = Member(token.position, value, GERMAN.get(name, name))
             elif token.text == "[":
                 self._stream.take()
-                value = Index(token.position, value, self._with_commas(self.read, alone=False))
+                value = Index(token.position, value, self._within(self.read, lines=True))
                 self._stream.expect_sign("]", "behind the index")
             else:
                 return value

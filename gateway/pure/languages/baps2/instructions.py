@@ -24,6 +24,7 @@ ALIASES = {
 }
 MOST_KINEMATICS = 16
 NAMES = ("JC_NAMES", "WC_NAMES")
+KINEMATICS = ("KINEMATICS", *(alias for alias, word in ALIASES.items() if word == "KINEMATICS"))
 _FORM = re.compile(r"(?:(?P<kinematic>[^\W\d]\w*)\s*\.\s*)?(?P<word>[^\W\d]\w*)\s*[:=]?\s*(?P<value>.*)", re.DOTALL)
 _PAIR = re.compile(r"(\d+)\s*=\s*([^\W\d]\w*)")
 _NAME = re.compile(r"[^\W\d]\w*")
@@ -31,12 +32,13 @@ _NAME = re.compile(r"[^\W\d]\w*")
 
 def take(text: str, at: Position, head: Head, faults: Faults, *, begun: bool) -> Instruction | None:
     """Enters an instruction in the head; one that acts among the statements is returned (`begun`: behind BEGIN)."""
+    text, _, comment = (part.strip() for part in text.partition(";"))
     match = _FORM.fullmatch(text)
     if match is None:
         _none(text, at, head, faults)
         return None
     word = match["word"].upper()
-    word, value, kinematic = ALIASES.get(word, word), match["value"].strip(), (match["kinematic"] or "").upper()
+    word, value, kinematic = ALIASES.get(word, word), _whole(word, match["value"].strip(), comment), (match["kinematic"] or "").upper()
     match word:
         case "CONTROL":
             head.control = value.replace(" ", "").upper()
@@ -66,6 +68,18 @@ def take(text: str, at: Position, head: Head, faults: Faults, *, begun: bool) ->
         case _:
             _other(text, word, kinematic, value, at, head, faults)
     return None
+
+
+def _whole(word: str, value: str, comment: str) -> str:
+    """The value, with the comment where it is the rest of a list: a kinematic with its number, or names of the same form (A1; A2)."""
+    known, more = ({_shape(part.strip()) for part in re.split("[,;]", each)} for each in (value, comment))
+    goes_on = more <= known if ALIASES.get(word, word) in NAMES else word in KINEMATICS and _PAIR.match(comment) is not None
+    return f"{value}; {comment}" if goes_on else value
+
+
+def _shape(name: str) -> str:
+    """The form of a name: which of its characters are letters, digits and others."""
+    return "".join("9" if sign.isdigit() else "a" if sign.isalpha() else sign for sign in name)
 
 
 def _other(text: str, word: str, kinematic: str, value: str, at: Position, head: Head, faults: Faults) -> None:

@@ -26,7 +26,7 @@ class Kind(Enum):
 
 
 class Token(NamedTuple):
-    """`text` is what the source has (texts without quotes); `word` the token of the word table, or "" for other names."""
+    """`text` is what the source has: texts without quotes, instructions with their comment.  `word` is of the word table, "" for names."""
 
     kind: Kind
     text: str
@@ -125,7 +125,7 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
             elif kind == "text":
                 yield Token(Kind.TEXT, found[1:-1], position)
             else:
-                yield Token(Kind.INSTRUCTION, found.lstrip(";: \t").partition(";")[0].strip(), position)
+                yield Token(Kind.INSTRUCTION, found.lstrip(";: \t").strip(), position)
         elif kind == "comment" and "\n" in found:
             line, start = line + found.count("\n"), at + found.rindex("\n") + 1
         at = match.end()

@@ -129,9 +129,9 @@ class Mistakes:
         found: list[Expression] = []
         depth, line = self._stream.depth, self._stream.ahead(-1).position.line
         try:
-            found.append(self._expressions.sum())
+            found.append(self._expressions.constant())
             while self._stream.comma():
-                found.append(self._expressions.sum())
+                found.append(self._expressions.constant())
         except Misread:
             self._stream.back_to(depth)
             while self._stream.token.position.line == line and not self._stream.is_sign(":") and not self.starts():
@@ -163,12 +163,6 @@ class Mistakes:
             self._stream.take()
         self._stream.expect_sign("=", where)
         self._stream.doubled("=")
-
-    def value(self) -> None:
-        """Reports a value that is missing in front of the next assignment or label."""
-        token, before = self._stream.token, self._stream.ahead(-1)
-        if token.kind is Kind.NAME and token.position.line != before.position.line and self._stream.ahead().text in ("=", ":"):
-            self._stream.wrong(f"a value is expected, not {token}")
 
     # ---- names
 
@@ -209,10 +203,9 @@ class Mistakes:
                 self._stream.take()
 
     def target(self) -> None:
-        """Reports a target that is missing in front of the next assignment."""
-        token, before = self._stream.token, self._stream.ahead(-1)
-        if token.kind is Kind.NAME and token.position.line != before.position.line and self._stream.ahead().text == "=":
-            self._stream.wrong(f"a point is expected, not {token}")
+        """Reports a target that is missing in front of the next assignment or label."""
+        if self._stream.ends_line():
+            self._stream.wrong(f"a point is expected, not {self._stream.token}")
 
     def foreign_point(self) -> None:
         """A teach point that bears the name of a word of the other language: the last of its line, or in a list."""
@@ -255,17 +248,17 @@ class Mistakes:
 
     def condition(self, ends: Collection[str]) -> Expression:
         """A condition; where it is misread, reading goes on with one of these words."""
-        return self._value(lambda line: self._goes_on(ends))
+        return self._value(self._expressions.condition, lambda line: self._goes_on(ends))
 
     def header(self) -> Expression:
         """What a REPEAT or CASE works on; where it is misread, reading goes on behind its line."""
-        return self._value(self._behind)
+        return self._value(self._expressions.alone, self._behind)
 
-    def _value(self, goes_on: Callable[[int], bool]) -> Expression:
+    def _value(self, read: Callable[[], Expression], goes_on: Callable[[int], bool]) -> Expression:
         """A value; where it is misread, reading goes on where `goes_on` leads from this line, and is given up where that is False."""
         at, depth = self._stream.token.position, self._stream.depth
         try:
-            return self._expressions.alone()
+            return read()
         except Misread:
             self._stream.back_to(depth)
             if not goes_on(at.line):
@@ -282,11 +275,11 @@ class Mistakes:
         """Takes THEN; where it is missing, a statement may follow."""
         if self._stream.word("THEN"):
             return
-        token = self._stream.token
+        token, at = self._stream.token, self._stream.token.position if self._stream.slip(("THEN",)) else self._stream.gap
         if not self.starts() and not self._goes_on(("THEN",)):
             self._stream.missing("THEN", "behind the condition")
             raise Misread
-        self._stream.faults.error("syntax", token.position, f"THEN is expected behind the condition, not {token}")
+        self._stream.faults.error("syntax", at, f"THEN is expected behind the condition, not {token}")
         if self._stream.token.word == "THEN" or self._stream.slip(("THEN",)):
             self._stream.take()
 

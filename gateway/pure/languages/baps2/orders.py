@@ -44,9 +44,9 @@ class OrderReader:
 
     def _read(self, at: Position) -> Read:
         device = self._device()
-        targets = [self._expressions.sum()]
+        targets = [self._expressions.target()]
         while self._stream.comma():
-            targets.append(self._expressions.sum())
+            targets.append(self._expressions.target())
         return Read(at, device, tuple(targets))
 
     def _write(self, at: Position) -> Write:

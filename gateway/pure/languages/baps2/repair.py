@@ -177,7 +177,8 @@ def _early(before: Token, behind: Token, sign: str) -> int:
 def _names(tokens: Sequence[Token], faults: Faults) -> Iterator[Repair]:
     """Places of declarations that lack a name, with the names that are not known elsewhere."""
     wanted = _wanted(tokens, faults)[:MOST_NAMES]
-    kinematics = [name for token in tokens if token.kind is Kind.INSTRUCTION for name in _kinematics(token.text)][:MOST_NAMES]
+    instructions = [token.text.partition(";")[0] for token in tokens if token.kind is Kind.INSTRUCTION]
+    kinematics = [name for text in instructions for name in _kinematics(text)][:MOST_NAMES]
     for place in range(1, len(tokens)):
         before, behind = tokens[place - 1], tokens[place]
         fresh = behind.position.line != before.position.line

@@ -156,7 +156,7 @@ class StatementReader:
             return opened
         if called:
             return self._call(self._stream.take())
-        self._stream.wrong(f"a statement is expected, not {token}")
+        self._stream.wrong(f"a statement is expected, not {token}", at=token.position)
 
     def _is_called(self, token: Token) -> bool:
         """Whether the name is one of a subroutine or program."""
@@ -198,7 +198,6 @@ class StatementReader:
         at = self._stream.token.position
         target = self._expressions.sum()
         self._mistakes.assigned("behind what is assigned to")
-        self._mistakes.value()
         found = Set(at, target, self._expressions.alone())
         return self._missing.of_condition(at) or found
 
@@ -222,7 +221,7 @@ class StatementReader:
         while not self._stream.sign(")"):
             found.append(self._expressions.read())
             if not self._stream.comma() and not self._stream.is_sign(")"):
-                self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}", at=self._stream.bracket_place())
+                self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}", at=self._stream.gap)
         return tuple(found)
 
     # ---- motion
@@ -239,7 +238,7 @@ class StatementReader:
             if lacking == "ERROR":
                 otherwise = self.required("behind ERROR")
             elif lacking == "UNTIL":
-                until = self._expressions.read()
+                until = self._expressions.condition()
             elif lacking or self._stream.word("WITH"):
                 factors += self._factors()
             elif not kinematic and (found := self._kinematic()):
@@ -249,7 +248,7 @@ class StatementReader:
             elif self._stream.is_word(("LINEAR", "PTP", "CIRCULAR")):
                 way = self._stream.take().word
             elif self._stream.word("UNTIL"):
-                until = self._expressions.read()
+                until = self._expressions.condition()
             elif self._stream.word("MAX_TIME"):
                 self._stream.expect_sign("=", "behind MAX_TIME")
                 until_time = self._expressions.sum()

@@ -93,16 +93,28 @@ class Stream:
 
     def missing(self, what: str, where: str) -> None:
         """Reports what is not there, at a semicolon in its place, which begins a comment; reading may go on without it."""
-        at, hint = self.bracket_place() if what in ("')'", "']'") else self.token.position, ""
+        at, hint = self.gap, ""
         comment, column = self._comment()
         if comment:
             at, hint = self.ahead(-1).position._replace(column=column), "a semicolon begins a comment"
         self.faults.error("syntax", at, f"{what} is expected {where}, not {self.token}", hint)
 
-    def bracket_place(self) -> Position:
-        """Where a closing bracket is missing: in front of the next token, or behind the one that was taken if that ends its line."""
+    @property
+    def gap(self) -> Position:
+        """Where something is missing: in front of the next token, or behind the one that was taken if that ends its line."""
         before = self.ahead(-1)
-        return self.token.position if before.position.line == self.token.position.line else before.end
+        same = before.position[:2] == self.token.position[:2] or before.kind is Kind.INSTRUCTION or not self._next
+        return self.token.position if same else before.end
+
+    def ends_line(self) -> bool:
+        """Whether the token that was taken ends its line, and an assignment or a label begins the next one."""
+        line, place, depth = self.token.position.line, 1, 0
+        if self.token.kind is not Kind.NAME or line == self.ahead(-1).position.line:
+            return False
+        while (token := self.ahead(place)).position.line == line and (depth or token.text in (".", "[")):  # components and elements
+            depth += (token.text == "[") - (token.text == "]")
+            place += 2 if token.text == "." else 1
+        return token.text in ("=", ":") and token.position.line == line
 
     def _comment(self) -> tuple[str, int]:
         """What follows the token that was taken in its line, if it begins with a semicolon, and the column; else "" and 0."""
@@ -154,7 +166,7 @@ class Stream:
         misspelt = self.slip((word,))
         if not (misspelt or goes_on):
             self.wrong(text)
-        self.faults.error("syntax", self.token.position, text)
+        self.faults.error("syntax", self.token.position if misspelt else self.gap, text)
         if misspelt:
             self.take()
 
@@ -222,9 +234,9 @@ class Stream:
         return token
 
     def wrong(self, text: str, id: str = "syntax", at: Position | None = None) -> NoReturn:
-        """Reports a fault and leaves the construct."""
+        """Reports what is missing, or what is wrong at a place, and leaves the construct."""
         if not self.too_deep:
-            self.faults.error(id, at or self.token.position, text)
+            self.faults.error(id, at or self.gap, text)
         raise Misread
 
     def deeper(self) -> None:

@@ -155,7 +155,7 @@ class Reader(TokenReader):
         behind = self._ahead()
         misspelt = token.kind is Kind.NAME and (behind.kind is Kind.BIT or behind.word in words.NOT or not self._joins(behind))
         misspelt = misspelt and token.word not in words.NOT
-        self.faults.error("if", token.at, f"IF is {'expected, not' if misspelt else 'missing in front of'} {token.text}")
+        self.faults.error("if", token.at, f"IF is expected, not {token.text}" if misspelt else f"IF is missing in front of {token.text}")
         if misspelt:
             self._take()
         return True

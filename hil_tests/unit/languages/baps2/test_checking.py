@@ -43,7 +43,7 @@ HEAD = ";;KINEMATICS : (1=K, 2=L)\n;;K.WC_NAMES = X,Y\n;;K.JC_NAMES = A1,A2\n;;L
         ("I = ROUND(1.0E20)", "INTEGER : I", [("constant", 4)]),
         ("CASE I EQUAL ROUND(1.6) : HALT EQUAL TRUNC(2.9) : HALT CASE_END", "INTEGER : I", [("case-twice", 4)]),
         ("CASE I CASE_END", "INTEGER : I", [("syntax", 4)]),
-        ("JUMP\nWAIT 1", "", [("syntax", 5)]),
+        ("JUMP\nWAIT 1", "", [("syntax", 4)]),
         ("BREAK = 1", "INTEGER : BREAK", [("name-taken", 2)]),
         ("WRITE 'A\nWRITE 'B'", "", [("text-without-end", 4)]),
         (";;FILE_ERROR -", "", [("instruction-place", 4)]),
@@ -122,7 +122,13 @@ def test_imports_are_typed_by_the_exporter() -> None:
     "text, expected",
     [
         ("PROGRAM P\nBEGIN\nPROGRAM_END\nPROGRAM Q\nBEGIN\nPROGRAM_END", [("behind-the-end", 4)]),
-        ("PROGRAM\nBEGIN\nHALT\nPROGRAM_END", [("syntax", 2)]),
+        ("PROGRAM\nBEGIN\nHALT\nPROGRAM_END", [("syntax", 1)]),
+        (";;KINEMATICS : (1 = K; 2 = L) ; C\nPROGRAM P\nK.POINT : P\nL.POINT : Q\nBEGIN\nPROGRAM_END", [("kinematics", 1)]),
+        (
+            ";;KINEMATICS : (1 = K)\n;;K.JC_NAMES A1; A2\nPROGRAM P\nJC_POINT : @P\nBEGIN\n@P.A2 = 1\nPROGRAM_END",
+            [("instruction-value", 2)],
+        ),
+        (";;KINEMATICS : 1 = K ; 1\n;;K.WC_NAMES = X, Y ; axes\nPROGRAM P\nPOINT : P\nBEGIN\nP = (1, 2)\nPROGRAM_END", []),
         (";;SER_IO_STOP -\n;;SER_IO_STOP +\nPROGRAM P\nBEGIN\nPROGRAM_END", [("instruction-twice", 2)]),
         (
             "PROGRAM P\nBEGIN\nS\nPROGRAM_END\n;;FILE_ERROR -\nSR S\n;;SER_IO_STOP -\nBEGIN SR_END",

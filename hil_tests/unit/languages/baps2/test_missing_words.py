@@ -40,7 +40,7 @@ def places(found: list[SourceFault]) -> list[tuple[int, int]]:
         ("RPT 2 TIMES\nI = 1\nALSO\nI = 2\nPARALLEL_END\nRPT_END", 2, 1, "PARALLEL"),
         ("L1: PARALLEL\n I = 1\nALSO\n I = 2\nJUMP L1", 5, 1, "PARALLEL_END"),
         ("S\nI = 1\nEXCLUSIVE_END", 0, 1, "EXCLUSIVE"),
-        ("EXCLUSIVE\nI = 1\nEXCLUSIVE_END", 1, 1, "a semaphore"),
+        ("EXCLUSIVE\nI = 1\nEXCLUSIVE_END", 0, 10, "a semaphore"),
         ("WAIT E1 = 0 MAX_TIME = 3 ERROR I = 1", 0, 6, "UNTIL"),
         ("UNTIL E1 = 1\nI = 1", 0, 1, "WAIT"),
         ("MOVE ROB V = 100 TO P1", 0, 10, "WITH"),
@@ -50,7 +50,7 @@ def places(found: list[SourceFault]) -> list[tuple[int, int]]:
         ("LINEAR TO P1", 0, 1, "MOVE"),
         ("'HALLO', I", 0, 1, "WRITE"),
         ("PHG, 'HALLO', I", 0, 1, "READ or WRITE"),
-        ("I = \nL1: I = 2\nJUMP L1", 1, 1, "a value"),
+        ("I = \nL1: I = 2\nJUMP L1", 0, 4, "a value"),
     ],
 )  # fmt: skip
 def test_a_missing_word_is_one_fault(statements: str, line: int, column: int, word: str) -> None:
@@ -65,7 +65,7 @@ def test_a_missing_word_is_one_fault(statements: str, line: int, column: int, wo
         ("INTEGER : J : K, M", 13),
         ("INTEGER : J, M  [1..3] INTEGER : K", 17),
         ("ARRAY[1..3 INTEGER : K  INTEGER : J, M", 12),
-        ("INTEGER : J, K, M  REAL :", 1),
+        ("INTEGER : J, K, M  REAL :", 26),
         ("INTEGER : J, K, M  INPUT : 3 = E3, = E4", 36),
     ],
 )

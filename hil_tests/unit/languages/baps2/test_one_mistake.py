@@ -33,7 +33,7 @@ def check(text: str) -> Faults:
         ("EXCLUSIVE S\n I = 1\nEXCLUSIV_END", "name-unknown", 2, 1),
         ("RPTT 3 TIMES\n I = 1\nRPT_END", "name-unknown", 0, 1),
         ("RPT 3 TIMS\n I = 1\nRPT_END", "syntax", 0, 7),
-        ("RPT 3\n I = 1\nRPT_END", "syntax", 1, 2),
+        ("RPT 3\n I = 1\nRPT_END", "syntax", 0, 6),
         ("RPT 3 TIMES\n I = 1\nRPTEND", "name-unknown", 2, 1),
         ("REPEET 3 TIMES\n I = 1\nREPEAT_END", "name-unknown", 0, 1),
         ("WDHH 3 MAL\n I = 1\nWDH_ENDE", "name-unknown", 0, 1),
@@ -71,6 +71,18 @@ def check(text: str) -> Faults:
         ("X = 3\nI = X\nF[1] = X", "name-unknown", 0, 1),
         ("F[6] = I", "index-range", 0, 2),
         ("E1 = 1", "not-assignable", 0, 1),
+        ("I = I -\nP1.X = 2", "syntax", 0, 8),
+        ("I = I +\nF[F[I] + 1] = 2", "syntax", 0, 8),  # what is missing at the end of a line is reported there
+        ("I = F[1] + F[2] -\nL:", "syntax", 0, 18),
+        ("I = I *\nWAIT 1", "syntax", 0, 8),
+        ("IF I =\nTHEN I = 2", "syntax", 0, 7),
+        ("IF E1 = 1\nI = 2", "syntax", 0, 10),
+        ("WAIT UNTIL E1 =\nI = 3", "syntax", 0, 16),
+        ("WAIT\nI = 3", "syntax", 0, 5),
+        ("MOVE TO P1,\nI = 3", "syntax", 0, 12),
+        ("WRITE PHG,\nI = 3", "syntax", 0, 11),
+        ("READ PHG, I,\nT = 'A'", "syntax", 0, 13),
+        ("REPEAT\nI = 3\nREPEAT_END", "syntax", 0, 7),
     ],
 )
 def test_one_mistake_is_one_fault_at_its_place(statements: str, id: str, line: int, column: int) -> None:
@@ -86,6 +98,10 @@ def test_one_mistake_is_one_fault_at_its_place(statements: str, id: str, line: i
         "CSAE: I = 1\nJUMP CSAE",
         "ALSSO = 1\nI = ALSSO",
         "RPTT",
+        "IF E1 = 1 AND\nI = 2 THEN I = 3",  # conditions in two lines
+        "WAIT UNTIL E1 = 1 OR\nI = 2",
+        "IF I +\nI = 2 THEN I = 3",
+        "I = I +\nF[1]",
     ],
 )
 def test_names_of_the_user_stay_names(statements: str) -> None:

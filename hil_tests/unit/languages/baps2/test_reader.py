@@ -185,7 +185,7 @@ def test_a_name_that_is_missing_does_not_swallow_the_end_of_the_program() -> Non
     for word, what in (("STOP", "a program"), ("START", "a program"), ("JUMP", "a label")):
         text = f"PROGRAM P\nBEGIN\n{word}\nPROGRAM_END\nSUBROUTINE S\nBEGIN\nSUB_END"
         program, faults = read_text(text)
-        assert [(fault.text, fault.position.line) for fault in faults] == [(f"{what} is expected, not 'PROGRAM_END'", 4)]
+        assert [(fault.text, fault.position.line) for fault in faults] == [(f"{what} is expected, not 'PROGRAM_END'", 3)]
         assert program is not None and [each.name for each in program.subroutines] == ["S"]
 
 
