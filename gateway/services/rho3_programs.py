@@ -38,19 +38,7 @@ class Rho3Programs:
                     return {"error": f"{name}: no such process"}
                 return {"ok": True}
             case "state":
-                return _outcome(hosted, request.get("run"))
+                return hosted.results.answer(request.get("run"), hosted.rows, alive=bool(hosted.language_id))
             case "test" | "outcome" | "look" | "breakpoints" | "step" | "movement" | "variable" | "teach" | "define":
                 return TestOrders(rho, hosted).answer(request, source)
         return {"error": f"do {request.get('do')!r}; list, start, stop, state are known"}
-
-
-def _outcome(hosted: HostedPrograms, run: object) -> dict[str, object]:
-    """How a run of a program is, or how it ended."""
-    if not isinstance(run, int):
-        return {"error": "state: run = a number that start has given"}
-    if (over := hosted.results.get(run)) is not None:
-        how, code, words, place = over
-        kept = run in hosted.lost or not hosted.language_id
-        return {"over": True, "how": how, "code": code, "text": words, "place": place, "kept": kept, "lost": hosted.lost.get(run, [])}
-    rows = [row for row in hosted.rows if row["run"] == run]
-    return {"over": False, "rows": rows}

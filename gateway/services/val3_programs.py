@@ -48,13 +48,5 @@ class Val3Programs:
             case "act":
                 return hosted.act(request)
             case "state":
-                return self._state(request.get("run"))
+                return hosted.results.answer(request.get("run"), hosted.rows, alive=bool(hosted.language_id))
         return {"error": f"do {request.get('do')!r}; list, start, stop, state, view, act are known"}
-
-    def _state(self, run: object) -> dict[str, object]:
-        if not isinstance(run, int):
-            return {"error": "state: run = a number that start has given"}
-        if (over := self.hosted.results.get(run)) is not None:
-            how, code, words, place = over
-            return {"over": True, "how": how, "code": code, "text": words, "place": place}
-        return {"over": False, "rows": [row for row in self.hosted.rows if row["run"] == run]}

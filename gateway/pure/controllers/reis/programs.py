@@ -12,6 +12,7 @@ from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.arbitration.jobs import Job
 from gateway.pure.controllers.reis.keys import Keys
 from gateway.pure.controllers.reis.side import ReisSide
+from gateway.pure.controllers.run_results import RunResults
 from gateway.pure.image.reasons import CommandState, Reason, text
 from gateway.pure.image.records.cell import AxisFlag, Motion
 from gateway.pure.image.records.interpreter import Channels, Fact
@@ -22,7 +23,6 @@ from gateway.pure.languages.robotstar.values import Structure
 from protocols.base.machine import Ns
 
 GONE = "the interpreter ended, and the program with it"
-RESULTS = 64
 MOST_BREAKS = 100  # breakpoints of a program
 STRIDES = tuple(each.value for each in Stride if each is not Stride.MODE)
 MOUSE_NS: Ns = 20_000_000  # a mouse may say as much as it likes; so often it is heard
@@ -30,7 +30,6 @@ HAND = ""
 AT_REST = (Motion.IDLE, Motion.STOPPED)
 CHANGE, BEGIN, END = (968, 0), (968, 1), (968, 2)  # markers: program change, Auto Start, Auto Stop (L2921-2923)
 HOLD = (1020, 7)
-Outcome = tuple[str, int, str, str]  # how, code, text, place
 
 
 @dataclass(slots=True)
@@ -50,7 +49,7 @@ class ReisPrograms:
     ending: list[int] = field(default_factory=list)
     programs: list[dict[str, object]] = field(default_factory=list)
     rows: list[dict[str, object]] = field(default_factory=list)
-    results: dict[int, Outcome] = field(default_factory=dict)
+    results: RunResults = field(default_factory=RunResults)
     run: int = 0  # under way
     tool: Structure | None = None  # in force, for the position in M1124
     progress: tuple[int, ...] = ()  # M1464 to M1479: way and time of the position under way, done and left
@@ -156,21 +155,26 @@ class ReisPrograms:
                 self._leaving = self._job is not None
             case "selected":
                 self._name = str(said["program"])
-            case "over" if int(said["run"]) == self.run:
-                self._end(str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
+            case "over" | "kept":
+                self._of_run(said)
             case "message":
                 place = f" ({said['program']} step {said['step']})" if said["program"] else ""
                 self.sentences.append(f"{said['text']}{place}")
                 self.side.message(int(said["number"]), f"{said['text']}{place}", now)
+
+    def _of_run(self, said: Mapping[str, Fact]) -> None:
+        """It is over, or all it has written was tried."""
+        if said["say"] == "kept":
+            self.results.kept(said)
+        elif int(said["run"]) == self.run:
+            self._end(str(said["how"]), int(said["code"]), str(said["text"]), str(said["place"]))
 
     def _wrong(self, words: str) -> None:
         if words:
             self.sentences.append(f"{self._name}: {words}")
 
     def _end(self, how: str, code: int, words: str, place: str) -> None:
-        self.results[self.run] = how, code, words, place
-        for old in list(self.results)[:-RESULTS]:
-            del self.results[old]
+        self.results.end(self.run, (how, code, words, place))
         self.run = 0
 
     def _wants(self, ticket: int) -> None:
@@ -394,7 +398,7 @@ class ReisPrograms:
             case "stop":
                 return self._stopped(name)
             case "state":
-                return self._outcome(request.get("run"))
+                return self.results.answer(request.get("run"), self.rows, alive=bool(self.language_id))
         return {"error": f"do {request.get('do')!r}; list, start, stop, step, state, breakpoints, value are known"}
 
     def _started(self, name: str, source: int, how: str = "") -> dict[str, object]:
@@ -420,14 +424,6 @@ class ReisPrograms:
         else:
             self.orders.append({"do": "forget"})
         return {"ok": True}
-
-    def _outcome(self, run: object) -> dict[str, object]:
-        if not isinstance(run, int):
-            return {"error": "state: run = a number that start has given"}
-        if (over := self.results.get(run)) is not None:
-            how, code, words, place = over
-            return {"over": True, "how": how, "code": code, "text": words, "place": place}
-        return {"over": False, "rows": [row for row in self.rows if row["run"] == run]}
 
 
 def _rows(found: object) -> list[dict[str, object]]:

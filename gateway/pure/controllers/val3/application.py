@@ -9,6 +9,7 @@ from typing import Protocol
 
 from gateway.pure.arbitration.command_block import Code, Command
 from gateway.pure.arbitration.jobs import Job
+from gateway.pure.controllers.run_results import RunResults
 from gateway.pure.controllers.val3.io.control import Val3Control
 from gateway.pure.image.reasons import CommandState, Reason, text
 from gateway.pure.image.records.cell import CellState, Motion
@@ -17,7 +18,6 @@ from protocols.base.machine import Ns, ms
 
 OWN_SOURCE = 92  # number of the command source that an application is
 NOT_MOVED = 150
-RESULTS = 64
 ORDERS = 200  # waiting for the interpreter
 MOST_TEXT = 256
 MODES = ("manual", "test", "local", "remote")
@@ -68,7 +68,7 @@ class HostedApplication:
     ending: list[int] = field(default_factory=list)
     programs: list[dict[str, object]] = field(default_factory=list)
     rows: list[dict[str, object]] = field(default_factory=list)
-    results: dict[int, tuple[str, int, str, str]] = field(default_factory=dict)
+    results: RunResults = field(default_factory=RunResults)
     faults: list[str] = field(default_factory=list)  # active errors of the cell
     seen: dict[str, object] = field(default_factory=dict)  # for the dashboard
     run: int = 0  # under way
@@ -162,9 +162,7 @@ class HostedApplication:
             self._path = None
 
     def _over(self, how: str, code: int, words: str, place: str) -> None:
-        self.results[self.run] = how, code, words, place
-        for old in list(self.results)[:-RESULTS]:
-            del self.results[old]
+        self.results.end(self.run, (how, code, words, place))
         self.run, self._leave, self._halted, self._moves = 0, True, False, False
         self.control.application.running = False
 
@@ -196,6 +194,8 @@ class HostedApplication:
                 if words:
                     self.sentences.append(f"{place}: {code} {words}")
                 self._over(str(said["how"]), code, words, place)
+            case "kept":
+                self.results.kept(said)
 
     def _put(self, name: str, value: float) -> None:
         try:

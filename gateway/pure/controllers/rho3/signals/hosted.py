@@ -17,6 +17,7 @@ from gateway.pure.controllers.rho3.pendant.user_memory import UserMemory
 from gateway.pure.controllers.rho3.signals.fast_io import Channels, InputFault
 from gateway.pure.controllers.rho3.signals.pic import PicLink
 from gateway.pure.controllers.rho3.signals.steps import NOT_MOVED
+from gateway.pure.controllers.run_results import RunResults
 from gateway.pure.image.reasons import CommandState, text
 from gateway.pure.image.records.interpreter import Fact
 from protocols.base.machine import Ns
@@ -118,8 +119,7 @@ class HostedPrograms:
     shown: dict[str, object] = field(default_factory=dict)  # of the test system, as the interpreter reports it
     answers: dict[int, str] = field(default_factory=dict)  # ticket of an order -> why it was refused; "": done
     gone: bool = False  # the interpreter ended under its processes: to be reported
-    results: dict[int, tuple[str, int, str, str]] = field(default_factory=dict)  # of the last runs
-    lost: dict[int, list[str]] = field(default_factory=dict)  # of the last runs whose files are written: those that could not be
+    results: RunResults = field(default_factory=RunResults)
     _bodies: dict[int, HostedBody] = field(default_factory=dict)
     _paths: list[_Order] = field(default_factory=list)
     _runs: int = 0
@@ -172,7 +172,6 @@ class HostedPrograms:
         table = self.control.processes
         for body in self._bodies.values():
             self._end(body, "lost", INTERPRETER_GONE, "the interpreter ended")
-            self._kept(body.run, [])
             if body.process is not None and table.numbered(body.process.number) is body.process:
                 self.sentences.append(f"{body.process.name}: the interpreter ended, and this process with it")
                 table.stop(body.process.number)
@@ -231,7 +230,7 @@ class HostedPrograms:
             self._asynchronous(said)
             return
         if said["say"] == "kept":
-            self._kept(int(said["run"]), str(said["text"]).splitlines())
+            self.results.kept(said)
             return
         if said["say"] == "phg2000":
             self.control.screen.take(bytes.fromhex(str(said["hex"])), more=bool(said["more"]))
@@ -256,14 +255,7 @@ class HostedPrograms:
 
     def _end(self, body: HostedBody, how: str, code: int = 0, words: str = "", place: str = "") -> None:
         body.over = how, code, words, place
-        self.results[body.run] = body.over
-        for old in list(self.results)[:-RESULTS]:
-            del self.results[old]
-
-    def _kept(self, run: int, lost: list[str]) -> None:
-        self.lost[run] = lost
-        for old in list(self.lost)[:-RESULTS]:
-            del self.lost[old]
+        self.results.end(body.run, body.over)
 
     def _output(self, channel: int, value: float) -> None:
         try:
