@@ -1,4 +1,4 @@
-"""Common parts of every test run: lanes, the purity guard, requirement marks, the guests, processes for pure tests and the rig."""
+"""Common parts of every test run: lanes, the purity guard, requirement marks, guests, processes for pure tests and the rig."""
 
 import gc
 import os
@@ -29,12 +29,14 @@ from hil_tests.rig.uml.lane import CLAIMS, REPORTS, GuestLane
 
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # hundreds of processes start in a run: each would compile axisgate anew
 sys.dont_write_bytecode = False
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell's background job ignores it, and so would all that the tests start
+if (
+    signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+):  # a shell starts its background jobs with SIGINT ignored, which all processes of the tests would inherit
     signal.signal(signal.SIGINT, signal.default_int_handler)
 one_thread()  # before any test module loads numpy
 use_servo()  # emulated axes in virtual time are half of what the pure tests compute
 hypothesis.settings.register_profile("untimed", deadline=None, suppress_health_check=(hypothesis.HealthCheck.too_slow,))
-hypothesis.settings.load_profile("untimed")  # a host may take a processor away for longer than any deadline
+hypothesis.settings.load_profile("untimed")  # a shared host may take a processor away for longer than any deadline
 
 MINE = pytest.StashKey[pathlib.Path]()
 TIME_IS_UP = pathlib.Path(__file__).resolve().parent.parent / "build" / "time-is-up"  # made by .ci/run; guests see it, too (AX-1512)
@@ -46,25 +48,25 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    if RUNTIME not in os.environ:  # two test runs on one machine must not meet in one folder of sockets
+    if RUNTIME not in os.environ:  # two test runs on one machine must not share a folder of sockets
         config.stash[MINE] = pathlib.Path(tempfile.mkdtemp(prefix="axg-"))  # short: a socket's path has 107 bytes
         os.environ[RUNTIME] = str(config.stash[MINE])
     plugins = config.pluginmanager
     plugins.register(Lanes(), "axisgate-lanes")
     plugins.register(Purity(), "axisgate-purity")
     plugins.register(Marks(config.getoption("--matrix")), "axisgate-marks")
-    if REPORTS in os.environ:  # inside the guest
+    if REPORTS in os.environ:  # in the guest
         plugins.register(Reporter(config, pathlib.Path(os.environ[REPORTS]), dies=True), "axisgate-reporter")
-        if CLAIMS in os.environ:  # beside another guest
+        if CLAIMS in os.environ:  # together with another guest
             plugins.register(Worker(pathlib.Path(os.environ[CLAIMS])), "axisgate-worker")
     elif WORKER in os.environ:  # the second process of the pure tests
-        mine = pathlib.Path(os.environ.pop(WORKER))  # a test run that one of these tests starts is another matter
+        mine = pathlib.Path(os.environ.pop(WORKER))  # not for a test run that one of these tests starts
         plugins.register(Reporter(config, mine / MATES_REPORTS), "axisgate-reporter")
         plugins.register(Worker(mine.parent / WORKERS_CLAIMS), "axisgate-worker")
     elif RIGS_REPORTS in os.environ:  # the process of the rig's tests
         reports = os.environ.pop(RIGS_REPORTS)
         plugins.register(Reporter(config, pathlib.Path(reports)), "axisgate-reporter")
-        if RIGS_CLAIMS in os.environ:  # beside others
+        if RIGS_CLAIMS in os.environ:  # together with others
             plugins.register(Worker(pathlib.Path(os.environ.pop(RIGS_CLAIMS))), "axisgate-worker")
     else:
         plugins.register(GuestLane(config), "axisgate-guest")
@@ -74,7 +76,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """Keeps the objects of thousands of collected tests out of the garbage collector: they live to the end of the run."""
+    """Keep the objects of thousands of collected tests out of the garbage collector: they live until the end of the run."""
     gc.disable()
     try:
         return (yield)
@@ -91,7 +93,7 @@ def pytest_runtest_setup() -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call() -> Generator[None, object, object]:
-    """Checks a dialogue to its end: output or reports after the last question fail its test."""
+    """Fail a test whose dialogue has output or reports after its last question."""
     try:
         result = yield
         for bench in played:

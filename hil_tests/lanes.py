@@ -1,7 +1,7 @@
-"""Lanes: groups of tests that need something of the machine; each is reported in one line at the end of a run.
+"""Lanes: groups of tests that need a tool or a facility of the machine; the end of a run reports each lane in one line.
 
 A lane whose needs are missing is skipped with one line.  With CI=true, and as root on Debian (where `make` installs what is
-missing), a missing need fails its tests instead: an empty lane must not look like a green one.
+missing), the tests of such a lane fail instead: an empty lane must not look like a passed one.
 """
 
 import collections
@@ -70,12 +70,12 @@ FOLDERS = {"unit": "pure", "requirements": "pure", "properties": "pure", "rig": 
 
 
 def missing(lane: str) -> str | None:
-    """Reason why this lane cannot run here, in one line; None: it can."""
+    """Return in one line why this lane cannot run here; None: it can."""
     return NEEDS[lane]()
 
 
 def required(environment: Mapping[str, str] = os.environ) -> bool:
-    """Whether a lane that cannot run is a failure here."""
+    """Return whether a lane that cannot run is a failure here."""
     return environment.get("CI", "").lower() in ("true", "1") or (os.geteuid() == 0 and DEBIAN.exists())
 
 
@@ -86,7 +86,7 @@ def lane_of(nodeid: str, keywords: Mapping[str, object]) -> str:
 
 
 class Lanes:
-    """Skips or fails what cannot run; counts each test once, by its worst phase."""
+    """Skip or fail tests that cannot run; count each test once, by its worst phase."""
 
     def __init__(self) -> None:
         self._worst: dict[str, str] = {}
@@ -99,7 +99,7 @@ class Lanes:
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
         if self._left_out.modules and required() and session.exitstatus == 0:
-            session.exitstatus = pytest.ExitCode.TESTS_FAILED  # an empty lane is not a green one
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED  # an empty lane has not passed
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
@@ -117,7 +117,7 @@ class Lanes:
 
     @pytest.hookimpl(wrapper=True, tryfirst=True)
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> Generator[None, None, None]:
-        yield  # everything else first: the lanes stand right above the closing line
+        yield  # the lines of the lanes come last, right above the closing line
         terminalreporter.section("lanes")
         for line in self.lines():
             terminalreporter.write_line(line)
@@ -125,9 +125,9 @@ class Lanes:
     def lines(self) -> Iterator[str]:
         for lane in ("pure", "rig", *NEEDS, "other"):
             counts = collections.Counter(self._worst[nodeid] for nodeid, of in self._lane.items() if of == lane)
-            told = ", ".join(f"{counts[outcome]} {outcome}" for outcome in ("passed", "failed", "skipped") if counts[outcome])
+            summary = ", ".join(f"{counts[outcome]} {outcome}" for outcome in ("passed", "failed", "skipped") if counts[outcome])
             reason = missing(lane) if lane in NEEDS and counts["skipped"] else None
-            if told or lane in NEEDS:
-                yield f"lane {lane}: {told or 'no test selected'}{f' ({reason})' if reason else ''}"
+            if summary or lane in NEEDS:
+                yield f"lane {lane}: {summary or 'no test selected'}{f' ({reason})' if reason else ''}"
         if line := self._left_out.line():
             yield line

@@ -1,4 +1,4 @@
-"""numpy in the tests works as it does in axisgate's own processes: with one thread (AX-434)."""
+"""Run numpy with one thread in the tests, as axisgate's own processes do (AX-434)."""
 
 import importlib
 import os
@@ -7,8 +7,8 @@ VARIABLE = "OPENBLAS_NUM_THREADS"
 
 
 def one_thread() -> None:
-    """Loads numpy with one thread for its sums.  With one for each core, those wait for each other, by spinning: where two test
-    processes and two guests share two cores, a law took five times as long.  What a test starts sees nothing of it."""
+    """Load numpy with one thread.  The threads of several cores wait for each other by spinning: where two test processes and two
+    guests share two cores, planning took five times as long.  The environment of what a test starts is unchanged."""
     before = os.environ.get(VARIABLE)
     os.environ[VARIABLE] = "1"
     importlib.import_module("numpy")

@@ -1,7 +1,8 @@
-"""Purity: what pure folders may import (checked on the source), and a guard that makes clocks and the like raise (at run time).
+"""Purity: which modules pure folders may import (checked on the source), and a guard that lets calls of clocks, files, sockets and
+random numbers raise (at run time).
 
-The guard is up while a test of hil_tests/unit, requirements or properties runs.  It strikes only when pure code stands on the
-stack between the call and the test: pytest, Hypothesis and the tests themselves keep their clocks.
+The guard is active while a test of hil_tests/unit, requirements or properties runs.  It raises only when pure code is on the
+stack between the call and the test: pytest, Hypothesis and the tests themselves may use clocks.
 """
 
 import ast
@@ -28,7 +29,7 @@ HARMLESS = frozenset(
     "__future__ abc array binascii bisect collections copy dataclasses decimal difflib enum fractions functools heapq html itertools "
     "json math numbers operator re statistics string struct textwrap types typing unicodedata zlib".split()
 )
-# Pure folders (and single files, which others may then import): what they may import beside HARMLESS.
+# Pure folders (and single files, which others may then import): what they may import besides HARMLESS.
 ALLOWED: dict[str, frozenset[str]] = {
     "protocols": frozenset({"protocols"}),
     "protocols/modbus": frozenset({"protocols", "pymodbus.pdu", "pymodbus.constants"}),
@@ -44,18 +45,25 @@ ALLOWED: dict[str, frozenset[str]] = {
 }
 PURE_MODULES = ("protocols.", "motion.", "drivers.drives.", "drivers.emulator.", "gateway.pure.")
 GUARDED_FOLDERS = ("unit", "requirements", "properties")
-OUTSIDE = ("hil_tests", "_pytest", "pytest", "hypothesis", "pluggy", "importlib")  # reached first: not the pure code's call
+OUTSIDE = (
+    "hil_tests",
+    "_pytest",
+    "pytest",
+    "hypothesis",
+    "pluggy",
+    "importlib",
+)  # found first on the stack: the pure code did not make the call
 
 
 class ImpureError(AssertionError):
-    """Pure code asked for time, a file, a socket, a thread, the environment or chance."""
+    """Pure code asked for the time, a file, a socket, a thread, the environment or a random number."""
 
 
 # ------------------------------------------------------------------------------------------------------ on the source
 
 
 def pure_files() -> Iterator[tuple[pathlib.Path, frozenset[str]]]:
-    """Every pure file with what it may import; the most exact entry of ALLOWED decides."""
+    """Yield every pure file with the modules it may import; the longest matching entry of ALLOWED applies."""
     seen: set[pathlib.Path] = set()
     for place in sorted(ALLOWED, key=len, reverse=True):
         path = ROOT / place
@@ -74,7 +82,7 @@ def imports_of(source: str) -> Iterator[tuple[int, str]]:
 
 
 def forbidden_imports(source: str, allowed: frozenset[str]) -> list[tuple[int, str]]:
-    """Lines and modules that stand on neither list; a listed module allows what is below it."""
+    """Return lines and modules that are on neither list; a listed module allows its submodules."""
 
     def legal(module: str) -> bool:
         return module.partition(".")[0] in HARMLESS or any(f"{module}.".startswith(f"{name}.") for name in allowed)
@@ -85,7 +93,7 @@ def forbidden_imports(source: str, allowed: frozenset[str]) -> list[tuple[int, s
 # -------------------------------------------------------------------------------------------------------- at run time
 
 
-GUARDS: dict[tuple[object, str], tuple[Callable[..., Any], Callable[..., Any]]] = {}  # made once: they go up 13,000 times in a run
+GUARDS: dict[tuple[object, str], tuple[Callable[..., Any], Callable[..., Any]]] = {}  # made once: they are set 13,000 times in a run
 
 
 def _targets() -> Iterator[tuple[object, str]]:
@@ -93,8 +101,8 @@ def _targets() -> Iterator[tuple[object, str]]:
         "time time_ns monotonic monotonic_ns perf_counter perf_counter_ns process_time process_time_ns sleep clock_gettime clock_gettime_ns"
     )
     yield from ((time, name) for name in clocks.split())
-    chance = "random randint randrange choice choices shuffle sample uniform gauss normalvariate betavariate getrandbits randbytes"
-    yield from ((random, name) for name in chance.split())
+    randomness = "random randint randrange choice choices shuffle sample uniform gauss normalvariate betavariate getrandbits randbytes"
+    yield from ((random, name) for name in randomness.split())
     yield from ((os, name) for name in ("open", "urandom", "getenv", "system", "fork", "popen"))
     yield from ((builtins, "open"), (io, "open"), (socket.socket, "__init__"), (threading.Thread, "start"))
     yield from ((type(os.environ), "__getitem__"), (random.Random, "__init__"))
@@ -104,7 +112,7 @@ def _targets() -> Iterator[tuple[object, str]]:
 
 
 def impure_caller(frame: types.FrameType | None) -> str | None:
-    """The pure module that stands nearest on the stack, unless the test or its framework stands nearer."""
+    """Return the pure module nearest on the stack, unless the test or its framework is nearer."""
     while frame is not None:
         name = str(frame.f_globals.get("__name__", ""))
         if f"{name}.".startswith(PURE_MODULES):
@@ -120,14 +128,14 @@ def _guarded(original: Callable[..., Any], what: str) -> Callable[..., Any]:
     def guard(*args: Any, **kwargs: Any) -> Any:
         caller = impure_caller(sys._getframe(1))
         if caller is not None:
-            raise ImpureError(f"pure code at {caller} called {what}; hand the value in instead")
+            raise ImpureError(f"pure code at {caller} called {what}; pass the value as an argument")
         return original(*args, **kwargs)
 
     return guard
 
 
-def _put_up() -> Iterator[tuple[object, str, object]]:
-    """Puts each guard up; gives what stood there before."""
+def _set_guards() -> Iterator[tuple[object, str, object]]:
+    """Set each guard and yield what was there before."""
     for owner, name in _targets():
         original = vars(owner)[name]
         known = GUARDS.get((owner, name))
@@ -139,7 +147,7 @@ def _put_up() -> Iterator[tuple[object, str, object]]:
 
 @contextlib.contextmanager
 def guard() -> Iterator[None]:
-    before = list(_put_up())
+    before = list(_set_guards())
     try:
         yield
     finally:
@@ -156,7 +164,7 @@ def guarded(path: pathlib.Path) -> bool:
 
 
 class Purity:
-    """Puts the guard up around every pure test."""
+    """Activate the guard around every pure test."""
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> Generator[None, object, object]:

@@ -1,7 +1,8 @@
-"""Where the rig's modules are played in a whole run: folders of hil_tests/rig, or modules `folder/file`.
+"""Where the modules of the rig run in a complete run: folders of hil_tests/rig, or modules `folder/file`.
 
-In the order of a run: what needs no quiet, by two processes (hil_tests/pair.py), and beside it the guests (hil_tests/rig/uml/lane.py),
-BESIDE and what is named nowhere; then, two at a time, what failed beside them; then ALONE (hil_tests/host.py).
+In the order of a run: COMMANDS and the pure tests in two processes (hil_tests/pair.py), at the same time the guests
+(hil_tests/rig/uml/lane.py), BESIDE and all modules that are not listed; then, two at a time, what failed there; then ALONE
+(hil_tests/host.py).
 """
 
 from collections.abc import Sequence
@@ -31,7 +32,7 @@ OWN_TIME = (  # in guests with a clock of their own: whole cells that a late cyc
     *("line_tools/test_learn_the_demo.py", "line_tools/test_tools_on_a_cable.py", "modbus/test_modbus_probe.py"),
     *("death/test_slow_monitor.py", "rho3/test_rho3_lines.py", "serial/test_line_3964r.py"),
 )
-COMMANDS = (  # they start commands or call them and read files; no clock runs in what they prove
+COMMANDS = (  # they start or call commands and read files; what they prove depends on no clock
     *("completion", "datfiles", "demo/test_demo_on_a_slow_machine.py", "editor", "motion"),
     *("bridge/test_mapping_command.py", "broker/test_socketcan_refusals.py", "cell/test_commands.py", "sources/test_modbus_source.py"),
     *(
@@ -48,7 +49,7 @@ COMMANDS = (  # they start commands or call them and read files; no clock runs i
     *("starting/test_make_check.py", "starting/test_new_and_assess.py"),
     *("trace/test_trace_guide.py", "trace/test_tshark.py", "val3_sio/test_guide.py", "web/test_store.py"),
 )
-BESIDE = (  # real processes that wait more than they compute, and whose times are long ones: they stood a machine six times too busy
+BESIDE = (  # real processes that wait more than they compute, with long time limits: they passed under six times the load of the processors
     *(
         "bus_tools",
         "canopen/test_commissioning_on_a_bus.py",
@@ -104,7 +105,7 @@ BESIDE = (  # real processes that wait more than they compute, and whose times a
     *("pythons", "web/test_page_faults.py", "web/test_page_values.py"),
 )
 
-LONG = (  # above half a minute each: the first of their play, so that none of them is waited for at its end
+LONG = (  # above half a minute each: they start first, so that the run does not wait for one at its end
     *("bench/test_bench_short.py", "cell/test_simulated_time_waits.py", "death/test_requests.py", "death/test_services_die.py"),
     *("death/test_slow_retry.py", "death/test_terminal_signals.py", "line_tools/test_conformance_on_a_pty.py"),
     *("line_tools/test_foreign_ttys.py", "monitor/test_monitor.py", "programs/test_programs_in_a_run.py"),
@@ -115,18 +116,18 @@ ALONE = (  # they measure times, load the machine, or start test runs and guests
     *("broker/test_cycle_reference.py", "death/test_busy_machine.py", "demo/test_demo.py", "emulator/test_servo_reference.py"),
     *("house/test_played_again.py", "image/test_realtime.py", "serial/test_line_process.py", "uml", "web/test_page.py"),
 )
-NO_OWN_TIME = (  # alone, and never in a guest: hogs, guests, a browser that draws in three dimensions
+NO_OWN_TIME = (  # alone, and never in a guest: processes that use all time, guests, a browser that draws in three dimensions
     *("house/test_played_again.py", "uml/test_guest.py", "web/test_page.py"),
 )
 
 
 def unhurried(item: pytest.Item) -> bool:
-    """Whether it needs neither quiet nor a time of its own."""
+    """Return whether it needs neither a quiet machine nor a clock of its own."""
     return item.nodeid.startswith(PURE) or lanes.lane_of(item.nodeid, item.keywords) == "pure" or of_one(item, COMMANDS)
 
 
 def of_one(item: pytest.Item, places: Sequence[str]) -> bool:
-    """Whether the test stands in one of these folders or modules of the rig."""
+    """Return whether the test is in one of these folders or modules of the rig."""
     module = item.nodeid.partition("::")[0]
     folder, _, rest = module.removeprefix(RIG).partition("/")
     return module.startswith(RIG) and bool(rest) and not {folder, f"{folder}/{rest}"}.isdisjoint(places)

@@ -1,4 +1,4 @@
-"""Two processes share the pure tests: each file belongs to one of them, and what neither told has failed."""
+"""Two processes share the pure tests: each file belongs to one of them, and a test that neither reported has failed."""
 
 import os
 import pathlib
@@ -26,9 +26,9 @@ def test_what_was_reported_is_read_back_and_half_a_line_is_nothing(tmp_path: pat
     for one in (passed("setup"), pytest.TestReport("a::b", ("a", 1, "b"), {}, "failed", "why", "call"), passed("teardown")):
         reporter.pytest_runtest_logreport(one)
     path.write_text(path.read_text() + '{"nodeid": "a::c", "wh')
-    told = reports.read(config, path)
-    assert list(told) == ["a::b"]
-    assert [(one.when, one.outcome) for one in told["a::b"]] == [("setup", "passed"), ("call", "failed"), ("teardown", "passed")]
+    found = reports.read(config, path)
+    assert list(found) == ["a::b"]
+    assert [(one.when, one.outcome) for one in found["a::b"]] == [("setup", "passed"), ("call", "failed"), ("teardown", "passed")]
 
 
 def test_what_belongs_to_the_other_leaves_nothing_set_up(tmp_path: pathlib.Path) -> None:

@@ -1,4 +1,4 @@
-"""What a busy machine spoilt is played again: whole runs of a small module beside a real hog (the rest: test_small_runs.py)."""
+"""Modules that a busy machine disturbed run again: complete runs of a small module next to a real hog (the rest: test_small_runs.py)."""
 
 import pathlib
 import subprocess
@@ -39,7 +39,7 @@ def test_beside_it(): pass
 @pytest.mark.parametrize("in_guest", [True, False])
 def test_a_spoilt_module_is_played_again_whole(tmp_path: pathlib.Path, in_guest: bool) -> None:
     if in_guest and not guest.own_time():
-        pytest.skip("without a guest in a time of its own all are played again at a slower clock")
+        pytest.skip("without a guest with a clock of its own all of them run again at a slower clock")
     module = "rig/test_a_hog.py" if in_guest else f"hil_tests/rig/{NO_OWN_TIME[0]}"
     (tmp_path / module).parent.mkdir(parents=True)
     (tmp_path / module).write_text(HOGGED)

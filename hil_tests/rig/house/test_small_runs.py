@@ -1,4 +1,4 @@
-"""Whole runs of small modules: who plays what, beside whom, and what is played again although nothing spoilt it."""
+"""Complete runs of small modules: which process runs what, at the same time as which, and what runs again without a disturbance."""
 
 import os
 import pathlib
@@ -57,7 +57,7 @@ def test_a_wrong_one_is_not(tmp_path: pathlib.Path) -> None:
     assert "1 failed, 1 passed" in done.stdout and "assert 1 == 2" in done.stdout
 
 
-@pytest.mark.skipif(not guest.own_time() or os.cpu_count() == 1, reason="without a guest in a time of its own nothing is played beside it")
+@pytest.mark.skipif(not guest.own_time() or os.cpu_count() == 1, reason="needs a guest with a clock of its own")
 def test_what_is_shared_by_two_processes_and_what_failed_there_is_judged_alone(tmp_path: pathlib.Path) -> None:
     """Two modules wait for each other: one process would never end them.  So do two that are named nowhere, and the pure tests' two."""
     texts = {"bus_tools/test_beside.py": BESIDE, ALONE[0]: AT_LAST}
@@ -72,12 +72,14 @@ def test_what_is_shared_by_two_processes_and_what_failed_there_is_judged_alone(t
     command, environment = whole_run(tmp_path, "hil_tests")
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert "1 failed, 12 passed" in done.stdout and "test_that_always_fails" in done.stdout, done.stdout
-    assert done.stdout.count("hil_tests/rig/bus_tools/test_beside.py: failed beside others; again alone") == 1, done.stdout
-    assert done.stdout.count("hil_tests/rig/named_nowhere/test_zealous.py: failed beside the pure tests; again by two at a time") == 1, (
+    assert done.stdout.count("hil_tests/rig/bus_tools/test_beside.py: failed next to other tests; again alone") == 1, done.stdout
+    assert done.stdout.count("hil_tests/rig/named_nowhere/test_zealous.py: failed next to the pure tests; again two at a time") == 1, (
         done.stdout
     )
     assert not re.search(r"(one|two)\.py: failed", done.stdout), done.stdout
-    assert len((tmp_path / "always").read_text()) >= 2, "beside them, then without them; more often where the machine was busy then, too"
+    assert len((tmp_path / "always").read_text()) >= 2, (
+        "with the pure tests, then without them; more often where the machine was busy then, too"
+    )
 
 
 def test_a_selection_is_shared_by_two_processes_and_closes_with_one_line(tmp_path: pathlib.Path) -> None:

@@ -1,4 +1,4 @@
-"""Boots user-mode-linux on the host's own file system, runs one command in it and brings back its exit code.
+"""Boot user-mode-linux on the host's own file system, run one command in it and return its exit code.
 
     python -m hil_tests.rig.uml.guest [--folder build/uml/hand] [--limit 600] [--serial-pair] COMMAND ...
 
@@ -6,8 +6,8 @@ The guest sees the host's files (hostfs), so the same Python and the same work t
 project are host files.  /tmp, /run and /dev/shm are memory of the guest: Unix sockets and locks do not work on hostfs.  It has
 lo, vcan0 and, with a serial pair, /dev/ttyS1 crossed with /dev/ttyS2 (what these can and cannot show: docs/guest.md).
 
-Its kernel is the one kernel.sh built, where there is one: its time passes only while everybody in it sleeps, so a busy host makes
-nothing late in it (AX-562).  Else it is Debian's, on the host's clock.
+Its kernel is the one kernel.sh built, where there is one: its time passes only while all its processes sleep, so a busy host makes
+nothing late in it (AX-562).  Otherwise it is Debian's, on the host's clock.
 """
 
 import argparse
@@ -25,17 +25,21 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from hil_tests.background import behind
+from hil_tests.background import to_background
 
 KERNEL = "linux.uml"  # Debian's
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 OWN_KERNEL = ROOT / "build" / "guest-kernel"  # kernel.sh's; CAN is built in
 OWN_TIME = "AXISGATE_GUEST_TIME"  # set to "own" inside a guest that has its own clock
 MODULES = pathlib.Path("/usr/lib/uml/modules")
-BEGIN, END = "axisgate guest: begin", "axisgate guest: end"  # between these console lines stands the command's output
+BEGIN, END = "axisgate guest: begin", "axisgate guest: end"  # console lines around the command's output
 MEMORY_MB = 1024
 HOST_NICE = -18
-HIDDEN = ("/tmp", "/run", "/dev/shm")  # guest memory is mounted over these; what the command needs below them is mounted again
+HIDDEN = (
+    "/tmp",
+    "/run",
+    "/dev/shm",
+)  # memory of the guest is mounted over these; folders below them that the command needs are mounted again
 
 
 class GuestError(RuntimeError):
@@ -44,12 +48,12 @@ class GuestError(RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class Guest:
-    """One run: where its files go, how long it may take and what it gets beside vcan0."""
+    """One run: the folder of its files, its time limit, and its devices besides vcan0."""
 
     folder: pathlib.Path  # console.log, order.json, exit_code
     limit_s: float = 600.0
     serial_pair: bool = False
-    host_time: bool = False  # Debian's kernel even where there is one with a clock of its own
+    host_time: bool = False  # use Debian's kernel even where there is one with a clock of its own
     environment: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -57,7 +61,7 @@ class Guest:
         return own_time() and not self.host_time
 
     def run(self, command: Sequence[str], on_line: Callable[[str], None] = print) -> int:
-        """The command's exit code; every line it prints goes to `on_line` at once.  Raises GuestError."""
+        """Run a command and return its exit code; each line it prints is passed to `on_line` at once.  Raises GuestError."""
         self.folder.mkdir(parents=True, exist_ok=True)
         (self.folder / "exit_code").unlink(missing_ok=True)
         init, started = self._write_order(command), time.monotonic()
@@ -100,7 +104,7 @@ class Guest:
             env={"PATH": os.environ["PATH"], "HOME": str(self.folder), "TMPDIR": str(memory_folder(self.folder))},
         )  # fmt: skip
         if self.own_time:
-            behind(process.pid)
+            to_background(process.pid)
         else:
             favour(process.pid)
         watchdog = threading.Timer(self.limit_s, end_group, [process.pid])
@@ -109,7 +113,7 @@ class Guest:
             return self._listen(process, on_line)
         finally:
             watchdog.cancel()
-            end_group(process.pid)  # the kernel's helper threads, should it have died alone
+            end_group(process.pid)  # the helper threads of a kernel that died alone
             process.wait()
 
     def _listen(self, process: "subprocess.Popen[bytes]", on_line: Callable[[str], None]) -> str:
@@ -128,19 +132,19 @@ class Guest:
 
 
 def favour(pid: int) -> None:
-    """As root: a busy host does not stop this process and its children for long."""
+    """Raise the priority of this process and its children (as root), so that a busy host does not delay them for long."""
     with contextlib.suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, pid, HOST_NICE)
         pathlib.Path(f"/proc/{pid}/autogroup").write_text(str(HOST_NICE))  # where the host groups by session, nice alone counts within it
 
 
 def own_time() -> bool:
-    """Whether guests boot a kernel whose time passes only while everybody in it sleeps."""
+    """Return whether guests boot a kernel whose time passes only while all its processes sleep."""
     return OWN_KERNEL.exists()
 
 
 def missing() -> str | None:
-    """What this machine lacks for a guest, as one line; None: nothing."""
+    """Return in one line what this machine lacks for a guest; None: nothing."""
     kernels = () if own_time() else (KERNEL,)
     lacking = [name for name in (*kernels, "ip", "candump") if shutil.which(name, path=search_path()) is None]
     if lacking:
@@ -167,7 +171,7 @@ def newest_modules() -> pathlib.Path:
 
 
 def memory_folder(fallback: pathlib.Path) -> pathlib.Path:
-    """Where the guest's memory file may lie: enough room, programs allowed."""
+    """Return a folder for the guest's memory file: it has enough room and allows programs."""
     for name in (os.environ.get("AXISGATE_GUEST_TMP"), "/dev/shm", os.environ.get("TMPDIR"), "/tmp", "/var/tmp"):
         if name and os.access(name, os.W_OK):
             room = os.statvfs(name)
@@ -177,7 +181,7 @@ def memory_folder(fallback: pathlib.Path) -> pathlib.Path:
 
 
 def init_script(order: pathlib.Path, seen: Sequence[pathlib.Path]) -> str:
-    """First program of the guest: mounts, then the Python half (init.py), which needs no tool but `ip`."""
+    """Return the first program of the guest: mounts, then init.py, which needs no tool but `ip`."""
     again = dict.fromkeys(str(path) for path in seen if str(path).startswith(tuple(f"{hidden}/" for hidden in HIDDEN)))
     return "\n".join([
         "#!/bin/sh",
@@ -193,7 +197,7 @@ def init_script(order: pathlib.Path, seen: Sequence[pathlib.Path]) -> str:
 
 @contextlib.contextmanager
 def crossed_sockets() -> Iterator[tuple[int, int]]:
-    """Two descriptors: what goes into one comes out of the other.  The guest's ttyS1 and ttyS2 hang on them."""
+    """Yield two connected descriptors, for the guest's ttyS1 and ttyS2."""
     one, other = socket.socketpair()
     with one, other:
         yield one.fileno(), other.fileno()

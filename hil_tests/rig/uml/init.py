@@ -1,4 +1,4 @@
-"""Process 1 inside the guest: kernel modules, lo, vcan0, then the ordered command, its exit code, power off.
+"""Process 1 in the guest: load kernel modules, set up lo and vcan0, run the command, write its exit code, power off.
 
 Needs no module tools: the kernel takes the module's bytes by system call.
 """
@@ -52,7 +52,7 @@ def run(order: dict[str, object]) -> int:
     assert isinstance(command, list) and isinstance(environment, dict)
     child = subprocess.Popen(command, cwd=str(order["cwd"]), env=environment, stdin=subprocess.DEVNULL)
     while True:
-        pid, status = os.wait()  # process 1 also buries the orphans
+        pid, status = os.wait()  # process 1 also reaps orphans
         if pid == child.pid:
             return os.waitstatus_to_exitcode(status)
 

@@ -1,6 +1,6 @@
-"""The guest's tests are collected here, run in guests, and reported here one by one.
+"""Collect the tests of the guests, run them in guests and report them one by one.
 
-They are those marked `vcan` and, where the guest has a clock of its own, whole cells whose drives notice a late cycle, and lines that
+They are those marked `vcan` and, where the guest has a clock of its own, cells whose drives notice a late cycle, and lines that
 wait for seconds (OWN_TIME in hil_tests/test_folders.py).
 Each counts as a test of this session: the guest's pytest writes its reports to a host file, they are replayed under the same test
 ids.  A guest that dies fails every test it did not report.
@@ -32,7 +32,7 @@ def inside() -> bool:
 
 
 class Boot:
-    """One guest with its tests; runs beside us until its results are asked for."""
+    """One guest with its tests; it runs in the background until its results are asked for."""
 
     def __init__(
         self, config: pytest.Config, folder: pathlib.Path, ids: Sequence[str], claims: pathlib.Path | None, *, starts: bool
@@ -45,15 +45,15 @@ class Boot:
         options = ["-p", "no:cacheprovider", "-q", "--color=no", f"--rootdir={root}", f"--junitxml={folder / 'junit.xml'}"]
         limit = os.environ.get(LIMIT, "3600")
         boot = [sys.executable, "-m", "hil_tests.rig.uml.guest", "--folder", str(folder), "--limit", limit, "--serial-pair"]
-        told = [f"{name}={value}" for name, value in self._environment().items()]
+        variables = [f"{name}={value}" for name, value in self._environment().items()]
         listed = folder / "tests.txt"
         listed.write_text("\n".join(ids))
-        command = [*boot, "env", *told, sys.executable, "-m", "pytest", *options, f"@{listed}"]
+        command = [*boot, "env", *variables, sys.executable, "-m", "pytest", *options, f"@{listed}"]
         with self._output.open("wb") as log:
             self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT)
 
     def results(self) -> reports.Reports:
-        """Waits for its end."""
+        """Wait for its end; return its reports."""
         if self._results is None:
             reports.no_time_out()
             self._process.wait()
@@ -80,9 +80,9 @@ class Boot:
 
 
 class Guests:
-    """Two guests for two processors, which share these modules (their test ids) until they meet; one where the host's clock counts.
+    """Two guests for two processors, which share these modules (their test ids) until they meet; one guest where it uses the host's clock.
 
-    `starts`: programs take a moment to start, as they do on the host.
+    `starts`: delay the start of each Python program, as on the host (hil_tests/rig/uml/starting).
     """
 
     def __init__(self, config: pytest.Config, folder: pathlib.Path, modules: Sequence[Sequence[str]], *, starts: bool = False) -> None:
@@ -96,8 +96,8 @@ class Guests:
         ]
 
     def results(self) -> reports.Reports:
-        """Waits for their end."""
-        return {name: told for boot in self._boots for name, told in boot.results().items()}
+        """Wait for their end; return all their reports."""
+        return {name: of_test for boot in self._boots for name, of_test in boot.results().items()}
 
     @property
     def died(self) -> str:
@@ -109,10 +109,10 @@ class Guests:
 
 
 class GuestLane:
-    """On the host: boots guests and tells their results.
+    """On the host: boot the guests and report their results.
 
-    A guest on the host's clock wants the machine alone: nothing runs beside it, the order of a run is pure, guest, rig.  A guest with
-    a clock of its own runs beside the pure tests: they cannot make it late.
+    A guest on the host's clock needs the machine alone: the order of a run is pure, guest, rig.  A guest with a clock of its own runs
+    at the same time as the pure tests: they cannot make it late.
     """
 
     def __init__(self, config: pytest.Config) -> None:
@@ -142,7 +142,7 @@ class GuestLane:
         return True
 
     def pytest_sessionfinish(self) -> None:
-        """An interrupted session takes its guests along."""
+        """End the guests of an interrupted session."""
         if self._guests is not None:
             self._guests.end()
 
@@ -156,7 +156,7 @@ class GuestLane:
 
 
 def folder_of(config: pytest.Config) -> pathlib.Path:
-    """Of this session: several may run at once."""
+    """Return the folder of this session: several sessions may run at the same time."""
     return config.rootpath / "build" / "uml" / f"lane-{os.getpid()}"
 
 
@@ -170,15 +170,15 @@ def wants_own_time(item: pytest.Item) -> bool:
 
 
 def turn(item: pytest.Item) -> int:
-    """What needs no quiet, the guests' tests and what is played beside both, then all that want a quiet machine, last those that want it
-    for themselves; each in the order collected."""
+    """Sort key of a run: tests that need no quiet machine, those of the guests, those that run next to both, those that need a quiet
+    machine, those that need it alone; each in the order collected."""
     if of_the_guest(item):
         return 1
     return 0 if unhurried(item) else 2 if of_one(item, BESIDE) else 4 if of_one(item, ALONE) else 3
 
 
 def forget_the_dead(parent: pathlib.Path) -> None:
-    """Removes what earlier sessions left; the last one's logs stay until the next run."""
+    """Remove the folders of earlier sessions; the logs of the last one stay until the next run."""
     for old in parent.glob("lane-*"):
         if not pathlib.Path("/proc", old.name.removeprefix("lane-")).exists():
             shutil.rmtree(old, ignore_errors=True)

@@ -1,7 +1,7 @@
-"""A Python program takes half a second to start, also where computing takes no time (a guest with a clock of its own, AX-562).
+"""Delay the start of every Python program by half a second, as on the host.
 
-What dies is back at once there, before anybody missed it; tests of deaths want the silence that every real restart is.
-Python imports this by itself where PYTHONPATH names this folder.
+In a guest with a clock of its own, computing takes no time (AX-562): a process that died would be back before its silence could be
+noticed, and tests of deaths need that silence.  Python imports this module automatically where PYTHONPATH names this folder.
 """
 
 import time
