@@ -1,6 +1,7 @@
 """Runs the compiled form command by command and counts: a number of commands a period, and the test display."""
 
 import operator
+import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
@@ -55,6 +56,20 @@ COMPARED: Mapping[Code, Callable[[int, int], bool]] = {  # of the second accumul
 }
 
 
+JOINED: Mapping[Code, Callable[[bool, bool], bool]] = {  # the result so far and the next link
+    **dict.fromkeys((Code.AND, Code.AND_NOT, Code.OPEN_AND), operator.and_),
+    **dict.fromkeys((Code.OR, Code.OR_NOT, Code.OPEN_OR), operator.or_),
+    **dict.fromkeys((Code.XOR, Code.XOR_NOT, Code.OPEN_XOR), operator.xor),
+}
+CONDITIONAL: Mapping[Code, tuple[Code, bool]] = {  # what they are when the result is so
+    Code.JUMP_IF: (Code.JUMP, True),
+    Code.JUMP_IF_NOT: (Code.JUMP, False),
+    Code.CALL_IF: (Code.CALL, True),
+    Code.CALL_IF_NOT: (Code.CALL, False),
+}
+BYTE, LONG, SIGNED = struct.Struct("<B"), struct.Struct("<I"), struct.Struct("<i")
+
+
 class Bound(NamedTuple):
     """A command with what acts on it."""
 
@@ -67,6 +82,7 @@ class Bound(NamedTuple):
 
 
 NO_BIT = -1
+AHEAD = 64  # commands taken from a routine at one go; a jump drops the rest of them
 LEADS = (*JUMPS, *CALLS)
 
 
@@ -85,7 +101,7 @@ class Frame:
 
     routine: Routine
     at: int = 0
-    brackets: list[tuple[Code, bool, bool]] = field(default_factory=list)
+    brackets: list[tuple[Callable[[bool, bool], bool], bool, bool]] = field(default_factory=list)
 
 
 def labels_of(routine: Routine) -> dict[str, int]:
@@ -115,15 +131,11 @@ class Interpreter:
     def __post_init__(self) -> None:
         self._labels = {name: labels_of(routine) for name, routine in self.program.routines.items()}
         self._acts = {
-            **dict.fromkeys(LOGIC, self._logic),
-            **dict.fromkeys(OPENERS, self._open),
-            **dict.fromkeys(COMPARES, self._compare),
-            **dict.fromkeys(JUMPS, self._jump),
-            **dict.fromkeys(CALLS, self._call),
+            Code.JUMP: self._jump,
+            Code.CALL: self._call,
             Code.LOAD: self._load,
             Code.LOAD_BYTE: self._load_byte,
             Code.LOAD_LONG: self._load_long,
-            **dict.fromkeys((Code.STORE_BYTE, Code.STORE_LONG), self._store),
             **dict.fromkeys((Code.COUNT_UP, Code.COUNT_DOWN), self._count),
             Code.CLOSE: self._close,
             Code.TIMER: lambda c: self.state.cells.start(c.cell, c.name, self.result, self.accu1),
@@ -144,8 +156,20 @@ class Interpreter:
             act = self._linker(command)
         elif code in (Code.SET, Code.RESET, Code.ASSIGN):
             act = self._writer(command)
+        elif code in LOGIC:
+            act = self._cell_linker(command)
+        elif code in OPENERS:
+            act = self._opener(code)
+        elif code in (Code.STORE_BYTE, Code.STORE_LONG):
+            act = self._number_writer(command)
+        elif code in CONDITIONAL:
+            act = self._brancher(code)
+        elif code in COMPARES:
+            act = self._comparer(code)
+        elif code in ARITHMETIC:
+            act = self._calculator(command)
         else:
-            act = self._acts.get(code, self._arithmetic)
+            act = self._acts[code]
         byte = command.byte if command.operand is Operand.BIT else NO_BIT
         return Bound(act, command, code in LEADS, code in ENDS_CHAIN, byte, command.mask)
 
@@ -187,6 +211,69 @@ class Interpreter:
 
         return write
 
+    def _cell_linker(self, command: Command) -> Callable[[Command], None]:
+        """Links of timers and counters."""
+        cells, cell, joined = self.state.cells, command.cell, JOINED[command.code]
+        state_of = cells.timer if command.operand is Operand.TIMER else cells.counter
+        inverted = command.code in (Code.AND_NOT, Code.OR_NOT, Code.XOR_NOT)
+
+        def link(command: Command) -> None:
+            value = state_of(cell) != inverted
+            self.result, self.fresh = value if self.fresh else joined(self.result, value), False
+
+        return link
+
+    def _opener(self, code: Code) -> Callable[[Command], None]:
+        joined = JOINED[code]
+
+        def open_bracket(command: Command) -> None:
+            self._frames[-1].brackets.append((joined, self.result, self.fresh))
+            self.fresh = True
+
+        return open_bracket
+
+    def _number_writer(self, command: Command) -> Callable[[Command], None]:
+        """T and TD."""
+        memory, written, byte = self.state.memory, self.state.written, command.byte
+        put, all_ones = (BYTE, 0xFF) if command.code is Code.STORE_BYTE else (LONG, 0xFFFFFFFF)
+        first, area = byte - self.state.layout.outputs, self.state.layout.area
+        outputs = [at for at in range(first, first + put.size) if 0 <= at < area]
+
+        def write(command: Command) -> None:
+            put.pack_into(memory, byte, self.accu1 & all_ones)
+            for at in outputs:
+                written[at] = 0xFF
+
+        return write
+
+    def _brancher(self, code: Code) -> Callable[[Command], None]:
+        """Jumps and calls with a condition."""
+        branch, wanted = CONDITIONAL[code]
+        act = self._jump if branch is Code.JUMP else self._call
+
+        def branch_if(command: Command) -> None:
+            if self.result == wanted:
+                act(command)
+
+        return branch_if
+
+    def _comparer(self, code: Code) -> Callable[[Command], None]:
+        compared = COMPARED[code]
+
+        def compare(command: Command) -> None:
+            self.result, self.fresh = compared(self.accu2, self.accu1), False
+
+        return compare
+
+    def _calculator(self, command: Command) -> Callable[[Command], None]:
+        """What reads the accumulators alone and leaves its result in the first."""
+        calculated, number = ARITHMETIC[command.code], command.number
+
+        def calculate(command: Command) -> None:
+            self.accu1 = calculated(self.accu1, self.accu2, number)
+
+        return calculate
+
     @property
     def shown(self) -> dict[int, Shown]:
         """What the test display shows, by the place of the command in its routine."""
@@ -225,62 +312,41 @@ class Interpreter:
         frames, memory, seen, status_of = self._frames, self.state.memory, self.seen, self._status
         at, done, paid, size, depth = frame.at, 0, 0, len(bound), len(frames)
         while at < size and done != most and len(frames) == depth:
-            act, command, leads, ends, byte, mask = bound[at]
-            done += 1
-            if leads:  # what asks for allowance, and where an error is named
-                frame.at = at + 1
-                self.allowance -= done - paid
-                paid = done
-            act(command)
-            if ends:
-                self.fresh = True
-            if watched:
-                status = memory[byte] & mask if byte >= 0 else status_of(command)
-                seen[at] = (status, self.result, self.accu1, self.accu2)
-            at = frame.at if leads else at + 1
+            first = at
+            for act, command, leads, ends, byte, mask in bound[at : at + (AHEAD if most < 0 else min(AHEAD, most - done))]:
+                if leads:  # what asks for allowance, and where an error is named
+                    frame.at = at + 1
+                    self.allowance -= done + frame.at - first - paid
+                    paid = done + frame.at - first
+                act(command)
+                if ends:
+                    self.fresh = True
+                if watched:
+                    status = memory[byte] & mask if byte >= 0 else status_of(command)
+                    seen[at] = (status, self.result, self.accu1, self.accu2)
+                at += 1
+                if leads and (frame.at != at or len(frames) != depth):
+                    break
+            done += at - first
+            if leads:
+                at = frame.at
         frame.at = at
         self.allowance -= done - paid
         return done
 
     def _status(self, command: Command) -> bool:
+        """Of a timer or a counter."""
         cells = self.state.cells
-        if command.operand is Operand.BIT:
-            return bool(self.state.memory[command.byte] & command.mask)
         return cells.timer(command.cell) if command.operand is Operand.TIMER else cells.counter(command.cell)
 
-    def _link(self, code: Code, before: bool, fresh: bool, value: bool) -> None:
-        if fresh:
-            self.result = value
-        elif code in (Code.AND, Code.AND_NOT, Code.OPEN_AND):
-            self.result = before and value
-        elif code in (Code.OR, Code.OR_NOT, Code.OPEN_OR):
-            self.result = before or value
-        else:
-            self.result = before != value
-        self.fresh = False
-
-    def _logic(self, command: Command) -> None:
-        inverted = command.code in (Code.AND_NOT, Code.OR_NOT, Code.XOR_NOT)
-        self._link(command.code, self.result, self.fresh, self._status(command) != inverted)
-
-    def _open(self, command: Command) -> None:
-        self._frames[-1].brackets.append((command.code, self.result, self.fresh))
-        self.fresh = True
-
     def _close(self, command: Command) -> None:
-        code, before, fresh = self._frames[-1].brackets.pop()
-        self._link(code, before, fresh, self.result)
+        joined, before, fresh = self._frames[-1].brackets.pop()
+        if not fresh:
+            self.result = joined(before, self.result)
+        self.fresh = False
 
     def _begin(self, command: Command) -> None:
         self.result = self.fresh = True
-
-    def _compare(self, command: Command) -> None:
-        self.result, self.fresh = COMPARED[command.code](self.accu2, self.accu1), False
-
-    def _wrote(self, byte: int, mask: int) -> None:
-        at = byte - self.state.layout.outputs
-        if 0 <= at < self.state.layout.area:
-            self.state.written[at] |= mask
 
     def _load(self, command: Command) -> None:
         self.accu1, self.accu2 = command.number, self.accu1
@@ -289,15 +355,7 @@ class Interpreter:
         self.accu1, self.accu2 = self.state.memory[command.byte], self.accu1
 
     def _load_long(self, command: Command) -> None:
-        number = int.from_bytes(self.state.memory[command.byte : command.byte + 4], "little", signed=True)
-        self.accu1, self.accu2 = number, self.accu1
-
-    def _store(self, command: Command) -> None:
-        size = 1 if command.code is Code.STORE_BYTE else 4
-        data = (self.accu1 & (1 << 8 * size) - 1).to_bytes(size, "little")
-        self.state.memory[command.byte : command.byte + size] = data
-        for at in range(size):
-            self._wrote(command.byte + at, 0xFF)
+        self.accu1, self.accu2 = SIGNED.unpack_from(self.state.memory, command.byte)[0], self.accu1
 
     def _count(self, command: Command) -> None:
         self.state.cells.count(command.cell, self.result, 1 if command.code is Code.COUNT_UP else -1)
@@ -322,18 +380,7 @@ class Interpreter:
         else:
             self.accu1, self.accu2 = found
 
-    def _arithmetic(self, command: Command) -> None:
-        """What reads the accumulators alone and leaves its result in the first."""
-        self.accu1 = ARITHMETIC[command.code](self.accu1, self.accu2, command.number)
-
-    def _taken(self, code: Code) -> bool:
-        if code in (Code.JUMP, Code.CALL):
-            return True
-        return self.result == (code in (Code.JUMP_IF, Code.CALL_IF))
-
     def _jump(self, command: Command) -> None:
-        if not self._taken(command.code):
-            return
         frame = self._frames[-1]
         target = self._labels[frame.routine.name][command.name]
         if target < frame.at:
@@ -341,9 +388,8 @@ class Interpreter:
         frame.at = target
 
     def _call(self, command: Command) -> None:
-        if self._taken(command.code):
-            self._allow(self._frames[-1].routine.name, command.line)
-            self._frames.append(Frame(self.program.routines[command.name]))
+        self._allow(self._frames[-1].routine.name, command.line)
+        self._frames.append(Frame(self.program.routines[command.name]))
 
     def _allow(self, routine: str, line: int) -> None:
         if self.allowance < 0:
