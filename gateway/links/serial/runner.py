@@ -60,6 +60,7 @@ class LineRunner(Generic[E]):
     def _on_readable(self) -> None:
         if self._turn.may_read(self):
             self._guarded(self._core.readable)
+            self._turn.has_read()
 
     def _on_timer(self) -> None:
         self._timer.clear()

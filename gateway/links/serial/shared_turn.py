@@ -8,39 +8,51 @@ from weakref import WeakKeyDictionary
 from protocols.base.machine import Ns, ms
 
 MOST_NS: Ns = ms(25)  # of a turn; a read that began before is finished
+SHORT_NS: Ns = ms(1)  # reads that take less, all together, need no notice of the next turn: it costs as much as such a read
 
 _turns: "WeakKeyDictionary[asyncio.AbstractEventLoop, SharedTurn]" = WeakKeyDictionary()
 
 
 class SharedTurn:
-    """Lines ask it before they read.  A line that is put off stays readable, so it asks again in the next turn; those put off read in
-    their order, before any other line reads again."""
+    """Lines ask it before they read, and report that they have.  A line that is put off stays readable, so it asks again in the next turn;
+    those put off read in their order, before any other line reads again."""
 
     def __init__(self, again: Callable[[Callable[[], None]], object], clock: Callable[[], Ns] = time.monotonic_ns) -> None:
         """`again` calls a function at the beginning of the next turn."""
         self._again, self._clock = again, clock
-        self._began: Ns | None = None  # of the reading in this turn
+        self._began: Ns = 0  # the read under way
+        self._spent: Ns = 0  # with reading, since the last notice of a turn
+        self._awaited = False  # the next turn gives notice
         self._asked: set[object] = set()  # in this turn
         self._queue: dict[object, None] = {}  # put off, the longest waiting first
 
     def may_read(self, line: object) -> bool:
         """Whether this line reads in this turn."""
-        if not self._asked:
-            self._again(self._next)
-        self._asked.add(line)
-        now = self._clock()
-        spent = self._began is not None and now - self._began >= MOST_NS
-        if spent or (self._queue and next(iter(self._queue)) is not line):
-            self._queue[line] = None
-            return False
-        self._queue.pop(line, None)
-        if self._began is None:
-            self._began = now
+        if self._awaited or self._queue:
+            self._await()
+            self._asked.add(line)
+            if self._spent >= MOST_NS or (self._queue and next(iter(self._queue)) is not line):
+                self._queue[line] = None
+                return False
+            self._queue.pop(line, None)
+        self._began = self._clock()
         return True
+
+    def has_read(self) -> None:
+        """The line that was let read has done so."""
+        self._spent += self._clock() - self._began
+        if self._spent >= SHORT_NS:
+            self._await()
+
+    def _await(self) -> None:
+        if not self._awaited:
+            self._awaited = True
+            self._again(self._next)
 
     def _next(self) -> None:
         self._queue = {line: None for line in self._queue if line in self._asked}  # one that asks no more has nothing to read, or no port
-        self._began, self._asked = None, set()
+        self._spent, self._awaited = 0, False
+        self._asked.clear()
 
 
 def shared_turn(loop: asyncio.AbstractEventLoop) -> SharedTurn:

@@ -25,6 +25,7 @@ class Loop:
             if self.shared.may_read(line):
                 read.append(line)
                 self.now += cost
+                self.shared.has_read()
         return read
 
 
