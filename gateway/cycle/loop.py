@@ -56,10 +56,10 @@ def patience_ns(period_ns: int) -> int:
     return period_ns - min(THINKING_NS, int(THINKING_SHARE * period_ns))
 
 
-def waited_until(period_ns: int, due: int, sent: int) -> int:
+def waited_until(patience: int, due: int, sent: int) -> int:
     """Instant at which an actual value is missing; drives that were asked late have half the patience at least (AX-915)."""
-    patience = patience_ns(period_ns)
-    return max(due + patience, sent + patience // 2)
+    whole, half = due + patience, sent + patience // 2
+    return whole if whole > half else half
 
 
 class Cycle:
@@ -68,6 +68,7 @@ class Cycle:
     def __init__(self, plan: RunPlan, fds: dict[str, int], quick: NativeParts | None = None) -> None:
         cell, quick = plan.cell, quick or NativeParts(python=True)
         self.period_ns = plan.p5_ms * 1_000_000
+        self._patience = patience_ns(self.period_ns)
         axes = core_axes(cell, plan.p5_ms, plan.zeros, simulated=plan.simulated)
         drive_buses = [bus for bus in cell.bus if bus.name in plan.buses]
         self.core = CycleLogic(
@@ -171,10 +172,9 @@ class Cycle:
         if len(up) < len(self.buses) and any(bus not in up for bus in self._driving):
             core.drives_lost()
             self.tap.note(What.DRIVES_LOST)
-        missing = self._gather(up, actuals, waited_until(self.period_ns, due, sent))
+        missing = self._gather(up, actuals, waited_until(self._patience, due, sent))
         got = time.monotonic_ns()
-        core.state.incomplete += missing > 0
-        core.state.late = sum([bus.late for bus in self.buses])
+        self._count(missing)
         services_pid, services_ns, planner_pid, pieces, waiting, fresh = self._look()
         if services_pid != self._services_pid:
             self._watch_services()
@@ -185,7 +185,7 @@ class Cycle:
             image = self._correction.over(image, self.tap)
         orders = self._take_orders() if waiting != self.orders.position else []
         self.tap.stepped(now, services_ns, missing)
-        core.contacts_lost = contacts_lost(self._coupled)
+        core.contacts_lost = contacts_lost(self._coupled) if self._coupled else False
         values = core.step(actuals, image if self.wires is None else self.wires.over(image), orders, services_ns, now)
         if self.contacts is not None:
             self.contacts.turn(core.state, core.outputs, self.links.life[1], now)
@@ -211,6 +211,15 @@ class Cycle:
         self.trace.put(pack_trace(core.state.cycle, due, sent, got, ready, missing))
         self._hand_back_all()
         self.tap.turn(now)
+
+    def _count(self, missing: int) -> None:
+        """For the published state."""
+        state, late = self.core.state, 0
+        if missing:
+            state.incomplete += 1
+        for bus in self.buses:
+            late += bus.late
+        state.late = late
 
     def _prepare(self, values: Sequence[SetRecord]) -> None:
         for bus in self.buses:
@@ -279,7 +288,9 @@ class Cycle:
         What is there when the time is up came in time: the cycle was late, not the drive (AX-915).
         """
         if missing is None:
-            missing = sum([bus.family.expected + len(bus.encoders) for bus in self.buses])
+            missing = 0
+            for bus in self.buses:
+                missing += bus.family.expected + len(bus.encoders)
         if not missing:  # nobody is waited for, but frames aside come all the same
             for bus in up:
                 bus.receive(actuals)

@@ -139,7 +139,7 @@ class Alarm:
         """It was awake at `woke_ns`."""
         if woke_ns > due_ns:
             self.ahead_ns = min(self.ahead_ns + self.GROW_NS, self.LONGEST_NS)
-        else:
+        elif self.ahead_ns > self.SHORTEST_NS:
             self.ahead_ns = max(self.ahead_ns - self.SHRINK_NS, self.SHORTEST_NS)
 
 

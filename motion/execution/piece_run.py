@@ -23,6 +23,9 @@ class Goal(Enum):
     SLOW = auto()  # down to a lower speed, from where END is planned
 
 
+NONE, END, REST, SLOW = Goal  # looked up faster than Goal.NONE, in every period
+
+
 class _Tables(NamedTuple):
     """Of a piece: per segment (axis, coefficients, highest power first); per grid interval the highest sdot legal from there to the end."""
 
@@ -47,7 +50,7 @@ class PieceRun:
         self._profile = Profile()
         self._motion = (0.0, 0.0, 0.0)  # s, sdot, sddot
         self._time = 0.0  # s since the present plan began
-        self._goal = Goal.NONE
+        self._goal = NONE
         self._speed = inf  # sdot limit of the present plan
         self._slow = 0.0  # sdot at the end of SLOW
 
@@ -59,14 +62,14 @@ class PieceRun:
     @property
     def at_rest(self) -> bool:
         """No plan leads it."""
-        return self._goal is Goal.NONE
+        return self._goal is NONE
 
     def begin(self, piece: Piece) -> None:
         self.piece = piece
         rows = [[(axis, row[::-1]) for axis, row in zip(piece.axes, segment.coefficients, strict=True)] for segment in piece.segments]
         lowest = list(accumulate(reversed(piece.table), min))[::-1]
         self._tables = _Tables(rows, tuple(sqrt(value) for value in lowest[:-1]))
-        self._motion, self._goal, self.stale = (0.0, 0.0, 0.0), Goal.NONE, True
+        self._motion, self._goal, self.stale = (0.0, 0.0, 0.0), NONE, True
         if piece.length > 0:
             self._profile.configure(piece.length, piece.accel, piece.jerk)
 
@@ -74,21 +77,21 @@ class PieceRun:
         """One period along the plan."""
         if self.stale or self._speed < self._legal_speed(override):
             self._plan(piece, override, running=running)
-        if self._goal is not Goal.NONE:
+        if self._goal is not NONE:
             self._time += self._period
-            if self._time < self._profile.duration or self._goal is Goal.SLOW:
+            if self._time < self._profile.duration or self._goal is SLOW:
                 s, speed, accel = self._profile.at(self._time)
                 self._motion = (min(max(s, self._motion[0]), piece.length), speed, accel)
                 if self._time >= self._profile.duration:
                     self._slowed(piece, override, running=running)
             else:
-                s = piece.length if self._goal is Goal.END else self._profile.at(self._profile.duration)[0]
-                self._motion, self._goal = (min(max(s, self._motion[0]), piece.length), 0.0, 0.0), Goal.NONE
+                s = piece.length if self._goal is END else self._profile.at(self._profile.duration)[0]
+                self._motion, self._goal = (min(max(s, self._motion[0]), piece.length), 0.0, 0.0), NONE
 
     def place(self, piece: Piece, q: list[float], qd: list[float]) -> tuple[float, bool]:
         """Set values of its axes, into both; s, and whether its end is reached."""
         s, sdot, _ = self._motion
-        arrived = self._goal is Goal.NONE and piece.length - s <= ARRIVED * piece.length
+        arrived = self._goal is NONE and piece.length - s <= ARRIVED * piece.length
         if arrived:
             s = piece.length
         rows = self._tables.rows
@@ -126,12 +129,12 @@ class PieceRun:
         self.stale = not planned
 
     def _plan_rest(self) -> bool:
-        if self._goal in (Goal.NONE, Goal.REST):
+        if self._goal in (NONE, REST):
             return True
-        return self._begin(Goal.REST, self._profile.to_speed(self._motion, 0.0))
+        return self._begin(REST, self._profile.to_speed(self._motion, 0.0))
 
     def _plan_end(self, speed: float) -> bool:
-        return self._begin(Goal.END, self._profile.to_end(self._motion, speed))
+        return self._begin(END, self._profile.to_end(self._motion, speed))
 
     def _plan_slow(self, piece: Piece, speed: float) -> bool:
         """First down to the speed, then on: in one plan ruckig would dive through zero when the speed is low (AX-102)."""
@@ -139,7 +142,7 @@ class PieceRun:
         if not self._profile.to_speed(self._motion, speed, latest):
             return False
         self._slow = speed
-        return self._begin(Goal.SLOW, True)
+        return self._begin(SLOW, True)
 
     def _begin(self, goal: Goal, planned: bool) -> bool:
         if planned:
@@ -156,5 +159,5 @@ class PieceRun:
         """SLOW has ended (steady speed from there): the rest is planned from this sample on."""
         self._motion = (self._motion[0], self._slow, 0.0)
         self._plan(piece, override, running=running)
-        if self._goal is Goal.SLOW and self.stale and not self._plan_end(self._slow):  # room was kept when SLOW was planned
+        if self._goal is SLOW and self.stale and not self._plan_end(self._slow):  # room was kept when SLOW was planned
             self._plan_rest()

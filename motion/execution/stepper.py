@@ -33,7 +33,7 @@ class State(Enum):
     STOPPED = auto()  # at rest on the path; resume() goes on, abandon() drops the rest
 
 
-IDLE, RUNNING = State.IDLE, State.RUNNING  # a name in an Enum is looked up slowly, and these are in every period
+IDLE, RUNNING, STOPPING, STOPPED = State  # a name in an Enum is looked up slowly, and these are in every period
 
 
 class Sample(NamedTuple):
@@ -59,7 +59,7 @@ class Stepper:
         self._queue: deque[Piece] = deque()
         self._run = PieceRun(period_s)
         self._override = 1.0
-        self._state = State.IDLE
+        self._state = IDLE
         self._abandon = False
         self._done = 0
         self._follower: Follower | None = None  # of the last chain of timed pieces; kept at its end, for retrace
@@ -107,11 +107,11 @@ class Stepper:
         """Timed pieces that are not run to their end yet."""
         if self._follower is None:
             return []
-        return self._follower.pending if self._state is State.IDLE else self._follower.ahead
+        return self._follower.pending if self._state is IDLE else self._follower.ahead
 
     def place(self, position: Sequence[float]) -> None:
         """The axes are here (after enabling, referencing); only without a piece."""
-        if self._state is not State.IDLE or self._run.piece or self._queue:
+        if self._state is not IDLE or self._run.piece or self._queue:
             raise MotionError(f"the position can be set only while idle, the stepper is {self._state.name}")
         if len(position) != len(self._q):
             raise MotionError(f"{len(position)} positions for {len(self._q)} axes")
@@ -133,7 +133,7 @@ class Stepper:
             return
         if self._past is not None:
             raise PieceError(f"piece {piece.id}: the axes run on past an edge, load it at rest")
-        if self._follower and self._state is not State.IDLE:
+        if self._follower and self._state is not IDLE:
             raise PieceError(f"piece {piece.id}: a chain of timed pieces is under way, load it at rest")
         self._follower = None
         if not piece.ends_at_rest:
@@ -146,24 +146,24 @@ class Stepper:
             raise PieceError(f"piece {piece.id}: axis {piece.axes[-1]} of its mask does not exist, there are {len(self._q)}")
         self._check_fit(piece)
         self._queue.append(piece)
-        if self._state is State.IDLE:
-            self._state = State.RUNNING
+        if self._state is IDLE:
+            self._state = RUNNING
 
     def _load_timed(self, piece: TimedPiece) -> None:
         if self._abandon or self._run.piece or self._queue or self._past is not None:
             raise PieceError(f"piece {piece.id}: another piece is under way or being abandoned, load it at rest")
         if piece.axes[-1] >= len(self._q):
             raise PieceError(f"piece {piece.id}: axis {piece.axes[-1]} of its mask does not exist, there are {len(self._q)}")
-        if self._follower is None or (self._state is State.IDLE and self._follower.last is not None and piece.id <= self._follower.last.id):
+        if self._follower is None or (self._state is IDLE and self._follower.last is not None and piece.id <= self._follower.last.id):
             self._check_fit(piece)
             self._follower = Follower(len(self._q), self._period, self._foresight)
         self._follower.load(piece)
-        if self._state is State.IDLE and piece.ends_at_rest:
-            self._state, self._direction = State.RUNNING, 1
+        if self._state is IDLE and piece.ends_at_rest:
+            self._state, self._direction = RUNNING, 1
 
     def begin_anew(self) -> None:
         """What was run before is no path to go back along; only at rest."""
-        if self._state is State.IDLE:
+        if self._state is IDLE:
             self._follower = None
 
     @property
@@ -173,9 +173,9 @@ class Stepper:
 
     def retrace(self) -> None:
         """Go back along the chain of timed pieces, to its start at most; from rest.  resume() goes forward again."""
-        if self._follower is None or self._state not in (State.STOPPED, State.IDLE) or self._abandon:
+        if self._follower is None or self._state not in (STOPPED, IDLE) or self._abandon:
             raise MotionError(f"there is no path to retrace, the stepper is {self._state.name}")
-        self._state, self._direction = State.RUNNING, -1
+        self._state, self._direction = RUNNING, -1
 
     @property
     def backward(self) -> bool:
@@ -191,23 +191,23 @@ class Stepper:
 
     def stop(self) -> None:
         """Stop on the path as fast as the limits allow; what is left waits for resume() or abandon()."""
-        if self._state is State.RUNNING:
-            self._state, self._run.stale = State.STOPPING, True
+        if self._state is RUNNING:
+            self._state, self._run.stale = STOPPING, True
 
     def resume(self) -> None:
         """Go on after stop(), also while still stopping, and forward again while retracing; nothing after abandon()."""
-        if self._state is State.RUNNING:
+        if self._state is RUNNING:
             self._direction = 1
-        if self._state in (State.STOPPING, State.STOPPED) and not self._abandon:
-            self._state, self._run.stale, self._direction = State.RUNNING, True, 1
+        if self._state in (STOPPING, STOPPED) and not self._abandon:
+            self._state, self._run.stale, self._direction = RUNNING, True, 1
 
     def abandon(self) -> None:
         """Stop on the path, then drop the rest of the piece and everything that waits."""
-        if self._state is State.IDLE:
+        if self._state is IDLE:
             return
         self._abandon = True
         self.stop()
-        if self._state is State.STOPPED:
+        if self._state is STOPPED:
             self._drop()
 
     def run_on(self, target: Sequence[float], speed: float) -> None:
@@ -216,7 +216,7 @@ class Stepper:
         self._drop()
         if speed > 0.0 and list(target) != list(self._q):
             self._past = RunOn(list(self._q), list(target), speed * self._period, self._override)
-            self._state, self._direction = State.RUNNING, 1
+            self._state, self._direction = RUNNING, 1
 
     def uncommit(self) -> None:
         """Timed pieces whose tail does not end at rest yet are taken out; what is committed runs."""
@@ -230,13 +230,13 @@ class Stepper:
         if self._past is not None:
             return self._go_past(self._past)
         run = self._run
-        if run.piece is None and self._state is not State.IDLE:
+        if run.piece is None and self._state is not IDLE:
             self._next_piece()
         if run.piece is None:
             return Sample(tuple(self._q), self._still, 0, 0.0, self._state, self._done)
-        run.step(run.piece, self._override, running=self._state is State.RUNNING)
-        if self._state is State.STOPPING and run.at_rest:
-            self._state = State.STOPPED
+        run.step(run.piece, self._override, running=self._state is RUNNING)
+        if self._state is STOPPING and run.at_rest:
+            self._state = STOPPED
         return self._sample(run.piece)
 
     def _follow(self, follower: Follower) -> Sample:
@@ -253,18 +253,18 @@ class Stepper:
         self._done = done or self._done
         if at_end and self._direction > 0:
             self._state = IDLE
-        elif still and self._state is State.STOPPING:
-            self._state = State.STOPPED
+        elif still and self._state is STOPPING:
+            self._state = STOPPED
         elif at_start and self._direction < 0 and self._state is RUNNING:
-            self._state, self._direction = State.STOPPED, 1
-        if self._abandon and self._state in (State.STOPPED, IDLE):
+            self._state, self._direction = STOPPED, 1
+        if self._abandon and self._state in (STOPPED, IDLE):
             self._drop()
         return Sample(tuple(q), tuple(qd), piece_id, places[-1], self._state, self._done)
 
     def _go_past(self, past: RunOn) -> Sample:
         """One period past the edge."""
-        if self._state is State.STOPPING:
-            self._state = State.STOPPED
+        if self._state is STOPPING:
+            self._state = STOPPED
         if self._abandon:
             self._drop()
         before, qd = self._q, self._still
@@ -286,14 +286,14 @@ class Stepper:
                 raise PieceError(f"piece {piece.id}: starts at {value} on axis {axis}, which will stand at {positions[axis]}")
 
     def _next_piece(self) -> None:
-        if self._state is State.STOPPING:  # the piece ended before the stop could
-            self._state = State.STOPPED
+        if self._state is STOPPING:  # the piece ended before the stop could
+            self._state = STOPPED
         if self._abandon:
             self._drop()
-        if self._state is not State.RUNNING:
+        if self._state is not RUNNING:
             return
         if not self._queue:
-            self._state = State.IDLE
+            self._state = IDLE
             return
         piece = self._queue.popleft()
         self._run.begin(piece)
@@ -303,7 +303,7 @@ class Stepper:
         s, arrived = self._run.place(piece, self._q, qd)
         if arrived:
             self._finish(piece)
-        elif self._abandon and self._state is State.STOPPED and self._run.at_rest:
+        elif self._abandon and self._state is STOPPED and self._run.at_rest:
             self._drop()
         return Sample(tuple(self._q), tuple(qd), piece.id, s, self._state, self._done)
 
@@ -313,9 +313,9 @@ class Stepper:
         if self._abandon:
             self._drop()
         elif not self._queue:
-            self._state = State.IDLE
+            self._state = IDLE
 
     def _drop(self) -> None:
         self._queue.clear()
         self._follower, self._past = None, None
-        self._run.piece, self._state, self._abandon = None, State.IDLE, False
+        self._run.piece, self._state, self._abandon = None, IDLE, False

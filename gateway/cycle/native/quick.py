@@ -1,6 +1,7 @@
 """The parts in C as the cycle uses them; whatever is missing or does not fit, the Python twin takes its place (AX-320)."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from types import ModuleType
 from typing import cast
 
@@ -45,7 +46,8 @@ class QuickTelegrams:
 
     def message(self, values: Sequence[SetRecord]) -> bytes | None:
         """The next burst as one message of the local bus; None: the family has to make it."""
-        return cast("bytes | None", self._message(self.table, values))
+        message: bytes | None = self._message(self.table, values)
+        return message
 
 
 class QuickAlarm(Alarm):
@@ -54,9 +56,10 @@ class QuickAlarm(Alarm):
     part: ModuleType
 
     def until(self, due_ns: int) -> int:
+        now: int
         woke, now = self.part.until(due_ns, self.ahead_ns)
         self.learn(woke, due_ns)
-        return cast(int, now)
+        return now
 
 
 class QuickRegion(RegionWriter):
@@ -65,7 +68,8 @@ class QuickRegion(RegionWriter):
     part: ModuleType
 
     def write(self, payload: bytes | bytearray | memoryview, stamp_ns: int) -> int:
-        return cast(int, self.part.write(self._octets, self._stride, payload, stamp_ns))
+        index: int = self.part.write(self._octets, self._stride, payload, stamp_ns)
+        return index
 
     def beat(self, stamp_ns: int) -> None:
         self.part.beat(self._octets, stamp_ns)
@@ -77,7 +81,8 @@ class QuickRing(RingWriter):
     part: ModuleType
 
     def put(self, record: bytes | bytearray | memoryview) -> int:
-        return cast(int, self.part.put(self._octets, self._stride, record))
+        index: int = self.part.put(self._octets, self._stride, record)
+        return index
 
 
 class NativeParts:
@@ -132,10 +137,8 @@ class NativeParts:
         if memory is None:
             return cell_state_packer(axes, lanes)
         packing = memory.packing(CellState, AxisState, STATE.names, STATE.codes, AXIS.names, AXIS.codes, axes, cell_state_size(axes))
-        pack, behind = memory.pack, lanes_packer(lanes)
-
-        def packer(state: CellState) -> bytes:
-            return cast(bytes, pack(packing, state))
+        packer: Callable[[CellState], bytes] = partial(memory.pack, packing)
+        behind = lanes_packer(lanes)
 
         def packer_with_lanes(state: CellState) -> bytes:
             return packer(state) + behind(state)
@@ -149,8 +152,7 @@ class NativeParts:
         memory = self._memory
         if memory is not None:
             places = [reader.octets if reader is not None else None for reader in (links, planner, pieces, orders, image)]
-            look = memory.look
-            return lambda: cast(Seen, look(*places))
+            return partial(memory.look, *places)
 
         def in_python() -> Seen:
             pids = links.writer_pid, links.life[1], planner.writer_pid if planner is not None else 0

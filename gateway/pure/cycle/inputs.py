@@ -88,7 +88,7 @@ class CoreFlying:
     @property
     def by_drives(self) -> bool:
         """Drives catch an edge that is waited for."""
-        return any(armed.probe is not None for armed in self._armed.values())
+        return bool(self._armed) and any(armed.probe is not None for armed in self._armed.values())
 
     def hear(self, said: Sequence[tuple[Latched, HeldAxis] | None]) -> None:
         """What the drives' own probes have caught, before look()."""

@@ -23,6 +23,8 @@ MOTIONS = {
     State.STOPPING: Motion.STOPPING,
     State.STOPPED: Motion.STOPPED,
 }
+IDLE, RUNNING = State.IDLE, State.RUNNING  # asked in every cycle: State.IDLE costs a search in its class, MOTIONS a hash in Python
+AT_REST, MOVES, REFERENCES = Motion.IDLE, Motion.RUNNING, Motion.REFERENCING
 
 
 class Lane:
@@ -50,20 +52,27 @@ class Lane:
 
     @property
     def motion(self) -> Motion:
-        motion = Motion.REFERENCING if self.homings.under_way else MOTIONS[self.mover.stepper.state]
-        if motion is Motion.IDLE and (self.mover.running or self.mover.program.job):
-            return Motion.RUNNING  # the axes are still on their last increments, or a program is being prepared
-        return motion
+        if self.homings.under_way:
+            return REFERENCES
+        mover = self.mover
+        state = mover.stepper.state
+        if state is IDLE:  # with a job: the axes are still on their last increments, or a program is being prepared
+            return MOVES if mover.running or mover.program.job else AT_REST
+        return MOVES if state is RUNNING else MOTIONS[state]
 
     @property
     def ordered(self) -> float:
         """Override of what is under way: with several kinematics the lowest of those it moves."""
+        if not self.kinematics:
+            return self.override
         single = self._single
         return min((single.get(each.own, self.override) for each in self.kinematics if each.own & self.moves), default=self.override)
 
     @property
     def highest(self) -> float:
         """Override of the kinematic that has the highest one."""
+        if not self.kinematics:
+            return self.override
         return max((self._single.get(each.own, self.override) for each in self.kinematics), default=self.override)
 
     def set_override(self, value: float, mask: int) -> None:

@@ -5,6 +5,8 @@ from gateway.pure.cycle.axis_loops import FAULT, LOST, PYTHON, AxisLoops
 from gateway.pure.cycle.enabling_inputs import SIGNAL_AXES, RcNumbers
 from gateway.pure.image.records.cell import RC_BYTES, CellState, Motion, set_bit, set_bits
 
+IDLE, STOPPED = Motion.IDLE, Motion.STOPPED  # asked in every cycle: Motion.IDLE costs a search in its class
+
 
 class Publisher:
     """Of one core; `state` and `outputs` are written in place, once a cycle."""
@@ -19,7 +21,7 @@ class Publisher:
     def publish(self, axes: list[HeldAxis]) -> None:
         """After the motion was judged: `state.motion` is valid."""
         state = self._state
-        at_rest = state.motion is Motion.IDLE or state.motion is Motion.STOPPED
+        at_rest = state.motion is IDLE or state.motion is STOPPED
         some, every, in_position, referenced = self._show_axes(state.axes, axes, at_rest, self._period)
         state.ready = not state.emergency and not some & (FAULT | LOST) and not self.contacts_lost
         shown = (state.ready, every != 0, state.emergency, in_position, referenced)
