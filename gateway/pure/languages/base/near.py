@@ -36,8 +36,9 @@ def all_nearest(text: str, words: Iterable[str]) -> list[str]:
 
 
 def meant(text: str, table: Mapping[str, str]) -> list[str]:
-    """The spellings of a table most like the text, the first of each meaning."""
-    found = {table[spelling]: spelling for spelling in reversed(all_nearest(text, table))}
+    """The spellings of a table that look like the text or are most like it, the first of each meaning."""
+    alike = [spelling for spelling in table if looks(spelling) == looks(text)] or all_nearest(text, table)
+    found = {table[spelling]: spelling for spelling in reversed(alike)}
     return [*reversed(found.values())]
 
 
@@ -48,8 +49,12 @@ def hint_of(name: str, names: Iterable[str]) -> str:
 
 def hint_for_print(text: str, words: Sequence[str]) -> str:
     """The remedy for a name that may be misread from a print (M1 for ML), however short it is; "": none is like it."""
-    looks = text.upper().translate(_LOOKS)
-    return hint_with([word for word in words if word.upper().translate(_LOOKS) == looks] or all_nearest(text, words))
+    return hint_with([word for word in words if looks(word) == looks(text)] or all_nearest(text, words))
+
+
+def looks(text: str) -> str:
+    """What print may be taken for: the same for texts that look alike."""
+    return text.upper().translate(_LOOKS)
 
 
 def hint_with(words: Sequence[str]) -> str:

@@ -162,7 +162,8 @@ def fits(place: Place, operand: Operand) -> str:
 def typed(place: Place, operand: Operand) -> str:
     """ "" where type and range suit the place, else a sentence."""
     if isinstance(operand, Ref) and operand.name[0].isdigit() and place.kind != "text" and place.name != "name":
-        return f"{operand.name} is neither a number nor the name of a variable"
+        shown = f"{operand.name}.{operand.element}" if operand.element else operand.name
+        return f"{shown} is neither a number nor the name of a variable"
     if isinstance(operand, Ref) and place.types and not operand.element:
         if not operand.name.startswith("_") and operand.name[0] not in place.types:
             return f"{operand.name} is of type {operand.name[0]}; {' or '.join(place.types.strip('_'))} is needed"

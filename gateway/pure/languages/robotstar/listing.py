@@ -22,7 +22,7 @@ QUOTES = str.maketrans({"„": '"', "“": '"', "”": '"', "»": '"', "«": '"'
 _NUMBER = re.compile(r"S?\s*(\d+)\s*[.:)]?(\s+|$)", re.IGNORECASE)
 _WORD = re.compile(r"(\\?\s*)([^\W\d][\w-]*)(.*)", re.DOTALL)
 _MARKED = re.compile(r"(?:->|=>|>|-)\s*(?=S?\s*\d)")  # the cursor, or the step completed last (L1484)
-_SECOND = re.compile(r"\s+([^\W\d]\w*)")
+_SECOND = re.compile(r"(?:\s+|\.)([^\W\d]\w*)")
 _POSITION = re.compile(r"\b[XYZABC]\s*:|\bA\d+\s*:", re.IGNORECASE)
 _PLC_NUMBER = re.compile(r"S?\s*(\d[\dOIl]*)\s*[.:)]?\s+(?=\S)", re.IGNORECASE)  # `8 )` is step 8
 _PLC_HEAD = re.compile(r"(?:MPR|SPR|MAC|PAL|PLC|DIR)\b", re.IGNORECASE)  # SP is a jump of the PLC, M a label
@@ -238,7 +238,7 @@ def _joined(word: str, rest: str, words: Words) -> tuple[str, str]:
     """A command that is printed in two words, as BAHN RADIUS (L1774), and what follows it."""
     second = _SECOND.match(rest)
     for joint in "_", "":
-        if second and word.upper() not in words.words and f"{word}{joint}{second[1]}".upper() in words.words:
+        if second and (joint or word.upper() not in words.words) and f"{word}{joint}{second[1]}".upper() in words.words:
             return f"{word}{joint}{second[1]}", rest[second.end() :]
     return word, rest
 

@@ -210,18 +210,26 @@ def _placed(reading: _Reading, step: Step, parameters: tuple[Parameter, ...], pl
             if step.word in DEFINITIONS and "name" in slots:
                 slots[parameter.descriptor or f"V{len(slots)}"] = given  # values of a structure, by element
                 continue
-            return _wrong(reading, step, *_without_place(step, parameter, places, slots))
+            return _wrong(reading, step, *_without_place(reading, step, parameter, places, slots))
         if place.kind == "text" and isinstance(given, Number):
             given = Text(parameter.text)  # a name of digits, or one that looks hexadecimal: 0815, FACH
+        hint = _lost_hash(reading, given, places)
         if wrong := fits(place, given):
-            return _wrong(reading, step, f"{place.name} must be {wrong}")
+            return _wrong(reading, step, f"{place.name} must be {wrong}", hint)
         if wrong := typed(place, given):
-            return _wrong(reading, step, wrong, id="rsv.range")
+            return _wrong(reading, step, wrong, hint, id="rsv.range")
         slots[place.name] = given
     missing = [place.name for place in places if not place.optional and place.name not in slots]
     if missing:
         return _wrong(reading, step, f"{', '.join(missing)} missing")
     return step.given(parameters, slots)
+
+
+def _lost_hash(reading: _Reading, given: Operand, places: tuple[Place, ...]) -> str:
+    """The hint for a system equate without its #; "" for other operands."""
+    name = given.name if isinstance(given, Ref) and not given.element else ""
+    wanted = [place for place in places if place.kind == "equate" and reading.words.equates.get(name) in place.equates]
+    return f"did you mean #{name}?" if wanted else ""
 
 
 def _wrong(reading: _Reading, step: Step, text: str, hint: str = "", id: str = "rsv.parameters") -> Step:
@@ -230,13 +238,15 @@ def _wrong(reading: _Reading, step: Step, text: str, hint: str = "", id: str = "
     return replace(step, valid=False, word="")
 
 
-def _without_place(step: Step, parameter: Parameter, places: tuple[Place, ...], slots: Mapping[str, Operand]) -> tuple[str, str]:
+def _without_place(
+    reading: _Reading, step: Step, parameter: Parameter, places: tuple[Place, ...], slots: Mapping[str, Operand]
+) -> tuple[str, str]:
     """What is wrong with a parameter that has no place, and the remedy."""
     if parameter.descriptor:
         return f"{parameter.descriptor} does not belong to this command", ""
     for place in places:
         if place.kind == "equate" and place.name not in slots:  # `BEWEG_ART LINEAR`
-            return f"{place.name} must be {fits(place, parameter.operand)}", ""
+            return f"{place.name} must be {fits(place, parameter.operand)}", _lost_hash(reading, parameter.operand, places)
     return "there are too many parameters", "numbers have a decimal point" if re.search(r"\d,\d", step.text) else ""
 
 

@@ -7,11 +7,12 @@ import re
 
 from gateway.pure.languages.robotstar.grammar import GRAMMAR
 from gateway.pure.languages.robotstar.path import CARTESIAN
+from gateway.pure.languages.robotstar.print_signs import descriptors, hashes, operands, quantity, quotes
 from gateway.pure.languages.robotstar.words import Words
 
 ALIKE = str.maketrans({"0": "O", "Q": "O", "1": "I", "L": "I", "|": "I", "!": "I", "8": "B", "5": "S", "-": "_"})
 DIGITS = str.maketrans({"O": "0", "o": "0", "Q": "0", "l": "1", "I": "1", "|": "1", "B": "8", "S": "5", "Z": "2"})
-NAMED = ("C", "LABEL", "BRANCH", "CALL", "PROGRAM", "DIR")  # what follows is a name or a text
+NAMED = ("LABEL", "BRANCH", "CALL", "PROGRAM")  # what follows is a name or a text
 ONE_NUMBER = (  # a second number can only be what is behind a decimal comma
     "WAIT", "PTP_SPEED", "PTP_ACCEL", "PATH_SPEED", "PATH_ACCEL", "PATH_TIME", "PATH_RADIUS", "PATH_DISTANCE",
 )  # fmt: skip
@@ -23,7 +24,8 @@ _NAME = re.compile(  # what is in front, and a name whose first letter, that of 
     r"(?:(?P<descriptor>[A-Za-z][\w-]*)\s*:?\s*|(?<=,)\s*|(?<=^)\s*|(?<=\[)\s*)(?<![\w.#])(?P<first>[1l|!5])(?=_?[A-Z]{2}|_[A-Z])(?P<rest>\w+)"
 )
 VARIABLES = ("OP_1", "OP_2", "VARIABLE", "SOURCE", "DESTINATION", "VECTOR")
-_ALONE = re.compile(r"(?<=[:,])(\s*[+-]?)([OolB])(?=\s*(?:,|$))")
+_ALONE = re.compile(r"(?<=[:,])(\s*[+-]?)([OolB])(?=\s*(?:,|$))|^(\s*[+-]?)([Ool])(?=\s*,)")
+_OF_LABEL = re.compile(r"(?:marke|label|name)\s*:$", re.IGNORECASE)
 _EQUATE = re.compile(r"#([\w|!-]+|[<>]?=[Ool|]|=[<>])")
 _SIGN = re.compile(r"(?<=[\"\w])(\s*)[;.](\s*)(?=#|[A-Za-z_]\w*\s*:)|(?<=\")\s*[.;](?=\s*[\w#\"])")
 _COLON_LOST = re.compile(r"(?:(?<=^)|(?<=,))(\s*)([A-Za-z][\w-]*)\s+(?=[-+\d#\"])")
@@ -43,8 +45,13 @@ def command(word: str, words: Words) -> str:
 def parameters(word: str, rest: str, words: Words) -> str:
     """What follows the command, put right."""
     meant = words.words.get(word.upper(), "")
-    if not meant or meant in NAMED:
+    if not meant or meant in ("C", "DIR"):
         return rest
+    rest = quotes(rest)
+    if meant in NAMED:
+        return descriptors(meant, rest, words) if '"' in rest else rest
+    if meant in ONE_NUMBER and (number := quantity(rest, words)):
+        return number
     parts = _TEXT.split(rest)
     parts[::2] = [_outside_texts(meant, part, words) for part in parts[::2]]
     text = _SIGN.sub(lambda found: "," + (found[2] or "") if found[2] is not None else ",", "".join(parts))
@@ -53,10 +60,12 @@ def parameters(word: str, rest: str, words: Words) -> str:
 
 
 def _outside_texts(meant: str, text: str, words: Words) -> str:
+    text = operands(hashes(meant, descriptors(meant, text, words), words))
     text = _EQUATE.sub(lambda found: "#" + _equate(found[1], words), text)
     text = _HEX.sub(lambda found: found[0].replace("O", "0").replace("o", "0"), text)
     text = _NUMBER.sub(lambda found: found[0] if _BINARY.fullmatch(found[0]) else found[0].translate(DIGITS), text)
-    text = _ALONE.sub(lambda found: found[1] + found[2].translate(DIGITS), text)
+    if meant != "TRAFO_6D":  # B may be the name of a program, or of a label
+        text = _ALONE.sub(lambda found: found[0] if _OF_LABEL.search(text[: found.start()]) else found[0].translate(DIGITS), text)
     text = _NAME.sub(lambda found: _name(meant, found, words), text)
     if meant in ONE_NUMBER:
         text = _DECIMAL.sub(r"\1.\2", text)

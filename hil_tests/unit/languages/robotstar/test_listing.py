@@ -167,7 +167,9 @@ def test_two_columns_of_a_page_are_read_one_after_the_other() -> None:
 CLEAN = (
     "COPY I1, R_B", "TOOL T1", "ADD _SPS[6], I_A[I1]", "OR 0FFH, I_N", "AND 1010B, I_N", "TEST_BIT #VARIABLE, #=0, I1, 2, A1", "WAIT R1",
     'COPY "8O, l1", S_N', "COPY V1.X, P1.X", "RELATIVE _VNULL", "LABEL B8", "BRANCH B8", "C 8O l1 ; x. #0N", "POSITION #P, A1:1, A7:-2.5",
-    "TEST #VARIABLE, I1, #<=, 5, ENDE", "COPY_OFFSETS 2, V1, 3, V2, 2", "VAR_POS P1", "CALL 1O", "PROGRAM S_B",
+    "TEST #VARIABLE, I1, #<=, 5, ENDE", "COPY VECTOR.X, PT.X", "COPY I_A[I12], R1", 'TRAFO_6D A, B, "C", D, I1', 'C "open, #<x ; Pege1',
+    "TEST #VARIABLE, I1, #<, 5, Marke: B", "PTP_SPEED [%] : 80", "VAR P1, X:1, Y:2, Z:3, A:0, B:0, C:0, A7:-1.5",
+    "COPY_OFFSETS 2, V1, 3, V2, 2", "VAR_POS P1", "CALL 1O", "PROGRAM S_B",
 )  # fmt: skip
 
 
@@ -251,3 +253,37 @@ def test_the_first_letter_of_a_variable_read_as_a_digit_is_put_right_where_no_la
 def test_decimal_commas_of_a_position_without_commas_between_its_values() -> None:
     found = import_listing("1 MPR A\n2 TOOL T\n3 POSITION #N, X: 500,0 Y: -0,5 Z: 1.234,5 A: 0 B: 0 C: 180\n4 END\n", WORDS)
     assert found.files["A.MPR"].splitlines()[2][5:] == "POSITION #N, X: 500.0, Y: -0.5, Z: 1234.5, A: 0, B: 0, C: 180"
+
+
+@pytest.mark.parametrize(
+    ("printed", "meant"),
+    [
+        ("WARTE_BIT *EINGANG, Pegel.1, Byte;0, Bit Nr:3", "WARTE_BIT #EINGANG, Pegel:1, Byte:0, Bit_Nr:3"),
+        ("WARTE_BIT # EINGANG,Pege1:1,8yte:0,Bit_Nr:3", "WARTE_BIT #EINGANG,Pegel:1,Byte:0,Bit_Nr:3"),
+        ("WARTE_BIT EINGANG,1,0,3", "WARTE_BIT #EINGANG,1,0,3"),
+        ("TESTE #VARIABLE,0p_l:I_N,#)=,Op_2:5,Marke:''M1''", 'TESTE #VARIABLE,Op_1:I_N,#>=,Op_2:5,Marke:"M1"'),
+        ('TESTE #VARIABLE,I_N,#> =,5,"M1', 'TESTE #VARIABLE,I_N,#>=,5,"M1"'),
+        ('TESTE #VARIABLE,I_N,<,5,Marke:M1"', 'TESTE #VARIABLE,I_N,#<,5,Marke:"M1"'),
+        ('SPRUNG Marke "M1"', 'SPRUNG Marke:"M1"'),
+        ('CALL Name."HOLEN"', 'CALL Name:"HOLEN"'),
+        ('PALLET Prog name:,,PAT",#0N', 'PALLET Prog_name:"PAT",#ON'),
+        ("KOPIERE - 5,-SPSl54]", "KOPIERE -5,_SPS[54]"),
+        ("KOPIERE Quelle: - 5,Ziel Var:_SPS(54)", "KOPIERE Quelle: -5,Ziel_Var:_SPS[54]"),
+        ("ADD 1.I_A[3", "ADD 1,I_A[3]"),
+        ("POSITION #N X=1.0 Y=2.0 Z=3.0 A=0 B=0 C=0", "POSITION #N, X:1.0, Y:2.0, Z:3.0, A:0, B:0, C:0"),
+        ("POSITION #N, X;1.0, Y:- 2.0, 2:3.0, A:0, 8:0, C:0", "POSITION #N, X:1.0, Y:-2.0, Z:3.0, A:0, B:0, C:0"),
+        ("PTP_GESCHW (%): 8O", "PTP_GESCHW 80"),
+        ("BAHN_GESCHW [mm/s]:2OO,0", "BAHN_GESCHW 200.0"),
+        ("WARTE 0,5 s", "WARTE 0.5"),
+    ],
+)
+def test_signs_of_a_print_are_put_right_and_named(printed: str, meant: str) -> None:
+    found = import_listing(f"1 MPR M\n2 {printed}\n3 END\n", WORDS)
+    word, _, rest = printed.partition(" ")
+    assert found.files["M.MPR"].splitlines()[1][5:] == meant
+    assert [note.text for note in found.notes] == [f"{rest} is read as {meant.removeprefix(word).strip()}"]
+
+
+def test_commands_in_two_words() -> None:
+    for printed, meant in (("WARTE BIT #EINGANG,1,0,3", "WARTE_BIT #EINGANG,1,0,3"), ("U.PROG HOLEN", "U_PROG HOLEN")):
+        assert import_listing(f"1 MPR M\n2 {printed}\n3 END\n", WORDS).files["M.MPR"].splitlines()[1][5:] == meant

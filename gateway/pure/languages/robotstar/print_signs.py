@@ -1,0 +1,102 @@
+"""Signs and descriptors that a reader of print takes for others: Pege1 for Pegel, `;` for `:`, '' for ", a lost bracket or #.
+
+All functions take what follows the command of one step and return it as it was meant; what a step can mean as it is stays.
+"""
+
+import re
+
+from gateway.pure.languages.base.near import looks
+from gateway.pure.languages.robotstar.grammar import GRAMMAR
+from gateway.pure.languages.robotstar.operands import RELATIONS
+from gateway.pure.languages.robotstar.words import Words
+
+WITH_VALUES = ("POSITION", "VAR", "LOC_VAR", "CONST", "LOC_CONST")  # commands with X:, Y:, .. A7:
+_MARKS = re.compile(r"''|[\u00b4`]|,,(?=\s*[\w.-]+\s*\")")
+_UNCLOSED = re.compile(r"\"([\w.$/-]+)\s*$")
+_UNOPENED = re.compile(r"(?<=:)(\s*)([\w.$/-]+)\"\s*$")
+_DESCRIPTOR = re.compile(
+    r"(?:(?<=^)|(?<=[,\s]))(?=\w*[A-Za-z])(\w[\w-]*(?: \w[\w-]*)?)\s*(?:[:;=](?=\s*(?:[-+\w\"#]|$))|\.(?=\s*(?:[-+\d\"#]|$)))"
+)
+_BEFORE_TEXT = re.compile(r"(^\s*[A-Za-z][\w-]*)\s+(?=\")")
+_COMPONENT = re.compile(r"(?<=,)(\s*)([82])(\s*:)")
+_COMPONENTS = {"8": "B", "2": "Z"}
+_HASH_AND_BLANK = re.compile(r"#\s+(?=[\w<>=()])|\*(?=[A-Z])")
+_RELATION = re.compile(r"#([<>=()]) ?([=>)]?)(?=\s*,)")
+_LOST_HASH = re.compile(r"(?:(?<=^)|(?<=,))(\s*)([<>]=?|<>|=|[A-Za-z][\w-]+)(?=\s*(?:,|$))")
+_OPEN_LOST = re.compile(r"(?<![\w.\[])(_?[IRVPTS]\w*?)[l1|](\d+)\]")
+_ROUND = re.compile(r"(?<![\w.])(_[A-Z]\w*)\((\w+)\)")
+_CLOSE_LOST = re.compile(r"(\w\[\w+)(?=\s*(?:,|$))")
+_DASH = re.compile(r"(?<=[,:])(\s*)(?:-|_ )(?=[A-Z]\w*\[)")
+_SIGNED = re.compile(r"(?:(?<=[,:])|(?<=^))(\s*[-+]) +(?=\d)")
+_POINT = re.compile(r"(?:(?<=^)|(?<=[,:\s]))(\d+)\.(?=_?[IRVPTS]_?\w*[A-Z])")
+_QUANTITY = (
+    r"^\s*(?:([\[(]?)\s*({unit})\s*[\])]?)?\s*:?\s*(?:(\w+)\s*:)?\s*([+-]?[\dOoQl|]+(?:[.,][\dOoQl|]+)?)\s*[\[(]?({unit})?[\])]?\s*$"
+)
+NUMBERS = str.maketrans("OoQl|", "00011")
+
+
+def quotes(text: str) -> str:
+    """Quotation marks: of other kinds, and one that is lost beside a name."""
+    text = _MARKS.sub('"', text)
+    if text.count('"') % 2:
+        text = _UNCLOSED.sub(r'"\1"', text) if _UNCLOSED.search(text) else _UNOPENED.sub(r'\1"\2"', text)
+    return text
+
+
+def descriptors(command: str, text: str, words: Words) -> str:
+    """Descriptors in front of a colon: misread letters, two words, another sign for the colon."""
+    if command in WITH_VALUES:
+        text = _COMPONENT.sub(lambda found: found[1] + _COMPONENTS[found[2]] + found[3], text)
+    text = _BEFORE_TEXT.sub(lambda found: f"{found[1]}:" if _meant(command, found[1].strip(), words) else found[0], text)
+    return _DESCRIPTOR.sub(lambda found: _descriptor(command, found, words), text)
+
+
+def _descriptor(command: str, found: re.Match[str], words: Words) -> str:
+    """One descriptor and its colon: the two words in front of it, or the last of them."""
+    before, _, last = found[1].rpartition(" ")
+    if name := _meant(command, found[1].replace(" ", "_"), words):
+        return f"{name}:"
+    name = _meant(command, last, words) if before else ""
+    return f"{before} {name}:" if name else found[0]
+
+
+def _meant(command: str, spelt: str, words: Words) -> str:
+    """The descriptor that a word is or looks like; "": none."""
+    if words.descriptor(spelt):
+        element = spelt.upper() not in words.descriptors and "-" not in spelt  # X, A7
+        return spelt if not element or command in WITH_VALUES else ""
+    alike = [each for each in words.descriptors if len(each) > 2 and looks(each) == looks(spelt.replace("-", "_"))]
+    return alike[0].title() if len({words.descriptors[each] for each in alike}) == 1 else ""
+
+
+def hashes(command: str, text: str, words: Words) -> str:
+    """# in front of system equates: a blank behind it, * for it, brackets for < and >, none at all."""
+    wanted = {name for place in GRAMMAR.get(command, ()) for name in place.equates}
+    text = _HASH_AND_BLANK.sub("#", text) if wanted else text
+    text = _RELATION.sub(lambda found: "#" + (found[1] + found[2]).translate(str.maketrans("()", "<>")), text)
+    if "#" in text and command not in ("TEST", "TEST_BIT", "PALLET"):
+        return text
+    return _LOST_HASH.sub(lambda found: f"{found[1]}#{found[2]}" if _is_equate(found[2], wanted, words) else found[0], text)
+
+
+def _is_equate(text: str, wanted: set[str], words: Words) -> bool:
+    return (text if text in RELATIONS else words.equates.get(text.upper(), "")) in wanted
+
+
+def operands(text: str) -> str:
+    """Brackets of an index, - for _, a blank behind a sign, a point for the comma behind a whole number."""
+    text = _OPEN_LOST.sub(r"\1[\2]", text)
+    text = _ROUND.sub(r"\1[\2]", text)
+    text = _CLOSE_LOST.sub(r"\1]", text)
+    text = _DASH.sub(r"\1_", text)
+    text = _SIGNED.sub(r"\1", text)
+    return _POINT.sub(r"\1,", text)
+
+
+def quantity(text: str, words: Words) -> str:
+    """The number of a command that takes one, without a unit that is printed in a form of its own; "": there is none."""
+    unit = "|".join(re.escape(each) for each in sorted(words.units, key=len, reverse=True))
+    found = re.match(_QUANTITY.format(unit=unit), text)
+    if not found or not (found[2] or found[5]) or (found[1] == "[" and "," not in found[4] and not found[5]):
+        return ""
+    return " " + (f"{found[3]}:" if found[3] else "") + found[4].translate(NUMBERS).replace(",", ".")
