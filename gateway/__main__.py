@@ -56,7 +56,7 @@ def version_line() -> str:
 
 
 def load(entry: EntryPoint) -> Command:
-    """The function behind an entry point; ModuleNotFoundError names what is not there."""
+    """The function of an entry point; ModuleNotFoundError names what is missing."""
     return cast(Command, getattr(importlib.import_module(entry.module), entry.attr))
 
 

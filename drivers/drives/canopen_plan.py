@@ -49,7 +49,7 @@ def collisions(used: Iterable[Used]) -> list[str]:
 
 
 def restricted(used: Iterable[Used]) -> list[str]:
-    """PDOs on identifiers CANopen keeps for itself."""
+    """PDOs on identifiers that CANopen reserves."""
     return [f"{number:X}h is {who}: restricted in CANopen" for number, who in used if "PDO" in who and cobid.restricted(number)]
 
 

@@ -14,7 +14,7 @@ from drivers.drives.held import HeldPosition
 
 LOST_AFTER = 2  # actual values missing in a row
 RESET_CYCLES = 5  # bit 7 is set so long for one edge of the demand: one lost telegram does not swallow it
-STILL_CYCLES, STILL_INC = 10, 2  # so long within so few increments of each other: the axis stands
+STILL_CYCLES, STILL_INC = 10, 2  # standstill: at most so many increments of motion over so many cycles
 PIPELINE = 4  # cycles from a controlword bit to a statusword that knows of it: burst, SYNC, TPDO, and one to spare (AX-304)
 
 
@@ -43,7 +43,7 @@ HOME_SWITCH = 4  # 60FDh bit 2
 
 
 class Cia402Actual(NamedTuple):
-    """What the drive said; all but the first two as last received."""
+    """Status reported by the drive; all fields but the first two as last received."""
 
     statusword: int = 0  # 6041h
     position_inc: int = 0  # 6064h
@@ -86,7 +86,7 @@ class Cia402Settings:
 class Phase(Enum):
     """State of the dialogue."""
 
-    LOST = auto()  # not heard, or not yet
+    LOST = auto()  # nothing received from the drive, or not yet
     OFF = auto()
     SWITCHING_ON = auto()
     ENABLED = auto()
@@ -94,7 +94,7 @@ class Phase(Enum):
     START = auto()  # bit 4 sent: the statusword does not know of it yet
     HOMING = auto()
     AT_HOME = auto()  # attained: the drive's position has jumped to its new zero, 607Ah follows it there
-    GIVING_UP = auto()  # bit 4 taken back: the axis comes to rest
+    GIVING_UP = auto()  # bit 4 cleared: the axis decelerates to standstill
     TO_CSP = auto()  # 6060h = 8 sent, 6061h awaited
     STOPPING = auto()  # quick stop, then off
     FAULT = auto()
@@ -112,7 +112,7 @@ ENABLED_PHASES = (Phase.ENABLED, *AT_HOMING)
 
 
 class Cia402Drive:
-    """One drive.  A new object starts unheard, and a demand already present then is no command (design 1)."""
+    """One drive.  A new object starts without a status, and a demand already present then is not a command (design 1)."""
 
     def __init__(self, settings: Cia402Settings | None = None) -> None:
         self._settings = settings or Cia402Settings()
@@ -128,7 +128,7 @@ class Cia402Drive:
         self._homing = Homing.NONE
         self._homed = False  # how the run that ends in TO_CSP went
         self._mode = Mode.CSP  # wanted
-        self._disable = False  # no more quick stop: the axis stands, or will not
+        self._disable = False  # quick stop ends: the axis is at standstill, or does not reach it
         self.position_inc = 0
         self.torque_permille = 0
         self.fault_code = 0
@@ -257,7 +257,7 @@ class Cia402Drive:
             self._home(actual, demand)
 
     def _stop(self) -> None:
-        """Quick stop until the drive has left control, or stands and waits for disable voltage (605Ah 5..8), or takes too long."""
+        """Quick stop until the drive leaves control, waits at standstill for disable voltage (605Ah 5..8), or exceeds its timeout."""
         late = self._cycles >= self._settings.timeout_cycles
         if self._state in (State.DISABLED, State.NOT_READY):
             self._go(Phase.OFF, Event.OFF)
@@ -278,7 +278,7 @@ class Cia402Drive:
             elif given_up or self._cycles >= settings.mode_cycles:
                 self._back(homed=False)
         elif self._phase is Phase.START:
-            if self._cycles >= PIPELINE:  # "attained" of an older run may stand until now
+            if self._cycles >= PIPELINE:  # until then "attained" may belong to the previous run
                 self._go(Phase.HOMING)
         elif self._phase is Phase.HOMING:
             if status & Bit.HOMING_ERROR or given_up:
@@ -344,7 +344,7 @@ class Cia402Drive:
                 return Command.SHUTDOWN.value
             return Command.ENABLE.value if self._state is State.ENABLED else command.value if command else 0
         if self._phase is Phase.LOST:
-            return Command.QUICK_STOP.value  # should it still hear us, it brakes
+            return Command.QUICK_STOP.value  # if it still receives, it brakes
         if self._phase is Phase.STOPPING and self._state in (State.ENABLED, State.QUICK_STOP) and not self._disable:
             return Command.QUICK_STOP.value
         if self._phase is Phase.FAULT and self._reset_left:

@@ -153,7 +153,7 @@ PROBE_FUNCTION, PROBE_STATUS, PROBE_PLACES = 0x60B8, Mapped(0x60B9, 0, 16), (0x6
 
 
 def probe_pdos(node: int, probe: int, pdos: Iterable[Pdo]) -> tuple[Pdo, ...]:
-    """Those of a drive whose touch probe (1, 2) measures: its status behind the inputs, where it was at its edges, and what arms it."""
+    """PDOs of a drive with an active touch probe (1, 2): status after the inputs, positions at its edges, and the function that arms it."""
     place = PROBE_PLACES[probe - 1]
     found = [replace(pdo, entries=(*pdo.entries, PROBE_STATUS)) if INPUTS in pdo.entries else pdo for pdo in pdos]
     found.append(Pdo(True, 3, cobid.rpdo(3, node), EVENT_DRIVEN, (Mapped(PROBE_FUNCTION, 0, 16),)))
@@ -274,7 +274,7 @@ def _modes() -> Generator[Step, Answer, None]:
 
 
 def _cycle_time(plan: NodePlan) -> Sequence[Parameter]:
-    """60C2h as value x 10^exponent s, 1006h in us; drives without them take what SYNC gives."""
+    """60C2h as value x 10^exponent s, 1006h in us; drives without them use the interval of SYNC."""
     value, exponent = plan.period_us, -6
     while value > 255 or (value % 10 == 0 and exponent < -3):
         value, exponent = value // 10, exponent + 1
@@ -293,7 +293,7 @@ def _parameter(parameter: Parameter, notes: list[str]) -> Generator[Step, Answer
 
 
 def _write(index: int, sub: int, data: bytes, *, must: bool = True) -> Generator[Step, Answer, Refused | None]:
-    """Written and read back; Refused (only when it need not be) when the node does not take it."""
+    """Write and read back; Refused (only for required objects) when the node rejects the value."""
     key = (index, sub)
     answer = yield Write(index, sub, data)
     if isinstance(answer, Refused):
@@ -399,7 +399,7 @@ def _switch_off(index: int) -> Generator[Step, Answer, None]:
 
 
 def _map(pdo: Pdo, notes: list[str]) -> Generator[Step, Answer, None]:
-    """The order every device takes: invalid, count 0, entries, count, type, valid; each read back."""
+    """The order that every device accepts: invalid, count 0, entries, count, type, valid; each read back."""
     off = (pdo.identifier | cobid.INVALID).to_bytes(4, "little")
     refused = yield from _write(pdo.communication, 1, off, must=pdo.needed)
     if refused is None:

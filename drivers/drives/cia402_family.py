@@ -1,19 +1,19 @@
-"""One bus of CiA 402 drives: SYNC, RPDOs and the gateway's heartbeat out; TPDOs in; everything else aside to the master.
+"""One bus of CiA 402 drives: sends SYNC, RPDOs and the gateway's heartbeat, receives TPDOs, passes all other frames to the master.
 
 Source: CiA 301, predefined connection set; AX-302 (maps), AX-303 (heartbeat).
 
     RPDO1 200h+n  6040h controlword u16, 607Ah target i32     every SYNC, to nodes the master released
-    RPDO2 300h+n  6060h mode i8                               while 6061h shows another mode than wanted
+    RPDO2 300h+n  6060h mode i8                               while 6061h differs from the wanted mode
     TPDO1 180h+n  6041h statusword u16, 6064h position i32    every SYNC
-    TPDO2 280h+n  6077h torque i16, 60F4h lag i32             every SYNC where the bus has room, else not mapped
+    TPDO2 280h+n  6077h torque i16, 60F4h lag i32             every SYNC if the bus has room, otherwise not mapped
     TPDO3 380h+n  60FDh inputs u32, 6061h mode i8             on change
 
-Drives whose touch probe measures (AX-569) have TPDO3 with 60B9h status u16 behind the others, and
+Drives whose touch probe measures (AX-569) have 60B9h status u16 as the last entry of TPDO3, and
 
     RPDO3 400h+n  60B8h touch probe function u16              to arm it anew after an edge
     TPDO4 480h+n  60BAh, 60BBh i32 (probe 2: 60BCh, 60BDh)    on change
 
-A node is spoken to cyclically only between `release` (the master has configured it) and its next boot-up message or `hold`.
+A node gets cyclic data only between `release` (the master has configured it) and its next boot-up message or `hold`.
 """
 
 import struct
@@ -33,7 +33,7 @@ GATEWAY_NODE = 127  # produces the heartbeat the drives watch
 BOOT_UP = bytes((State.INITIALISING,))
 TPDO2, TPDO3, TPDO4 = cobid.tpdo(2, 0), cobid.tpdo(3, 0), cobid.tpdo(4, 0)
 NO_PROBES: Mapping[int, int] = {}
-STOP_CYCLES = 10  # a node that seems lost may still hear: so long it is sent quick stop
+STOP_CYCLES = 10  # cycles of quick stop to a node that seems lost: it may still receive
 MODE_EVERY = 8  # cycles between two RPDO2 of one node that does not show the wanted mode yet
 
 _SET, _MODE = struct.Struct("<Hi"), struct.Struct("<b")
@@ -42,7 +42,7 @@ _PROBED, _PLACES, _WORD = struct.Struct("<IbH"), struct.Struct("<ii"), struct.St
 PROBE_ON = 0x31  # 60B8h of probe 1: enabled, first event, its own input, both edges
 ARMED, RISEN, FALLEN = 1, 2, 4  # 60B9h
 TAKEN = RISEN | FALLEN
-PLACES_WITHIN = 2  # cycles the places of an edge may come behind its status
+PLACES_WITHIN = 2  # cycles by which the positions of an edge may follow its status
 
 
 @dataclass(slots=True)
@@ -59,7 +59,7 @@ class _Node:
     stopping: int = 0  # cycles in which it is still ordered to stop, though it counts as lost
     place: int = 0  # its last 6064h
     probe: int = 0  # touch probe that measures: 1, 2; 0: none
-    status: int = -1  # its byte of 60B9h, -1: not heard yet
+    status: int = -1  # its byte of 60B9h, -1: not received yet
     places: tuple[int, int] = (0, 0)  # of its last rising and falling edge
     edges: int = 0  # of its status, not reported yet
     settling: int = 0
@@ -107,7 +107,7 @@ class Cia402Family:
             found.released, found.mode, found.error, found.stopping = True, mode, 0, 0
 
     def answers(self, node: int, mode: int) -> None:
-        """Heard beside another master: one that answers SYNC was configured by that master, in this mode unless it reports another."""
+        """On a bus with another master: a node that answers SYNC was configured by that master, in this mode unless it reports another."""
         found = self._nodes.get(node)
         if found is not None and not found.released:
             self.release(node, found.mode or mode)
@@ -186,7 +186,7 @@ class Cia402Family:
                 node.error = int.from_bytes(frame.data[:2], "little")
         elif function == cobid.heartbeat(0) and number:
             if node is not None and frame.data == BOOT_UP:
-                _let_go(node)  # it was reset: whatever was configured may be gone; or somebody else said so, and it moves on
+                _let_go(node)  # boot-up: its configuration may be lost, or another master reset it
                 node.status, node.edges = -1, 0
         elif function != cobid.sdo_answer(0) and frame.identifier != cobid.LSS_SLAVE:
             raise DecodeError(f"no node of this bus uses identifier {frame.identifier:#x}: {frame.data.hex(' ')}")
@@ -194,7 +194,7 @@ class Cia402Family:
 
 
 def _let_go(node: _Node) -> None:
-    """No set values any more; one that was enabled and still hears brakes."""
+    """Stop its set values; a drive that is enabled and still receives brakes."""
     if node.released:
         node.released, node.stopping = False, STOP_CYCLES
 
@@ -220,7 +220,7 @@ def _take(node: _Node, identifier: int, data: bytes) -> None:
 
 
 def _shown(node: _Node, status: int) -> None:
-    """60B9h: an edge is one whose bit was not there before; what the first telegram says is the beginning."""
+    """Evaluate 60B9h: an edge is a bit that was 0 before; the first telegram only sets the initial state."""
     byte = status >> 8 * (node.probe - 1) & 0xFF
     new = byte & TAKEN & ~node.status if node.status >= 0 else 0
     node.status = byte
@@ -229,7 +229,7 @@ def _shown(node: _Node, status: int) -> None:
 
 
 def _settle(node: _Node) -> None:
-    """Its places may come behind the status: an edge is reported when both are here."""
+    """Positions may arrive after the status: report an edge when both are here."""
     node.settling -= 1
     if node.settling > 0:
         return

@@ -1,7 +1,7 @@
-"""Commissioning by SDO alone: a drive switched on and moved in PP, PV, HM or IP mode, without a cycle.  Pure plans of steps.
+"""Commissioning by SDO alone: switch a drive on and move it in PP, PV, HM or IP mode, without a cycle.  Pure plans of steps.
 
-Source: IEC 61800-7-201 (profile position, profile velocity, homing, interpolated position); units AX-311.  The operator must be
-at the machine: there is no path, no other axis and no lag supervision but the drive's own.
+Source: IEC 61800-7-201 (profile position, profile velocity, homing, interpolated position); units AX-311.  The operator must be at the
+machine: there is no path planning, no other axis, and only the drive's own lag supervision.
 """
 
 from collections.abc import Generator, Sequence
@@ -13,7 +13,7 @@ from drivers.drives.cia402_boot import name_of
 from drivers.drives.cia402_states import Command, State, next_command, state_of
 
 POLL_MS, TRIES = 5, 400  # for a state; a move has its own limit
-SLICE_MS = 20  # a pause in a move is cut so small: whoever ends it is heard between two of them
+SLICE_MS = 20  # longest pause within a move, so that a request to end it takes effect soon
 STOP_TRIES, STILL, STILL_INC, SILENCES = 1000, 10, 2, 3  # polls of a stop in all, and with the place unchanged; answers it may lack
 NEW_SET_POINT, RELATIVE, IP_ENABLE = 0x0010, 0x0040, 0x0010
 ACKNOWLEDGED = SPEED_ZERO = 0x1000  # statusword bit 12 in PP, in PV
@@ -33,7 +33,7 @@ class Moved:
 
 
 def patience_ms(way_inc: int, speed_inc_s: int, accel_inc_s2: int) -> int:
-    """How long a move may take: twice what way, speed and both ramps need, and two seconds."""
+    """Time limit of a move: twice the time for distance, speed and both ramps, plus two seconds."""
     return 2 * round(1000 * (abs(way_inc) / speed_inc_s + speed_inc_s / accel_inc_s2)) + 2000
 
 
@@ -67,7 +67,7 @@ def profile_velocity(speed_inc_s: int, accel_inc_s2: int, run_ms: int) -> Manual
 
 
 def homing(limit_ms: int) -> Manual:
-    """HM by the method and speeds that stand in the drive; ManualError when it ends in an error."""
+    """HM by the method and speeds stored in the drive; ManualError when it ends in an error."""
     start = yield from _on(Mode.HM)
     yield from _control(Command.ENABLE.value | Bit.START_HOMING)
     yield Pause(20)
@@ -93,16 +93,17 @@ def interpolated(points_inc: Sequence[int], period_ms: int) -> Manual:
     for point in points_inc:
         yield from _write(0x60C1, start + point, 4, sub=1)
         yield Sync(period_ms)
-    for _ in range(20):  # it comes to rest at the last point
+    for _ in range(20):  # comes to rest at the last point
         yield Sync(period_ms)
     yield from _control(Command.ENABLE.value)
     return (yield from _off(start))
 
 
 def stopped() -> Generator[Step, Answer, int]:
-    """Quick stop and off by controlword, in whatever state a move was left; the statusword that proves it.
+    """Stop and switch off by controlword, from any state of a move; return the statusword that proves it.
 
-    A drive that waits in quick stop active (605Ah 5..8) is switched off at rest.  Refusals are no end: the next poll tries again.
+    A drive that waits in quick stop active (605Ah 5..8) is switched off at rest.  A refusal does not end the attempt: the next poll tries
+    again.
     Raises ManualError when the drive does not show that it is off.
     """
     place, still, silent, words = 0, 0, 0, "no answer"

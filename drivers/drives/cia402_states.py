@@ -61,7 +61,7 @@ def state_of(statusword: int) -> State | None:
 
 
 def next_command(state: State, goal: State) -> Command | None:
-    """First command on the shortest way from `state` to `goal`; None: there already, or there is no way."""
+    """First command on the shortest way from `state` to `goal`; None: already there, or not reachable."""
     return _FIRST.get((state, goal))
 
 

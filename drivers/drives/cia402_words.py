@@ -1,6 +1,6 @@
-"""What a drive's error code means, in the operator's language.  Source: IEC 61800-7-201, object 603Fh; CiA 301, emergency error codes.
+"""Meaning of a drive's error code in the operator's language.  Source: IEC 61800-7-201, object 603Fh; CiA 301, emergency error codes.
 
-English is `protocols.canopen.emcy.MEANINGS`; here stand the German words and what a person should look at first.
+The English texts are `protocols.canopen.emcy.MEANINGS`; this module adds the German texts and what to check first.
 """
 
 from collections.abc import Mapping
@@ -87,7 +87,7 @@ LOOK: Mapping[int, tuple[str, str]] = {  # what to look at: English, German
 
 
 def sentence(code: int, language: str = "en") -> str:
-    """One line: what it is, its number, what to look at; language "de" or "en"."""
+    """One line: the fault, its number, what to check; language "de" or "en"."""
     table = GERMAN if language == "de" else MEANINGS
     masks = (0xFFFF, 0xFFF0, 0xFF00, 0xF000)
     found = next((table[code & mask] for mask in masks if code & mask in table and (code & mask or not code)), None)

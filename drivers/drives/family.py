@@ -32,14 +32,14 @@ class Event(Enum):
     FAULT_CLEARED = auto()
     LOST = auto()
     RETURNED = auto()
-    DROPPED = auto()  # the drive left control by itself, without a fault
+    DROPPED = auto()  # the drive left control on its own, without a fault
     TIMEOUT = auto()  # a phase took too long
     JUMP = auto()  # a set position too far from the last one was not sent
     RANGE = auto()  # a set position beyond int32 was not sent
 
 
 class Homing(Enum):
-    """A reference run the drive does by itself."""
+    """Reference run performed by the drive."""
 
     NONE = auto()
     RUNNING = auto()
@@ -55,7 +55,7 @@ class Demand(NamedTuple):
     position_inc: int = 0
     speed_rpm: float = 0.0  # feed-forward
     limit_switch: bool = False  # ENABLE LIMIT SWITCH (rho3 2.7)
-    home: bool = False  # reference by itself: counts by its rising edge, gives up by its level
+    home: bool = False  # reference run by the drive: a rising edge starts it, level 0 aborts it
 
 
 class Latched(NamedTuple):
@@ -76,7 +76,7 @@ class Latching(Protocol):
 
 
 class Actual(Protocol):
-    """What a drive said for this SYNC, as far as the core must know."""
+    """What a drive reported for this SYNC, as far as the core needs it."""
 
     @property
     def position_inc(self) -> int: ...  # latched at SYNC
@@ -123,7 +123,7 @@ class DriveMaker(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class DriveHoming:
-    """The drive references by itself; what the axis reads (m or rad) where it found its home (AX-306)."""
+    """The drive references on its own; `position` is the axis reading (m or rad) at its home (AX-306)."""
 
     position: float = 0.0
 
@@ -136,9 +136,9 @@ class Heard(NamedTuple):
 
 
 class BusFamily(Protocol):
-    """The language of one bus and the axes on it.
+    """Protocol of one bus and the axes on it.
 
-    `aside` collects frames of the bus that are no cyclic data (CANopen: SDO, EMCY, heartbeat); its reader clears it.
+    `aside` collects the frames of the bus that are not cyclic data (CANopen: SDO, EMCY, heartbeat); its reader clears it.
     """
 
     aside: list[Frame]
@@ -150,5 +150,5 @@ class BusFamily(Protocol):
     def burst(self, values: Sequence[SetRecord]) -> list[Frame]: ...  # SYNC, set values (by index of the cell), what belongs to the cycle
     def hear(self, frame: Frame) -> Heard | None: ...  # None: taken, no actual value; DecodeError: no frame of this bus
     def release(self, node: int, mode: int) -> None: ...  # this node is configured: it may be spoken to cyclically
-    def hold(self, node: int) -> None: ...  # it is no longer
+    def hold(self, node: int) -> None: ...  # no longer configured
     def began(self, now: Ns) -> None: ...  # the cycle's first instant

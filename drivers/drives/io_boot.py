@@ -77,7 +77,7 @@ def _identity() -> Generator[Step, Answer, Identity]:
 
 
 def _size(plan: CouplerPlan) -> Generator[Step, Answer, int]:
-    """A shorter RPDO is thrown away by the coupler, so its own map counts; a coupler that does not report it takes what the cell needs."""
+    """Bytes of the RPDO.  A coupler discards a shorter RPDO, so its own map counts; where it reports none, the cell's channels count."""
     needed = (plan.channels + 7) // 8
     count = yield Read(RPDO1_MAP, 0)
     if not isinstance(count, bytes) or not count or not needed:

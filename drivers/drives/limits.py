@@ -14,7 +14,7 @@ def fits_int32(inc: int) -> bool:
 
 
 def saturated_rpm(speed_rpm: float) -> tuple[int, bool]:
-    """Nearest int16, symmetric, and whether something was cut off; what is no number counts as 0 and cut off."""
+    """Nearest int16, symmetric, and whether the value was limited; NaN counts as 0 and limited."""
     if -INT16_MAX <= speed_rpm <= INT16_MAX:
         return round(speed_rpm), False
     if not math.isfinite(speed_rpm):
@@ -50,7 +50,7 @@ class LagMonitor:
         if self.state is LagState.OK and size <= self._warn and size <= self._trip:  # nearly always
             return LagState.OK
         warned = self.state is LagState.WARNING and size > self._warn * RELEASE
-        if self.state is LagState.TRIPPED or not size <= self._trip:  # what is no number trips
+        if self.state is LagState.TRIPPED or not size <= self._trip:  # NaN trips
             self.state = LagState.TRIPPED
         else:
             self.state = LagState.WARNING if warned or size > self._warn else LagState.OK

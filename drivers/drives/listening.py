@@ -8,7 +8,7 @@ from protocols.base.machine import Frame, Ns
 
 
 class ListeningFamily:
-    """Of its axes nothing is known: to the core they are drives that do not answer."""
+    """Listen only: nothing is known about the axes, so the core sees drives that do not answer."""
 
     def __init__(self) -> None:
         self.aside: list[Frame] = []

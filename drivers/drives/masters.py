@@ -1,4 +1,4 @@
-"""What only the master of a bus sends, and who else is heard: a second master resets the first one's drives (AX-631).  Pure.
+"""Frames that only the master of a bus sends, and detection of a second master, which would reset the first one's drives (AX-631).  Pure.
 
 Source: CiA 301, 7.3.5 (predefined connection set); rho3 2.2 (SERVODYN: SYNC 100, set values 200+10n).
 """
@@ -11,13 +11,13 @@ from protocols.base.machine import Frame, Ns, ms
 from protocols.canopen import cob_id as cobid
 from protocols.servodyn.plan import SYNC_ID
 
-SILENT_NS = ms(3000)  # a master that was heard and says nothing for so long is gone
+SILENT_NS = ms(3000)  # a master that sends nothing for so long is gone
 MODULES = range(1, 25)
 NONE: Mapping[int, str] = {}
 
 
 def master_identifiers(protocol: str) -> Mapping[int, str]:
-    """Identifier -> what it is, of a [[bus]] of this protocol."""
+    """Identifier -> its meaning, on a [[bus]] of this protocol."""
     if protocol == "canopen":
         found = {cobid.NMT: "NMT", cobid.SYNC: "SYNC", cobid.heartbeat(GATEWAY_NODE): f"heartbeat of node {GATEWAY_NODE}"}
         found |= {cobid.sdo_request(node): "SDO request" for node in range(1, cobid.MAX_NODE + 1)}

@@ -1,8 +1,8 @@
-"""How often an axis turned, from the resolver of its motor: referencing modes 1 and 3.
+"""Turn count of an axis from its motor's resolver: referencing modes 1 and 3.
 
 Source: rho 3 Releases part 3, 6.3.1 (L3814-3824): one resolver turn is divided into n = 1 / (decimals of the gear factor) segments, the
 zero in the middle of a segment; GF 4.1: n = 10, segments of 36 degrees, -18..+18 each, 8.78 degrees at the axis.  Each segment
-is one turn of the axis.  Gear factors whose decimals are m/n, and whole ones: AX-264.
+is one turn of the axis.  Gear factors whose decimals are m/n, and integer ones: AX-264.
 """
 
 from fractions import Fraction
@@ -21,7 +21,7 @@ class Orientation(NamedTuple):
 
 
 def segments(gear: float) -> tuple[int, int]:
-    """(n, m): the decimals of the gear factor as m/n; (1, 0) for a whole one."""
+    """(n, m): the decimals of the gear factor as m/n; (1, 0) for an integer one."""
     decimals = Fraction(gear).limit_denominator(MOST_SEGMENTS) % 1
     return decimals.denominator, decimals.numerator
 

@@ -22,14 +22,14 @@ class Ramp:
         return not self._planned and self.speed == 0.0
 
     def to_speed(self, speed: float) -> bool:
-        """As fast as the limits allow, then steady; False: no plan, the old one goes on."""
+        """As fast as the limits allow, then steady; False: no plan, the old one continues."""
         self._input.control_interface = ruckig.ControlInterface.Velocity
         self._input.target_velocity = [speed]
         self._input.max_velocity = [abs(speed) + abs(self.speed) + 1.0]
         return self._begin(speed)
 
     def to_position(self, x: float, speed: float) -> bool:
-        """At most `speed` (or the present one, when that is higher), to rest there; False: no plan, the old one goes on."""
+        """At most `speed` (or the present one, when that is higher), to rest there; False: no plan, the old one continues."""
         self._input.control_interface = ruckig.ControlInterface.Position
         self._input.target_position, self._input.target_velocity = [x], [0.0]
         self._input.max_velocity = [max(speed, (abs(self.speed) + self.accel**2 / (2 * self._input.max_jerk[0])) * (1 + 1e-6))]

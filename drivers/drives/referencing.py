@@ -136,7 +136,7 @@ class Referencing:
             self._run(Leg.STOP, 0.0)
 
     def _take_zero(self, zero: float) -> None:
-        """From here on the axis' position is known; what is left is the offset."""
+        """From here on the axis position is known; only the offset remains."""
         settings = self._settings
         self.zero_inc = zero - settings.position_inc
         stays = settings.mode in STOPPING and settings.offset_inc == 0.0  # the zero itself is not approached (L3855)
@@ -148,7 +148,7 @@ class Referencing:
         return (position_inc - self._origin) / self._settings.inc_per_turn
 
     def _next_zero(self, position_inc: int) -> int:
-        """Position = 0 mod inc_per_turn strictly behind position_inc, in the direction of the run."""
+        """Position = 0 mod inc_per_turn strictly after position_inc, in the direction of the run."""
         turn, direction = self._settings.inc_per_turn, self._settings.direction
         return direction * (direction * position_inc // turn + 1) * turn
 

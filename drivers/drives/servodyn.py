@@ -74,7 +74,7 @@ class DriveSettings:
 
 
 class Drive:
-    """One drive.  A new object starts off, and a demand already present then is no command (design 1)."""
+    """One drive.  A new object starts off, and a demand already present then is not a command (design 1)."""
 
     __slots__ = (
         "_asked", "_cycles", "_following", "_life", "_on_before", "_phase", "_refused", "_reset_before", "_reset_left", "_row", "_settings",
@@ -113,7 +113,7 @@ class Drive:
 
     @property
     def homing(self) -> Homing:
-        """A booster never references by itself."""
+        """A booster never references on its own."""
         return Homing.NONE
 
     def idle(self) -> SetValue:

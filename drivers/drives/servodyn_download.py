@@ -78,7 +78,7 @@ class Download:
         return DownloadState.RUNNING if self._left else DownloadState.DONE
 
     def step(self, answer: Answer | None) -> Request | None:
-        """`answer`: what the drive said since the last step.  The request to send now, None: nothing."""
+        """`answer`: what the drive sent since the last step.  Return the request to send now, or None."""
         if answer is not None:
             self._judge(answer)
         if self.state is not DownloadState.RUNNING:

@@ -26,7 +26,7 @@ class Words:
 
 @dataclass(frozen=True, slots=True)
 class FaultRow:
-    """A fault code of the booster: the old list's number (0: none fits), what it is, what to do."""
+    """A fault code of the booster: number in the old list (0: none fits), meaning, remedy."""
 
     number: int
     what: Words

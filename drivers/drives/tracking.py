@@ -22,9 +22,9 @@ class Tracking:
     __slots__ = ("_last", "_settle", "_standstill", "_still", "lag", "number")
 
     def __init__(self, standstill: float = math.inf, warn: float = math.inf, trip: float = math.inf, settle_cycles: int = 0) -> None:
-        """`standstill`: how far a standing axis may be off; `warn`, `trip`: lag of a moving one; all also catch what is no number.
+        """`standstill`: largest deviation at standstill; `warn`, `trip`: lag while moving.  NaN exceeds every limit.
 
-        `settle_cycles`: so long after its set value came to rest an axis is still given the wider limit.
+        `settle_cycles`: cycles after the set value came to rest in which the wider limit still applies.
         """
         self.lag = LagMonitor(warn, trip)
         self._standstill, self._settle = standstill, settle_cycles

@@ -1,4 +1,4 @@
-"""[alter] as the cycle takes it.  The motion core is imported inside: cells without a correction do not load it."""
+"""[alter] in the form the cycle reads.  The motion core is imported inside: cells without a correction do not load it."""
 
 from typing import TYPE_CHECKING
 

@@ -59,9 +59,9 @@ def drive_of(axis: Axis, step_inc: int, p5_ms: float) -> DriveMaker:
 
 
 def core_axes(cell: Cell, p5_ms: float, zeros: Mapping[str, float] = NO_ZEROS, *, simulated: bool = True) -> list[CoreAxis]:
-    """The axes as the cycle's core takes them, in the order of the file.
+    """The axes in the form the cycle's core reads, in the order of the file.
 
-    `zeros`: increments at which absolute axes read 0 (`axisgate axis zero`); on metal one without is not referenced.
+    `zeros`: increments at which absolute axes read 0 (`axisgate axis zero`); on real drives an axis without a zero is not referenced.
     """
     found = []
     for axis, kinematic in zip(cell.axis, kinematic_by_axis(cell), strict=True):

@@ -1,4 +1,4 @@
-"""Enabling inputs and status outputs of the axes: their numbers in this cell, and inputs the cell takes as 1."""
+"""Enabling inputs and status outputs of the axes: their numbers in this cell, and inputs that the cell sets to 1."""
 
 import re
 from dataclasses import replace

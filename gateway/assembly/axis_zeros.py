@@ -19,7 +19,7 @@ Entry = dict[str, object]
 
 
 def path_of(cell: Cell) -> pathlib.Path:
-    """Where earlier versions kept the history of this cell; the last places of its axes lie beside it."""
+    """Path where earlier versions kept the history of this cell; the last places of its axes are stored next to it."""
     return place(cell.file, "zero", f"{pathlib.Path(cell.file).resolve().stem}.jsonl")
 
 
@@ -75,7 +75,7 @@ def zero_inc(cell: Cell, axis: str) -> float | None:
 
 
 def raw_inc(cell: Cell, axis: Axis, reading: float) -> int:
-    """Increments the drive shows where the axis reads so, by the zero that counts now; of an endless axis but for whole rounds."""
+    """Increments of the drive at this axis reading, by the present zero; for an endless axis modulo full revolutions."""
     scaling = scaling_of(axis).with_zero(zero_inc(cell, axis.name) or 0.0)
     return scaling.to_inc(to_si(reading, axis.unit))
 

@@ -1,4 +1,4 @@
-"""[[belt]] tables as planner and cycle take them.  The motion core is imported inside: cells without belts do not load it."""
+"""[[belt]] tables in the form planner and cycle read.  The motion core is imported inside: cells without belts do not load it."""
 
 from typing import TYPE_CHECKING
 

@@ -49,7 +49,7 @@ def reads_belts(cell: Cell) -> bool:
 
 
 def make_joined(cell: Cell) -> dict[str, int]:
-    """One event descriptor (AX-398) and one memfd a region; the supervisor keeps them for its whole life."""
+    """One event descriptor (AX-398) and one memfd per region; the supervisor keeps them for its lifetime."""
     return {name: _made(name) for name in joined_regions(cell)}
 
 

@@ -92,7 +92,7 @@ def coupler_plans(cell: Cell, bus: Bus) -> list[tuple[str, CouplerPlan]]:
 
 
 def falls(contacts: Sequence[Io], coupler: Coupler) -> tuple[tuple[int, int, int], ...]:
-    """(byte, mask of outputs that take a value, their values) for 6206h and 6207h: on_loss, or 0."""
+    """(byte, mask of outputs that change, their values) for 6206h and 6207h: on_loss, or 0."""
     found: dict[int, tuple[int, int]] = {}
     for channel, number in coupler.outputs.items():
         mask, values = found.get(channel // 8, (0, 0))

@@ -56,14 +56,14 @@ class Parameters:
     cell: Cell
 
     def number(self, name: str, default: int) -> int:
-        """A single whole number among those kept as typed."""
+        """A single integer among those kept as typed."""
         value = self.cell.rho3.others.get(name, default) if self.cell.rho3 else default
         if isinstance(value, bool) or not isinstance(value, int):
             raise ValueError(f"{name} = {value!r}: a whole number is expected")
         return value
 
     def row(self, name: str) -> tuple[int, ...]:
-        """A list of whole numbers; () where it is not given."""
+        """A list of integers; () if it is missing."""
         value = self.cell.rho3.others.get(name, ()) if self.cell.rho3 else ()
         if not isinstance(value, tuple | list) or any(isinstance(each, bool) or not isinstance(each, int) for each in value):
             raise ValueError(f"{name} = {value!r}: a list of whole numbers is expected")

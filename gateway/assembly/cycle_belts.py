@@ -1,4 +1,4 @@
-"""Belts of the cycle process: what a cell with [[belt]] needs beside the core; kinematics are loaded only there."""
+"""Belts of the cycle process: what a cell with [[belt]] needs in addition to the core; kinematics are loaded only there."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class Encoder:
 
 
 class BeltOffsets:
-    """Offsets of the belts for the services to keep; written where one has moved by half an increment: rounding is no news."""
+    """Offsets of the belts for the services to keep; written after a move of half an increment; rounding is not a change."""
 
     def __init__(self, belts: CoreBelts, fd: int) -> None:
         self._belts, self._region = belts, RegionWriter(fd, "belts", OFFSETS_LAYOUT)

@@ -1,4 +1,4 @@
-"""Entries of data blocks: their places, and what they name beside names of the cell: `to = "K01_A_MN_RCI"`, `from = "I8.4"`."""
+"""Entries of data blocks: their places, and the names they may use besides those of the cell: `to = "K01_A_MN_RCI"`, `from = "I8.4"`."""
 
 from collections.abc import Mapping
 
@@ -43,7 +43,7 @@ def rc_place(text: str, signals: SignalList) -> RcBit | None:
 
 
 def operand(text: str) -> object:
-    """What parse_operand makes of it, names of signals left out; None where it is no address."""
+    """The result of parse_operand, without names of signals; None if it is not an address."""
     try:
         return parse_operand(text)
     except AddressFault:

@@ -1,7 +1,7 @@
-"""Which inputs of [[measuring]] the cycle hears itself: contacts of CiA 401 couplers and CAN I/O blocks on its own buses (AX-481).
+"""Inputs of [[measuring]] that the cycle receives directly: contacts of CiA 401 couplers and CAN I/O blocks on its own buses (AX-481).
 
-The cell already defines the path of a wire: a contact whose signal is that RC input, or a plain route of a bit into it.  A contact on
-a gpiochip or a Modbus coupler is another process' and comes through the services.
+The cell already defines the path of a wire: a contact whose signal is that RC input, or a plain route of a bit into it.  A contact on a
+gpiochip or a Modbus coupler belongs to another process and arrives through the services.
 """
 
 from collections.abc import Callable, Mapping

@@ -54,7 +54,7 @@ CARD_GONE, CARD_MISSING = 39, 300  # system errors (L11431-11436)
 if TYPE_CHECKING:
     from motion.program.passing import Presets
 
-CARD_LOOKED_AT_NS = ms(200)  # a person pulls it: looking takes a call to the file system
+CARD_LOOKED_AT_NS = ms(200)  # an operator pulls the card: looking takes a call to the file system
 
 
 def robots_of_cell(cell: Cell) -> tuple[CellRobot, ...]:
@@ -182,7 +182,7 @@ class Baps2Programs:
         return {name: self.memory.files[name] for name in (f"{self._pic}.QLS", f"{self._pic}.SYM") if name in self.memory.files}
 
     def _replace(self, files: Mapping[str, bytes]) -> None:
-        """The whole memory."""
+        """Replace the complete memory."""
         for name in self.memory.files.keys() | files.keys():
             self.memory.files.pop(name, None)
             self.language.file_changed(name)
@@ -210,7 +210,7 @@ class Baps2Programs:
         return {name: (stat.st_mtime_ns, stat.st_size) for name, stat in found.items()}
 
     def read(self, alive: Callable[[], None]) -> list[str]:
-        """A big memory takes seconds."""
+        """Read the memory; a large one takes seconds."""
         found = []
         for name in list(self.language.library.names()):
             _, faults = self.language.library.unit(name)
@@ -272,7 +272,7 @@ class Baps2Programs:
         return self._save_or_load(wanted)
 
     def _print(self, file: str) -> str:
-        """Mode 9.4.2 of the pendant: the whole file behind what was printed before."""
+        """Mode 9.4.2 of the pendant: append the complete file to the printed text."""
         if self._printer is None or file not in self.memory.files:
             return NO_INTERFACE
         print_text(self._printer, file, decoded(self.memory.files[file]))

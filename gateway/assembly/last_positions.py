@@ -19,9 +19,10 @@ AGAIN = "check the position and write it again with: axisgate axis zero"
 
 
 def remember(cell: Cell, state: CellState, placed: int = 0, before: Mapping[str, int] = NO_PLACES) -> None:
-    """Raw increments of the absolute axes, beside their zeros; a read-only folder is no reason to fail.  placed: axes (bit n-1 =
-    axis n) whose position a program has set: their value does not show their encoder.  Of endless axes those of the first round.
-    before: places of axes that show none now."""
+    """Store raw increments of the absolute axes next to their zeros; a read-only folder is not an error.  placed: axes (bit n-1 = axis n)
+    whose position a program has set: their value does not show their encoder.  Endless axes: those of the first revolution.  before: places
+    of axes that show none now.
+    """
     _write(cell, {**before, **_raw(cell, state, placed)})
 
 
@@ -84,7 +85,7 @@ def _counted(axis: Axis, last: int, now: int) -> list[str]:
 
 
 def _counted_on(axis: Axis, last: int, now: int) -> list[str]:
-    """Of an endless axis: what can be known of one (AX-607)."""
+    """Endless axis: what can be known of it (AX-607)."""
     per_unit = scaling_of(axis).inc_per_unit
     around = abs(per_unit * to_si(axis.modulo, axis.unit))
     turns = wrapped_endless(last, now, axis.drive.inc_per_turn, around) / axis.drive.inc_per_turn

@@ -49,7 +49,7 @@ def view_of(
     registers: Registers | None,
     order: str,
 ) -> OtherView:
-    """The view of this control; `join` gives it the control itself once that is made."""
+    """The view of this control; `join` adds the control itself once that exists."""
     image = Image(inputs, frozenset(owned), written)
     make = MODBUS_VIEWS[controller.kind].make
     assert make is not None  # the cell's checks have seen to its kind

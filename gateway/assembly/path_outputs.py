@@ -1,4 +1,4 @@
-"""[[path_output]] as planner and cycle take it.  The motion core is imported inside: cells without such functions do not load it."""
+"""[[path_output]] in the form planner and cycle read.  The motion core is imported inside: cells without such functions do not load it."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""The PIC program of a rho 3 as the cell gives it: a command source with bytes of its own (AX-981).  Light: every check loads it."""
+"""The PIC program of a rho 3 in this cell: a command source with bytes of its own (AX-981).  Small: every check loads it."""
 
 from gateway.pure.cell.cell import Cell
 

@@ -42,7 +42,7 @@ def cell_programs(
     text_of: Callable[[int], str],
     team_of: Callable[[Sequence[Kinematic], int], Team],
 ) -> CellPrograms:
-    """What a checked cell gives its planner; the callables as CellPrograms has them."""
+    """The planner's part of a checked cell; for the callables see CellPrograms."""
     numbers = numbers_by_axis(cell)
     return CellPrograms(
         machine_of,

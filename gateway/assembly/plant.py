@@ -8,7 +8,7 @@ from drivers.emulator.servo.settings import BusSettings, DriveSettings, ServoSet
 from gateway.pure.cell.belts import PlantBelt
 from gateway.pure.cell.cell import Axis, Cell, PlantAxis
 
-MULTITURN = 4096  # turns an absolute encoder of the emulated drives tells apart
+MULTITURN = 4096  # turns that an absolute encoder of the emulated drives distinguishes
 
 
 def motor_rad(axis: Axis, position: float) -> float:
@@ -20,7 +20,7 @@ def motor_rad(axis: Axis, position: float) -> float:
 def servo_settings(axis: Axis, plant: PlantAxis) -> ServoSettings:
     """One emulated drive and its mechanics; the drive trips at half a motor turn beyond the gateway's own lag limit.
 
-    `plant.settings` are the emulator's own settings as the file gives them: at the motor shaft, taken as they are.
+    `plant.settings` are the emulator's own settings from the file, unchanged: at the motor shaft.
     """
     settings: dict[str, float] = {"start_rad": motor_rad(axis, plant.start)}
     for name, span in (("reference_switch_{}_rad", plant.reference_switch), ("hard_limit_{}_rad", plant.hard_limits)):
@@ -69,7 +69,7 @@ def _probe(axis: Axis, plant: PlantAxis) -> tuple[float, float]:
 
 
 def belt_settings(cell: Cell, bus: str) -> str:
-    """The belts with an encoder on a bus, as the emulator process takes them."""
+    """The belts with an encoder on a bus, in the form the emulator process reads."""
     tables = []
     for belt in cell.belt:
         if belt.bus != bus:

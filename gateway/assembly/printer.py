@@ -7,7 +7,7 @@ LINE_END, PAGE_END = "\r\n", "\f"
 
 
 def print_text(path: pathlib.Path, title: str, text: str) -> None:
-    """A page, in the code page of the old printers.  OSError; a printer that takes nothing more is one, so that no program waits."""
+    """Print a page in the code page of the old printers.  OSError, also if the printer accepts nothing more, so that no program waits."""
     page = LINE_END.join([title, "", *text.splitlines()]) + LINE_END + PAGE_END
     handle = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_NONBLOCK, 0o644)
     try:

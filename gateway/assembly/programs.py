@@ -17,7 +17,7 @@ from gateway.pure.cell.belts import Measuring
 from gateway.pure.cell.cell import Cell, Robot
 from gateway.pure.image.records.planner import MeasuringFacts, ProgramFacts
 
-LARGEST = 8_000_000  # bytes of a BNR file: more points than one block takes
+LARGEST = 8_000_000  # bytes of a BNR file; a larger one has more points than a block accepts
 
 if TYPE_CHECKING:
     from motion.errors import MotionError
@@ -54,7 +54,7 @@ def plan_programs(cell: Cell) -> Mapping[int, ProgramPlan]:
 
 
 def read_bnr(program: str, name: str) -> bytes:
-    """A file of set points (MOVE_FILE): beside the program, else of configs/programs; MotionError."""
+    """Read a file of set points (MOVE_FILE): next to the program, else from configs/programs; MotionError."""
     from motion.errors import MotionError
 
     try:
@@ -108,7 +108,7 @@ def measured_mask(cell: Cell, measuring: Measuring) -> int:
 
 
 def probe_of(cell: Cell, axis: str) -> Measuring | None:
-    """The measuring input that this axis' drive catches by itself; a checked cell has one at most."""
+    """The measuring input that this axis' drive captures itself; a checked cell has at most one."""
     return next((each for each in cell.measuring if axis in each.drives), None)
 
 
@@ -128,7 +128,7 @@ def machine_of_cell(cell: Cell) -> "Machine":
 
 
 def machines_of_cell(cell: Cell) -> "tuple[Machine, ...]":
-    """Robots on the axes of the cell, with their limits: each on those behind the axes of the one before; MotionError (AX-564)."""
+    """Robots on the axes of the cell, with their limits; the axes of each follow those of the one before; MotionError (AX-564)."""
     from motion.errors import MotionError
 
     if not cell.robot or not all(robot.model for robot in cell.robot):
@@ -194,7 +194,7 @@ def _check_endless(name: str, robot: "Machine", own: "Sequence[AxisLimits]") -> 
 
 
 def robots_placed(cell: Cell) -> "dict[int, PathKinematics]":
-    """Kinematics of every robot by its number, from 1, on the axes of the cell: as the cycle takes them."""
+    """Kinematics of every robot by its number, from 1, on the axes of the cell, in the form the cycle reads."""
     from motion.kinematics.placed import behind
 
     machines = machines_of_cell(cell)

@@ -23,7 +23,7 @@ from gateway.pure.languages.robotstar.initial import initialise
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.runtime.safe_file import write_whole
 
-KEEP_S, SHARE = 0.5, 20  # values are written so often while they change; at least so many times as long as writing takes
+KEEP_S, SHARE = 0.5, 20  # interval of writes while values change, and its least multiple of the duration of a write
 
 
 def arm_of(cell: Cell) -> Arm:

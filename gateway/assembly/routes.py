@@ -87,7 +87,7 @@ POLL_MS = 100  # of a register no route limits
 
 
 def register_key(place: Place, *, reads: bool) -> str:
-    """Under this name the client of a register keeps its value; what is read there and what is written there are two things."""
+    """Key under which the client of a register keeps its value; the read and the written value are separate."""
     return f"{'from' if reads else 'to'} {place.name}.{TABLES[place.db]}.{place.byte}.{place.form}"
 
 

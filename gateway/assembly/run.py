@@ -33,15 +33,15 @@ ORDERS = 256  # records in the command ring: far more than one command source ca
 SOURCE_BYTES = 256  # command words (128 bytes at most) and status words (128) of one command source
 LINKS_BYTES = 16384
 MS = 1_000_000
-WATCHED_MS: Mapping[str, int] = {  # processes with no region of their own: how long their loops may take (AX-626)
+WATCHED_MS: Mapping[str, int] = {  # processes without a region of their own: longest turn of their loops (AX-626)
     "gateway.simulation.bus.broker": 1_000,
-    "gateway.processes.can_adapter": 5_000,  # some libraries take seconds to open
+    "gateway.processes.can_adapter": 5_000,  # some libraries need seconds to open
     "gateway.processes.web": 5_000,  # of low priority
     "gateway.processes.northbound": 5_000,
 }
 CYCLE_RINGS = ("trace", "scope", "record", "recorder")  # what it says to whoever listens, and who that is
-CHIPS_LIFE_MS = 1_000  # a chip behind USB may take its time; its contacts are marked meanwhile
-PLANNER_LIFE_MS = 10_000  # a law of a long run takes a second, much more on a busy machine; nothing depends on it meanwhile (AX-420)
+CHIPS_LIFE_MS = 1_000  # a chip on USB may be slow; its contacts are marked meanwhile
+PLANNER_LIFE_MS = 10_000  # a law of a long run takes a second, much more on a busy computer; nothing depends on it meanwhile (AX-420)
 INTERPRETER_LIFE_MS = 10_000  # a long program is checked for seconds
 PROGRAM_REGIONS = ("interpreter", "channels", "program-orders", "program-says")
 PLC_LIFE_MS = 2_000  # twice the longest scan the watchdog allows
@@ -60,7 +60,7 @@ class Child:
     life: str = ""  # the region whose life counter it beats; empty: only its exit counts
     life_limit_ns: int = 0
     announces: bool = False  # prints `ready` when it is
-    spare: bool = False  # a second one is ready, loaded, and takes over when this one dies (AX-561)
+    spare: bool = False  # a loaded copy is ready and takes over when this one dies (AX-561)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ class RunPlan:
     zeros: Mapping[str, float] = field(default_factory=dict)  # of absolute axes: increments at which they read 0
     web: Web | None = None  # the page, where the cell or the command line asks for it
     programs: Mapping[int, ProgramPlan] = field(default_factory=dict)
-    # Of a shadow: line -> ports that hear the PLC and the old controller; Modbus server -> capture, address of the old controller.
+    # Shadow: line -> ports that listen to the PLC and the old controller; Modbus server -> capture, address of the old controller.
     taps: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     stretched: bool = False  # simulated time waits for a machine that is late (AX-681)
     tolerances: Mapping[str, float] = field(default_factory=dict)  # of a shadow: positions of an axis so near to one another are equal
@@ -226,7 +226,7 @@ def line_ports(cell: Cell, slug: str, record: pathlib.Path | None, *, simulated:
 
 
 def core_processes(cell: Cell, period_ms: int, sources: Sequence[CommandSource], *, simulated: bool, page: bool) -> list[Child]:
-    """Cycle and services, and what this cell has beside them; page: it has one."""
+    """Cycle, services and the further processes of this cell; `page`: it has one."""
     regions = ("rc_in", "rc_out", "axes", "links", "orders", "acyclic", "heard", *joined_regions(cell))
     blocks = [f"source-{source.number}" for source in sources]
     core = [
@@ -350,7 +350,7 @@ def _corrects(cell: Cell) -> bool:
 
 
 def make_regions(plan: RunPlan) -> dict[str, int]:
-    """One memfd per region and ring; the supervisor keeps them for its whole life."""
+    """One memfd per region and ring; the supervisor keeps them for its lifetime."""
     axes, lanes = len(plan.cell.axis), lanes_of_cell(plan.cell)
     fds = {
         "rc_in": create_region("rc_in", records.INPUT_SIZE, records.INPUT_LAYOUT),

@@ -1,4 +1,4 @@
-"""[[shared_output]] as the cycle takes it."""
+"""[[shared_output]] in the form the cycle reads."""
 
 from typing import TYPE_CHECKING
 

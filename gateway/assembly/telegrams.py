@@ -68,7 +68,7 @@ def signals(telegrams: Iterable[Telegram]) -> set[str]:
 
 
 def outcomes(telegrams: Iterable[Telegram]) -> set[str]:
-    """Signals every telegram gives by itself: telegram.ORDER.received, .refused; telegram.DONE.sent, .failed."""
+    """Signals that exist for every telegram: telegram.ORDER.received, .refused; telegram.DONE.sent, .failed."""
     ends = {True: ("received", "refused"), False: ("sent", "failed")}
     return {f"telegram.{telegram.name}.{end}" for telegram in telegrams for end in ends[is_incoming(telegram)]}
 

@@ -65,7 +65,7 @@ def boards_of(table: Val3) -> UserBoards | None:
 
 
 def service_of(table: Val3) -> Service:
-    """Nothing tests the brakes of a cell by itself: without data brakeTest answers -14."""
+    """No brakes of a cell are tested automatically: without data brakeTest returns -14."""
     given = table.service
     return Service(given.brakes or (NO_DATA,), given.brake_position, given.hibernate, given.wake)
 
@@ -73,7 +73,7 @@ def service_of(table: Val3) -> Service:
 def rated_force(axis: Axis) -> float:
     """Of the joint at the rated torque of its motor, Nm or N; 0 where it is not known."""
     mechanics = axis.mechanics
-    way = to_si(mechanics.feed_per_turn, axis.unit) / (2.0 * math.pi)  # rad or m of the axis, for a rad behind the gear
+    way = to_si(mechanics.feed_per_turn, axis.unit) / (2.0 * math.pi)  # rad or m of the axis per rad after the gear
     return (axis.drive.rated_torque or 0.0) * mechanics.ratio / (way if mechanics.direction == "+" else -way)
 
 

@@ -1,7 +1,7 @@
 """Loads a cell file: text -> tables -> P numbers and defaults worked in -> validated data, with every fault in one run.
 
-`load_cell` is the only way in. Faults come in this order: field faults (each key by itself), then cross faults among the
-parts that are valid by themselves. A part with a field fault is left out of the cross checks, its name stays known.
+`load_cell` is the only way in. Faults come in this order: field faults (each key alone), then cross faults among the parts without field
+faults. A part with a field fault is left out of the cross checks; its name stays known.
 """
 
 import dataclasses
@@ -123,7 +123,7 @@ class _Loader:
                 line["priority"] = "low" if timeout == -1 else "high"
                 place = self._line(f"line.{line.get('name')}.output_timeout")
                 sources[f"line.{line.get('name')}.priority"] = Source(f"output_timeout = {timeout}", place)
-            if line.get("layer") in QUIET and "supervision" not in line:  # such a partner speaks when it has something to say
+            if line.get("layer") in QUIET and "supervision" not in line:  # such a partner sends only when it has data
                 line["supervision"] = {"max_silence_ms": 0}
                 sources[f"line.{line.get('name')}.supervision.max_silence_ms"] = Source("default of telegrams: no supervision (AX-195)")
         layers = {name: line.get("layer", FIRST) for line in _tables(raw.get("line")) if isinstance(name := line.get("name"), str)}
@@ -163,7 +163,7 @@ class _Loader:
         return Cell(file=self.path, sources=sources, **values)
 
     def _known_names(self, raw: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
-        """Names of all parts, also of those with field faults: a reference to them is no second fault."""
+        """Names of all parts, also of those with field faults: a reference to them is not a second fault."""
         known = {
             kind: frozenset(str(each.get("name")) for each in _tables(self.raw.get(kind)))
             for kind in ("line", "bus", "axis", "modbus", "telegram")

@@ -121,7 +121,7 @@ class _Work:
             self.put(inner, key, sign * value, f"{param}[{number + 1}]", where, ("rho3", param, number))
 
     def kinematics(self) -> None:
-        """P306 sub-query 6, what becomes of a path that is too fast for an axis; P313, what a workpiece system corrects."""
+        """P306 sub-query 6: reaction to a path that is too fast for an axis; P313: axes that a workpiece system corrects."""
         robots = self.merged.raw.get("robot")
         robots = [robots] if isinstance(robots, dict) else _tables(robots)
         rows = _tables(self.params.get("P306"))
@@ -130,7 +130,7 @@ class _Work:
                 where = f"robot.{robot.get('name', number)}.too_fast"
                 self.put(robot, "too_fast", row["monitoring"], f"P306[{number + 1}].monitoring", where, ("rho3", "P306", number))
         given = self.params.get("P313")
-        assigned = given if isinstance(given, list) else []  # what is none is reported by its model
+        assigned = given if isinstance(given, list) else []  # its model reports a value that is not a list
         for number, (robot, row) in enumerate(zip(robots, assigned, strict=False)):
             if isinstance(row, list) and len(row) == len(COMPONENTS) and all(isinstance(value, int) for value in row):
                 self.assigned(number, robot, row)
@@ -200,7 +200,7 @@ class _Work:
         if 0 <= rack < len(buses):
             drive.setdefault("type", "servodyn")
             drive.setdefault("bus", buses[rack].get("name", ""))
-        own = (module - 1) % 6 + 1 if module >= 1 else module  # what is none is reported with the number that was typed
+        own = (module - 1) % 6 + 1 if module >= 1 else module  # an invalid number is reported as typed
         self.put(drive, "module", own, label, f"{name}.drive.module", place)
 
     def put(self, table: Any, key: str, value: object, label: str, where: str, place: Path) -> None:

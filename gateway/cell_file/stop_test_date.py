@@ -37,7 +37,7 @@ def write(file: pathlib.Path, day: datetime.date) -> int:
 
 
 def dated(text: str, day: datetime.date) -> tuple[int, str]:
-    """Line (1..) of the date and the whole text with it; 0: there is no [safety]."""
+    """Line (1..) of the date and the complete text with it; 0: there is no [safety]."""
     places, lines = lines_of(text), text.splitlines(keepends=True)
     if KEY in places:
         number = places[KEY]

@@ -1,4 +1,4 @@
-"""[alter]: six whole words that a command source writes, a life byte beside them, two answer words without another writer."""
+"""[alter]: six full words that a command source writes, a life byte next to them, two answer words without another writer."""
 
 from gateway.assembly.axis_signals import rc_numbers
 from gateway.checks.context import Context

@@ -49,7 +49,7 @@ def _moved(check: Context, belt: Belt, where: str) -> None:
 
 
 def _parallel(check: Context, belt: Belt, where: str) -> None:
-    """An axis that a belt takes along by itself goes round (rho 3, TO08 section 4)."""
+    """An axis parallel to a belt must be endless (rho 3, TO08 section 4)."""
     if check.unknown(f"{where}.axis", belt.axis, "axis"):
         return
     if not next(axis for axis in check.cell.axis if axis.name == belt.axis).modulo:

@@ -29,7 +29,7 @@ CARRIED: dict[str, set[str]] = {  # names its telegrams have to carry
 }
 LARGEST = {"cell.life": 0x7FFF, "error.first.code": max(Reason)}  # numbers of ours and their largest value
 BYTE = ("KH", "KM", "KF", "KC")
-COUNTS = {  # type -> smallest and largest count of a whole number (STEP 5)
+COUNTS = {  # type -> smallest and largest count of an integer (STEP 5)
     "KF": (-32768, 32767),
     "KH": (0, 65535),
     "KM": (0, 65535),
@@ -149,7 +149,7 @@ def writers(check: Context) -> None:
                 other = "to" if block.writer == "plc" else "from"
                 hint = f'two writers in one word: writer = "{block.writer}", so entries have {other} = ".."'
                 check.fault(key, entry.signal, hint)
-            if entry.to and not entry.to.endswith(".target"):  # targets may stand in several blocks: the latest telegram counts (AX-122)
+            if entry.to and not entry.to.endswith(".target"):  # targets may be in several blocks: the latest telegram counts (AX-122)
                 if entry.to in written:
                     check.fault(key, entry.to, f"{written[entry.to]} writes it already")
                 written.setdefault(entry.to, key)
@@ -245,7 +245,7 @@ def ranges(check: Context) -> None:
 
 
 def _overflow(check: Context, block: Db, entry: Entry, found: Found | None, factor: float, most: float) -> None:
-    """The largest value a name takes, against the largest count."""
+    """Compare the largest value of a name with the largest count."""
     if found is None:
         return
     if found.name.kind is Kind.PERCENT and entry.max is None and most * factor < FULL:

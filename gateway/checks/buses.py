@@ -81,7 +81,7 @@ def buses(check: Context) -> None:
 
 
 def adapters(check: Context) -> None:
-    """A port of our own kinds has its form; one of python-can an interface it has, and one bit rate in the whole file."""
+    """One of our port kinds needs its form; a port of python-can needs an interface it knows, and one bit rate in the complete file."""
     for bus in check.cell.bus:
         key = f"bus.{bus.name}.port"
         if not is_adapter(bus.port):

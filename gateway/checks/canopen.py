@@ -87,7 +87,7 @@ def sheets(cell: Cell) -> Iterator[Notice]:
 
 
 def stop_evidences(check: Context) -> None:
-    """A report that proves nothing for a drive may not stand for its 6007h."""
+    """A report that proves nothing for a drive cannot replace its 6007h."""
     for axis in check.cell.axis:
         key, given = f"axis.{axis.name}.stop_evidence", axis.stop_evidence
         if given and not DRIVE_FAMILIES[axis.drive.type].objects:

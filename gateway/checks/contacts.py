@@ -79,7 +79,7 @@ def _output(check: Context, io: Io) -> None:
 
 
 def _input(check: Context, io: Io, written: dict[object, str]) -> None:
-    """An enabling name, an RC input nobody else owns, or the safety contact; routes read `io.NAME` beside it."""
+    """An enabling name, an RC input without another owner, or the safety contact; routes can read `io.NAME` as well."""
     key = f"io.{io.name}.signal"
     if io.signal in (SHOWN_ONLY, f"io.{io.name}"):
         return
@@ -89,7 +89,7 @@ def _input(check: Context, io: Io, written: dict[object, str]) -> None:
         known = [SHOWN_ONLY, *RC_NAMES]
         check.fault(key, io.signal, f"no signal an input may drive; {near(io.signal, known) or 'as ' + ', '.join(known)} or an RC input")
         return
-    byte = 3 if place is None else place.number >> 3  # enabling inputs stand in byte 3 unless [signals] moves them
+    byte = 3 if place is None else place.number >> 3  # enabling inputs are in byte 3 unless [signals] moves them
     if byte in check.cell.rc_inputs.owner:
         check.fault(key, io.signal, f"two writers in RC input byte {byte}: {check.cell.rc_inputs.owner[byte]} owns it ([rc_inputs])")
     what: object = io.signal if place is None else place

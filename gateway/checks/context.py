@@ -33,12 +33,12 @@ class Context:
 
 
 def program_lines(cell: Cell) -> set[str]:
-    """Lines that belong to programs: they are no command source."""
+    """Lines that belong to programs: they are not command sources."""
     return {line.name for line in cell.line if line.program}
 
 
 def near(word: str, known: Iterable[str], most: int = 1) -> str:
-    """A hint naming the closest spellings, at most so many, or nothing."""
+    """A hint with at most so many of the closest spellings, or nothing."""
     found = difflib.get_close_matches(word, list(known), n=most, cutoff=0.6)
     return f"did you mean {' or '.join(found)}?" if found else ""
 

@@ -1,6 +1,7 @@
 """Cross checks of [controller]: parameters, processes, points, files; faults of the DAT files line by line.
 
-Controls and languages are imported where a cell has one: loading them takes a third of a check's time, and every start of a run checks.
+Controls and languages are imported only for a cell that has one: loading them takes a third of a check's time, and every start of a run
+checks.
 """
 
 import pathlib
@@ -32,7 +33,7 @@ def trial(cell: Cell) -> Control | None:
 
 
 def names_of(cell: Cell) -> frozenset[str]:
-    """Values the control of this cell has beside signals and flags."""
+    """Values that the control of this cell has in addition to signals and flags."""
     try:
         control = trial(cell)
     except ValueError:

@@ -26,7 +26,7 @@ MARGIN = 1.25  # turnaround of both stations and doubled DLE, as in the notes on
 
 @dataclass(frozen=True, slots=True)
 class Own:
-    """A job of our own: its block, what it is, how long it takes."""
+    """A job of our own: its block, its kind, its duration."""
 
     block: Db
     job: str

@@ -69,7 +69,7 @@ def _network(check: Context, key: str, text: str) -> None:
 
 
 def _registers(check: Context, server: Modbus, key: str) -> None:
-    """Extras beside the view: known names, no register twice, none of the view's."""
+    """Registers in addition to the view: known names, no register twice, none of the view's."""
     axes = [axis.name for axis in check.cell.axis]
     taken: dict[int, str] = {}
     for view in {server.view, *(unit.view for unit in server.units)}:

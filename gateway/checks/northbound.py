@@ -1,4 +1,4 @@
-"""Cross checks of [northbound]: what leaves this computer is encrypted, or written on purpose (AX-427)."""
+"""Cross checks of [northbound]: data that leave this computer are encrypted, unless the file allows plain text explicitly (AX-427)."""
 
 import pathlib
 

@@ -39,7 +39,7 @@ ENABLING = {  # AX-002: bit -> our name, symbol
 
 
 def tightest_range(cell: Cell) -> Iterator[Notice]:
-    """The way written as a whole number that uses most of its type's range."""
+    """The way, written as an integer, that uses most of its type's range."""
     axes = {axis.name: axis for axis in cell.axis}
     best: tuple[float, Notice] | None = None
     for block in cell.db:
@@ -100,7 +100,7 @@ def network(cell: Cell) -> Iterator[Notice]:
 
 def bus_load(cell: Cell) -> Iterator[Notice]:
     """Worst-case load of every drive bus."""
-    from gateway.assembly.bus_frames import bitrate, traffic  # they take their figures from this package
+    from gateway.assembly.bus_frames import bitrate, traffic  # they read their figures from this package
 
     for bus in cell.bus:
         if not any(axis.drive.bus == bus.name for axis in cell.axis):
@@ -119,7 +119,7 @@ def bus_load(cell: Cell) -> Iterator[Notice]:
 
 def bus_whole(cell: Cell) -> Iterator[Notice]:
     """What `bus_load` leaves out: it counts SYNC, set and actual values alone, as the users' chapter writes it."""
-    from gateway.assembly.bus_frames import bitrate, traffic  # they take their figures from this package
+    from gateway.assembly.bus_frames import bitrate, traffic  # they read their figures from this package
 
     for bus in cell.bus:
         if not any(axis.drive.bus == bus.name for axis in cell.axis):
@@ -131,7 +131,7 @@ def bus_whole(cell: Cell) -> Iterator[Notice]:
 
 
 def polling(cell: Cell) -> Iterator[Notice]:
-    """What SEND and FETCH of the declared blocks take, against the interval the comments announce."""
+    """Duration of SEND and FETCH of the declared blocks, against the interval in the comments."""
     for line in _command_lines(cell):
         blocks = [block for block in cell.db if block.line == line.name and not _optional(cell, block)]
         jobs = [(_job_of(block), block.words, job_ms(line, block.words)) for block in blocks]
@@ -175,7 +175,7 @@ def evidence(cell: Cell) -> Iterator[Notice]:
 
 
 def lag(cell: Cell) -> Iterator[Notice]:
-    """Lag limits against the lag the drive's position loop needs, where the plant gives Kv."""
+    """Lag limits against the lag of the drive's position loop, if the plant gives Kv."""
     without = [axis.name for axis in cell.axis if axis.following_error is None]
     if without:
         yield Notice("note", f"axis {', '.join(without)}", "no following_error: only the drive supervises the lag")

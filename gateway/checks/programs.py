@@ -33,7 +33,7 @@ def programs(check: Context) -> None:
     for number, _, _ in twice((each.number, str(n)) for n, each in enumerate(cell.program)):
         check.fault(f"program.{number}.number", number, "this number has a program already")
     if not cell.axis:
-        return  # said elsewhere, or cut out with a fault of its own
+        return  # reported elsewhere, or removed with a fault of its own
     from motion.errors import MotionError
 
     try:
@@ -103,7 +103,7 @@ def _named(check: Context, key: str, file: str, blocks: "Sequence[Block]", numbe
 
 
 def _path_outputs(check: Context) -> None:
-    """[[path_output]]: every function once, on outputs nobody else writes, a PPO on whole bytes."""
+    """[[path_output]]: every function once, on outputs without another writer, a PPO on full bytes."""
     cell, taken = check.cell, set[int]()
     free = free_outputs(rc_numbers(cell), len(cell.axis))
     for word, _, _ in twice((f"{each.kind} {each.function}", str(n)) for n, each in enumerate(cell.path_output)):
@@ -125,7 +125,7 @@ def _path_outputs(check: Context) -> None:
 
 
 def _measuring(check: Context) -> None:
-    """[[measuring]]: every channel once, on axes that are there, and among those P11 gives where a rho 3 has a P11 (L1257)."""
+    """[[measuring]]: every channel once, on existing axes, and with P11 only the channels it declares (L1257)."""
     cell = check.cell
     for channel, _, _ in twice((each.channel, str(n)) for n, each in enumerate(cell.measuring)):
         check.fault(f"measuring.{channel}.channel", channel, "another table has this channel")
@@ -152,7 +152,7 @@ def _measuring(check: Context) -> None:
 
 
 def _probes(check: Context, measuring: Measuring) -> None:
-    """A wire comes to an RC input or to drives; only CiA 402 drives have touch probes, and those only stand for a probe 6x0."""
+    """A wire leads to an RC input or to drives; only CiA 402 drives have touch probes, and those only replace a probe 6x0."""
     key = f"measuring.{measuring.channel}"
     if (measuring.input < 0) is (not measuring.drives):
         check.fault(f"{key}.input", measuring.input, "it is wired to an RC input (input) or to drives (drives): name one")
@@ -175,7 +175,7 @@ def _probes(check: Context, measuring: Measuring) -> None:
 
 
 def wires(cell: Cell) -> Iterator[Notice]:
-    """Which way each measuring input takes (AX-481)."""
+    """Report the path of each measuring input (AX-481)."""
     if not cell.measuring:
         return
     buses = {bus.name: make_family(cell, bus, cell.cycle_ms, simulated=True) for bus in cell.bus if bus.protocol in DRIVE_PROTOCOLS}

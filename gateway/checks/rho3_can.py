@@ -31,7 +31,7 @@ def _bus(cell: Cell, params: Rho3, number: int) -> BusSetup:
 
 
 def parameters(check: Context) -> None:
-    """What the control would stop its start-up with, each with the table behind it."""
+    """Parameters that would stop the control's start-up, each with its table."""
     params = check.cell.rho3
     if params is None:
         return

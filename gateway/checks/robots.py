@@ -1,4 +1,4 @@
-"""[[robot]]: several robots of one cell have names and axes one behind the other; tables about a robot name it."""
+"""[[robot]]: several robots of one cell have names and consecutive axes; tables about a robot name it."""
 
 from collections.abc import Sequence
 from itertools import accumulate

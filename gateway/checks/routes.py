@@ -264,7 +264,7 @@ def _source_span(cell: Cell, place: Place) -> tuple[float, float] | None:
 
 
 def expected_ms(cell: Cell, compiled: Compiled) -> float:
-    """How long a change takes at worst from one partner to the other: both lines' rounds, debounce, and two cycles."""
+    """Worst-case delay of a change from one partner to the other: both lines' rounds, debounce, and two cycles."""
     total = compiled.settings.debounce_ns / 1e6 + CYCLES * cell.cycle_ms
     lines = {line.name: line for line in cell.line}
     for place in (compiled.source, compiled.target):
@@ -277,7 +277,7 @@ def expected_ms(cell: Cell, compiled: Compiled) -> float:
 
 
 def _time(check: Context, route: Route, compiled: Compiled) -> None:
-    """`within_ms` against what the lines give; a pulse must be seen by whoever polls it."""
+    """`within_ms` against the delay of the lines; a pulse must be long enough for a polling partner."""
     needed = expected_ms(check.cell, compiled)
     if route.within_ms and needed > route.within_ms:
         hint = f"polling does not fit: SEND and FETCH, debounce and {CYCLES} cycles take {needed:.0f} ms at worst"

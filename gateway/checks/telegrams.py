@@ -189,7 +189,7 @@ def silence(check: Context) -> None:
 
 
 def unwritten(cell: Cell) -> Iterator[Notice]:
-    """Values that send a telegram and that nothing in the file writes; a line that takes nothing."""
+    """Report values that send a telegram and that nothing in the file writes, and lines that accept no telegram."""
     given = written(cell.telegram) | signals(cell.telegram) | outcomes(cell.telegram)
     for telegram in cell.telegram:
         for name in watched([telegram]):

@@ -1,4 +1,4 @@
-"""Cross checks of [web]: what is reached from elsewhere is encrypted, and a certificate has its key."""
+"""Cross checks of [web]: access from other computers is encrypted, and a certificate has its key."""
 
 import pathlib
 
@@ -7,7 +7,7 @@ from gateway.pure.cell.web import Web
 
 
 def reachable(context: Context) -> None:
-    """AX-470: beyond loopback only with TLS; a proxy in front of the page reaches it on loopback."""
+    """AX-470: beyond loopback only with TLS; a proxy for the page uses loopback."""
     web = context.cell.web
     if web is None:
         return

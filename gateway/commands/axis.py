@@ -85,7 +85,7 @@ def _try(client: ToolClient, cell: Cell, axis: Axis) -> Row:
 
 
 class NotReady(ToolError):
-    """The drive gives the reason; nothing was tried."""
+    """The drive reported the reason; nothing was tried."""
 
 
 def fault_words(axis: Axis, code: int, language: str) -> str:
@@ -145,7 +145,7 @@ def _verdict(axis: Axis, way: float, legs: list[Row], start: float, end: float, 
 
 
 def _zero(client: ToolClient, cell: Cell, axis: Axis, at: float, who: str) -> Row:
-    """Makes the present position of the axis `at`: stored beside the cell, with all earlier zeros."""
+    """Set the present position of the axis to `at`; stored next to the cell, with all earlier zeros."""
     row = client.axis(axis.name)
     if int(str(row["flags"])) & (AxisFlag.LOST | AxisFlag.ON):
         raise ToolError(f"axis {axis.name}: take the drive off first; a zero is written at rest, without power")

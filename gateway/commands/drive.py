@@ -29,7 +29,7 @@ EXAMPLES = """examples:
   axisgate drive loss-test demo-402                  stop time and distance when SYNC, heartbeat or the gateway is lost (emulated drives)
   axisgate drive loss-test cell.toml --running       the cell that runs: its cycle ends in a move; measures, writes last_stop_test
 """
-LOCAL = "broker:"  # a bus of this machine: no metal behind it
+LOCAL = "broker:"  # a bus of this computer: no real drives
 AGREED = "THE AXES MAY MOVE"
 PROFILES = {401: "I/O", 402: "drive", 406: "encoder"}
 
@@ -88,7 +88,7 @@ def _scan_place(arguments: argparse.Namespace) -> int:
 
 
 def _scan(url: str, arguments: argparse.Namespace) -> int:
-    """Listens first: SDO requests of two clients take each other's answers."""
+    """Listen first: SDO requests of two clients would receive each other's answers."""
     from gateway.links.canopen.listen_first import refuse_other_master
     from gateway.tools.drives.without_cycle import direct, scan
 
@@ -249,7 +249,7 @@ def _loss_test_running(cell: Cell, arguments: argparse.Namespace) -> int:
 
 
 def _agreed(cell: Cell, speed: float) -> bool:
-    """Somebody stands there and has read what will happen."""
+    """The operator at the machine has read the announcement and agreed."""
     print(
         f"{BANNER}\nAll axes of {cell.cell.name} move over 80 % of their travel at {speed:g} %, then the gateway is ended.", file=sys.stderr
     )

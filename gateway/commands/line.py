@@ -105,7 +105,7 @@ def run_probe(arguments: argparse.Namespace) -> int:
             raise BadInput(f"--only {' '.join(strange)}: no such test; --list shows them")
         probe(wire, settings, lambda: _operator(device, _language(arguments)), take)
     except (PortError, KeyboardInterrupt) as error:
-        gone = error  # what was seen so far is reported all the same
+        gone = error  # what was found so far is still reported
     finally:
         wire.close()
     facts = {key: str(value) for key, value in device.get("device", {}).items()}

@@ -68,7 +68,7 @@ def read_trace(path: pathlib.Path) -> list[Item]:
     words = next((line.split() for line in text.splitlines() if line.strip() and not line.startswith("#")), [])
     if words[:1] == ["dialogue"]:
         items: list[Item] = []
-        for dialogue in parse(text):  # each begins at 0 unless it knows better: one behind the other then
+        for dialogue in parse(text):  # a dialogue without a start of its own begins at 0: put them in sequence
             items += of_dialogue(dialogue, items[-1].stamp_ns + BETWEEN_NS if items else 0)
         return items
     if words and not words[0].isdigit():
@@ -77,7 +77,7 @@ def read_trace(path: pathlib.Path) -> list[Item]:
 
 
 def offset_ns(start: datetime.datetime | None, first_ns: int) -> int:
-    """What turns monotonic stamps into Unix time: given, or as the clocks of this machine stand now (right until it starts again)."""
+    """Offset from monotonic stamps to Unix time: the given one, or by this computer's clocks now (valid until it restarts)."""
     if start is not None:
         return round(start.timestamp() * 1e9) - first_ns
     return time.time_ns() - time.monotonic_ns()

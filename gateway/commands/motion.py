@@ -103,7 +103,7 @@ def main(argv: list[str]) -> int:
 
 
 def files_of(path: str, blocks: Sequence[Block], cell: Cell | None) -> Files:
-    """The BNR files a program names, beside it."""
+    """The BNR files that a program names, next to it."""
     found = bnr_files(str(find_config(path, "programs")), blocks)
 
     def read(name: str, number: int) -> bytes:

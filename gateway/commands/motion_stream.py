@@ -30,7 +30,7 @@ a line that begins with ! is an order: !hold, !go, !retrace (back along the path
 Ctrl-C, or the end of this command, stops on the path and drops the rest.
 exit code: 0 done, 1 refused or ended early, 2 unknown cell or file, 3 no such run"""
 POLL_S = 0.02
-WAITING = 256  # blocks of a file that are said ahead
+WAITING = 256  # blocks of a file that are sent ahead
 ORDERS: dict[str, Row] = {"run": {"do": "single", "on": False}, "end": {"do": "end_here"}}  # where the word is not the request's
 
 
@@ -110,7 +110,7 @@ def _play(client: ToolClient, cell: Cell, mask: int, source: TextIO, options: ar
 
 
 def _result(client: ToolClient, answer: Row, source: TextIO, options: argparse.Namespace) -> Row:
-    """Until the stream has an outcome; what happens to its blocks is printed."""
+    """Feed the stream until it has an outcome; print the progress of its blocks."""
     job, shown, over, words = answer.get("job"), (0, 0), False, answer.get("order_fault")
     typed = source is sys.stdin
     while answer["open"]:
@@ -130,7 +130,9 @@ def _result(client: ToolClient, answer: Row, source: TextIO, options: argparse.N
 
 
 def _said_or_ordered(client: ToolClient, answer: Row, text: str, *, typed: bool) -> Row:
-    """A line of the source: a statement, or an order to the stream.  What is refused of typed lines is printed, and the stream goes on."""
+    """Pass on a line of the source: a statement, or an order to the stream.  A refusal of a typed line is printed, and the stream
+    continues.
+    """
     line, job = text.strip(), answer["job"]
     try:
         if line.startswith("!"):

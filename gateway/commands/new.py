@@ -66,7 +66,7 @@ def default(question: Question) -> str:
 
 
 def ask(question: Question) -> str:
-    """On the terminal, again until the answer can be used; from a pipe a line each, defaults behind its end."""
+    """Ask on the terminal until the answer is valid; from a pipe one answer per line, defaults after its end."""
     while True:
         answer = ""
         with contextlib.suppress(EOFError):

@@ -27,7 +27,7 @@ from gateway.tools.command_support import ENVIRONMENT
 from gateway.tools.usage_language import complain, fault_text, report_text
 
 SUFFIX = ".PLC"
-ACTS_S = 0.3  # an order is carried out between two scans; a long program takes some time to be translated
+ACTS_S = 0.3  # an order is carried out between two scans; translating a long program takes some time
 SHOWN_STEPS = 500  # of it in one answer
 SHOWN_S = 3.0  # until the test display of a program that runs is on
 IN_CELLS = {

@@ -188,7 +188,7 @@ def _over(client: ToolClient, run: object, name: str) -> Row:
     failed: Row = {}
     while not (answer := client.ask("process", do="state", run=run))["over"]:
         rows = _rows(answer["rows"])
-        if rows and all(row["error"] for row in rows) and not failed:  # tasks of which none goes on: their application would stay for ever
+        if rows and all(row["error"] for row in rows) and not failed:  # no task can continue: their application would never end
             code, _, text = str(rows[0]["error"]).partition(" ")
             place = f"{rows[0]['program']} line {rows[0]['line']}"
             failed = {"how": "aborted", "code": int(code), "text": text, "place": place}

@@ -82,7 +82,7 @@ def main(argv: list[str]) -> int:
 
 
 def _start(arguments: argparse.Namespace, cell: Cell) -> int:
-    """What is wrong with ports is said before anything runs."""
+    """Report faults of ports before anything runs."""
     simulated = arguments.sim or cell.cell.target == "simulation"
     clock_ms, stretched = clock_of(cell, arguments, simulated=simulated)
     if arguments.record:

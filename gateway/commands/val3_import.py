@@ -69,7 +69,7 @@ def _imported(options: argparse.Namespace, folder: pathlib.Path) -> int:
 
 
 def _folder(card: pathlib.Path, out: pathlib.Path | None) -> pathlib.Path:
-    """The card; of a ZIP file what it holds, in a folder beside the cell file."""
+    """The card; for a ZIP file its content, in a folder next to the cell file."""
     if not (card.is_file() and card.suffix.lower() == ".zip"):
         return card
     if out is not None and out.exists():

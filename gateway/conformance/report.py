@@ -49,7 +49,7 @@ def as_dict(
     device: Mapping[str, str],
     language: str = "en",
 ) -> dict[str, object]:
-    """The whole report, sentences in that language, verdicts and keys as they are; times in ms."""
+    """The complete report, sentences in that language, verdicts and keys unchanged; times in ms."""
     profile = settings.profile
     return {
         "kind": "axisgate line probe",

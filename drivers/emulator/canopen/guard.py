@@ -188,7 +188,7 @@ class LifeSigns:
         self.beat_due = self.life_due = NEVER
 
     def begin(self, at: Ns | None) -> None:
-        """The first heartbeat comes one of its times behind `at`; None: at once."""
+        """The first heartbeat is due one heartbeat time after `at`; None: at once."""
         self.beat_due = NEVER if not self.beat_ns else 0 if at is None else at + self.beat_ns
 
     def beat(self, number: int, state: State, now: Ns) -> Frame:

@@ -1,7 +1,7 @@
 """The communication half of an emulated CANopen device: NMT states, SYNC, PDO, SDO, EMCY, heartbeat, LSS, in bus time.
 
-Source: CiA 301 (version 4.2); LSS: CiA 305.  The device behind it (a drive) is an `Application`; one that only has objects needs none of
-its methods to do anything.  Every method takes the bus time `now`; nothing here asks a clock.
+Source: CiA 301 (version 4.2); LSS: CiA 305.  The device it serves (a drive) is an `Application`; for a device of objects only, its methods
+may do nothing.  Every method takes the bus time `now`; nothing here reads a clock.
 """
 
 from collections.abc import Callable
@@ -31,7 +31,7 @@ Handler = Callable[[Frame, Ns], None]
 
 
 class Application(Protocol):
-    """The device behind the communication."""
+    """The device that uses the communication."""
 
     def advance(self, now: Ns) -> None: ...  # everything up to now has happened
     def sample(self, now: Ns) -> None: ...  # SYNC: latch what is to be sent
@@ -43,7 +43,7 @@ class Application(Protocol):
 
 @dataclass(slots=True)
 class Accepted:
-    """Identifiers the node listens to, and what takes their frames."""
+    """Identifiers the node listens to, and the handlers of their frames."""
 
     data: dict[int, Handler] = field(default_factory=dict)
     remotes: dict[int, Handler] = field(default_factory=dict)  # remote frames
@@ -59,7 +59,7 @@ class CanopenNode:
         self.output: list[Frame] = []
         self.accepted = Accepted()
         self.soonest: Ns = NEVER
-        self.silent = False  # powered off or bus-off: hears and says nothing
+        self.silent = False  # powered off or bus-off: receives and sends nothing
         self.boot_ns: Ns = 0
         self._boot_due = NEVER
         self.life = LifeSigns(self.objects)
@@ -99,7 +99,7 @@ class CanopenNode:
     # -- plan -----------------------------------------------------------------------------------
 
     def _replan(self) -> None:
-        """Which identifiers reach which handler; PDOs of equal identifier all hear it."""
+        """Map identifiers to handlers; PDOs with equal identifiers all receive the frame."""
         node, pdos, accepted = self.number, self.pdos, self.accepted
         pdos.sort()
         accepted.data = {identifier: self._rpdo_handler(targets) for identifier, targets in pdos.takers().items()}
@@ -203,14 +203,14 @@ class CanopenNode:
         before, self.state = self.state, state
         if state is State.OPERATIONAL and before is not state:
             self.application.advance(now)
-            self.application.changed()  # what was before is no event
+            self.application.changed()  # earlier changes are not events
             self.pdos.begin()
             for tpdo in self.pdos.sent:
                 if tpdo.valid and tpdo.by_event:
-                    self._send_tpdo(tpdo, now)  # its master learns how things stand
+                    self._send_tpdo(tpdo, now)  # informs its master of the present state
         if state is not State.OPERATIONAL:
             self.pdos.end()
-        self.emergencies.wake(now)  # what waited for a state in which it may be said
+        self.emergencies.wake(now)  # send what had to wait for a state that allows it
         if state is State.STOPPED:
             self.sdo.reset()
             if before is State.OPERATIONAL:
@@ -240,7 +240,7 @@ class CanopenNode:
         unconfigured = self.lss.active > cobid.MAX_NODE
         self.output += self.lss.handle(frame.data)
         if unconfigured and self.lss.pending <= cobid.MAX_NODE and self.lss.mode is lss.Mode.WAITING:
-            self._reset(now, application=False)  # a node without number takes its number when it leaves configuration (CiA 305)
+            self._reset(now, application=False)  # a node without a number adopts its new one when it leaves configuration (CiA 305)
 
     def _sdo(self, frame: Frame, now: Ns) -> None:
         if self.state in (State.PRE_OPERATIONAL, State.OPERATIONAL):
@@ -333,7 +333,7 @@ class CanopenNode:
             self.emergencies.clear([HEARTBEAT_LOST], now)
 
     def _guarded(self, frame: Frame, now: Ns) -> None:
-        """Node guarding, where there is no heartbeat."""
+        """Node guarding, if there is no heartbeat."""
         if not self.life.beat_ns and self.state is not State.INITIALISING:
             self.output.append(self.life.guarded(self.number, self.state, now))
 

@@ -57,7 +57,7 @@ class Objects:
         try:
             return value if isinstance(value, Abort) else encode(entry.type, value)
         except EncodeError:
-            return Abort.INTERNAL  # the data sheet gives the object a type its value does not fit
+            return Abort.INTERNAL  # the data sheet gives the object a type that its value does not fit
 
     def download(self, key: Key, data: bytes) -> int:
         """0 or an abort code; nothing is changed then."""
@@ -147,7 +147,7 @@ class Objects:
 
 
 def writable(entry: Entry, size: int) -> int:
-    """Abort code when a download of so many bytes cannot be right, else 0."""
+    """Abort code if a download of so many bytes cannot be right, else 0."""
     if not entry.access.writable:
         return Abort.READ_ONLY
     if entry.type.size:

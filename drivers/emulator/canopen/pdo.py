@@ -210,7 +210,7 @@ class Rpdo(Pdo):
         return take
 
     def apply(self, data: bytes) -> None:
-        """The mapped objects take their values, in the order of the mapping."""
+        """Write the mapped objects in the order of the mapping."""
         for take, value in zip(self.takers, self.mapping.unpack(data), strict=True):
             take(value)
 

@@ -13,7 +13,7 @@ class Pdos:
     """`received` and `sent` by number; the other lists are the valid ones among them."""
 
     def __init__(self) -> None:
-        """None as yet: `make` asks the objects what reads and what takes them."""
+        """Empty until `make` reads the mapping from the objects."""
         self.received: list[Rpdo] = []
         self.sent: list[Tpdo] = []
         self.held: list[Rpdo] = []  # their data waits for SYNC
@@ -21,7 +21,7 @@ class Pdos:
         self.by_event: list[Tpdo] = []
 
     def make(self, objects: Objects, changed: Callable[[], None]) -> None:
-        """After the device behind the objects has hooked into them."""
+        """Call it after the device has registered its handlers at the objects."""
         self.received = [Rpdo(objects, number, changed) for number in _numbers(objects.dictionary, pdo.RPDO_COMMUNICATION)]
         self.sent = [Tpdo(objects, number, changed) for number in _numbers(objects.dictionary, pdo.TPDO_COMMUNICATION)]
 
@@ -37,7 +37,7 @@ class Pdos:
         self.by_event = [item for item in self.sent if item.valid and (item.by_event or item.type == pdo.SYNC_ACYCLIC)]
 
     def takers(self) -> dict[int, list[Rpdo]]:
-        """By identifier: RPDOs of equal identifier all take it."""
+        """RPDOs by identifier; those with equal identifiers all receive the frame."""
         found: dict[int, list[Rpdo]] = {}
         for item in self.received:
             if item.valid:

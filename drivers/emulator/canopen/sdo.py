@@ -27,7 +27,7 @@ class Phase(Enum):
 
 
 class SdoServer:
-    """`handle` takes an 8-byte request and returns the messages to send; never raises on what the client sends."""
+    """`handle` accepts an 8-byte request and returns the messages to send; never raises on what the client sends."""
 
     def __init__(self, objects: Objects, block_size: int = sdo.MOST_BLOCK) -> None:
         self._objects, self._block = objects, block_size

@@ -63,7 +63,7 @@ class Cia402Axis(DriveMotion):
 
     @property
     def due_ns(self) -> Ns:
-        """When something happens by itself next."""
+        """When the next event of its own is due."""
         due = self.start + self.due * STEP_NS if self.due < NEVER else NEVER
         return due if due < self._sync_due else self._sync_due
 
@@ -298,7 +298,7 @@ class Cia402Axis(DriveMotion):
     # -- stopping, brake --------------------------------------------------------------------------
 
     def _ramp(self, deceleration: float, after: State | None) -> None:
-        """Slows down and stands; then `after`, or holds."""
+        """Decelerate to standstill; then `after`, or hold."""
         if self.state is not State.ENABLED or after is not None:
             self.mode.leave()
         self._follow_since = None
@@ -311,7 +311,7 @@ class Cia402Axis(DriveMotion):
         servo, still = self.servo, self.settings.servo.brake_lock_speed_rad_s
         if servo.speed_demand_rad_s == 0.0 and abs(servo.measured_speed_rad_s) < still:
             if self.brake.closing:
-                return  # stands; the brake is on its way
+                return  # at standstill; the brake is moving
             servo.hold()
             if self.stop.after is None:
                 self.stop.active = False

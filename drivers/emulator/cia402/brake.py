@@ -38,7 +38,7 @@ class DriveBrake:
         self.opening = self.closing = False
 
     def command(self, open_it: bool, step: int, settings: ServoSettings) -> None:
-        """At this step; without a brake, or where it is there already, what waits goes on at once."""
+        """Move the brake, at this step; without a brake, or if it is already in position, a waiting transition continues at once."""
         self._opens = open_it
         if open_it is self.is_open or not settings.brake:
             self.is_open = open_it

@@ -315,12 +315,12 @@ class HomingMode(Mode):
 
 
 class Cyclic(Mode):
-    """Modes that take a set value with every SYNC."""
+    """Modes that read a set value with every SYNC."""
 
     synchronous = True
 
     def resume(self) -> None:
-        self.halted = False  # the next SYNC takes over
+        self.halted = False  # the next SYNC continues
 
     def bits(self) -> int:
         return BIT12 * (not self.halted)

@@ -10,7 +10,7 @@ class UserPosition:
 
     def __init__(self, servo: DriveServo) -> None:
         self._servo = servo
-        self.rest_ns = 0  # since the last whole step of the model
+        self.rest_ns = 0  # since the last full step of the model
         self.shift = 0
         self.homed = False
         self._counter: int | None = None  # of this instant, once it was asked for
@@ -47,7 +47,7 @@ class SoftLimits:
         self._low, self._high = -inf, inf
 
     def load(self, low: int, high: int) -> None:
-        """607Dh; the whole range, or limits that contradict each other: none."""
+        """607Dh; the full range, or limits that contradict each other: none."""
         whole = low >= high or (low == -(1 << 31) and high == (1 << 31) - 1)
         self._low, self._high = (-inf, inf) if whole else (float(low), float(high))
 

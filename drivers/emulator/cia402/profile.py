@@ -9,7 +9,7 @@ CLOSE = 1e-6  # increments: nearer to 0 the allowed speed is lost in rounding, a
 
 
 class Trapezoid:
-    """`step` moves `position` and `speed` on by dt; arrives exactly, never beyond unless the target jumped behind."""
+    """`step` advances `position` and `speed` by dt; arrives exactly, and overshoots only if the target jumped back."""
 
     def __init__(self, position: float, speed: float = 0.0) -> None:
         self.position, self.speed = position, speed

@@ -41,7 +41,7 @@ class Seat:
     random: int = 1
     drop_actual: int = 0
     drop_set: int = 0
-    bus_off: bool = False  # with the whole interface: the next frame heard ends it
+    bus_off: bool = False  # with the complete interface: the next frame received ends it
 
     def seen(self) -> dict[str, object]:
         """What a tester wants to see of it, as plain JSON values."""

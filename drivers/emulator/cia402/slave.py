@@ -1,7 +1,7 @@
 """Emulated CiA 402 drives on one bus, in bus time: the stamps of the frames are the only clock.
 
 The same stamped frames and seed give the same answers bit for bit, however the frames are cut into calls (see servodyn_slave, whose rules
-about `now` and grace hold here too).  Unlike boosters these drives act by themselves (boot-up, heartbeat, profiles): time begins with the
+about `now` and grace hold here too).  Unlike boosters these drives send on their own (boot-up, heartbeat, profiles): time begins with the
 first `wake` or frame, and `deadline` is 0 until then.
 """
 
@@ -261,7 +261,7 @@ class Cia402Slave:
         seat.random = seat.random * 16807 % SPREAD
         self._delayed.add(frame, stamp + seat.delay_ns + seat.random % (seat.spread_ns + 1))
 
-    # -- beside the protocol --------------------------------------------------------------------
+    # -- outside the protocol -------------------------------------------------------------------
 
     def prepare(self) -> None:
         """To be called when there is time after a SYNC: works ahead on copies, changes no result."""
@@ -309,7 +309,7 @@ class Cia402Slave:
         self._order_axis(node, lambda axis: axis.encoder(1))
 
     def jump_encoder(self, node: int, increments: int) -> None:
-        """The counter jumps by so many increments."""
+        """Shift the counter by so many increments."""
         self._order_axis(node, lambda axis: axis.jump_encoder(increments))
 
     def drop_actual(self, node: int, count: int) -> None:
@@ -321,7 +321,7 @@ class Cia402Slave:
         self.seat(node).drop_set = count
 
     def power_off(self, node: int) -> None:
-        """The drive is silent, its brake falls; what was not stored is forgotten."""
+        """The drive is silent and its brake closes; unsaved values are lost."""
         seat = self.seat(node)
         seat.node.power_down()
         self._order_axis(node, lambda axis: axis.power_off())
@@ -363,7 +363,7 @@ class Cia402Slave:
         self._order_axis(node, lambda axis: axis.stick_brake(stuck))
 
     def load_torque(self, node: int, torque_nm: float) -> None:
-        """External torque at the motor shaft against positive motion; 0 takes it away."""
+        """External torque at the motor shaft against positive motion; 0 removes it."""
         self._order_axis(node, lambda axis: axis.servo.load_torque(torque_nm))
 
     def local_control(self, node: int, local: bool) -> None:

@@ -38,7 +38,7 @@ RESET_BIT, HALT_BIT = 0x80, 0x100
 TRANSITIONS: Mapping[tuple[State, Command], tuple[int, State]] = {
     (State.DISABLED, Command.SHUTDOWN): (2, State.READY),
     (State.READY, Command.SWITCH_ON): (3, State.ON),
-    (State.READY, Command.ENABLE): (3, State.ON),  # 3, then 4 by itself
+    (State.READY, Command.ENABLE): (3, State.ON),  # 3, then 4 automatically
     (State.ON, Command.ENABLE): (4, State.ENABLED),
     (State.ENABLED, Command.SWITCH_ON): (5, State.ON),
     (State.ON, Command.SHUTDOWN): (6, State.READY),

@@ -37,7 +37,7 @@ class _Place(NamedTuple):
 
 
 class Switches:
-    """Windows in rad at the shaft; an infinite end is no edge."""
+    """Windows in rad at the shaft; an infinite end has no edge."""
 
     def __init__(self, windows: Sequence[tuple[Signal, float, float]]) -> None:
         self._windows = tuple(window for window in windows if window[1] < window[2])

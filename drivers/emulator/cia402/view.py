@@ -108,7 +108,7 @@ class DriveView:
     def _per_mille(self, torque_nm: float) -> int:
         return min(max(round(torque_nm / self.settings.servo.rated_torque_nm * 1000.0), -32768), 32767)
 
-    # -- what it is -----------------------------------------------------------------------------
+    # -- identity --------------------------------------------------------------------------------
 
     @property
     def brake_open(self) -> bool:

@@ -1,6 +1,6 @@
 """Emulated belts: conveyors with an encoder that sends its count after every SYNC, in bus time.
 
-A belt runs at its speed and goes to another one at its acceleration; the count is that of whole increments, as an encoder gives it.
+A belt runs at its speed and changes to another one at its acceleration; the count is in full increments, as an encoder counts.
 """
 
 import math
@@ -12,7 +12,7 @@ from protocols.canopen import cob_id as cobid
 from protocols.servodyn.plan import SYNC_ID
 
 SYNCS = (SYNC_ID, cobid.SYNC)
-LONGEST_NS = 1_000_000_000  # between two SYNCs: more is a bus that was away, and the belt stood
+LONGEST_NS = 1_000_000_000  # between two SYNCs: after a longer gap the bus was down, and the belt did not move
 
 
 @dataclass(slots=True)

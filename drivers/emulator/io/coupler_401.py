@@ -1,7 +1,7 @@
-"""CiA 401 couplers, emulated: digital inputs 6000h, digital outputs 6200h with error mode and error value, beside the drives of a bus.
+"""CiA 401 couplers, emulated: digital inputs 6000h, digital outputs 6200h with error mode and error value, on a bus with drives.
 
-Source: CiA 401 (6000h, 6005h, 6200h, 6206h, 6207h); communication: CiA 301.  Without wiring of their own the inputs show what the outputs
-of the same number carry, as the digital I/O modules do, so that a cell that is tried shows life; `wire` gives an input a level of its own.
+Source: CiA 401 (6000h, 6005h, 6200h, 6206h, 6207h); communication: CiA 301.  Without wiring of their own the inputs follow the outputs of
+the same number, as the digital I/O modules do, so that a cell under trial shows activity; `wire` sets an input to a level of its own.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ FAR: Ns = 1 << 62
 
 
 class Terminals:
-    """The device behind the communication: terminals, and the state of its outputs without a master."""
+    """The device: terminals, and the state of its outputs without a master."""
 
     def __init__(self, objects: Objects, node: CanopenNode) -> None:
         self._objects, self._node = objects, node
@@ -49,7 +49,7 @@ class Terminals:
             self._objects.values[INPUTS, sub] = octet
 
     def fall(self) -> None:
-        """Outputs in error mode take their error values; the others stay."""
+        """Outputs in error mode change to their error values; the others stay."""
         for sub in range(1, OCTETS + 1):
             mask, value = self._objects.whole((ERROR_MODE, sub)), self._objects.whole((ERROR_VALUE, sub))
             self._objects.values[OUTPUTS, sub] = self._objects.whole((OUTPUTS, sub)) & ~mask | value & mask

@@ -1,8 +1,8 @@
 """One servo axis in steps of 62.5 us: current, speed and position loop, motor and load, friction, brake torque, heat.
 
-Rates, as drives of that time had them: current loop and mechanics 62.5 us, speed loop 125 us, position loop with fine interpolation 250 us,
-thermal models, gravity and disturbance torque 1 ms.  All ticks stand on one absolute grid of steps, so how the steps are cut into calls
-changes nothing, bit for bit.  Speed comes from the resolver converter's analogue output, position from its counter (AX-084).
+Rates, as in drives of that time: current loop and mechanics 62.5 us, speed loop 125 us, position loop with fine interpolation 250 us,
+thermal models, gravity and disturbance torque 1 ms.  All ticks lie on one absolute grid of steps: the result does not depend on how calls
+divide the steps, bit for bit.  Speed comes from the resolver converter's analogue output, position from its counter (AX-084).
 
 The state is a plain list of floats and `run` a function over it: six axes have 96,000 steps a second, and attribute access would
 cost more than the arithmetic.  `substeps` divides the integration step without touching the loops' rates (to judge the step itself).
@@ -23,7 +23,7 @@ _RNG_MODULUS = 2147483647.0  # Park and Miller's generator; all its products are
 
 
 def steps(seconds: float) -> int:
-    """As whole steps."""
+    """Rounded to full steps."""
     return round(seconds * 1e9 / STEP_NS)
 
 
@@ -37,7 +37,7 @@ class Mode(IntEnum):
     OFF, FOLLOW, RAMP = range(3)
 
 
-# What is where in the state.  The first row runs by itself, the second is set from outside.
+# Indices of the state.  The first row is computed by the model, the second is set from outside.
 (TH, W, TM, TR, IT, WR, LEFT, I2T, TEMP, RNG, LOAD, REST) = range(12)
 (GOAL, RATE, FF, MODE, FS, FC, WLO, WHI, SMIN, SMAX, EXT, SG, KS, KO, ARMED) = range(12, 27)
 
@@ -349,7 +349,7 @@ class Servo:
         s[EXT], s[REST] = torque_nm, 0.0
 
     def encoder(self, factor: int) -> None:
-        """1 true, -1 counts backwards, 0 stuck; the counter goes on from its present value."""
+        """1 true, -1 counts backwards, 0 stuck; the counter continues from its present value."""
         s = self._touch()
         counter = self.counter_inc
         s[SG], s[KS] = float(factor), factor * INC_PER_RAD

@@ -72,7 +72,7 @@ def pack(stamp_ns: int, sync: int, axes: list[AxisRow]) -> bytes:
 
 
 def read(data: bytes) -> Record:
-    """A whole record.  Raises DecodeError when the header is a foreign one."""
+    """Read a complete record.  Raises DecodeError when the header is a foreign one."""
     line, found, body = data.partition(b"\n")
     try:
         head = json.loads(line)

@@ -104,7 +104,7 @@ class ServoSettings:
 
 @dataclass(frozen=True, slots=True)
 class DriveSettings:
-    """What a CiA 402 drive has beside its servo: data sheet, SYNC tolerance, answer times, probe inputs, encoder turns."""
+    """Settings of a CiA 402 drive in addition to its servo: data sheet, SYNC tolerance, answer times, probe inputs, encoder turns."""
 
     servo: ServoSettings = field(default_factory=ServoSettings)
     eds: str = "axisgate_402.eds"
@@ -247,7 +247,7 @@ def from_dict(data: Mapping[str, object]) -> BusSettings:
 
 
 def _each(raw: object, table: str, hint: str, read: Callable[[object], S], faults: list[str]) -> dict[int, S]:
-    """The numbered entries of a table; what is wrong is added to `faults`."""
+    """The numbered entries of a table; faults are added to `faults`."""
     found: dict[int, S] = {}
     if not isinstance(raw, Mapping):
         faults.append(f"{table}: expected a table of numbers")

@@ -61,7 +61,7 @@ class Fault(IntEnum):
     FORCED = 99  # by the tester
 
 
-CAUSES: Mapping[str, Fault] = {  # what a tester may let stand
+CAUSES: Mapping[str, Fault] = {  # faults that a test may hold active
     "undervoltage": Fault.UNDERVOLTAGE,
     "phase_loss": Fault.PHASE_LOSS,
     "over_temperature": Fault.TEMPERATURE,
@@ -90,7 +90,7 @@ class ServodynAxis:
         self.bus_lost = False  # warning only: SYNC went while no power was on
         self.faulted_at: list[tuple[int, ActualValue]] = []  # (step, what the axis says about it), to be taken by the bus
         self._due, self._stop_by = steps(settings.boot_s), NEVER
-        self.causes: set[Fault] = set()  # faults that stand until their cause goes
+        self.causes: set[Fault] = set()  # faults that stay active until their cause is gone
         self._latched = int(self.servo.counter_inc // 1.0)
         self._look_around()
 
@@ -102,7 +102,7 @@ class ServodynAxis:
 
     @property
     def settled(self) -> bool:
-        """Nothing will happen by itself."""
+        """No event of its own is pending."""
         waits = self._due == NEVER and self.brake.due == NEVER
         return waits and self.state not in _CONTROLLED and self.servo.speed_rad_s == 0.0
 
@@ -370,7 +370,7 @@ class ServodynAxis:
         self.brake.stuck = stuck
 
     def jump_encoder(self, increments: int) -> None:
-        """The counter jumps by so many increments."""
+        """Shift the counter by so many increments."""
         self.servo.jump(increments)
         self._look_around()
 

@@ -14,7 +14,7 @@ class BoosterBrake:
         self._opens = False  # what it was commanded to do last
 
     def command(self, open_it: bool, step: int, settings: ServoSettings, *, waited_for: bool) -> None:
-        """At this step; `waited_for`: the state goes on when it has moved, at once where it is there already."""
+        """Move the brake, at this step; `waited_for`: the state changes when the brake has moved, at once if it is already in position."""
         moving = self.due != NEVER
         if moving and open_it is self._opens:
             return

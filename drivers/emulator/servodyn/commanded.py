@@ -2,7 +2,7 @@
 
 from protocols.servodyn.codec import SetValue
 
-_AT_POWER_UP = SetValue(drive_on=True, limit_switch=True, fault_reset=True)  # a bit that is set at power-up is no edge
+_AT_POWER_UP = SetValue(drive_on=True, limit_switch=True, fault_reset=True)  # a bit that is set at power-up is not an edge
 
 
 def wrap(value: int) -> int:

@@ -1,4 +1,4 @@
-"""Drive parameters of an emulated booster: what it takes, keeps and does with them.
+"""Drive parameters of an emulated booster: which it accepts and stores, and their effect.
 
 Numbers and meanings: rho 3 Releases part 5, 7.3 (L7549-7578); units, ranges and the transport are axisgate's own (AX-266, AX-267).
 Written from these tables, not from the gateway's side.
@@ -68,7 +68,7 @@ class ParameterStore:
         return Answer(request.number, Status.TAKEN, request.value, request.sequence)
 
     def restart(self) -> None:
-        """The supply was gone: what was not stored is forgotten."""
+        """Power returns: unsaved values are lost."""
         self.ram = dict(self.eeprom)
 
     @property

@@ -1,12 +1,12 @@
 """Six SERVODYN-GC boosters on one bus, in bus time: the stamps of the frames are the only clock.
 
-The same stamped frames and seed give the same answers bit for bit, however the frames are cut into calls: the model is integrated in whole
-steps on a grid that starts at the first stamp, and whatever expires is handled at its exact instant, whether `wake` or the next frame finds
-it.  `wake(now)` must not be called with a `now` later than the stamp of a frame that is still to be handed in: the loop around drains
-its port first and waits a grace (`grace_ns`).
+The same stamped frames and seed give the same answers bit for bit, however the frames are divided among calls: the model is integrated in
+full steps on a grid that starts at the first stamp, and each timeout is handled at its exact instant, whether `wake` or the next frame
+finds it.  `wake(now)` must not be called with a `now` later than the stamp of a frame that is still to be handed in: the calling loop
+drains its port first and waits a grace (`grace_ns`).
 
-SYNC latches all positions and activates the set values received since the last SYNC; the actual values leave in axis order.  A fault makes
-its axis send one actual value at once.  Source: AX-001; what AX-001 leaves open: AX-080..089.
+SYNC latches all positions and activates the set values received since the last SYNC; the actual values leave in axis order.  An axis with a
+new fault sends one actual value at once.  Source: AX-001; what AX-001 does not define: AX-080..089.
 """
 
 from collections.abc import Sequence
@@ -75,7 +75,7 @@ class _BusTime:
     last_sync: Ns | None = None
 
     def steps(self, stamp: Ns) -> tuple[int, int]:
-        """The last whole step before `stamp`, and the nanoseconds that remain."""
+        """The last full step before `stamp`, and the nanoseconds that remain."""
         assert self.start is not None, "time runs from the first stamp"
         return divmod(stamp - self.start, STEP_NS)
 
@@ -91,7 +91,7 @@ class _BusTime:
 
 @dataclass(slots=True)
 class _Due:
-    """When the bus acts by itself; NEVER: it does not."""
+    """When the bus must act without a frame; NEVER: it need not."""
 
     sync: Ns = NEVER  # the end of its supervision; never while no SYNC comes
     row: Ns = NEVER  # of the record, without a SYNC
@@ -165,7 +165,7 @@ class ServodynSlave:
         self._output.clear()
         return self._take_events()
 
-    # -- beside the protocol --------------------------------------------------------------------
+    # -- outside the protocol -------------------------------------------------------------------
 
     def prepare(self) -> None:
         """To be called when there is time after a SYNC: works ahead on copies, changes no result."""
@@ -256,12 +256,12 @@ class ServodynSlave:
         self._seat(axis).axis.stick_brake(stuck)
 
     def jump_encoder(self, axis: int, increments: int) -> None:
-        """The counter jumps by so many increments."""
+        """Shift the counter by so many increments."""
         self._seat(axis).axis.jump_encoder(increments)
         self._injected()
 
     def load_torque(self, axis: int, torque_nm: float) -> None:
-        """External torque at the motor shaft against positive motion; 0 takes it away."""
+        """External torque at the motor shaft against positive motion; 0 removes it."""
         self._seat(axis).axis.servo.load_torque(torque_nm)
         self._injected()
 
@@ -328,7 +328,7 @@ class ServodynSlave:
                 seat.axis.bus_lost = True
 
     def _advance(self, stamp: Ns) -> int:
-        """All axes up to the last whole step before `stamp`; the nanoseconds that remain."""
+        """Advance all axes to the last full step before `stamp`; return the nanoseconds that remain."""
         step, rest = self._clock.steps(stamp)
         news = False
         for seat in self._seats:

@@ -7,7 +7,7 @@ from drivers.emulator.servo.settings import INC_PER_TURN, ServoSettings
 
 
 class BoosterTravel:
-    """The model watches one window for it: what leaves the window is asked about in `crossed`."""
+    """The model watches one window; `crossed` decides what it means when the axis leaves it."""
 
     def __init__(self) -> None:
         self.beyond = 0  # the limit that the axis is beyond: +1, -1; 0: none

@@ -1,9 +1,9 @@
-"""The wire model: what a CAN cable does with frames, bit by bit in virtual time.
+"""Wire model: transmission of frames on a CAN cable, bit by bit in virtual time.
 
 Arbitration by identifier, stuffing, error frames, error counters, error passive, bus-off and recovery.
 Source: ISO 11898-1:2015, 10.4 (frames), 10.8 (arbitration), 10.11 (errors), 12.1.4 (fault confinement, rules a to h); figures: can.md C4.
-Pure: offers with stamps in, events with stamps out; the same offers give the same bus, bit for bit.  Each node sends its own frames in the
-order they were offered, as a SocketCAN interface does (AX-330).
+Pure: accepts stamped offers, returns stamped events; equal offers produce an equal bus, bit for bit.  Each node sends its own frames in the
+order they were offered, like a SocketCAN interface (AX-330).
 """
 
 from collections import deque
@@ -43,7 +43,7 @@ class Carried:
 
 @dataclass(frozen=True, slots=True)
 class Destroyed:
-    """A frame that ended in an error frame; it is sent again by itself."""
+    """A frame that ended in an error frame; the controller repeats it."""
 
     frame: Frame
     node: int
@@ -105,7 +105,7 @@ class Wire:
     """One cable.  `offer` frames with the time they were handed to the controller, `advance` to see what happened until then."""
 
     def __init__(self, bitrate: int = 1_000_000) -> None:
-        """bitrate: bit/s; ValueError when it does not divide a second into whole nanoseconds."""
+        """bitrate: bit/s; ValueError if a bit is not a whole number of nanoseconds."""
         if bitrate <= 0 or 1_000_000_000 % bitrate:
             raise ValueError(f"bit rate {bitrate} bit/s: one bit must be a whole number of nanoseconds")
         self.bit_ns: Ns = 1_000_000_000 // bitrate
@@ -139,7 +139,7 @@ class Wire:
 
     # ---- frames ------------------------------------------------------------------------------------------------------
     def offer(self, node: int, frame: Frame, now: Ns) -> bool:
-        """Hand a frame to the node's controller; False when that is bus-off and takes nothing."""
+        """Hand a frame to the node's controller; False when it is bus-off and accepts nothing."""
         one = self.nodes[node]
         if one.state is NodeState.BUS_OFF:
             return False
@@ -208,7 +208,7 @@ class Wire:
         """Bits up to the end of the error frame: what was sent, flag, the others' flags, delimiter."""
         if why == NO_ACK:
             return bits - TAIL + ACK_SLOT + ERROR_FLAG + ERROR_DELIMITER
-        sent = BASE_HEAD + 1 if why == TWINS else bits - TAIL  # twins differ at the earliest just behind the DLC
+        sent = BASE_HEAD + 1 if why == TWINS else bits - TAIL  # twins differ at the earliest just after the DLC
         return sent + ERROR_FLAG + ERROR_ECHO + ERROR_DELIMITER
 
     def _carry(self, attempt: "_Attempt", events: list[Event]) -> None:
@@ -236,7 +236,7 @@ class Wire:
         for number, one in enumerate(self.nodes):
             if number in attempt.winners:
                 events.append(Destroyed(one.queue[0][1], number, attempt.why, attempt.end))
-                if not (alone and one.state is NodeState.ERROR_PASSIVE):  # rule c, exception 1: nobody there is no reason to leave
+                if not (alone and one.state is NodeState.ERROR_PASSIVE):  # rule c, exception 1: a missing partner is no reason for bus-off
                     one.tec += 8
                 self._suspend(one)
             elif one.plugged and not alone and one.state is not NodeState.BUS_OFF:
@@ -248,7 +248,7 @@ class Wire:
             one.free_ns = self._idle_ns + SUSPEND * self.bit_ns
 
     def _shout_alone(self, until: Ns, events: list[Event]) -> None:
-        """Nodes behind a cut cable: no ACK until they are error passive, and on from there without a change."""
+        """Nodes on a cut cable: no ACK until they are error passive; from there nothing changes."""
         for number, one in enumerate(self.nodes):
             if one.plugged or not one.queue or one.state is not NodeState.ERROR_ACTIVE:
                 continue

@@ -1,4 +1,4 @@
-"""SERVODYN boosters and CiA 402 drives on one bus: two FrameMachines behind the face of one."""
+"""SERVODYN boosters and CiA 402 drives on one bus: two FrameMachines with the interface of one."""
 
 from collections.abc import Sequence
 

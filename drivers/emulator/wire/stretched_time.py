@@ -1,10 +1,10 @@
-"""Simulated time that waits for the machine: it stands still while a SYNC is due and does not come (AX-681).  Pure: `now` is handed in.
+"""Simulated time that waits for the computer: it stops while a SYNC is due and missing (AX-681).  Pure: `now` is passed in.
 
-Drives that are simulated beside everything else of a busy machine would miss a SYNC that was only late.  Here the time between two
-SYNCs is never longer than one period and a little; what the machine was late is cut out.  Nor is it much shorter where a SYNC follows a
-late one at once: the set values go a whole period further with each SYNC, so time that was cut out comes back (AX-1090).
+Drives simulated on a busy computer would miss a SYNC that was only late.  Here the time between two SYNCs is at most one period and a
+little more; the lateness of the computer is cut out.  Nor is it much shorter if a SYNC follows a late one at once: the set values advance
+by a full period with each SYNC, so time that was cut out is added back (AX-1090).
 
-A SYNC that stays away for HOLD_NS is missing: time goes on, and the drives do what they do without one.
+A SYNC later than HOLD_NS counts as missing: time continues, and the drives react to the missing SYNC.
 """
 
 from collections.abc import Iterable, Set
@@ -12,21 +12,21 @@ from collections.abc import Iterable, Set
 from protocols.base.machine import Frame, Ns, ms
 
 HOLD_NS = ms(800)  # longer than the cycle waits for the drives, shorter than what services wait for a silent cycle there
-NAP_NS = ms(1)  # between two looks while time stands still
-JITTER = 8  # a SYNC may come this part of a period late before time stands still, or early before time that was cut out comes back
+NAP_NS = ms(1)  # between two looks while time is stopped
+JITTER = 8  # fraction of a period: a SYNC may be so late before time stops, or so early before cut-out time is added back
 
 
 class StretchedTime:
     """Of one bus."""
 
     def __init__(self, period_ns: Ns, sync_ids: Set[int]) -> None:
-        self.cut_ns: Ns = 0  # by how much simulated time is behind
+        self.cut_ns: Ns = 0  # lag of simulated time
         self._sync_ids = sync_ids
         self._shortest, self._longest = period_ns - period_ns // JITTER, period_ns + period_ns // JITTER
         self._last: Ns | None = None  # when the last SYNC came, simulated; None: none is awaited
 
     def at(self, now: Ns) -> Ns:
-        """What the drives take for `now`."""
+        """The time for the drives."""
         simulated = now - self.cut_ns
         if self._last is None or simulated <= self._last + self._longest:
             return simulated
@@ -37,7 +37,7 @@ class StretchedTime:
         return self._last + self._longest
 
     def held(self, now: Ns) -> bool:
-        """Whether time stands still."""
+        """Whether time is stopped."""
         return self.at(now) != now - self.cut_ns
 
     def frames(self, frames: Iterable[Frame]) -> list[Frame]:

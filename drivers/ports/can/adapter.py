@@ -1,7 +1,7 @@
-"""Any CAN adapter python-can knows as a CanPort: slcan, PCAN, Kvaser, socketcand, ...
+"""Any CAN adapter supported by python-can as a CanPort: slcan, PCAN, Kvaser, socketcand, ...
 
 Opening and reading such an adapter may block for as long as its library likes, and most of them have no descriptor to wait for.  So a
-thread reads, and this port is never opened by the cycle: gateway.processes.can_adapter joins it to the local bus the cycle is on (AX-435).
+thread reads, and the cycle never opens this port: gateway.processes.can_adapter joins it to the local bus of the cycle (AX-435).
 """
 
 import contextlib
@@ -22,7 +22,7 @@ from protocols.base.machine import Frame, FrameFault, Ns
 READ_S, SEND_S = 0.1, 0.1  # patience of one call into the library
 BAD_IN_A_ROW = 50  # things the library could not read: then the adapter counts as gone
 SAMPLES = 100  # of one figure of latency
-MARK_OWN = ("kvaser", "vector", "nixnet", "etas", "virtual")  # give own frames back when asked and mark them; others do so unasked or never
+MARK_OWN = ("kvaser", "vector", "nixnet", "etas", "virtual")  # return and mark own frames on request; others do so always or never
 GOES_WRONG = (can.CanError, OSError, ImportError, ValueError, TypeError, NotImplementedError, AttributeError)
 DEFAULTS: dict[str, dict[str, float]] = {
     "slcan": {"sleep_after_open": 0.0, "timeout": 0.02},  # 2 s for boards that start anew when opened: ?sleep_after_open=2
@@ -54,7 +54,7 @@ class AdapterPort:
         return self._more
 
     def send(self, frames: Sequence[Frame]) -> int:
-        """How many were taken, in order; the library may take SEND_S for each.  PortError when the adapter is gone."""
+        """Number of frames accepted, in order; the library may take SEND_S for each.  PortError when the adapter is gone."""
         for frame in frames:
             check_frame(frame)
         if self._gone is not None:
@@ -125,7 +125,7 @@ class AdapterPort:
             self._more = -1
 
     def _read(self) -> None:
-        with contextlib.suppress(OSError):  # as urgent as its process, which a new thread is not by itself
+        with contextlib.suppress(OSError):  # as urgent as its process; a new thread does not inherit that
             os.sched_setscheduler(0, os.sched_getscheduler(os.getpid()), os.sched_getparam(os.getpid()))
         bad = 0
         while not self._closing:

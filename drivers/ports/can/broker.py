@@ -26,7 +26,7 @@ from drivers.ports.can.wire import (
 from protocols.base.machine import Frame, FrameFault, Ns
 
 RECEIVE_BYTES = 65536  # one message; a statistics answer is the longest
-BURST = 256  # messages one receive() takes at most, so that a flood cannot hold the caller
+BURST = 256  # messages one receive() reads at most, so that a flood cannot hold the caller
 SEND_BUFFER = 1 << 17  # the kernel doubles it; full messages in it are fewer frames than a subscriber's queue holds
 Record = tuple[int, int, int, bytes, int, int]  # id and flags, length, sender, data, stamp ns, sequence
 

@@ -30,7 +30,7 @@ class BrokerBus(can.BusABC):
             self._link = Link(channel)
         except PortError as error:
             raise can.CanInitializationError(str(error)) from error
-        # readable while the socket has something or messages of a batch wait here: an asyncio Notifier takes one per event
+        # readable while the socket has data or messages of a batch wait here: an asyncio Notifier reads one per event
         self._more = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         self._epoll = select.epoll()
         self._epoll.register(self._link.socket, select.EPOLLIN)

@@ -1,8 +1,8 @@
-"""The python-can plug-in `cycle:`: a drive bus as the services see it while the cycle owns it.
+"""The python-can plug-in `cycle:`: a drive bus, seen from the services, while the cycle owns it.
 
-On a drive bus only the cycle transmits.  What is sent here goes into the cycle's ring and leaves with one of its next bursts (AX-301);
-what is received here is what the cycle put aside (SDO, EMCY, heartbeat).  SYNC, PDOs and the gateway's heartbeat are refused: they
-come from a completed cycle or not at all.  The links are made by the process that has the ring (`attach`).
+On a drive bus only the cycle transmits.  Frames sent here go into the cycle's ring and leave with one of its next bursts (AX-301); received
+are the frames that the cycle set aside (SDO, EMCY, heartbeat).  SYNC, PDOs and the gateway's heartbeat are refused: only a completed cycle
+sends them.  The process that has the ring creates the links (`attach`).
 """
 
 import threading

@@ -12,7 +12,7 @@ from protocols.base.machine import Frame, FrameFault, Ns
 
 
 class MemoryCanPort:
-    """One end.  What the other end sends waits here, at most `limit` frames; then its send() takes fewer, as on a full bus."""
+    """One end.  Frames from the other end wait here, at most `limit`; then its send() accepts fewer, as on a full bus."""
 
     def __init__(self, name: str, clock: Callable[[], Ns], limit: int) -> None:
         self.name = name
@@ -47,7 +47,7 @@ class MemoryCanPort:
         return len(fitting)
 
     def fault(self, kind: FrameFault) -> None:
-        """A test puts an error frame in front of this end."""
+        """For tests: queue an error frame first at this end."""
         self._faults.append((kind, self._clock()))
         self.counters.faults += 1
         os.eventfd_write(self._readable, 1)

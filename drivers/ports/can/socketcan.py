@@ -106,7 +106,7 @@ class SocketCanPort:
                 break
             except OSError as error:
                 if raw:
-                    break  # what came before is given first; the fault is reported at the next call
+                    break  # return what came before first; the next call reports the fault
                 raise PortError(_advice(self.name, self.name.partition(":")[2], error)) from error
             raw.append((octets, _wall_ns(ancillary)))
         return raw

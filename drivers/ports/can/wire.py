@@ -33,8 +33,8 @@ class Control(IntEnum):
         1  # first of every connection: sequence = the next frame's, data = the broker's start stamp; in the log's pipe: data = frames lost
     )
     STATS = 2  # to the broker: report your counters
-    STATS_REPLY = 3  # data = length of the JSON text that follows, padded to whole records
-    TEXT = 4  # to the log writer only: data = length of the text that follows, padded to whole records
+    STATS_REPLY = 3  # data = length of the JSON text that follows, padded to full records
+    TEXT = 4  # to the log writer only: data = length of the text that follows, padded to full records
 
 
 @dataclass(slots=True)
@@ -43,7 +43,7 @@ class CanCounters:
 
     sent: int = 0
     received: int = 0
-    refused: int = 0  # frames send() did not take because the way out was full (EAGAIN, ENOBUFS)
+    refused: int = 0  # frames that send() did not accept because the output was full (EAGAIN, ENOBUFS)
     ignored: int = 0  # extended, remote or malformed frames that came in
     faults: int = 0  # error frames that came in
     gaps: int = 0  # frames known to be missed (sequence numbers)
@@ -55,7 +55,7 @@ def control_record(kind: Control, data: bytes, sequence: int = 0, stamp_ns: Ns =
 
 
 def text_record(kind: Control, text: bytes, stamp_ns: Ns = 0) -> bytes:
-    """A control record followed by a text of any length, padded to whole records."""
+    """A control record followed by a text of any length, padded to full records."""
     padded = text + bytes(-len(text) % RECORD_BYTES)
     return control_record(kind, COUNT.pack(len(text)), 0, stamp_ns) + padded
 

@@ -1,4 +1,4 @@
-"""A serial line behind a TCP serial device server (raw mode), or a partner that speaks its serial protocol over TCP."""
+"""A serial line on a TCP serial device server (raw mode), or a partner that uses its serial protocol over TCP."""
 
 import errno
 import fcntl
@@ -71,7 +71,9 @@ class TcpPort:
         return count
 
     def unsent(self) -> int:
-        """Never less than the kernel still holds or the partner has not acknowledged; with a baud rate also the serial line behind."""
+        """At least the bytes that the kernel still holds or the partner has not acknowledged; with a baud rate also those on the serial
+        line.
+        """
         try:
             queued = int(struct.unpack("i", fcntl.ioctl(self._socket.fileno(), termios.TIOCOUTQ, b"\0" * 4))[0])
         except OSError as error:

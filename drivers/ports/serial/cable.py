@@ -158,7 +158,7 @@ class Direction:
         return self._chance.fault
 
     def _draw(self) -> float:
-        """0 <= number < 1; splitmix64, so that a seed gives the same damage on every machine."""
+        """0 <= number < 1; splitmix64, so that a seed causes the same damage on every machine."""
         self._random = (self._random + 0x9E3779B97F4A7C15) & 0xFFFFFFFFFFFFFFFF
         z = self._random
         z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9 & 0xFFFFFFFFFFFFFFFF

@@ -57,8 +57,9 @@ class DescriptorPort:
         return self._named(self._marks.read(data) if self._marks else [data])
 
     def _only_empty(self) -> bool:
-        """A terminal with VMIN 0 (pyserial leaves it so, and stty can set it) gives an empty read where nothing waits; one that was hung
-        up no longer shows its settings."""
+        """Whether an empty read only means that nothing waits: VMIN is 0 (pyserial leaves it so, and stty can set it).  A terminal that was
+        hung up no longer shows its settings.
+        """
         try:
             return termios.tcgetattr(self._fd)[6][termios.VMIN] in (0, b"\0")  # a number only where the line is not canonical
         except termios.error:
@@ -83,7 +84,7 @@ class DescriptorPort:
         return self._drain.left(time.monotonic_ns()) if self.char_ns else 0
 
     def _named(self, items: list[bytes | Damage]) -> list[bytes | Damage]:
-        """Damages by what the driver knows beside the marks."""
+        """Name damages from the counters of the driver."""
         return items
 
     def _gone(self, error: OSError) -> PortError:

@@ -1,8 +1,8 @@
-"""A real serial interface through pyserial: exclusive, never blocking, damage in line order with the bytes.
+"""Serial interface through pyserial: exclusive, non-blocking, damage in line order with the bytes.
 
 pyserial opens and sets the frame; it switches the parity check off, so PARMRK and INPCK are set through termios afterwards.  PARMRK reports
-only "damaged" or BREAK; where the driver counts (TIOCGICOUNT) its counters distinguish parity, framing and overrun.  A pty under its own
-name (/dev/pts/5: a simulator, socat) is taken as well: it has no frame, the format only gives the pace.
+only "damaged" or BREAK; if the driver counts (TIOCGICOUNT), its counters distinguish parity, framing and overrun.  A pty under its own name
+(/dev/pts/5: a simulator, socat) is accepted as well: it has no frame, the format only sets the pace.
 """
 
 import contextlib
@@ -48,7 +48,7 @@ def frame_of(settings: Sequence[Any], asked_baud: int) -> str:
 
 
 def named_damage(items: list[bytes | Damage], before: Mapping[Damage, int], now: Mapping[Damage, int]) -> list[bytes | Damage]:
-    """Names the marked characters of one read by what the driver counted meanwhile; PARMRK itself gives PARITY for all, BREAK for a 00."""
+    """Classify the marked characters of one read from the driver's counters; PARMRK itself reports PARITY for all, BREAK for a 00."""
     if now == before:
         return items
     new = {kind: now[kind] - before[kind] for kind in now}
@@ -116,7 +116,7 @@ class SerialPort(DescriptorPort):
         except (serial.SerialException, OSError, ValueError) as error:  # ValueError: a speed the driver refuses
             number = getattr(error, "errno", None) or (errno.ENOTTY if _is_no_tty(error) else 0)
             raise PortError(number, f"serial port {path}: {HINTS.get(number, f'cannot be opened ({error})')}") from error
-        except termios.error as error:  # nothing of what was asked was new to the driver but the frame, and that it does not take
+        except termios.error as error:  # the driver knew all requested settings but the frame, and rejects that
             raise _refused(path, line_format, error) from error
         self._fd = self._serial.fileno()
         try:
@@ -147,7 +147,7 @@ class SerialPort(DescriptorPort):
         """Forgets what has not left (a close that waits for a dead partner would block for half a minute); twice does no harm."""
         if self._fd >= 0:
             at_once, self._fd = is_pty(self._fd), -1
-            if at_once:  # nothing to wait for, and the flush would take from the far end what it has not read yet
+            if at_once:  # nothing to wait for, and the flush would discard what the far end has not read yet
                 self._serial.close()
                 return
             with contextlib.suppress(OSError, termios.error, serial.SerialException):  # the adapter may be gone already
@@ -155,7 +155,7 @@ class SerialPort(DescriptorPort):
             self._serial.close()
 
     def _claim(self, line_format: LineFormat) -> None:
-        """Exclusive use and damage marks; PortError if the driver did not take the frame (the kernel keeps the old one without a word)."""
+        """Claim exclusive use and damage marks; PortError if the driver did not accept the frame (the kernel keeps the old one)."""
         fcntl.ioctl(self._fd, termios.TIOCEXCL)
         settings = termios.tcgetattr(self._fd)
         kept = frame_of(settings, line_format.baud)
@@ -166,7 +166,7 @@ class SerialPort(DescriptorPort):
         settings[0] = settings[0] & ~(termios.IGNPAR | termios.IGNBRK | termios.BRKINT) | termios.PARMRK | check
         settings[6][termios.VMIN], settings[6][termios.VTIME] = 1, 0  # nothing waits: EAGAIN; pyserial's VMIN 0 reads like a hang-up
         termios.tcsetattr(self._fd, termios.TCSANOW, settings)
-        # what a program before us wrote on a pty is in the hands of its far end, which has not read it yet
+        # what an earlier program wrote on a pty is with its far end, which has not read it yet
         termios.tcflush(self._fd, termios.TCIFLUSH if is_pty(self._fd) else termios.TCIOFLUSH)
 
     def _transmitting(self) -> int:

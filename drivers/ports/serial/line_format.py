@@ -67,11 +67,11 @@ class Drain:
         self._empty_at: Ns = 0
 
     def took(self, count: int, now: Ns) -> None:
-        """The line took `count` bytes at `now`; they leave one after the other behind what is still on it."""
+        """The line accepted `count` bytes at `now`; they leave one by one after those still on it."""
         self._empty_at = max(self._empty_at, now) + count * self.char_ns
 
     def answered(self, now: Ns) -> None:
-        """The far end spoke, and no line is known that delays what it hears: nothing is under way any more (AX-652)."""
+        """The far end answered, and no line is known that delays what it receives: nothing is on the way any more (AX-652)."""
         self._empty_at = min(self._empty_at, now)
 
     def left(self, now: Ns) -> int:
@@ -119,7 +119,7 @@ class MarkReader:
                 start = at + 3
             else:
                 good += FF
-                start = at + (2 if piece[1] == 0xFF else 1)  # FF and another byte: a writer that does not escape; both stand
+                start = at + (2 if piece[1] == 0xFF else 1)  # FF and another byte: a writer that does not escape; both count
             at = data.find(FF, start)
         good += data[start:]
         if good:
@@ -153,7 +153,7 @@ class Note(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A whole record."""
+    """A complete record."""
 
     runs: list[Run] = field(default_factory=list)
     notes: list[Note] = field(default_factory=list)

@@ -22,7 +22,7 @@ SIGNATURE = {termios.VEOL: b"A", termios.VEOL2: b"X", termios.VREPRINT: b"M", te
 
 ABSENT = "is its line process running, and the adapter inserted?"
 HINTS = {errno.EACCES: "it belongs to another user (ls -l)", errno.EISDIR: "name the pty itself"}
-MARKS_AT = 0x41584D4B  # byte of the pty that a port locks while it asks for marks; the kernel takes the lock off with its last user
+MARKS_AT = 0x41584D4B  # byte of the pty that a port locks while it requests marks; the kernel releases the lock with its last user
 
 
 def set_raw(fd: int) -> None:

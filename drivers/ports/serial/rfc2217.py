@@ -1,7 +1,8 @@
-"""A serial interface behind a server that speaks RFC 2217 (Telnet COM port control), through pyserial: the frame is set at the server.
+"""Serial interface on an RFC 2217 server (Telnet COM port control), through pyserial: the frame is set at the server.
 
-pyserial reads the connection in a thread of its own and has no file descriptor to wait on, so a second thread passes what came through a
-socket pair.  RFC 2217 reports line errors as a state, not at their place among the characters: a block spoiled so is found by its check.
+pyserial reads the connection in a thread of its own and has no file descriptor to wait on, so a second thread passes received bytes through
+a socket pair.  RFC 2217 reports line errors as a state, not at their place among the characters: the block check finds a block damaged in
+this way.
 """
 
 import contextlib
@@ -18,7 +19,7 @@ from drivers.ports.serial.line_format import Drain, LineFormat
 from protocols.base.machine import Damage
 
 READ_SIZE = 4096
-WAIT_S = 0.05  # longest wait of the reading thread; what is there is handed over at once
+WAIT_S = 0.05  # longest wait of the reading thread; available bytes are passed on at once
 
 
 class Rfc2217Port:

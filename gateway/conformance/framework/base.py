@@ -63,7 +63,7 @@ class Tester:
 
     @contextlib.contextmanager
     def given(self) -> Iterator[None]:
-        """Steps that lead to the question: what fails here is INCONC, another purpose judges it."""
+        """Preparing steps: a failure here is INCONC, another purpose judges it."""
         self._preparing += 1
         try:
             yield
@@ -82,8 +82,8 @@ class Tester:
         self.notes.remarks.append(text)
 
     def timed(self, what: str, took: Ns, least: Ns | None, most: Ns | None) -> None:
-        """Records a time; FAIL where its whole interval is outside, repeated where it lies across a limit."""
-        took = max(took, 0)  # a port without a line behind it answers before the count of characters is over
+        """Record a time; FAIL if its complete interval is outside the limits, repeated if it overlaps one."""
+        took = max(took, 0)  # a port without a serial line answers before the counted time of the characters is over
         near, far = self.doubt(took)
         measure = Measure(what, took, least, most, near, self.clock)
         self.notes.measures.append(measure)

@@ -10,7 +10,7 @@ from protocols.p3964r.profiles import PROFILES
 
 Table = Mapping[str, object]
 CHOICES: Mapping[str, tuple[str, ...]] = {"profile": tuple(PROFILES), "priority": ("high", "low")}  # values of keys of the PICS
-RANGES: Mapping[str, tuple[int, int]] = {  # whole numbers of the PICS
+RANGES: Mapping[str, tuple[int, int]] = {  # integers of the PICS
     "node": (1, 127),
     "module": (1, 6),
     "most_registers": (1, 125),
@@ -55,7 +55,7 @@ def wanted_in_pics(key: str, kind: str, value: object) -> str:
 
 
 def error_faults(table: Mapping[str, object]) -> list[str]:
-    """Of the table of own error numbers: a name that no case knows would have no effect."""
+    """Check the table of own error numbers: an unknown name would have no effect."""
     faults = []
     for name, value in table.items():
         if name not in ERRORS:

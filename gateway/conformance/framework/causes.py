@@ -1,4 +1,4 @@
-"""Names the case behind an INCONC: the one that FAILed at the same step, or at the same part of the device; none where there is none."""
+"""Name the case that caused an INCONC: the one that FAILed at the same step, or at the same part of the device, if any."""
 
 import re
 from collections.abc import Mapping, Sequence

@@ -1,6 +1,6 @@
-"""What a CAN suite has of a bus: say frames, hear the next one until a moment.  Adapters and virtual time look the same.
+"""A CAN suite's access to a bus: send frames, receive the next one until a deadline; the same for adapters and virtual time.
 
-A machine in virtual time gets frames as pairs (identifier, data) and gives such pairs; the identifier of a remote frame has bit 30.
+A machine in virtual time gets and returns frames as pairs (identifier, data); the identifier of a remote frame has bit 30.
 """
 
 import select
@@ -82,7 +82,7 @@ class VirtualFrames:
         return self._now
 
     def act(self, what: Callable[[Ns], None]) -> None:
-        """Something is done to the device beside the bus."""
+        """Act on the device outside the bus."""
         what(self._now)
         self._collect()
 

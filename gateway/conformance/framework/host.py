@@ -41,7 +41,7 @@ class Host:
         self._since = time.monotonic_ns()
 
     def sample(self, wire: Held) -> None:
-        """At each thing said or heard."""
+        """At each character or frame sent or received."""
         if self._peers is not None and not wire.simulated:
             self._peers.sample(wire.now(), waited_ns())
 
@@ -55,7 +55,7 @@ class Host:
         return max(wire.late_ns, self._others())
 
     def within(self, wire: Held, since: Ns) -> Ns:
-        """How much later than by itself a device may have answered at any time from then until now."""
+        """Additional lateness of any answer of the device since then, caused by this host."""
         if wire.simulated:
             return 0
         if self._peers is not None and self._peers.known:

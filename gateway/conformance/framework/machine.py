@@ -22,7 +22,7 @@ class MachineDied(PortError):
 
 
 class Guarded:
-    """Passes on to the device; what it raises is the end of the device, not of the tester."""
+    """Pass on to the device; an exception ends the device, not the tester."""
 
     def __init__(self, device: Machine[object], name: str) -> None:
         self.device, self._name = device, name

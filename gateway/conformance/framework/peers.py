@@ -1,8 +1,8 @@
 """Programs on this host at the other end of a port: how long they waited for a processor.
 
-Linux only (proc(5), pid/schedstat: its second number is the time on a run queue); elsewhere, and where no such program is found, nothing is
-known and the witness processes stand in for them.  Found by what they hold: the other end of a pty, also through a simulated cable, or the
-listening socket of a TCP address of this host.
+Linux only (proc(5), pid/schedstat: its second number is the time on a run queue).  Elsewhere, and if no such program is found, the witness
+processes are used instead.  A program is found by its open files: the other end of a pty, also through a simulated cable, or the listening
+socket of a TCP address of this host.
 """
 
 import contextlib
@@ -35,7 +35,7 @@ class Sample:
 
 
 class Peers:
-    """The programs behind one address of a bench."""
+    """The programs at the other end of a bench's address."""
 
     def __init__(self, url: str, root: pathlib.Path = pathlib.Path("/proc")) -> None:
         self._url, self._root = url, root
@@ -87,7 +87,7 @@ class Peers:
         return holders | beyond
 
     def _links(self) -> Iterator[tuple[int, str, pathlib.Path]]:
-        """Every open file of every process that can be read: process, what it is, its details."""
+        """Every readable open file of every process: process, target, details."""
         for folder in self._root.iterdir():
             if folder.name.isdecimal():
                 with contextlib.suppress(OSError):

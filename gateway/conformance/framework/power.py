@@ -70,7 +70,7 @@ def _relay(table: Mapping[str, object], on: bool) -> None:
 
 
 def write_once(url: str, table: Mapping[str, object], what: str) -> None:
-    """One coil or register of a Modbus TCP server; INCONC where it does not take it."""
+    """Write one coil or register of a Modbus TCP server; INCONC if the write is refused."""
     unit, value = cast(int, table.get("unit", 1)), cast(int, table.get("value", 1))
     if "holding" in table:
         pdu = struct.pack(">BHH", 6, cast(int, table["holding"]), value)

@@ -107,7 +107,7 @@ class Runner:
         return self._left_behind(purpose) or self._repeated(purpose)
 
     def _left_behind(self, purpose: Purpose[Tester]) -> Result | None:
-        """Since that case the device has not been usable: nothing can be said here."""
+        """Since that case the device has not been usable: no verdict is possible here."""
         if not self._unusable:
             return None
         if self._vain < TRIES:

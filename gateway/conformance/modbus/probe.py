@@ -46,7 +46,7 @@ class Prober:
         return connection
 
     def play(self, case: Case) -> Result:
-        """Sends the pieces, hears until everything due has come, the server closes, or the wait is over."""
+        """Send the pieces, then receive until all answers are complete, the server closes, or the wait is over."""
         with self.connect() as connection:
             with contextlib.suppress(ConnectionError):  # it may close before all of it was sent
                 for piece in case.pieces:
@@ -74,7 +74,7 @@ class Prober:
         return Heard(tuple(said), False, rest)
 
     def registers(self, unit: int, first: int, last: int) -> dict[str, dict[int, int]]:
-        """What can be read of both register tables; what cannot is left out."""
+        """The readable registers of both tables."""
         found: dict[str, dict[int, int]] = {table: {} for table in TABLES}
         with self.connect() as connection:
             connection.settimeout(max(self.wait_s, 2.0))

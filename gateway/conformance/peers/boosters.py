@@ -1,4 +1,4 @@
-"""Axisgate's emulated SERVODYN booster as a machine of frames, with parts exchanged: what the suite servodyn is tried with."""
+"""Axisgate's emulated SERVODYN booster as a machine of frames, with exchangeable parts: for trials of the suite servodyn."""
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache

@@ -1,4 +1,4 @@
-"""Axisgate's emulated CiA 402 drive and booster as machines of frames, with parts exchanged: what a CAN suite is tried with."""
+"""Axisgate's emulated CiA 402 drive and booster as machines of frames, with exchangeable parts: for trials of a CAN suite."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -70,7 +70,7 @@ class Drive:
         return self.slave.seats[0].axis
 
     def fixed(self, key: Key, value: int) -> None:
-        """Reads always give this."""
+        """Reads always return this value."""
         self.node.objects.readers[key] = lambda: value
 
     def unchecked(self, *keys: Key) -> None:

@@ -56,7 +56,7 @@ def deaf(identifier: int, size: int | None = None) -> Says:
 
 
 def commands(change: Callable[[int, int], tuple[int, int] | None]) -> Says:
-    """NMT commands it hears: (command, node)."""
+    """NMT commands it accepts: (command, node)."""
 
     def hears(drive: Drive, frame: Frame) -> Sequence[Frame]:
         if frame.identifier != cobid.NMT or len(frame.data) != 2:

@@ -37,7 +37,7 @@ class AnyBlock(SdoServer):
 
 
 class NoRepeat(SdoServer):
-    """Goes on behind what it sent, whatever was acknowledged."""
+    """Continues after what it sent, whatever was acknowledged."""
 
     def _acknowledged(self, good: int, block: int) -> list[bytes]:
         return super()._acknowledged(self._sequence, block)
@@ -67,7 +67,7 @@ class AnswersAborts(SdoServer):
 
 
 class HangsInBlocks(SdoServer):
-    """A client that gives up a block upload is waited for."""
+    """Keeps waiting for a client that aborted a block upload."""
 
     def handle(self, request: bytes, now: Ns) -> list[bytes]:
         if self._phase is Phase.BLOCK_OUT_START and request[0] == 0x80:

@@ -97,7 +97,7 @@ def watches_one(drive: Drive) -> None:
 
 
 def _each(turn: int, identifier: int, change: Says) -> Says:
-    """Each so many frames on this identifier one is changed."""
+    """Every n-th frame on this identifier is changed."""
 
     def says(drive: Drive, frame: Frame) -> Sequence[Frame]:
         if frame.identifier != identifier:

@@ -207,7 +207,7 @@ def beats_toggle(drive: Drive, frame: Frame) -> Sequence[Frame]:
 
 # ---- PDO
 def _after_loading(item: Pdo, act: Callable[[], None]) -> None:
-    """What becomes of a PDO whenever it takes over its parameters."""
+    """Run `act` on a PDO whenever it loads its parameters."""
     own = item._load_own
 
     def load() -> None:
@@ -280,7 +280,7 @@ def remaps_counted(drive: Drive) -> None:
 
 # ---- correct devices unlike it
 def refuses(*ranges: range, taken: Sequence[int] = ()) -> Tune:
-    """Entries of these indexes are constant; with `taken`: they take these values."""
+    """Entries of these indexes are constant; with `taken`: they accept these values."""
 
     def tune(drive: Drive) -> None:
         objects = drive.node.objects

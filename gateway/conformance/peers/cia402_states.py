@@ -92,7 +92,7 @@ def other_code(drive: Drive) -> None:
 
 
 def resumes(drive: Drive) -> None:
-    """Profile position: what was under way goes on when operation is enabled again."""
+    """Profile position: an interrupted move continues when operation is enabled again."""
     mode = drive.axis.modes[1]
     assert isinstance(mode, ProfilePosition)
     enter = mode.enter

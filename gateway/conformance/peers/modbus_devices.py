@@ -12,7 +12,7 @@ from protocols.modbus.view import ExceptionCode, Kind
 
 SIZE = 120
 INPUTS, DISCRETE = [0x7000 + 3 * at for at in range(SIZE)], [at % 3 == 0 for at in range(SIZE)]
-Answer = Callable[["Device", bytes, bytes], bytes]  # request and right answer -> what is said
+Answer = Callable[["Device", bytes, bytes], bytes]  # request and right answer -> the answer sent
 
 
 class Tables:

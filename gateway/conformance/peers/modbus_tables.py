@@ -211,7 +211,7 @@ class EvenCounts(Tables):
 
 
 class WithoutCarry(Tables):
-    """300 registers; a read that crosses 256 goes on at 0."""
+    """300 registers; a read that crosses 256 continues at 0."""
 
     def __init__(self) -> None:
         super().__init__()

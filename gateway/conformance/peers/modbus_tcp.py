@@ -196,7 +196,7 @@ class OneData(Device):
 
 
 class Halves(Device):
-    """What follows a whole request in its segment is dropped, unless it is whole."""
+    """Data after a complete request in its segment are dropped, unless they are complete."""
 
     def receive(self, data: bytes, now: Ns) -> Sequence[object]:
         before = self.count

@@ -69,7 +69,7 @@ class FewerAttempts(Sender):
 
 
 class ThirdConflict(Sender):
-    """The job that gives way in every third conflict is lost."""
+    """The job that yields in every third conflict is lost."""
 
     _conflicts = 0
 

@@ -58,7 +58,7 @@ class FalseEnd(Receiver):
 
 
 class AnswersInside(Receiver):
-    """Answers 02h in the data with DLE, and goes on."""
+    """Answers 02h in the data with DLE, and continues."""
 
     def _collect(self, data: bytes, at: int) -> int:
         if data[at] == Char.STX and self._data:

@@ -173,7 +173,7 @@ class FromTheBeginning(Sender):
 
 
 class DropsAll(Sender):
-    """It gives up all jobs with the one that failed."""
+    """Gives up all jobs with the one that failed."""
 
     def _give_up(self, why: Failure, stage: Stage) -> None:
         super()._give_up(why, stage)

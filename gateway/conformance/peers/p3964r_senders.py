@@ -147,7 +147,7 @@ class CountsOneMore(Sender):
 
 
 class NoYield(Sender):
-    """Without priority it does not give way in a repeat."""
+    """Without priority it does not yield in a repeat."""
 
     def _meet(self) -> bool:
         if self._attempts.failed > 0:

@@ -1,4 +1,4 @@
-"""3964R: whole stations with one fault each, and what they say otherwise (used by peers.p3964r)."""
+"""3964R: complete stations with one fault each, and what they answer instead (used by peers.p3964r)."""
 
 from collections.abc import Sequence
 
@@ -58,7 +58,7 @@ class ResetsOnConflict(Built):
         return super().receive(data, now)
 
 
-# ---- what is said
+# ---- what is sent
 def seven_bits(byte: int) -> bytes:
     return bytes((byte & 0x7F,))
 
@@ -108,7 +108,7 @@ def no_end(output: bytes) -> bytes:
 
 
 class DeafAfter(Built):
-    """Hears nothing for a while after such an event."""
+    """Ignores STX for a while after such an event."""
 
     def __init__(self, event: type[BlockSent] | type[BlockRefused], how_long: Ns) -> None:
         super().__init__(RHO3, Priority.LOW)
@@ -124,7 +124,7 @@ class DeafAfter(Built):
 
 
 class _OddStx(Built):
-    """Every other STX, from the first one on, is not accepted: `reply` takes the place of DLE."""
+    """Every other STX, from the first one on, is not accepted: the answer is `reply` instead of DLE."""
 
     reply = b""
     _heard = b""
@@ -186,7 +186,7 @@ class NakTwice(Built):
 
 
 class WedgesInARow(Built):
-    """The twelfth job within ten seconds, and all behind it, are not sent."""
+    """The twelfth job within ten seconds, and all after it, are not sent."""
 
     def __init__(self) -> None:
         super().__init__(RHO3, Priority.LOW)
@@ -247,7 +247,7 @@ class Echoes(Built):
 
 
 class Crowded(Built):
-    """Correct; three jobs of its own wait one behind the other."""
+    """Correct; queues three jobs of its own."""
 
     def stimulate(self, now: Ns, block: bytes = OWN_BLOCK) -> None:
         for number in range(3):
@@ -255,7 +255,7 @@ class Crowded(Built):
 
 
 class NaksSecondDle(Built):
-    """Correct; a second DLE to its STX is a stray character, answered with NAK behind its block."""
+    """Correct; a second DLE to its STX is a stray character, answered with NAK after its block."""
 
     _opened: Ns = -ms(100)
     _second = _due = False

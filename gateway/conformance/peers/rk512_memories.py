@@ -109,7 +109,7 @@ class WritesToTheEnd(Blocks):
 
 
 class WritesBeyond(Blocks):
-    """Words behind the end land at the beginning."""
+    """Words beyond the end are written at the beginning."""
 
     def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
         if db in self.content and word + len(data) // 2 > 128:

@@ -13,11 +13,11 @@ from protocols.rk512.header import ErrorNumber, Flag, Header
 from protocols.rk512.passive import Event as PassiveEvent
 from protocols.rk512.passive import Passive, Refused
 
-Change = Callable[[bytes, bytes], bytes | None]  # command, reaction -> what is said instead
+Change = Callable[[bytes, bytes], bytes | None]  # command, reaction -> the reaction sent instead
 
 
 class ChangedReactions(Passive):
-    """Our passive station with one reaction changed: `change(command, reaction)`; None: nothing is said."""
+    """Our passive station with one reaction changed: `change(command, reaction)`; None: no reaction is sent."""
 
     def __init__(self, blocks: Blocks, change: Change, dialect: Dialect | None = None) -> None:
         super().__init__(blocks, dialect)
@@ -62,7 +62,7 @@ class WritesThenRefuses(Passive):
 
 
 class NoLength(Passive):
-    """Does not look behind the header of a FETCH."""
+    """Ignores what follows the header of a FETCH."""
 
     def _wrong_amount(self, header: Header, data_bytes: int) -> tuple[int, str] | None:
         return super()._wrong_amount(header, 0 if header.command == 0x45 else data_bytes)
@@ -77,7 +77,7 @@ class NoFirstByte(Passive):
 
 
 class Ignores(Passive):
-    """Correct: what begins neither with 00 nor with FF is no command to it."""
+    """Correct: a block that begins with neither 00 nor FF is not a command to it."""
 
     def telegram(self, data: bytes, now: Ns) -> list[PassiveEvent]:
         return super().telegram(data, now) if data[:1] in (b"\0", b"\xff") else []
@@ -126,7 +126,7 @@ class FetchDx(Passive):
 
 
 class LoneSend(Passive):
-    """A follow-on SEND without a first one is written behind the last SEND."""
+    """Writes a follow-on SEND without a first one after the words of the last SEND."""
 
     _behind = 0
 

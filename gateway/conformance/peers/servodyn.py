@@ -64,7 +64,7 @@ def _only_actual(change: Callable[[Booster, Frame], Sequence[Frame]]) -> Raw:
 
 # ---- parts
 def _every(count: int) -> ActualChange:
-    """One of so many actual values is lost."""
+    """One in so many actual values is lost."""
 
     def each(booster: Booster, value: ActualValue) -> ActualValue | None:
         booster.tally += 1

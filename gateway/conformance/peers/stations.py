@@ -61,7 +61,7 @@ class DeafToDamage(Built):
 
 
 class AnswersLate(Late):
-    """Correct, but each DLE and each reaction takes its time."""
+    """Correct, but slow: each DLE and each reaction is delayed."""
 
     def __init__(self, profile: Profile = RHO3, priority: Priority = Priority.LOW, layer: str = "rk512", late: Ns = ms(120)) -> None:
         super().__init__(profile, priority, layer, late)

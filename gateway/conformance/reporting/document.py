@@ -22,7 +22,7 @@ KIND, FORMAT = "axisgate conformance", 1
 
 @dataclass(frozen=True, slots=True)
 class Circumstances:
-    """Of a run, beside its results: what was assumed of the device, what the tester found of itself, the order, whether it was ended."""
+    """Circumstances of a run: assumptions about the device, the tester's self-check, the order, whether the run was interrupted."""
 
     assumed: Sequence[str]
     self_check: Mapping[str, object]
@@ -89,7 +89,7 @@ def plain(value: object) -> object:
 
 
 def counts(results: Sequence[Result]) -> Json:
-    """Verdict -> how many; waived ones beside."""
+    """Verdict -> number of cases; waived ones separately."""
     found: Json = {verdict.value: sum(result.verdict is verdict for result in results) for verdict in Verdict}
     found["waived"] = sum(result.waived is not None and result.verdict not in (Verdict.PASS, Verdict.NA) for result in results)
     return found
@@ -134,7 +134,7 @@ def _measure(one: Measure) -> Json:
 
 
 def trace(result: Result) -> str:
-    """What was on the line, in the order in which it was said and heard: > the tester, < the device."""
+    """The traffic on the line in order of time: > the tester, < the device."""
     parts, last = [], ""
     for piece in result.notes.trace:
         if piece.side != last:

@@ -136,7 +136,7 @@ def _own_sum(folder: pathlib.Path) -> list[str]:
 
 
 def load(path: pathlib.Path) -> Json:
-    """A report by its folder or file; BadReport gives the reason if it is not a report."""
+    """Load a report by its folder or file; BadReport names the reason if it is not a report."""
     file = path / JSON if path.is_dir() else path
     try:
         found = json.loads(file.read_text(encoding="utf-8"))

@@ -13,7 +13,7 @@ COLOURS = {"PASS": "#1a7f37", "FAIL": "#b3261e", "WARN": "#8a5a00", "INCONC": "#
 FINDINGS = ("FAIL", "ERROR", "INCONC", "WARN")
 TRACE = 420
 LINE, CODE_LINE, ROW = 18.5, 15.5, 9.0  # heights in CSS pixels: a line of text, of a trace, what a table row has around it
-ROOM, COVER_LINES = 900.0, 12  # of a sheet, beside heading and footer; of findings on the first one with three rows about the device
+ROOM, COVER_LINES = 900.0, 12  # of a sheet, without heading and footer; lines of findings on the first one with three rows about the device
 WIDE, LEFT, RIGHT, CODE, IDS = 84, 29, 48, 52, 54  # characters in a line of the findings, the columns of a case, a trace, the coverage
 LINES = ("3964r", "rk512", "modbus-rtu", "interop")  # suites whose port has a character format
 LABORATORY = ("laboratory", "customer", "place", "date", "method", "deviations", "uncertainty", "decision_rule", "person")
@@ -97,7 +97,7 @@ def _sheets(pieces: Sequence[tuple[str, float]], first: float, room: float) -> l
         if not sheets or (height > left and sheets[-1]):
             left = room if sheets else first
             sheets.append([])
-            if height > left < room:  # not even one beside what the first sheet has
+            if height > left < room:  # it does not fit the rest of the first sheet either
                 left = room
                 sheets.append([])
         sheets[-1].append(piece)

@@ -82,7 +82,7 @@ class Bench:
     ) -> None:
         self.wire, self.profile, self.priority, self.stimulus, self.hold = wire, profile, priority, stimulus, hold
         self.notes = Notes()
-        self.mark: Ns = 0  # end of the last character said or heard
+        self.mark: Ns = 0  # end of the last character sent or received
         self.harmless = b"UC"  # a block that is answered by nothing of its own
 
     @property
@@ -164,13 +164,13 @@ class Bench:
         self.measured("DLE after STX", self.expect(Char.DLE, self.profile.ack_delay, "STX"), None)
 
     def give(self, data: bytes) -> int | Damage | None:
-        """A whole good block; the answer to it."""
+        """Send a complete good block; return the answer to it."""
         self.connect()
         self.say(wire_block(data, self.profile.block_check))
         return self.answer(self.profile.ack_delay)
 
     def give_good(self, data: bytes, what: str = "a good block") -> None:
-        """A whole good block, which must be acknowledged."""
+        """Send a complete good block, which must be acknowledged."""
         got = self.give(data)
         if got != Char.DLE:
             raise Fail(said("after {}: {}, expected DLE", what, named(got)))
@@ -241,7 +241,7 @@ class Bench:
         raise Inconclusive("the station does not fall silent")
 
     def settle(self, quiet: Ns | None = None) -> None:
-        """Politely takes whatever the station still has to say until it is quiet."""
+        """Accept what the station still has to send until it is quiet."""
         wait = self.profile.char_delay + QUIET if quiet is None else quiet
         self.mark = max(self.mark, self.wire.now())
         for _ in range(MOST_BLOCKS):

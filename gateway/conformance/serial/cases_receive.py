@@ -1,6 +1,6 @@
 """The station receives: idle, gaps, block checks, lengths, damage, repeats (serial-protocols 1.4 and 6).
 
-Payloads begin with 55h, never with 00 or FF: to an RK512 station they are no telegrams and change nothing.
+Payloads begin with 55h, never with 00 or FF: to an RK512 station they are not telegrams and change nothing.
 """
 
 from gateway.conformance.case import Cases
@@ -208,7 +208,7 @@ def _length(name: str, title: str, extra: int | None, fixed: int = 0) -> None:
             bench.connect()
             bench.say(wire_block(data, bench.profile.block_check))
             got = bench.answer(bench.profile.ack_delay)
-            if got == Char.DLE:  # its own buffer may be longer: what a maker's table says is the least
+            if got == Char.DLE:  # its own buffer may be longer: the maker's table gives the minimum
                 raise Warn(said("the station takes more than this profile's {} characters", bench.profile.most_received))
             if got != Char.NAK:
                 raise Fail(said("after {}: {}, expected NAK", said("a block of {} characters", size), named(got)))

@@ -17,7 +17,7 @@ SEND, FETCH, DX_SEND = 0x41, 0x45, 0x4F
 TYPE_DB = 0x44
 NO_FLAG = b"\xff\xff"
 WORDS_OF_A_TELEGRAM = 64
-PLANTED = bytes.fromhex("5510 4110 1003 1010 1055 0210 0010 10ff")  # 10h alone, in pairs, in front of 41h, ETX and 00h
+PLANTED = bytes.fromhex("5510 4110 1003 1010 1055 0210 0010 10ff")  # 10h alone, in pairs, before 41h, ETX and 00h
 
 
 @dataclass(frozen=True, slots=True)

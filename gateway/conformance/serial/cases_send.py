@@ -187,7 +187,7 @@ def late_dle(bench: Bench) -> None:
 
 # ---- both at once
 def _settle_conflict(bench: Bench, repeated: bool = False) -> None:
-    """Its STX and ours have met; who goes on?  Both blocks must come through."""
+    """Its STX and ours have collided; which station continues?  Both blocks must come through."""
     if bench.priority is Priority.LOW or (repeated and bench.profile.yields_to_second_conflict):
         got = bench.answer(bench.profile.ack_delay)
         if got != Char.DLE:

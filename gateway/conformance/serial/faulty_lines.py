@@ -100,7 +100,7 @@ class Latency(Around):
         return Heard(at, heard.what)
 
     def _keep(self, until: Ns) -> None:
-        """Time passes in the adapter; what comes meanwhile is behind it."""
+        """Time passes in the adapter; later characters follow it."""
         late = []
         while (heard := self.wire.hear(until)) is not None:
             late.append(Heard(until, heard.what))

@@ -107,7 +107,7 @@ class Silent(Station):
 
 
 class NoNak(Station):
-    """Never sends NAK: refuses by silence, gives up silently."""
+    """Never sends NAK: its refusals and its aborted jobs are silent."""
 
     def take_output(self) -> bytes:
         output = self.link.take_output()

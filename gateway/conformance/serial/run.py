@@ -124,7 +124,7 @@ def run_case(bench: Bench, case: Case, clean: bool = True) -> Result:
 
 
 def _quiet(bench: Bench, quiet: Ns | None) -> None:
-    """What a test before has left behind is taken politely; a station that never falls silent is judged all the same."""
+    """Accept what an earlier test left over; a station that never falls silent is judged all the same."""
     try:
         bench.settle(quiet)
     except Inconclusive:
@@ -153,7 +153,7 @@ def _layers(results: Sequence[Result], settings: Settings) -> str:
 
 
 def conclusion(results: Sequence[Result], settings: Settings) -> str:
-    """What all of it comes to, in one sentence."""
+    """The summary, in one sentence."""
     count = counted(results)
     layers = _layers(results, settings)
     asked = sum(count[word] for word in JUDGED)

@@ -17,10 +17,10 @@ from protocols.p3964r.profiles import Priority, Profile
 NAMES = {2: "STX (02h)", 3: "ETX (03h)", 16: "DLE (10h)", 21: "NAK (15h)", 23: "ETB (17h)"}
 STX, DLE, NAK = (bytes((char,)) for char in (Char.STX, Char.DLE, Char.NAK))
 QUIET = ms(300)
-MOST_REST = 8  # characters behind a block
+MOST_REST = 8  # characters after a block
 MOST_JOBS = 8  # of the station may wait for their answers
-TRIES = 12  # wishes of the station that are let go first
-MOST_BLOCK = 4200  # characters: more is no block
+TRIES = 12  # connection attempts of the station that may pass first
+MOST_BLOCK = 4200  # characters; more are not a block
 BETWEEN = ms(60)  # between an answer and a STX that belongs to something else
 
 
@@ -73,13 +73,13 @@ class LineTester(Tester):
     def __init__(self, wire: Wire, setup: LineSetup, host: Host | None = None) -> None:
         super().__init__()
         self.wire, self.setup, self._host = wire, setup, host or Host()
-        self.mark: Ns = 0  # end of the last character said or heard
+        self.mark: Ns = 0  # end of the last character sent or received
         self.clock = "virtual" if wire.simulated else "monotonic clock of this host, at the port"
         self.slowest: Ns = 0  # its longest DLE after STX so far
-        self.judges_form = False  # of the blocks of reactions: not while it is found out what the station is
+        self.judges_form = False  # of the blocks of reactions: not during discovery
         self.on_block: Callable[[bytes], None] | None = None  # what is made of a block that came unasked
         self.unanswered = b""  # the station's last block, until a telegram of ours follows it
-        self.on_unanswered: Callable[[bytes], bool] | None = None  # gives what the station waits for before its next job; whether it does
+        self.on_unanswered: Callable[[bytes], bool] | None = None  # sends what the station waits for before its next job, if it can
         self._answering = False
         self._judges_stx = False
 
@@ -93,7 +93,7 @@ class LineTester(Tester):
 
     @property
     def conflict_wait(self) -> Ns:
-        """How long one that gives way may take to answer STX; one with priority must still be waiting for DLE then."""
+        """How long a station that yields may take to answer STX; one with priority must still be waiting for DLE then."""
         usual = min(self.profile.ack_delay // 2, ms(200))
         return max(usual, min(self.slowest * 3 // 2 + self.tolerance, self.profile.ack_delay * 8 // 10))
 
@@ -104,7 +104,7 @@ class LineTester(Tester):
         return 0 if self.wire.simulated else self.wire.char_ns + self.late()
 
     def doubt(self, took: Ns) -> tuple[Ns, Ns]:
-        """The lateness of the time itself, not of the whole case."""
+        """Uncertainty of this one time, not of the complete case."""
         if self.wire.simulated:
             return 0, 0
         since = self.mark - took
@@ -157,8 +157,9 @@ class LineTester(Tester):
         return self._hear(self.mark + within)
 
     def awaited(self, within: Ns) -> int | Damage | None:
-        """The next character, which is due by then.  A wait in which this host was held up goes on by as much: until its whole interval
-        is over nothing is said about the station, which may be on this host as well."""
+        """The next character, due by then.  A wait in which this host was delayed is extended by as much: until its complete interval is
+        over there is no verdict on the station, which may be on this host as well.
+        """
         start = self.mark
         while (got := self._hear(start + within + self._left_open(start))) is None:
             if self.wire.now() >= start + within + self._left_open(start):
@@ -185,7 +186,7 @@ class LineTester(Tester):
         self.timed(f"{named(char)} after {after}", self.mark - start, due - self.tolerance, due + self.tolerance)
 
     def silence(self, how_long: Ns, after: str, idle: bool = True) -> None:
-        """Nothing comes so long; in idle what the station has to send of its own is served and noted."""
+        """No character for so long; in idle the station's own jobs are served and noted."""
         end = self.mark + how_long
         while True:
             got = self._hear(end)
@@ -199,7 +200,7 @@ class LineTester(Tester):
 
     # ---- the station's own traffic
     def serve(self) -> bytes | None:
-        """Its STX has been heard: take the block as a good partner does; the data."""
+        """Its STX was received: accept the block as a good partner; return the data."""
         self.notes.unasked += 1
         self.say(DLE)
         block = self.read()
@@ -212,7 +213,7 @@ class LineTester(Tester):
         return block.data
 
     def _pass_over_rest(self) -> None:
-        """What comes behind its block is judged where the block is (SND_BV_02), not where the next STX goes out."""
+        """Read what follows its block: it is judged with the block (SND_BV_02), not where the next STX goes out."""
         for _ in range(MOST_REST):
             if self.answer(self.wire.char_ns + ms(1)) is None:
                 return
@@ -354,7 +355,7 @@ class LineTester(Tester):
         return got
 
     def good(self, data: bytes, what: str = "a good block") -> None:
-        """A whole good block, which must be acknowledged."""
+        """Send a complete good block, which must be acknowledged."""
         got = self.block(wire_block(data, self.profile.block_check), what)
         if got != Char.DLE:
             self.fail(what, got, named(Char.DLE))
@@ -417,7 +418,7 @@ class LineTester(Tester):
         return hexed(bytes(heard[-count:]), count)
 
     def alive(self) -> None:
-        """The suite's postamble: the station is idle and takes a good block."""
+        """The suite's postamble: the station is idle and accepts a good block."""
         try:
             self.settle()
             self.good(self.harmless, "a good block after the case")

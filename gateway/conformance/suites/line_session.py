@@ -258,7 +258,7 @@ class LineSession:
                 return False
         except Ended:
             return False
-        with contextlib.suppress(Ended):  # what it makes of the reaction is a question of its own
+        with contextlib.suppress(Ended):  # its handling of the reaction is another question
             self.tester.good(right_reaction(block.data))
             finish(self.tester, block.data)
         self.assumed.append("active: its own block is an RK512 command")
@@ -328,5 +328,5 @@ def _acted(tester: LineTester, wire: VirtualWire, stimulate: Callable[..., None]
 
 
 def _by_waiting(tester: LineTester) -> None:
-    """It sends by itself."""
+    """Wait until it sends on its own."""
     tester.mark = max(tester.mark, tester.wire.now())

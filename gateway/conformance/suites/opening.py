@@ -38,7 +38,7 @@ class Opened:
     witness: Witness | None = None
     seed: int = 1
     say: Callable[[str], None] = silent
-    pace: bool = True  # characters take their time in virtual time
+    pace: bool = True  # characters have their duration in virtual time
     started_at: float = field(default_factory=time.monotonic)
     wires: int = 0
     open_bus: OpenBus = open_can
@@ -95,7 +95,7 @@ class Opened:
 
 
 def factory_of(bench: Bench, frames: bool = False, sim: Callable[[], object] | None = None) -> Callable[[], AnyGuarded] | None:
-    """The maker behind `machine:` and `sim` (the suite's own emulated device); None for ports."""
+    """The maker for `machine:` and `sim` (the suite's own emulated device); None for ports."""
     if bench.url.startswith("machine:"):
         return load_machine(bench.url, bench.folder, frames)
     if bench.url != SIM or sim is None:

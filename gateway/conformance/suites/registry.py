@@ -48,7 +48,7 @@ class Suite:
         return importlib.import_module(self.peers).VARIANTS[0].make()
 
 
-REFUSES = ("CO301_SDO_BO_01", "CO301_DIC_BV_06", "CO301_ERR_BV_22")  # judge an abort though they are no BI
+REFUSES = ("CO301_SDO_BO_01", "CO301_DIC_BV_06", "CO301_ERR_BV_22")  # judge an abort though they are not BI
 
 
 def _behind_aborts(purposes: Sequence[Purpose[Tester]]) -> Sequence[Purpose[Tester]]:

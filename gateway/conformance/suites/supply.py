@@ -64,7 +64,7 @@ def line_supply(opened: Opened, tester: LineTester, replaced: Callable[[Wire], N
 
 
 def modbus_supply(opened: Opened, tester: ModbusTester, switched: Callable[[], None]) -> Supply | None:
-    """The connection ends with the supply; it is made again once the server takes one."""
+    """The connection ends with the supply; connect again once the server accepts it."""
     if isinstance(tester.wire, VirtualWire):
         of_machine = _of_machine(lambda: tester.wire, opened)
         if of_machine is not None:

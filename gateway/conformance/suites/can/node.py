@@ -61,7 +61,7 @@ class NodeTester(CanTester):
     def __init__(self, connect: Callable[[], FrameWire], setup: NodeSetup, witness: Callable[[], Ns] = lambda: 0) -> None:
         super().__init__(connect, witness)
         self.setup = setup
-        self.unsized = False  # the last upload did not give its size: it was cut to that of the standard
+        self.unsized = False  # the last upload announced no size: it was cut to that of the standard
         self._grid: Ns = 0  # of the last SYNC
         self.period: Ns = setup.cycle  # from SYNC to SYNC of `on_grid`
 
@@ -78,7 +78,7 @@ class NodeTester(CanTester):
         return b"" if frame is None else frame.data
 
     def asked(self, request: bytes, what: str, key: Key | None = None) -> bytes:
-        """Judged: an answer of 8 bytes, for this object, that is no abort."""
+        """Judge: an answer of 8 bytes, for this object, that is not an abort."""
         got = self.ask(request)
         if not got:
             raise Fail(f"{what}: no answer within {self.setup.wait / 1e6:.0f} ms", "an SDO answer", "nothing")

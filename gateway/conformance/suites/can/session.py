@@ -51,7 +51,7 @@ TEXTS = ((0x1008, 0), (0x1009, 0), (0x100A, 0), (0x1021, 0), (0x6403, 0), (0x640
 EXPEDITED = 4  # bytes, at most
 MOST_LISTED = 12  # of an EDS are looked at
 MOST_BYTES = 2000  # of a block transfer
-BOOTS = ms(3000)  # how long a device may take to answer for the first time
+BOOTS = ms(3000)  # longest time until a device answers for the first time
 
 
 def read_eds(bench: Bench) -> tuple[ObjectDictionary | None, list[str]]:
@@ -206,7 +206,7 @@ class NodeSession:
         return list(dict.fromkeys((*TEXTS, *[key for key in listed if key not in TEXTS][:MOST_LISTED])))
 
     def _length(self, key: tuple[int, int]) -> int:
-        """Bytes of an upload in segments; one that does not give its size is read; 0: there is none."""
+        """Bytes of an upload in segments; one without an announced size is read; 0: there is none."""
         got = self.tester.ask(sdo.initiate(Request.INITIATE_UPLOAD, key))
         if len(got) != 8 or got[0] >> 5 != sdo.Answer.INITIATE_UPLOAD or got[0] & sdo.EXPEDITED:
             return 0

@@ -1,4 +1,4 @@
-"""Sizes of objects whose upload does not give one: a server may answer 42h, expedited without size (CiA 301, 7.2.4.3.5)."""
+"""Sizes of objects whose upload does not announce one: a server may answer 42h, expedited without size (CiA 301, 7.2.4.3.5)."""
 
 from protocols.canopen.dictionary import Key
 

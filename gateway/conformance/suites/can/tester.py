@@ -15,7 +15,7 @@ TRACE = 400  # pieces of one case: a long one shows its beginning and its end
 
 
 class CanTester(Tester):
-    """`connect` gives the wire; `heard` are all frames of this case, with their stamps."""
+    """`connect` opens the wire; `heard` holds all frames of this case, with their stamps."""
 
     def __init__(self, connect: Callable[[], FrameWire], witness: Callable[[], Ns] = lambda: 0) -> None:
         super().__init__()
@@ -23,7 +23,7 @@ class CanTester(Tester):
         self._wire: FrameWire | None = None
         self.heard: list[Frame] = []
         self.faults: list[FrameFault] = []
-        self._kept: deque[Frame] = deque()  # heard while something else was waited for
+        self._kept: deque[Frame] = deque()  # received while waiting for something else
         self.asked_at: Ns = 0  # when the last frame was sent
         self.answered_at: Ns = 0  # stamp of the last frame that was waited for
 
@@ -55,7 +55,7 @@ class CanTester(Tester):
 
     # ---- saying and hearing
     def say(self, identifier: int, data: bytes = b"") -> None:
-        """What was kept of the time before is no answer to this."""
+        """Send; frames kept from before are not answers to this."""
         self._kept.clear()
         self.say_on(identifier, data)
 

@@ -58,7 +58,7 @@ def restored(t: NodeTester) -> None:
         with t.given():
             t.reset()
             factory = t.number(HEARTBEAT)
-            stored = 4321 if factory != 4321 else 5432  # 4321 stays behind where an earlier load did nothing
+            stored = 4321 if factory != 4321 else 5432  # 4321 is left over from an earlier load without effect
             t.download(HEARTBEAT, stored, 2)
             t.download((0x1010, 1), SAVE, 4)
         t.download((0x1011, 1), LOAD, 4)

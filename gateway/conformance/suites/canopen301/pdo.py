@@ -31,7 +31,7 @@ def mapping(t: NodeTester, index: int) -> list[pdo.Mapped]:
 
 
 def offered_types(t: NodeTester, index: int, *kinds: int) -> list[int]:
-    """Those a PDO takes, the last of them is set: a device need not offer each transmission type."""
+    """The transmission types a PDO accepts, the last of them set; a device need not offer each."""
     found = []
     for kind in kinds:
         try:
@@ -75,7 +75,7 @@ def transmission(t: NodeTester, kind: int, event_ms: int = 0, inhibit: int = 0) 
 
 
 def synced(t: NodeTester, identifier: int, count: int) -> list[list[Frame]]:
-    """What came on it after each of so many SYNCs."""
+    """Frames on this identifier after each of so many SYNCs."""
     found = []
     for _ in range(count):
         t.sync()
@@ -227,7 +227,7 @@ def many(t: NodeTester) -> None:
         raise Fail(f"{counts[bad]} TPDOs after SYNC {bad + 1}", "1", str(counts[bad]))
 
 
-# ---- what it takes
+# ---- what it accepts
 class Target:
     """An object of RPDO 1 that may be written, and a telegram that writes it."""
 

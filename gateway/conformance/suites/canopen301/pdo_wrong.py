@@ -39,7 +39,7 @@ def mapped_back(t: NodeTester, cob: int, parts: Sequence[pdo.Mapped]) -> None:
 
 @contextmanager
 def opened(t: NodeTester) -> Iterator[list[pdo.Mapped]]:
-    """TPDO 1 not valid, its mapping of no entries; what it was is set back."""
+    """TPDO 1 invalid, with an empty mapping; restored afterwards."""
     with t.given():
         cob, parts = t.number((TX, 1)), mapping(t, MAP)
         t.download((TX, 1), cob | cobid.INVALID, 4)

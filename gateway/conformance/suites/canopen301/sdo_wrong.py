@@ -31,7 +31,7 @@ def toggle_up(t: NodeTester) -> None:
 
 
 class Row(NamedTuple):
-    """A refused write to 1017h.  act: sends it and gives the last answer."""
+    """A refused write to 1017h.  act: sends it and returns the last answer."""
 
     number: int
     what: str

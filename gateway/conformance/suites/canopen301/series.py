@@ -21,7 +21,7 @@ BEATS = Purposes[NodeTester]("CO301_ERR", "slave", "CiA 301, 7.2.8.3", preamble=
 PDOS = Purposes[NodeTester]("CO301_PDO", "slave", "CiA 301, 7.2.2", preamble=(BASIC, WRITE))
 PERIOD, MANY = 40, 40
 SECOND = (0x1016, 2)
-NUMBERS = range(1, 8)  # of PDOs beside the first
+NUMBERS = range(1, 8)  # of PDOs besides the first
 
 
 @BEATS.case(
@@ -120,7 +120,7 @@ def many_taken(t: NodeTester) -> None:
             target.holds(t, value, f"RPDO {turn + 1} of {MANY}")
 
 
-# ---- PDOs beside the first
+# ---- PDOs besides the first
 @contextmanager
 def _made_valid(t: NodeTester, index: int, kind: int) -> Iterator[int]:
     """A PDO of this type, valid, meanwhile; its identifier."""
@@ -140,7 +140,7 @@ def _made_valid(t: NodeTester, index: int, kind: int) -> Iterator[int]:
 
 
 def _others(t: NodeTester, communication: int, maps: int) -> list[tuple[int, list[pdo.Mapped]]]:
-    """PDOs beside the first that have an identifier and carry something."""
+    """PDOs besides the first that have an identifier and a mapping."""
     found = []
     for number in NUMBERS:
         try:

@@ -1,4 +1,4 @@
-"""The supply of a CANopen device fails and returns: it boots by itself, and what was not stored is lost."""
+"""The supply of a CANopen device fails and returns: it boots on its own, and unsaved values are lost."""
 
 from gateway.conformance.framework.base import hexed
 from gateway.conformance.suites.can.node import HEARTBEAT, NodeTester

@@ -54,7 +54,7 @@ def control(t: NodeTester, word: int) -> None:
 
 
 def until(t: NodeTester, good: Callable[[], bool], what: str, limit: Ns = LONG, beside: Callable[[], str] = str) -> Ns:
-    """Time passes until it is so; how long it took.  `beside`: what a Fail shows besides the statusword."""
+    """Wait until the condition holds; return the time it took.  `beside`: what a Fail shows besides the statusword."""
     begin = t.now()
     while not good():
         if t.now() - begin > limit:

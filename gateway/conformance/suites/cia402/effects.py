@@ -1,4 +1,4 @@
-"""CiA 402, what is shown is in force: modes, limits and options by their effect, positions over a fault (CiA 402-2)."""
+"""CiA 402, reported values are in force: modes, limits and options by their effect, positions over a fault (CiA 402-2)."""
 
 from gateway.conformance.suites.can.node import Aborted, NodeTester
 from gateway.conformance.suites.cia402.drive import (

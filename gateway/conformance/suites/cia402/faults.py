@@ -116,7 +116,9 @@ def lagging(t: NodeTester, word: int) -> Iterator[None]:
 
 
 def narrow(t: NodeTester, way: int, times: Sequence[Key]) -> None:
-    """A small window of the following error, for a short time where the drive has one (`times`); it asks nothing, as SYNC goes on."""
+    """Set a small window of the following error, with a short time if the drive has one (`times`); SYNC continues, so it reads nothing
+    back.
+    """
     t.download(WINDOW, max(way // 20, 1), 4)
     for key in times:
         t.download(key, 10, 2)

@@ -1,4 +1,4 @@
-"""CiA 402, between two states or modes: PDO and reset, NMT stop, what goes on afterwards, limits in other modes (CiA 402-2)."""
+"""CiA 402, between two states or modes: PDO and reset, NMT stop, continuation afterwards, limits in other modes (CiA 402-2)."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

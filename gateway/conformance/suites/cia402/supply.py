@@ -1,4 +1,4 @@
-"""The supply of a drive fails while it is enabled: it must not switch on by itself when it returns."""
+"""The supply of a drive fails while it is enabled: it must not switch on automatically when the supply returns."""
 
 from gateway.conformance.suites.can.node import NodeTester
 from gateway.conformance.suites.cia402.drive import DISABLED, ENABLED, brought_to, reaches, stays

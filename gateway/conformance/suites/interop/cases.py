@@ -20,7 +20,7 @@ REFERENCE = "siemens-cp341"  # its times are the longest: who fails with it has 
 
 
 def _distinct() -> Iterator[str]:
-    """Makers that the line tells apart."""
+    """Makers with distinct behaviour on the line."""
     seen: list[Profile] = []
     for name, profile in PROFILES.items():
         link = replace(profile, name="", source="", open_fields=())
@@ -185,7 +185,7 @@ def refused_once(t: LineTester, profile: Profile) -> None:
     p = partner(t, profile)
 
     def one_bit(data: bytes) -> bytes:
-        """Of the first character of the block that is no DLE nor looks like one afterwards."""
+        """Invert one bit of the first character of the block that is not a DLE and does not become one."""
         kept = len(p.heard) < 2 or p.heard[-2] == Char.DLE
         return data if kept or data[0] in (Char.DLE, Char.DLE ^ 1) else bytes((data[0] ^ 1,))
 

@@ -79,7 +79,7 @@ class Partner:
             moments = [moment for moment in (self.link.deadline(), self._leaves, self._wait()) if moment is not None]
             heard = self._t.char(min((end, *moments)))
             now = wire.now()
-            if self._leaves is not None and min(self._leaves, wire.drained()) <= now:  # a port without a line behind it is quicker
+            if self._leaves is not None and min(self._leaves, wire.drained()) <= now:  # a port without a serial line is quicker
                 self._leaves = None
                 self._take(self.link.sent(now), now)
             if heard is not None:
@@ -93,7 +93,7 @@ class Partner:
         return True
 
     def quiet(self, limit: Ns) -> None:
-        """Nothing is to be done any more; what comes all the same is taken."""
+        """Wait for quiet, with nothing left to do; accept what still arrives."""
         self.play(lambda: False, limit)
 
     def meets(self, block: bytes, limit: Ns) -> int | Damage | None:

@@ -19,7 +19,7 @@ EDGE = 256  # the low byte of an address begins again
 
 
 def _row(numbers: tuple[int, ...], least: int, what: str) -> int:
-    """The first of so many addresses without a hole that may be written."""
+    """The first address with so many writable ones in a row."""
     for at in numbers:
         if all(at + offset in numbers for offset in range(least)):
             return at

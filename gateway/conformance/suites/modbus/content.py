@@ -185,7 +185,7 @@ def _other_registers(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
 def _shown_elsewhere(t: ModbusTester, at: int) -> None:
     """Judged: addresses beyond those that may be written, one bit away, do not show this register.  A lone one may be meant so."""
     bits = [bit for bit in range(16) if at ^ 1 << bit not in t.setup.holding]
-    for value in (0x2A55, 0x55D2):  # what shows both is this register
+    for value in (0x2A55, 0x55D2):  # an address that shows both values is this register
         t.echo(struct.pack(">BHH", 6, at, value), 5, "FC 6")
         bits = [bit for bit in bits if t.ask(struct.pack(">BHH", 3, at ^ 1 << bit, 1)) == struct.pack(">BBH", 3, 2, value)]
     if not bits:
@@ -292,7 +292,7 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
                 data = number.to_bytes((size + 7) // 8, "little")
                 t.echo(struct.pack(">BHHB", 15, at, size, len(data)) + data, 5, f"FC 15, {size} coils")
                 same_values(t.bits(1, at, size), bits, f"{size} coils from {at}")
-            if count > 12:  # not from a whole byte on
+            if count > 12:  # not at a byte boundary
                 first, bits = at + (2 if (at + 3) % 8 == 0 else 3), [1, 0] * 4 + [1]
                 number = sum(bit << place for place, bit in enumerate(bits))
                 t.echo(struct.pack(">BHHB", 15, first, 9, 2) + number.to_bytes(2, "little"), 5, "FC 15, 9 coils")

@@ -1,4 +1,4 @@
-"""Modbus, writes that must leave nothing behind, the largest writes, and what another client sees (V1.1b3, 6.5 to 6.17)."""
+"""Modbus: refused writes must change nothing, the largest writes, and what another client sees (V1.1b3, 6.5 to 6.17)."""
 
 import struct
 from collections.abc import Callable, Iterator

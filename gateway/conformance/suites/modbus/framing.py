@@ -109,7 +109,7 @@ def pieces(t: ModbusTester) -> None:
     clause="TCP guide, 4.4.2.2",
 )
 def foreign(t: ModbusTester) -> None:
-    """The guide: such an indication is discarded (AX-1771)."""
+    """The guide: discard such an indication (AX-1771)."""
     pdu = readable_request(t)
     for protocol in (0x0001, 0x0100, 0xFFFF):
         t.quiet()
@@ -127,7 +127,7 @@ def _length(number: int, what: str, de: str, size: int) -> None:
         f"{de}: nichts wird ausgeführt, eine neue Verbindung wird bedient",
     )
     def body(t: ModbusTester) -> None:
-        """Behind such a header a whole read follows, which one that does not look at the length would execute."""
+        """Send a complete read after such a header: a server that ignores the length would execute it."""
         t.quiet()
         t.send(HEADER.pack(0x3000 + number, 0, size) + bytes((t.setup.unit,)) + readable_request(t))
         found = t.answer_frame()
@@ -302,7 +302,7 @@ def gap(t: ModbusTester) -> None:
     clause="serial line guide V1.02, 2.5.1.1",
 )
 def torn(t: ModbusTester) -> None:
-    """Longer than any adapter holds bytes back, and than the byte time-outs of servers behind one."""
+    """Pause longer than adapters hold bytes back, and longer than the byte time-outs of servers after them."""
     frame = t.frame(readable_request(t))
     for cut in (1, 4, len(frame) - 1):
         t.quiet()

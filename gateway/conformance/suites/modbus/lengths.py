@@ -10,7 +10,7 @@ from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
 from protocols.modbus.mbap import ANSWER
 
 NEEDS = {1: "write_coils", 3: "write_holding"}
-WRITES: Mapping[int, Mapping[int, Callable[[int, int], bytes]]] = {  # table -> function -> the request that gives an address a value
+WRITES: Mapping[int, Mapping[int, Callable[[int, int], bytes]]] = {  # table -> function -> the request that writes a value to an address
     1: {
         5: lambda at, value: struct.pack(">BHH", 5, at, 0xFF00 * value),
         15: lambda at, value: struct.pack(">BHHBB", 15, at, 1, 1, value),
@@ -131,7 +131,7 @@ def behind(t: ModbusTester) -> None:
     for byte in (b"\0", b"\xff"):
         t.quiet()
         t.send(t.frame(request) + byte)
-        t.answer_frame()  # the request is whole: an answer is right, and so is closing
+        t.answer_frame()  # the request is complete: an answer is right, and so is closing
         t.reconnect()
         got = t.ask(request)
         if not got:

@@ -1,4 +1,4 @@
-"""A Modbus server at a port: what can be read is found out, what may be written is stated by the bench."""
+"""A Modbus server at a port: readable addresses are discovered, writable ones are stated by the bench."""
 
 import struct
 from collections.abc import Mapping
@@ -54,7 +54,7 @@ class ModbusSession:
         if isinstance(self._wire, VirtualWire) and (self._answered() or self._one_machine):
             wire, device = self._wire, self._wire.station
             while wire.hear(wire.now()) is not None:
-                pass  # what was said before arrives before the end
+                pass  # what was sent before arrives before the end
             wire.act(lambda now: _lost(device, now))
             return wire
         self._wire = self._opened.wire()
@@ -87,7 +87,7 @@ class ModbusSession:
         return pics
 
     def _writes(self) -> None:
-        """Whether writing functions are offered: what is there is written back."""
+        """Whether writing functions are offered: the present values are written back."""
         setup, pics = self.setup, self.pics
         if pics["write_coils"]:
             at = setup.coils[0]

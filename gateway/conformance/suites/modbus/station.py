@@ -119,7 +119,7 @@ def refused_broadcasts(t: ModbusTester) -> None:
     preamble=("MBRTU_FUN_BV_01", "MBRTU_RTU_BI_01"),
 )
 def round_about(t: ModbusTester) -> None:
-    """A server that takes a frame by its length does not see it: common, and seldom harmful (AX-1780)."""
+    """A server that ends a frame by its length does not notice it: common, and seldom harmful (AX-1780)."""
     function, at = next(iter(t.setup.base.items()), (3, 0))
     frame = t.frame(struct.pack(">BHH", function, at, 1))
     for what, data in (
@@ -157,7 +157,7 @@ def damaged(t: ModbusTester) -> None:
     clause="serial line guide V1.02, 2.5.1.1",
 )
 def turns_round(t: ModbusTester) -> None:
-    """Above 19200 Bd the silence is 1.75 ms.  A server that takes a frame by its length is quicker: a WARN."""
+    """Above 19200 Bd the silence is 1.75 ms.  A server that ends a frame by its length is quicker: a WARN."""
     function, at = next(iter(t.setup.base.items()), (3, 0))
     frame = t.frame(struct.pack(">BHH", function, at, 1))
     least = max(SILENCE * t.wire.char_ns // 2, 1_750_000)
@@ -186,7 +186,7 @@ def longest(t: ModbusTester) -> None:
     for function, at in t.setup.base.items():
         reach = min(2000 if function < 3 else 125, t.setup.most(function, 2000 if function < 3 else 125))
         low, high = 1, reach + 1
-        while high - low > 1:  # what is discovered with a frame that is none is too small
+        while high - low > 1:  # discovery with an invalid frame finds too small a limit
             middle = (low + high) // 2
             got = t.ask(struct.pack(">BHH", function, at, middle), judge=True)
             low, high = (middle, high) if got and not got[0] & 0x80 else (low, middle)

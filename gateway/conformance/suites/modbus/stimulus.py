@@ -6,6 +6,6 @@ from gateway.conformance.framework.power import write_once
 
 
 def press(table: Mapping[str, object]) -> None:
-    """Writes once; INCONC where the server does not take it."""
+    """Write once; INCONC if the server refuses it."""
     chosen = table if "coil" in table or "holding" in table else {**table, "holding": 0}
     write_once(str(table.get("url", "")), chosen, "the stimulus over Modbus")

@@ -8,7 +8,7 @@ from gateway.conformance.suites.modbus.tester import ModbusTester
 from gateway.pure.conformance.verdict import Disturbed, Fail, NotApplicable, Warn
 from protocols.modbus.mbap import HEADER
 
-__all__ = ["TCP"]  # the registry finds the whole group here
+__all__ = ["TCP"]  # the registry finds the complete group here
 
 FIRST, TOGETHER, PIECES, MISSING = "MBTCP_FUN_BV_01", "MBTCP_TCP_BV_02", "MBTCP_TCP_BV_03", "MBTCP_TCP_BI_06"
 NUMBER = 0x5001

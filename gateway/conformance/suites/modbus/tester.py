@@ -1,4 +1,4 @@
-"""The tester's side of a Modbus server, TCP or RTU: frames, answers, what of the header is wrong."""
+"""The tester's side of a Modbus server, TCP or RTU: frames, answers, faults of the header."""
 
 import struct
 from collections.abc import Callable, Mapping
@@ -49,20 +49,20 @@ class ModbusSetup:
     wait: Ns = ms(1000)
     pics: Mapping[str, object] = field(default_factory=dict)
     base: dict[int, int] = field(default_factory=dict)  # function -> an address that can be read
-    span: dict[int, int] = field(default_factory=dict)  # function -> so many from there can be read at once
+    span: dict[int, int] = field(default_factory=dict)  # function -> how many from there can be read at once
     holding: tuple[int, ...] = ()  # may be written
     coils: tuple[int, ...] = ()
     known: Mapping[str, int] = field(default_factory=dict)
     odd_exceptions: bool = False  # badly built: one case judges it
 
     def most(self, function: int, legal: int) -> int:
-        """Of one request: what V1.1b3 has, or less where the PICS states it."""
+        """Largest number in one request: the limit of V1.1b3, or less if the PICS states it."""
         stated = self.pics.get("most_bits" if function in (1, 2, 15) else "most_registers")
         return min(stated, legal) if isinstance(stated, int) and stated > 0 else legal
 
 
 class ModbusTester(Tester):
-    """One server; `connect` gives a new wire to it."""
+    """One server; `connect` opens a new wire to it."""
 
     def __init__(self, connect: Callable[[], Wire], setup: ModbusSetup, rtu: bool, host: Host | None = None) -> None:
         super().__init__()
@@ -84,7 +84,7 @@ class ModbusTester(Tester):
         return self._wire
 
     def reconnect(self) -> None:
-        """A new connection on TCP; a line stays what it is."""
+        """A new connection on TCP; a line stays open."""
         if self.rtu:
             return
         self.drop()
@@ -110,7 +110,7 @@ class ModbusTester(Tester):
         return 0 if self._wire is None or self._wire.simulated else self.late() + self._wire.char_ns
 
     def doubt(self, took: Ns) -> tuple[Ns, Ns]:
-        """The lateness of the time itself, not of the whole case."""
+        """Uncertainty of this one time, not of the complete case."""
         if self._wire is None or self._wire.simulated:
             return 0, 0
         since = self._wire.now() - took
@@ -138,7 +138,7 @@ class ModbusTester(Tester):
         self.notes.trace.append(Seen(self.wire.now(), "device", b"", "closed"))
 
     def hear(self, until: Ns) -> bytes:
-        """What comes next, whole as far as it is here; b"": that moment has come, or the server closed."""
+        """The next bytes, as far as they are here; b"": deadline passed, or the server closed."""
         if self.closed:
             return b""
         try:
@@ -167,7 +167,7 @@ class ModbusTester(Tester):
         return ANSWER.pack(transaction, 0, len(pdu) + 1, unit) + pdu
 
     def answer_frame(self, wait: Ns | None = None) -> bytes:
-        """The next whole frame, or what there is when the time is over; the time-out counts from now."""
+        """The next complete frame, or the bytes there are when the time is over; the time-out counts from now."""
         data, self._rest = self._rest, b""
         start = max(self.wire.now(), self.wire.drained())
         within = self.setup.wait if wait is None else wait
@@ -185,7 +185,7 @@ class ModbusTester(Tester):
         return data
 
     def _byte(self, start: Ns, within: Ns) -> bytes:
-        """The next one; a wait in which this host, or a server on it, was held up goes on by as much."""
+        """The next byte; a wait in which this host, or a server on it, was delayed is extended by as much."""
         while not (byte := self.hear(start + within + self._left_open(start))):
             if self.closed or self.wire.now() >= start + within + self._left_open(start):
                 break

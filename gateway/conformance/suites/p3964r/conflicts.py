@@ -1,4 +1,4 @@
-"""3964R, both stations send STX: who gives way, and what becomes of the job (serial-protocols 1.6)."""
+"""3964R, both stations send STX: which one yields, and what happens to the job (serial-protocols 1.6)."""
 
 from gateway.conformance.suites.line import DLE, NAK, STX, Block, LineTester, named
 from gateway.conformance.suites.p3964r.receive import BLOCK, CONNECT
@@ -21,7 +21,7 @@ def both_wish(t: LineTester) -> None:
 
 
 def _know_its_answer(t: LineTester) -> None:
-    """How long it takes, where no case has seen it yet."""
+    """Measure how long it takes, if no case has done so yet."""
     if not t.slowest:
         with t.given():
             t.good(t.harmless)

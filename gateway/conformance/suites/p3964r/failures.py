@@ -11,11 +11,11 @@ from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, wire_block
 from protocols.p3964r.profiles import Interruption
 
-__all__ = ["SND"]  # the registry finds the whole group here
+__all__ = ["SND"]  # the registry finds the complete group here
 
 RUN = 20
 OTHERS = b"U\x06\x03\x05\x04\x17"  # neither DLE, NAK nor STX; among them what other protocols answer with
-JOBS = 4  # that may wait one behind the other
+JOBS = 4  # jobs that may queue up
 
 
 @SND.case("BI_01", "a silent partner: all attempts, then NAK", "stummer Partner: alle Versuche, dann NAK", requirements=("RHO-SER-02",))
@@ -193,7 +193,7 @@ def stx_after(t: LineTester) -> None:
     first = t.take(acknowledge=False)
     t.say(STX)
     got = t.awaited(t.profile.retry_pause + GAP)
-    if got == Char.DLE:  # it takes our wish; its own job must come afterwards
+    if got == Char.DLE:  # it yields to our STX; its own job must come afterwards
         t.say(wire_block(t.harmless, t.profile.block_check))
         t.expect(Char.DLE, t.profile.ack_delay, "our block")
         got = t.awaited(t.profile.ack_delay + GAP)

@@ -46,7 +46,7 @@ def long_block(t: LineTester) -> None:
     beside=QVZ,
 )
 def each_acknowledgement(t: LineTester) -> None:
-    """Refused with NAK, so that no connection attempt is used up; then silence behind the repeat."""
+    """Refused with NAK, so that no connection attempt is used up; then silence after the repeat."""
     if t.profile.silence_ends or t.profile.block_attempts < 2:
         raise NotApplicable("this profile does not repeat a block that is not answered")
     due = t.profile.ack_delay + t.profile.retry_pause

@@ -1,6 +1,6 @@
 """3964R, the station receives: connection, block check, data, lengths, blocks that end otherwise (serial-protocols 1.2, 1.4, 6).
 
-Blocks begin with 55h, never with 00 or FF: to an RK512 station they are no telegrams and change nothing.
+Blocks begin with 55h, never with 00 or FF: to an RK512 station they are not telegrams and change nothing.
 """
 
 from gateway.conformance.suites.line import BETWEEN, DLE, NAK, LineTester, named

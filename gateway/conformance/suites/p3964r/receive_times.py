@@ -9,7 +9,7 @@ from gateway.pure.conformance.purpose import Particulars
 from protocols.base.machine import ms
 from protocols.p3964r.characters import Char, wire_block
 
-__all__ = ["RCV"]  # the registry finds the whole group here
+__all__ = ["RCV"]  # the registry finds the complete group here
 
 LONG_RUN = 60
 
@@ -80,7 +80,7 @@ def gap_in_pair(t: LineTester) -> None:
 )
 def short_gap(t: LineTester) -> None:
     t.connect()
-    wire = wire_block(b"UV\x10\x10W", t.profile.block_check)  # a pause before a pair of DLE, inside it and behind it
+    wire = wire_block(b"UV\x10\x10W", t.profile.block_check)  # a pause before a pair of DLE, inside it and after it
     for part in (wire[:2], wire[2:3], wire[3:4]):
         t.say(part)
         got = t.answer(t.profile.char_delay * 8 // 10 - ms(10))
@@ -140,7 +140,7 @@ def after_gap(t: LineTester) -> None:
         if got not in (Char.NAK, None):
             t.fail("a block that broke off", got, "NAK (15h)")
         after = f"one that broke off behind {part.hex(' ') or 'DLE'}"
-        t.open()  # judged: one that does not hear STX for a while is found here
+        t.open()  # judged: finds a station that ignores STX for a while
         t.say(wire_block(PAYLOAD, t.profile.block_check))
         t.expect(Char.DLE, t.profile.ack_delay, f"a good block after {after}")
 

@@ -102,7 +102,7 @@ def broken_pair(t: LineTester) -> None:
         t.fail("a block with a DLE that is not doubled", got, "NAK (15h)")
     if got != Char.NAK:
         t.fail("a block with a DLE that is not doubled", got, "NAK (15h)")
-    rest = b"UV\x10\x03"  # a station that begins anew behind DLE STX finds its check right
+    rest = b"UV\x10\x03"  # a station that begins anew after DLE STX finds its check right
     wire = b"UX\x10\x02" + rest + (bytes((check_of(rest),)) if t.profile.block_check else b"")
     t.refused(wire, "a block with DLE STX inside, whose check is that of the rest")
 

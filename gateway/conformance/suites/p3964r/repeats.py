@@ -131,7 +131,7 @@ def _refuses(t: LineTester) -> int | Damage | None:
     return t.awaited(t.profile.retry_pause + GAP)
 
 
-# ---- behind a conflict
+# ---- after a conflict
 @CON.case(
     "BV_04",
     "the block of a job that gave way has the right form",
@@ -189,7 +189,7 @@ def forgets_stx(t: LineTester) -> None:
     t.silence(t.profile.char_delay + t.tolerance + ms(100), "its block, which had priority")
 
 
-# ---- quiet behind a block
+# ---- quiet after a block
 @SEQ.case(
     "BO_02",
     "after an acknowledged block the line stays quiet: no timer runs on",

@@ -16,7 +16,7 @@ REACTS = Purposes[LineTester]("3964R_SND", "sender", "serial-protocols 1.2", con
 JUST = ms(40)
 BY_ITSELF = ms(10_000)  # one that sends the same block cyclically does so again within this
 MOST = 300
-GAP = ms(250)  # behind an answer of ours within which a repeat begins; retry_pause of the profile is added
+GAP = ms(250)  # after an answer of ours within which a repeat begins; retry_pause of the profile is added
 
 
 def attempts(t: LineTester, silent: bool = False) -> int:
@@ -107,11 +107,13 @@ def once(t: LineTester) -> None:
 
 
 def sent_once(t: LineTester, acknowledged: Callable[[], Block], within: Ns, what: str) -> None:
-    """Judged: what `acknowledged` made it send and acknowledged does not come again; one that sends the same by itself is not blamed."""
+    """Judge: the job that `acknowledged` made it send and acknowledged does not come again; a station that repeats it on its own is not
+    blamed.
+    """
     for _ in range(2):
         first = acknowledged()
         got = t.answer(within)
-        if got is None and t.answers_jobs():  # RK512: its next command comes behind the reaction
+        if got is None and t.answers_jobs():  # RK512: its next command follows the reaction
             got = t.answer(within)
         if got is None:
             return

@@ -70,7 +70,7 @@ def _judge_size(data: bytes) -> None:
 
 
 def _takes(t: LineTester, data: bytes) -> None:
-    """Judged: the right reaction is acknowledged, where the link takes another block; else the link is what fails."""
+    """Judge: the right reaction is acknowledged, if the link accepts another block; otherwise the link has failed."""
     reaction = right_reaction(data)
     got = t.block(wire_block(reaction, t.profile.block_check), "the right reaction")
     if got == Char.DLE:

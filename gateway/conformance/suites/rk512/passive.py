@@ -39,13 +39,13 @@ def pattern(words: int, start: int = 0x0103) -> bytes:
 
 @contextmanager
 def borrowed(t: LineTester, words: int, word: int = 0) -> Iterator[int]:
-    """A block that may be written; what was there is written back."""
+    """A block that may be written; its content is written back."""
     db = db_of(t)
     before = saved(t, db, word, words)
     try:
         yield db
     except Ended:
-        with suppress(Ended):  # the finding counts, not that it could not be tidied up behind it
+        with suppress(Ended):  # the finding counts, not a failed clean-up after it
             restored(t, db, word, before)
         raise
     restored(t, db, word, before)

@@ -1,4 +1,4 @@
-"""RK512, passive side: what is refused, what must leave nothing behind, and what the station serves after a disturbance."""
+"""RK512, passive side: refusals, what must have no after-effects, and what the station serves after a disturbance."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -27,7 +27,7 @@ from gateway.pure.conformance.verdict import Fail, Inconclusive, NotApplicable, 
 from protocols.base.machine import ms
 from protocols.p3964r.characters import Char, wire_block
 
-__all__ = ["PAS"]  # the registry finds the whole group here
+__all__ = ["PAS"]  # the registry finds the complete group here
 
 CYCLES = 40
 SUITS_BOTH = (0x16, 0x10, 0x14, 0x0A)  # some maker has it for one of both

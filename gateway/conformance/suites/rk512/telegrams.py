@@ -16,7 +16,7 @@ TYPES = b"DXEAMTZPBS"
 NO_FLAG = b"\xff\xff"
 WELL_FORMED = "each DLE doubled, DLE ETX, the exclusive or of all characters"
 PIECE = 128  # data bytes of one telegram
-MOST_FOREIGN = 6  # blocks that are no reaction, before one is missed
+MOST_FOREIGN = 6  # blocks that are not a reaction, before one counts as missing
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ def right_reaction(command: bytes) -> bytes:
 
 
 def size_of(command: bytes) -> int:
-    """Bytes of the whole job, which a command telegram announces; 0 where it has no whole header."""
+    """Bytes of the complete job, which a command telegram announces; 0 without a complete header."""
     if len(command) < 10:
         return 0
     amount = int.from_bytes(command[6:8], "big")
@@ -75,7 +75,7 @@ def size_of(command: bytes) -> int:
 
 
 def finish(t: LineTester, command: bytes) -> None:
-    """Behind the right reaction a job longer than one telegram goes on: each follow-on telegram gets its own (serial-protocols 2.1)."""
+    """Continue a job longer than one telegram after the right reaction: each follow-on telegram gets its own (serial-protocols 2.1)."""
     left = size_of(command) - PIECE
     while left > 0 and t.answer(t.setup.reaction_wait) == Char.STX:
         with t.given():
@@ -89,7 +89,7 @@ def finish(t: LineTester, command: bytes) -> None:
 
 
 def ask(t: LineTester, telegram: bytes, judge_link: bool = False) -> Reaction:
-    """The reaction to a command.  The link below is judged by its own suite: what fails there is INCONC here."""
+    """The reaction to a command.  The link below is judged by its own suite: its failures are INCONC here."""
     if judge_link:
         t.open()
         t.say(wire_block(telegram, t.profile.block_check))
@@ -101,7 +101,7 @@ def ask(t: LineTester, telegram: bytes, judge_link: bool = False) -> Reaction:
 
 
 def reaction(t: LineTester, judge_link: bool = True) -> Reaction:
-    """The reaction that is due; what comes in its place is served and named."""
+    """The reaction that is due; other blocks are served and named."""
     foreign: list[bytes] = []
     for _ in range(MOST_FOREIGN):
         start = t.mark
@@ -127,7 +127,7 @@ def reaction(t: LineTester, judge_link: bool = True) -> Reaction:
 
 
 def well_formed(t: LineTester) -> Block:
-    """The block whose STX was heard.  A wrong form is one FAIL: what the case of the form has found is the cause of the others."""
+    """The block whose STX was received.  A wrong form is one FAIL: the finding of the case for the form is the cause of the others."""
     if not t.judges_form:
         return t.take()
     t.say(DLE)

@@ -74,7 +74,7 @@ class BoosterSession:
             return False
         with suppress(Ended):
             self.tester.ask(56, 0)
-        if self.tester.answers:  # what is wrong with the answer is judged by its purposes
+        if self.tester.answers:  # its purposes judge the faults of the answer
             return True
         self.assumed.append("no parameters: a request was not answered")
         return False
