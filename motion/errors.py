@@ -6,7 +6,7 @@ class MotionError(Exception):
 
 
 class LimitError(MotionError):
-    """A value outside the limits of an axis; attributes say which, for displays that want more than the text."""
+    """A value outside the limits of an axis; the attributes hold the details for displays that show more than the text."""
 
     def __init__(self, axis: str, quantity: str, value: float, lower: float, upper: float, unit: str) -> None:
         self.axis, self.quantity, self.value = axis, quantity, value

@@ -29,7 +29,7 @@ class DisabledAxes:
         self._disabled = [False] * self.axes
 
     def update(self, inputs: Sequence[bool]) -> tuple[int, ...]:
-        """inputs: RC inputs 216.. of the axes; a 1 takes effect at once, a 0 has none.  Warnings that came new: 1408 + axis."""
+        """inputs: RC inputs 216.. of the axes; a 1 acts at once, a 0 is ignored.  Return the new warnings: 1408 + axis."""
         fresh = [n for n, signal in enumerate(inputs) if signal and not self._disabled[n]]
         for n in fresh:
             self._disabled[n] = True

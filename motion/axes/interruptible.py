@@ -37,7 +37,7 @@ class DriveOn:
         program: bool,
         locked: Sequence[bool] = (),
     ) -> tuple[float, ...]:
-        """Set positions to go on with (axes,): those of axes out of the loop, and of one just switched on, are the actual ones.
+        """Return the set positions (axes,) to continue with: actual positions for axes out of the loop and for an axis just switched on.
 
         moving: any axis of the kinematic moves; program: one is active; locked: axes that `motion.axes.disabled` took out.
         Raises AxisError DRIVE ON not allowed when an axis is to come back while the kinematic moves; it then stays off.

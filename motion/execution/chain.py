@@ -9,7 +9,7 @@ from motion.timing.track import Rows
 
 @dataclass(slots=True)
 class TimedChain:
-    """Pieces that count; `begins`: tau of each, `end`: tau behind the last one."""
+    """Committed pieces; `begins`: tau at the start of each, `end`: tau at the end of the last one."""
 
     pieces: deque[TimedPiece] = field(default_factory=deque)
     begins: deque[float] = field(default_factory=deque)
@@ -20,7 +20,7 @@ class TimedChain:
         return self.pieces[-1] if self.pieces else None
 
     def place_of(self, number: int) -> int:
-        """Of the first piece with this id or a higher one; behind the last piece where there is none."""
+        """Return the index of the first piece with this id or a higher one, or the index after the last piece."""
         return next((k for k, piece in enumerate(self.pieces) if piece.id >= number), len(self.pieces))
 
     def append(self, piece: TimedPiece) -> None:
@@ -41,7 +41,7 @@ class TimedChain:
 
 @dataclass(slots=True)
 class Tail:
-    """Pieces that count as soon as one of them ends at rest; their rows are worked out as they come, so that taking many costs little."""
+    """Pieces that become valid as soon as one of them ends at rest.  Their rows are computed on arrival, so that taking many is cheap."""
 
     pieces: list[TimedPiece] = field(default_factory=list)
     rows: list[Rows] = field(default_factory=list)
@@ -56,7 +56,7 @@ class Tail:
         self.next = begin + piece.duration
 
     def take(self) -> tuple[list[TimedPiece], list[Rows]]:
-        """All of it, which is whole now."""
+        """Return all pieces and rows of the complete tail."""
         pieces, rows = self.pieces, self.rows
         self.drop()
         return pieces, rows

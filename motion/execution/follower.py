@@ -1,7 +1,7 @@
-"""Runs a chain of timed pieces: it controls the time along the path, forward and back (design 6; motion.md goals 9, 10).
+"""Run a chain of timed pieces: control the time along the path, forward and back (design 6; motion.md goals 9, 10).
 
-tau is the time at full speed, omega = dtau/dt the share of it that is driven, u = d omega/dt, c = du/dt.  The pieces' own derivatives
-by tau stand in a track (motion.timing.track); c is decided from it (motion.timing.change), so that every axis stays inside its limits
+tau is the time at full speed, omega = dtau/dt the share of it that is driven, u = d omega/dt, c = du/dt.
+by tau are kept in a track (motion.timing.track); c is computed from it (motion.timing.change), so that every axis keeps its limits
 while omega changes.  Retrace is omega < 0: the same path, the same limits.
 """
 
@@ -20,14 +20,14 @@ from motion.timing.foresight import Foresight
 from motion.timing.guard import correction
 from motion.timing.track import Rows, Track
 
-HISTORY = 1024  # pieces kept behind the present one, for retrace
-WAITING = 1536  # pieces that may wait: those of one law behind two seconds of others
+HISTORY = 1024  # completed pieces kept for retrace
+WAITING = 1536  # pieces that may wait: one law after two seconds of others
 LONGEST_S = 4e-3  # a period longer than this is driven in equal parts: of what lies between places further apart a change knows too little
 ROUNDING = 1e-9
 PAST = 3  # periods a third difference looks back
 FORGOTTEN = 8  # pieces of the history dropped at most with a piece that comes: the work of a period stays bounded
 BRAKING_S = 2.0  # before the end of the history going back is stopped: nowhere else does a path begin at speed
-NEAR = 4  # pieces looked at behind a new one: four periods together and more
+NEAR = 4  # pieces examined before a new one: together at least four periods
 FIT, FIT_SPEED, FIT_ACCEL = 1e-9, 1e-6, 1e-4  # steps allowed where pieces meet: m or rad, shares of 1 + value
 
 
@@ -98,7 +98,7 @@ class Follower:
 
     @property
     def waiting(self) -> int:
-        """Pieces behind the one under way."""
+        """Number of pieces after the current one."""
         return max(len(self._chain.pieces) - self._at.index - 1, 0)
 
     @property
@@ -108,7 +108,7 @@ class Follower:
 
     @property
     def ahead(self) -> list[TimedPiece]:
-        """The piece under way, those behind it, and what is pending."""
+        """The current piece, the pieces after it, and the pending tail."""
         return [*islice(self._chain.pieces, self._at.index, None), *self._tail.pieces]
 
     @property
@@ -134,7 +134,7 @@ class Follower:
         self._tail.drop()
 
     def _prepare(self, piece: TimedPiece) -> None:
-        """Everything that takes time, one piece at a time."""
+        """Do the slow part of the work for one piece."""
         chain, pending = self._chain, self._tail.pieces
         begin, at = self._tail.next, len(chain.pieces)
         if not pending:
@@ -216,7 +216,7 @@ class Follower:
 
     @property
     def _forgotten(self) -> bool:
-        """The path goes further back than what is kept of it, and that end is near."""
+        """Return whether the oldest kept piece is near although the path began before it."""
         oldest = self._chain.begins[0]
         return oldest > 0.0 and self._tau < oldest + BRAKING_S
 
@@ -332,7 +332,7 @@ class Follower:
 
 
 def joined(pieces: Sequence[TimedPiece]) -> bool:
-    """Whether each piece goes on as the one before it ends: what a planner checks before it commits."""
+    """Return whether each piece continues the previous one; a planner checks this before it commits."""
     probe = Follower(max(max(piece.axes) for piece in pieces) + 1, 1e-3)
     try:
         for before, after in pairwise(pieces):

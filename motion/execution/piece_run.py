@@ -1,6 +1,6 @@
-"""One piece of polynomials under way: (s, sdot, sddot) and the plan s(t) that leads it, made anew whenever what is wanted changes.
+"""The running polynomial piece: (s, sdot, sddot) and its plan s(t), which is replanned whenever the target changes.
 
-Where no plan exists (too close to the end to slow down, or rounding) the old one is followed and the next period tries again.
+Where no plan exists (too close to the end to slow down, or rounding) the old plan stays active and the next period tries again.
 """
 
 from enum import Enum, auto
@@ -27,7 +27,7 @@ NONE, END, REST, SLOW = Goal  # looked up faster than Goal.NONE, in every period
 
 
 class _Tables(NamedTuple):
-    """Of a piece: per segment (axis, coefficients, highest power first); per grid interval the highest sdot legal from there to the end."""
+    """Tables of a piece: per segment (axis, coefficients, highest power first); per grid interval the highest legal sdot to the end."""
 
     rows: list[list[tuple[int, tuple[float, ...]]]]
     floor: tuple[float, ...]
@@ -40,7 +40,7 @@ def stopping_distance(speed: float, accel: float, jerk: float) -> float:
 
 
 class PieceRun:
-    """`piece`: None while there is none; `stale`: a new plan is due.  `running`: the piece is to go on, else it comes to rest."""
+    """`piece`: the current piece or None; `stale`: a new plan is due; `running`: True continues the piece, False brings it to rest."""
 
     def __init__(self, period_s: float) -> None:
         self._period = period_s

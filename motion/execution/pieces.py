@@ -55,7 +55,7 @@ class Piece:
     """See the module; raises PieceError when it contradicts itself."""
 
     id: int  # 1 .. 2^32-1
-    mask: int  # bit n: axis n takes part
+    mask: int  # bit n: axis n moves
     length: float  # >= 0; 0: a piece that is done at once
     segments: tuple[Segment, ...]
     table: tuple[float, ...]  # highest legal sdot^2 at s = k * length / (len - 1), linear between
@@ -72,7 +72,7 @@ class Piece:
 
     @cached_property
     def axes(self) -> tuple[int, ...]:
-        """Numbers of the axes that take part, rising."""
+        """Numbers of the moving axes, ascending."""
         return axes_of(self.mask)
 
     def start(self) -> tuple[float, ...]:
@@ -179,12 +179,12 @@ def _size_of_segment(axes: int) -> int:
 
 
 def numbers_of(axes: int) -> int:
-    """f64 behind the head of a record of a piece of so many axes."""
+    """Return how many f64 values follow the head of a record with this number of axes."""
     return 3 + MAX_SEGMENTS * _size_of_segment(axes) + MAX_TABLE
 
 
 def record_size(axes: int) -> int:
-    """Bytes of the record of a piece of so many axes."""
+    """Return the record size in bytes for this number of axes."""
     return _HEAD.size + 8 * numbers_of(axes)
 
 
@@ -192,7 +192,7 @@ RECORD_SIZE = record_size(ROOM)  # of up to ROOM axes
 
 
 def write_record(head: Head, numbers: Sequence[float]) -> bytes:
-    """A whole record; `numbers` may be fewer than it has."""
+    """Return a complete record; missing `numbers` become 0."""
     count = numbers_of(head.mask.bit_count())
     body = struct.pack(f"<{count}d", *numbers, *[0.0] * (count - len(numbers)))
     begin = _HEAD.pack(MAGIC, head.version, head.flags, head.id, head.mask, head.first, head.second, 0, 0)[:_HEAD_END]
@@ -205,7 +205,7 @@ def version_of(record: bytes) -> int:
 
 
 def read_record(record: bytes, version: int) -> tuple[Head, tuple[float, ...]]:
-    """The reverse of write_record; raises PieceError on anything that is not a whole record of this version."""
+    """Reverse write_record.  Raise PieceError on anything but a complete record of this version."""
     if len(record) < _HEAD.size:
         raise PieceError(f"piece record: {RECORD_SIZE} bytes expected, {len(record)} received")
     magic, found, flags, number, mask, first, second, spare, crc = _HEAD.unpack_from(record)
@@ -236,7 +236,7 @@ def encode(piece: Piece) -> bytes:
 
 
 def decode(record: bytes) -> Piece:
-    """Record -> Piece; raises PieceError on anything that is not a whole, legal piece."""
+    """Decode a record.  Raise PieceError on anything but a complete, legal piece."""
     head, numbers = read_record(record, VERSION)
     segments, points, axes = head.first, head.second, head.mask.bit_count()
     if head.flags & ~ENDS_AT_REST or segments > MAX_SEGMENTS or points > MAX_TABLE:

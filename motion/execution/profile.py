@@ -13,7 +13,7 @@ MARGINS = (1.0, 1.0 + 1e-9, 1.0 + 1e-6)  # a state that touches the speed limit 
 
 
 class Profile:
-    """s(t) from a present state to the end of the path, or to a speed.  Objects are allocated once; planning takes about 2 us."""
+    """s(t) from the present state to the end of the path, or to a speed.  Objects are allocated once; planning needs about 2 us."""
 
     def __init__(self) -> None:
         self._solver = ruckig.Ruckig(1)

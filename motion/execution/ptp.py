@@ -23,7 +23,7 @@ def plan_ptp(
     piece_id: int = 1,
     mask: int | None = None,
 ) -> Piece:
-    """start, target: (n,) m or rad; mask: axes that take part (default all n).
+    """start, target: (n,) m or rad; mask: axes that move (default all n).
 
     Jerk is not scaled by the acceleration factor (AX-101).  Raises LimitError for a target outside, with the axis named.
     """
@@ -33,7 +33,7 @@ def plan_ptp(
     check_targets([limits[n] for n in axes], [target[n] for n in axes])
     travel = [float(target[n]) - start[n] for n in axes]
     length = max(abs(way) for way in travel)
-    if not length < float("inf"):  # a start that is no number makes the travel none
+    if not length < float("inf"):  # a NaN start makes the travel NaN
         raise MotionError(f"start {list(start)} is not all numbers")
     bits = sum(1 << n for n in axes)
     if length <= SMALLEST:

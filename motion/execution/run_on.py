@@ -13,7 +13,7 @@ class RunOn:
 
     q: list[float]
     target: list[float]
-    step_length: float  # m or rad a cycle; 0: the axes stood
+    step_length: float  # m or rad a cycle; 0: standstill
     override: float = 1.0  # 0 .. 1, at which the speed of the edge was driven
 
     @property

@@ -21,7 +21,7 @@ from motion.execution.run_on import RunOn
 from motion.execution.timed import TimedPiece
 from motion.timing.foresight import Foresight
 
-QUEUE = 8  # pieces that may wait behind the running one
+QUEUE = 8  # pieces that may wait after the running one
 
 
 class State(Enum):
@@ -30,7 +30,7 @@ class State(Enum):
     IDLE = auto()  # no piece
     RUNNING = auto()
     STOPPING = auto()  # on the path, by stop() or abandon()
-    STOPPED = auto()  # at rest on the path; resume() goes on, abandon() drops the rest
+    STOPPED = auto()  # at rest on the path; resume() continues, abandon() drops the rest
 
 
 IDLE, RUNNING, STOPPING, STOPPED = State  # a name in an Enum is looked up slowly, and these are in every period
@@ -89,7 +89,7 @@ class Stepper:
 
     @property
     def queued(self) -> int:
-        """Pieces that wait behind the running one."""
+        """Number of pieces that wait after the running one."""
         return len(self._queue) + (self._follower.waiting if self._follower else 0)
 
     @property
@@ -116,7 +116,7 @@ class Stepper:
         if len(position) != len(self._q):
             raise MotionError(f"{len(position)} positions for {len(self._q)} axes")
         if self._follower and list(position) != self._q:
-            self._follower = None  # the axes were moved by somebody else: there is no way back on this path
+            self._follower = None  # something else moved the axes: retrace is impossible
         self._q = list(position)
 
     def place_for(self, piece: Piece) -> None:
@@ -127,7 +127,7 @@ class Stepper:
         self.place(position)
 
     def load(self, piece: Piece | TimedPiece) -> None:
-        """Run this piece next; waits behind the running one.  PieceError when it cannot follow."""
+        """Queue this piece after the running one.  Raise PieceError when it does not continue the path."""
         if isinstance(piece, TimedPiece):
             self._load_timed(piece)
             return
@@ -162,7 +162,7 @@ class Stepper:
             self._state, self._direction = RUNNING, 1
 
     def begin_anew(self) -> None:
-        """What was run before is no path to go back along; only at rest."""
+        """Forget the path run so far, which ends retrace.  Call only at rest."""
         if self._state is IDLE:
             self._follower = None
 
@@ -190,7 +190,7 @@ class Stepper:
         self._override = value
 
     def stop(self) -> None:
-        """Stop on the path as fast as the limits allow; what is left waits for resume() or abandon()."""
+        """Stop on the path as fast as the limits allow; the remainder waits for resume() or abandon()."""
         if self._state is RUNNING:
             self._state, self._run.stale = STOPPING, True
 
@@ -219,7 +219,7 @@ class Stepper:
             self._state, self._direction = RUNNING, 1
 
     def uncommit(self) -> None:
-        """Timed pieces whose tail does not end at rest yet are taken out; what is committed runs."""
+        """Remove timed pieces whose tail does not end at rest yet; committed pieces run."""
         if self._follower is not None:
             self._follower.uncommit()
 
@@ -308,7 +308,7 @@ class Stepper:
         return Sample(tuple(self._q), tuple(qd), piece.id, s, self._state, self._done)
 
     def _finish(self, piece: Piece) -> None:
-        """The end is reached: rest, say so, and make way for the next piece."""
+        """Come to rest at the end, report it, and release the place for the next piece."""
         self._done, self._run.piece = piece.id, None
         if self._abandon:
             self._drop()

@@ -5,10 +5,9 @@ acceleration of every axis, and of the way along the path.  At full speed it kee
 can change speed along it (motion.execution.follower) and never the path.  Pieces follow one another without a stop: one ends as the next
 begins; only the last of a chain ends at rest, and the stepper takes a tail only when it is complete.
 
-Record: as that of motion.execution.pieces, and as long for as many axes; version 4, flags bit 0 ends at rest, bit 1 new tail, nodes u8,
-0 u8; behind
-the head block f64; acceleration and jerk of the axes of the mask and the way; nodes x (tau, then position, speed, acceleration of the
-same columns).
+Record: as in motion.execution.pieces, with the same size per number of axes; version 4, flags bit 0 ends at rest, bit 1 new tail, nodes
+u8, 0 u8; after the head: block f64; acceleration and jerk of the axes of the mask and the way; nodes x (tau, then position, speed,
+acceleration of the same columns).
 """
 
 import math
@@ -42,7 +41,7 @@ class TimedPiece:
     """See the module; raises PieceError when it contradicts itself."""
 
     id: int  # 1 .. 2^32-1, rising along a chain
-    mask: int  # bit n: axis n takes part
+    mask: int  # bit n: axis n moves
     block: int  # of the program, for displays and move ids
     times: tuple[float, ...]  # tau of the nodes, from 0
     nodes: tuple[Node, ...]
@@ -70,7 +69,7 @@ class TimedPiece:
 
     @cached_property
     def axes(self) -> tuple[int, ...]:
-        """Numbers of the axes that take part, rising."""
+        """Numbers of the moving axes, ascending."""
         return axes_of(self.mask)
 
     @property
@@ -129,7 +128,7 @@ def encode_timed(piece: TimedPiece) -> bytes:
 
 
 def decode_any(record: bytes) -> Piece | TimedPiece:
-    """Record -> the piece, of either version; PieceError on anything that is not a whole, legal piece."""
+    """Decode a record of either version.  Raise PieceError on anything but a complete, legal piece."""
     if version_of(record) == OF_POLYNOMIALS:
         return decode(record)
     head, numbers = read_record(record, VERSION)

@@ -1,7 +1,7 @@
 """BNR files for MOVE_FILE: a header of 80 bytes, then REAL32 positions, cycle by cycle, without separators.
 
-Source: rho 3 Releases part 2 (TO05), section 5.1 (L6968-7076); data format 4.3 (L6942-6944).  Low byte first (doubt D-53).  The picture of
-the manual prints its addresses in hex; 80, 400, 500 in it are decimal values of the fields (L6983-7005 give them so).
+Source: rho 3 Releases part 2 (TO05), section 5.1 (L6968-7076); data format 4.3 (L6942-6944).  Low byte first (doubt D-53).  The manual's
+figure prints its addresses in hex; 80, 400, 500 in it are decimal field values (L6983-7005).
 """
 
 import struct

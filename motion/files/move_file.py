@@ -160,7 +160,7 @@ class Playback:
     """The set points of one MOVE_FILE block; `step` once a cycle of its base."""
 
     control: Control
-    rows: tuple[tuple[float, ...], ...]  # mm or deg, as they stand in the file
+    rows: tuple[tuple[float, ...], ...]  # mm or deg, as in the file
     flags: tuple[float, ...]
     at: int = 0
 
@@ -176,7 +176,7 @@ class Playback:
         return tuple(to_si(value, axis.unit) for value, axis in zip(row, self.control.limits, strict=True))
 
     def end_position(self) -> tuple[float, ...]:
-        """Position the control goes on with after the block, mm or deg: endless axes reduced as their flags say."""
+        """Position from which the control continues after the block, mm or deg; endless axes are reduced according to their flags."""
         found = []
         for axis, (value, flag) in enumerate(zip(self.rows[-1], self.flags, strict=True)):
             modulo = value if flag == BY_FILE else self.control.modulo[axis] if flag == BY_P311 and self.control.endless(axis) else 0.0

@@ -1,4 +1,4 @@
-"""The points of a BNR file as a path with its time: what a MOVE_FILE block is on its way to the axes.
+"""The points of a BNR file as a timed path: the form in which a MOVE_FILE block reaches the axes.
 
 One point belongs to one cycle, and at full speed each is a set value, unchanged.  Between them the path is a quintic, so that stop,
 override and retrace keep to it as to any other path (AX-576).
@@ -17,7 +17,7 @@ from motion.files.move_file import Playback
 from motion.geometry.limits import AxisLimits
 
 Array = NDArray[np.float64]
-NO_LIMIT = 1e9  # of the way: what is kept is that of the axes
+NO_LIMIT = 1e9  # limit of the way; only the limits of the axes apply
 ROOM = 1.05  # above what the file itself asks of an axis: the law of a stop has to live with it
 MOST_PIECES = 900  # of one file: they are handed on together, and the ring and the follower hold a thousand
 
@@ -94,8 +94,9 @@ class FilePath:
 
 
 def path_of(run: Playback, position: Sequence[float], rounds: Sequence[float], period_s: float) -> FilePath:
-    """From where the axes are; they take their first point one period later.  rounds: added to the points of endless axes, which count
-    on inside a program."""
+    """Start where the axes are; they reach the first point one period later.  rounds: added to the points of endless axes, which keep
+    counting within a program.
+    """
     rows = [tuple(position)]
     while not run.ended:
         rows.append(tuple(place + way for place, way in zip(run.step(), rounds, strict=True)))

@@ -19,7 +19,7 @@ from motion.geometry.frames import Pose, Rotation
 
 Angles = tuple[float, float, float]  # rad
 Values = tuple[float, float, float, float, float, float]  # mm, mm, mm, deg, deg, deg
-POLE = 1e-12  # cosine of the middle angle below which the outer two cannot be told apart
+POLE = 1e-12  # cosine of the middle angle below which the outer two are indistinguishable
 DEGREE = math.pi / 180
 
 

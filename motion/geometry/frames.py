@@ -1,8 +1,8 @@
 """Poses: position and orientation of a frame in another one.  m and rad; plain floats, because numpy is slow for six numbers.
 
-A pose is a position (x, y, z) m and a rotation matrix of nine floats, row after row.  `a @ b` is b given in a's frame, seen
-from where a is given: the product of the 4x4 matrices.  Angles of the old controllers are turned into this form in
-`motion.geometry.conventions`; ways from one orientation to another stand in `motion.geometry.orientation`.
+A pose is a position (x, y, z) m and a rotation matrix of nine floats, row by row.  `a @ b` takes b from a's frame into the frame in which
+a is given: the product of the 4x4 matrices.  Angles of the old controllers are turned into this form in `motion.geometry.conventions`;
+ways from one orientation to another are in `motion.geometry.orientation`.
 """
 
 import math
@@ -15,7 +15,7 @@ Rotation = tuple[float, float, float, float, float, float, float, float, float] 
 Quaternion = tuple[float, float, float, float]  # w, x, y, z
 
 NO_ROTATION: Rotation = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-ORTHOGONAL = 1e-6  # how far rows may be from unit length and right angles before a matrix is no rotation
+ORTHOGONAL = 1e-6  # how far the rows of a rotation may be from unit length and right angles
 
 
 class Pose(NamedTuple):
@@ -143,7 +143,7 @@ def from_quaternion(position: Vector, quaternion: Quaternion) -> Pose:
 
 
 def check_pose(pose: Pose) -> Pose:
-    """The pose itself; MotionError when a number is not finite or the matrix is no rotation."""
+    """Return the pose.  Raise MotionError when a number is not finite or the matrix is not a rotation."""
     if not all(map(math.isfinite, (*pose.position, *pose.rotation))):
         raise MotionError(f"a pose holds a value that is no finite number: {pose}")
     a, b, c, d, e, f, g, h, i = pose.rotation

@@ -1,4 +1,4 @@
-"""Limits of the axes: travel, speed, acceleration, jerk, and the checks that name what is wrong.
+"""Limits of the axes: travel, speed, acceleration, jerk, and checks that name the violation.
 
 Values inside are SI (m or rad, per s, s2, s3); `unit` is the outside unit of the axis and only makes messages readable.
 Source: rho 3 P202..P205 (software limits), P103..P105 (speed, acceleration) by their meaning; ranges are the cell's.
@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from motion.errors import LimitError, MotionError
 from motion.geometry.units import from_si, kind_of, to_si
 
-ROUNDS = 1e5  # an endless axis makes at most so many in one program: beyond, positions would lose their last digits
-TOUCH = 1e-9  # m or rad: a target on the limit is inside it, whatever the last bit of a unit conversion says
+ROUNDS = 1e5  # most turns of an endless axis in one program: beyond, positions would lose their last digits
+TOUCH = 1e-9  # m or rad: tolerance that keeps a target on the limit legal despite rounding in a unit conversion
 
 
 @dataclass(frozen=True, slots=True)

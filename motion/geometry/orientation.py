@@ -1,7 +1,7 @@
 """Ways from one orientation to another: the least rotation, its axis and angle, and points on it.
 
 Least rotation is what VAL 3 ("tool rotation is always of minimum amplitude", L5493-5507) and ZIRK_MIN_ORI of the Reis (L304)
-ask for.  At exactly half a turn the axis is undefined (VAL 3 error 553): `rotation_vector` then takes one of the two.
+ask for.  At exactly half a turn the axis is undefined (VAL 3 error 553): `rotation_vector` then chooses one of the two.
 """
 
 import math
@@ -62,7 +62,7 @@ def is_half_turn(start: Rotation, end: Rotation) -> bool:
 
 
 def slerp(start: Rotation, end: Rotation, part: float) -> Rotation:
-    """The orientation `part` of the least rotation from start (0) to end (1); outside 0 .. 1 it goes on turning."""
+    """Return the orientation at `part` of the least rotation from start (0) to end (1); outside 0 .. 1 the rotation continues."""
     if start == end:
         return start
     x, y, z = between(start, end)

@@ -31,8 +31,8 @@ NEAR_POLE = 1e-4  # sine of j5 below which j6 is taken from j4, so that their su
 LOST = 1e-10  # m: a wrist centre this near to axis 2 leaves j2 open, this near to axis 1 leaves j1 open
 LOST_SQUARE = LOST * LOST
 BORDER = 1e-12  # m and rad: rounding at the border between two configurations; on it: lefty, epositive
-SLACK = 1e-13  # m2: how far inside the side offset a wrist centre may stand by rounding
-SHORT = 8e-10  # m: how far beyond a stretched or folded arm it may stand by rounding
+SLACK = 1e-13  # m2: how far rounding may put a wrist centre inside the side offset
+SHORT = 8e-10  # m: how far rounding may put it beyond a stretched or folded arm
 
 FLAGS = tuple(  # [lefty][epositive][wpositive]
     tuple(tuple(Configuration(s, e, w) for w in (Wrist.NEGATIVE, Wrist.POSITIVE)) for e in (Elbow.NEGATIVE, Elbow.POSITIVE))
@@ -291,7 +291,7 @@ class Arm6:
 
 
 def _at_the_pole(turn: float, cosine: float, hold4: float, hold6: float | None) -> tuple[float, float, float]:
-    """(j4, j5, j6) where only j4 + j6 (j5 = 0) or j6 - j4 (j5 = pi) matters: both axes take half of what has to change."""
+    """Return (j4, j5, j6) where only j4 + j6 (j5 = 0) or j6 - j4 (j5 = pi) matters: each axis makes half of the change."""
     t5 = 0.0 if cosine > 0.0 else math.pi
     if hold6 is None:
         return 0.0, t5, wrapped(turn if cosine > 0.0 else math.pi - turn)

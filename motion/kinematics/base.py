@@ -1,4 +1,4 @@
-"""What every kinematics can do, the configurations of an arm, and the ways an inverse can fail.
+"""Interface of all kinematics, the configurations of an arm, and the errors of an inverse.
 
 Configurations and their words are VAL 3's (chapter 9.7, L5266-5281), because of the three controls only VAL 3 writes them down.
 Errors carry the number VAL 3 gives (appendix, L6670-6679) and rho 3's words ("point not reachable", L4768-4844); rho 3 and
@@ -40,7 +40,7 @@ class Wrist(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """What a point demands of the arm, or what the arm's joints are; FREE everywhere = no demand."""
+    """The configuration that a point demands, or that of the arm's joints; FREE everywhere = no demand."""
 
     shoulder: Shoulder = Shoulder.FREE
     elbow: Elbow = Elbow.FREE
@@ -62,8 +62,11 @@ Branch = tuple[Joints, Configuration]
 
 
 class KinematicsError(MotionError):
-    """A pose that this robot cannot take; `number` is the VAL 3 run-time error, `axis` the axis to blame where one is, `at` the place on
-    the curve that leads there, where one does, and `joints` those before it."""
+    """A pose that this robot cannot reach.
+
+    `number` is the VAL 3 run-time error, `axis` the axis at fault if there is one, `at` the place on the curve that leads there if there
+    is one, and `joints` the joints before it.
+    """
 
     number = 530
 
@@ -141,8 +144,11 @@ class Kinematics(PathKinematics, Protocol):
 
 
 def along_path(kinematics: Kinematics) -> Callable[[Pose, Joints], Joints]:
-    """The inverse for the next place of a path.  An arm that is solved numerically (Urdf) is searched from the joints before alone: from
-    anywhere else it would jump, and looking there takes a minute where the arm cannot go on."""
+    """Return the inverse for the next place of a path.
+
+    A numerically solved arm (Urdf) is searched only from the previous joints: any other start would make it jump, and the search would
+    need a minute where the arm cannot continue.
+    """
     inner = kinematics
     while (deeper := getattr(inner, "main", None) or getattr(inner, "inner", None)) is not None:
         inner = deeper

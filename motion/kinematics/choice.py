@@ -1,7 +1,7 @@
-"""Of all ways to reach a pose: the one inside the limits that lies nearest and has the configuration that is demanded.
+"""Choice of a branch: the nearest solution inside the limits that has the demanded configuration.
 
-VAL 3, pointToJoint (L5177-5190): fields FREE demand nothing, SAME means as the joints one comes from, and an axis that can
-turn more than once takes the turn nearest to where it is.
+VAL 3, pointToJoint (L5177-5190): fields FREE demand nothing, SAME keeps the configuration of the start joints, and an axis with a travel
+of several turns uses the turn nearest to its position.
 """
 
 import math
@@ -14,18 +14,18 @@ from motion.kinematics.base import Branch, Configuration, Joints, KinematicsErro
 
 TURN = 2.0 * math.pi
 BESIDE = 3.0  # rad: nearer than that no other turn is nearer
-ROUNDING = 1e-9  # of a way: less than that is not told apart before it is looked at
+ROUNDING = 1e-9  # of a way: smaller differences count as equal
 
 
 def wrapped(angle: float) -> float:
-    """The same direction in -pi .. pi; NaN for what is no finite angle."""
+    """Return the same direction in -pi .. pi; NaN for an angle that is not finite."""
     if -math.pi <= angle <= math.pi:
         return angle
     return math.remainder(angle, TURN) if math.isfinite(angle) else math.nan
 
 
 def nearest_turn(angle: float, near: float, lower: float, upper: float) -> float | None:
-    """`angle` plus whole turns, inside the limits, nearest to `near` (all rad); None where no turn fits."""
+    """Return `angle` plus full turns, inside the limits, nearest to `near` (all rad); None where no turn fits."""
     if not math.isfinite(near - angle):
         return None
     angle += TURN * round((near - angle) / TURN)
@@ -55,7 +55,7 @@ class Chooser:
         """
         fitted: list[float] = []  # empty: they are what they were
         far = 0.0
-        for axis, lower, upper, pace, beside in self._rows:  # no zip: to make one takes as long as three of the axes
+        for axis, lower, upper, pace, beside in self._rows:  # no zip: creating one costs as much as three axes
             value, here = joints[axis], near[axis]
             step = value - here
             if not (lower <= value <= upper and -beside < step < beside):

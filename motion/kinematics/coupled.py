@@ -1,4 +1,4 @@
-"""Coupled axes: what the drives turn is a mixture of the joints (wrists through hollow shafts, parallelograms, screws of a SCARA).
+"""Coupled axes: each drive moves a combination of joints (wrists through hollow shafts, parallelograms, screws of a SCARA).
 
 joints = matrix @ axes, both in rad or m.  Programs, limits and displays of this kinematics speak of the axes (the drives'
 positions); the geometry inside speaks of joints.  A parallelogram's "j2 + j3 within ..." is the travel of its coupled axis.

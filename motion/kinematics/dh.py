@@ -46,7 +46,7 @@ class DhParameters:
             raise MotionError("a geometric parameter is no finite number")
 
     def links(self) -> tuple[Pose, ...]:
-        """Elements between the turning axes: before joint 2, .., before joint 6, behind joint 6."""
+        """Elements between the turning axes: before joint 2, .., before joint 6, after joint 6."""
         rows = zip(self.a, self.b, self.d, self.alpha, self.beta, strict=False)
         links = [VAL3.pose((a, b, d, alpha, beta, 0.0)) for a, b, d, alpha, beta in rows]
         if len(self.d) == 7:

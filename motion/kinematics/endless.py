@@ -85,8 +85,8 @@ class EndlessAxes:
     def span(self, start: Sequence[float], target: Sequence[float], v: float) -> Span:
         """The block from `start` to the programmed `target` at path speed v (units of the axes per s).
 
-        An endless axis starts from its position within the modulo and travels the programmed difference, which may be a whole
-        turn or more (AX-354).
+        An endless axis starts from its position within the modulo and travels the programmed difference, which may be a full turn or more
+        (AX-354).
         """
         if not v > 0.0 or not all(map(math.isfinite, target)):
             raise MotionError(f"speed {v:g} and target {tuple(target)}: a speed above 0 and finite numbers are needed")

@@ -41,7 +41,7 @@ class Additional:
     limits: AxisLimits
     role: Role = Role.FREE
     direction: Vector = (0.0, 0.0, 1.0)
-    origin: Pose = IDENTITY  # where the axis stands on what carries it
+    origin: Pose = IDENTITY  # pose of the axis on its carrier
 
     def __post_init__(self) -> None:
         if not abs(math.hypot(*self.direction) - 1.0) < 1e-9:
@@ -97,7 +97,7 @@ class Group:
         return self.main.configuration(q[: self.main.axes])
 
     def jacobian(self, q: Sequence[float]) -> NDArray[np.float64]:
-        """(6, axes); the columns of carriers move the robot as a whole, those of tables and free axes are 0."""
+        """(6, axes); the columns of carriers move the entire robot, those of tables and free axes are 0."""
         columns = np.zeros((6, self.axes))
         base = self.base(q)
         tip = compose(base, self.main.forward(q[: self.main.axes])).position
@@ -108,7 +108,7 @@ class Group:
         return columns
 
     def _put(self, columns: NDArray[np.float64], q: Sequence[float], tip: Vector, role: Role) -> None:
-        """How the axes of a role move a point of what they carry that is at `tip` in the world: into their columns."""
+        """Write into the columns of a role's axes how they move a carried point that is at `tip` in the world."""
         below = IDENTITY
         for number, axis in enumerate(self.extra, self.main.axes):
             if axis.role is not role:

@@ -1,6 +1,6 @@
 """No transformation (rho 3: RTYP 0): points are positions of the axes, whatever these are.
 
-There is no tool centre point; a pose shows the first three linear axes as x, y, z, so that lines and displays work all the same.
+There is no tool centre point.  A pose shows the first three linear axes as x, y, z, so that lines and displays still work.
 """
 
 import math
@@ -17,7 +17,7 @@ from motion.kinematics.base import FREE, Branch, Configuration, Joints, Unreacha
 from motion.kinematics.choice import Chooser
 
 MOST = 24
-STRAY = 1e-9  # m or 1: what an axis that is not there may be off
+STRAY = 1e-9  # m or 1: tolerance for a coordinate without an axis
 
 
 class Identity:
@@ -36,7 +36,7 @@ class Identity:
         return Pose((x, y, z), NO_ROTATION)
 
     def inverse(self, pose: Pose, near: Sequence[float], configuration: Configuration | None = None) -> Joints:
-        """The linear axes take x, y, z; all others stay as in `near`."""
+        """Assign x, y, z to the linear axes; all others stay as in `near`."""
         values = list(near)
         for n, value in zip(self.cartesian, pose.position, strict=False):
             values[n] = value

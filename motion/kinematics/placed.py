@@ -1,4 +1,4 @@
-"""A robot among those of its cell, as the cycle sees it: its axes lie behind those of the robots before it."""
+"""A robot of a cell as the cycle sees it: its axes follow those of the robots before it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,9 @@ from motion.kinematics.base import Joints, PathKinematics
 
 @dataclass(frozen=True)
 class Placed:
-    """own: of the robot by itself; first: axes before it, which stay where they are.  q and near: (axes,) those and its own."""
+    """own: kinematics of the robot alone; first: number of axes before it, which stay where they are.  q and near: (axes,) the axes before
+    it and its own.
+    """
 
     own: PathKinematics
     first: int
@@ -24,7 +26,7 @@ class Placed:
         return self.own.forward(q[self.first :])
 
     def follow(self, pose: Pose, near: Sequence[float]) -> Joints:
-        """As the robot by itself."""
+        """Follow as the robot alone does."""
         return (*near[: self.first], *self.own.follow(pose, near[self.first :]))
 
 

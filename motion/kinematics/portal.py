@@ -122,7 +122,7 @@ class Portal:
 
 
 def turned(turns: Sequence[int], angles: Sequence[float]) -> Rotation:
-    """Rotations about the axes 0 (x), 1 (y), 2 (z) one after the other, each about the axis as it has been turned."""
+    """Return successive rotations about the axes 0 (x), 1 (y), 2 (z), each about the axis as already rotated."""
     rotation = NO_ROTATION
     for axis, angle in zip(turns, angles, strict=True):
         rotation = product(rotation, about(axis, angle))

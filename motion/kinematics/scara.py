@@ -19,7 +19,7 @@ from motion.kinematics.base import Branch, Configuration, Joints, Shoulder, Unre
 from motion.kinematics.choice import Chooser, wrapped
 
 STRAY = 1e-9  # how far the flange's z may be from the vertical
-SHORT = 8e-10  # m: how far beyond a stretched or folded arm a point may stand by rounding
+SHORT = 8e-10  # m: how far rounding may put a point beyond a stretched or folded arm
 RIGHTY, LEFTY = Configuration(shoulder=Shoulder.RIGHTY), Configuration(shoulder=Shoulder.LEFTY)
 KINDS = (Kind.ROTARY, Kind.ROTARY, Kind.LINEAR, Kind.ROTARY)
 
@@ -99,7 +99,7 @@ class Scara:
         return np.array(rows)
 
     def _lack(self, pose: Pose) -> Unreachable:
-        """Says what is missing: 534 for a tilted flange, 530 for a point too far or too near."""
+        """Return the error: 534 for a tilted flange, 530 for a point too far or too near."""
         (x, y, _), rotation = pose
         far = math.hypot(x, y)
         if not math.isfinite(far + pose.position[2] + sum(rotation)):

@@ -2,7 +2,7 @@
 
 For robots that have no closed form here.  The inverse starts at `near` and, where that does not lead there, at a fixed row of
 well spread joints (Halton), so the same question always gets the same answer; joints stay inside their limits at every step.
-It finds a way, not all ways: `branches` gives what the search found.
+The search need not find all solutions: `branches` returns those that it found.
 """
 
 import math
@@ -26,7 +26,7 @@ STARTS = 60  # other starts after `near`
 PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79, 83, 89)
 ASSUMED_ACCEL = 5.0  # 1/s: a URDF names no acceleration; the speed limit is reached in 0.2 s (AX-356)
 ASSUMED_JERK = 10.0  # 1/s: and the acceleration in 0.1 s
-AT_LIMIT = 2e-3  # m or rad: an axis so near to the end of its travel is what a path cannot go on for
+AT_LIMIT = 2e-3  # m or rad: an axis this near to the end of its travel is blamed when a path cannot continue
 SAME = 1e-6  # m or rad: two results of the search that are one
 
 
@@ -143,7 +143,7 @@ class Urdf:
         return self._of_axes(pin.Jlog6(goal.actInv(self._data.oMf[self._frame])) @ local)
 
     def _of_axes(self, jacobian: Array) -> Array:
-        """Of all moving joints -> of the axes; pinocchio gives that of one joint without its second dimension."""
+        """Reduce the Jacobian of all moving joints to the axes; pinocchio drops the second dimension for a single joint."""
         columns = jacobian.reshape(6, -1)
         return columns @ self._by_axes if self._coupled else columns
 
@@ -201,7 +201,7 @@ def _damped(jacobian: Array, error: Array, damping: float) -> Array:
 
 
 def _radical(number: int, base: int) -> float:
-    """Digits of `number` in `base`, mirrored behind the point."""
+    """Return the digits of `number` in `base`, mirrored at the radix point."""
     value, part = 0.0, 1.0
     while number:
         part /= base

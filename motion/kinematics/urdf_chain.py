@@ -1,7 +1,7 @@
-"""The chain of joints of a URDF from its root to one link, read from the XML: what a robot file asks of it, and no more.
+"""The chain of joints of a URDF from its root to one link, read from the XML; nothing else of the URDF is read.
 
-Grippers, cameras and whatever else branches off, masses, shapes and `<limit>` (its place is the robot file) do not matter.  A joint with
-`<mimic>` is no axis: it follows another one of the chain.  Source: ros.org, URDF XML specification, `joint` (AX-1776).
+Branches such as grippers and cameras, masses, shapes and `<limit>` (set in the robot file) are ignored.  A joint with `<mimic>` is not an
+axis: it follows another joint of the chain.  Source: ros.org, URDF XML specification, `joint` (AX-1776).
 """
 
 import math
@@ -55,7 +55,7 @@ class Chain:
 
 
 def chain_of(text: str, frame: str) -> Chain:
-    """The way from the root of a URDF to a link or joint; MotionError: what is wrong with it."""
+    """Return the chain from the root of a URDF to a link or joint.  Raise MotionError for an invalid one."""
     root = _root(text)
     joints = [element for element in root if element.tag == "joint"]
     links = [element.get("name", "") for element in root if element.tag == "link"]
@@ -114,7 +114,7 @@ def _joint(element: Xml.Element) -> ChainJoint:
 
 
 def _travel(joint: Xml.Element) -> tuple[float, float, float] | None:
-    """None where the URDF has none that makes sense: it is asked for where no robot file gives it."""
+    """Return the limits, or None where the URDF has no plausible ones; they are then required in the robot file."""
     limit = {} if (element := joint.find("limit")) is None else element.attrib
     try:
         lower, upper, speed = (float(limit.get(key, "0")) for key in ("lower", "upper", "velocity"))

@@ -1,4 +1,4 @@
-"""Flying measurement: a probe stores the position while the kinematic goes on; SF 43 MEASURE_ON, SF 44 MEASURE_OFF.
+"""Flying measurement: a probe stores the position while the kinematic keeps moving; SF 43 MEASURE_ON, SF 44 MEASURE_OFF.
 
 Source: rho 3 Releases part 2, section 8 (L7594-7679).  Edge 1 is the positive one, 0 the negative (doubt D-25: the constants of the
 printed example are the wrong way round).  One probe per servo board; the channel reads 1 once it has measured.

@@ -23,7 +23,7 @@ class InputKind(Enum):
     NORMAL = auto()  # once an interpolation cycle
     HIGH_SPEED = auto()  # once a position-controller cycle
     PROBE = auto()  # by its edge, within 10 us
-    MODIFIED = auto()  # the probe again: MOVE UNTIL goes on by the distance of SF 42
+    MODIFIED = auto()  # the probe again: MOVE UNTIL continues by the distance of SF 42
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class Board:
 
 
 def input_of(channel: int) -> MeasuringInput:
-    """Channel number -> what it is; ProgramFault inadmissable input for numbers that mean none."""
+    """Return the input of a channel number.  Raise ProgramFault inadmissable input for an unassigned number."""
     if 1 <= channel <= HIGHEST_NORMAL:
         return MeasuringInput(channel, InputKind.NORMAL, 0, channel)
     hundreds, rest = divmod(channel, 100)

@@ -11,9 +11,9 @@ from motion.measure.history import History
 from motion.val3.errors import RuntimeFault
 
 FAST_INPUTS = ("fIn0", "fIn1")
-ARMING_NS = 200_000  # the longest the old controller may take; programs that forget delay(0) fail here as they might there
+ARMING_NS = 200_000  # longest delay of the original controller; programs that forget delay(0) fail here as they may there
 PULSE_NS = 31_250
-UPDATE_NS = 62_500  # of the arm's position: the greatest delay of what is latched; ours is the edge itself (AX-462)
+UPDATE_NS = 62_500  # update time of the arm's position: greatest delay of a latched value; axisgate latches the edge itself (AX-462)
 
 
 class Change(NamedTuple):
@@ -37,7 +37,7 @@ class Latch:
         self._position: tuple[float, ...] | None = None
 
     def set_latch(self, name: str, now_ns: int) -> None:
-        """setLatch(diInput): waits for the next rising edge; what was latched before is gone."""
+        """setLatch(diInput): discard the latched value and wait for the next rising edge."""
         if name not in FAST_INPUTS:
             raise RuntimeFault(70, f"setLatch: {name} is no fast input, {' and '.join(FAST_INPUTS)} are")
         self._input, self._from_ns = name, now_ns + ARMING_NS
@@ -60,7 +60,7 @@ class Latch:
             self._caught, self._risen, self._input = self._risen, None, None
         newest, oldest = self._history.newest_ns, self._history.oldest_ns
         if self._caught is not None and newest is not None and oldest is not None and newest >= self._caught:
-            if self._caught >= oldest:  # else it was reported so late that nobody knows any more where the arm was
+            if self._caught >= oldest:  # older edges: the position at that time is no longer kept
                 there = self._history.at(self._caught)
                 self._position = tuple(there[axis] for axis in self._axes)
             self._caught = None

@@ -1,4 +1,4 @@
-"""Set machine position: SF 3 MACH_POS gives the axes new joint positions where they are, like referencing.
+"""Set machine position: SF 3 MACH_POS assigns new joint positions to the resting axes, like referencing.
 
 Source: rho 3 Releases part 1, section 11 (L4119-4208).  @POS is new at once; POS (and what else the interpolator holds) with the next
 MOVE block of the kinematic, a dummy MOVE_REL (0, ..) being enough; @MPOS is new too; belt values in the point are ignored.  Until set
@@ -16,9 +16,9 @@ from motion.geometry.units import from_si, to_si
 
 @dataclass(slots=True)
 class MachinePosition:
-    """Of one kinematic: the axes of its joint point, then its belts.  Made anew by a start-up, and only by it.
+    """Machine position of one kinematic: the axes of its joint point, then its belts.  Only a start-up creates it anew.
 
-    measured: (axes,) m or rad, what the measuring systems say.  Joint points: mm and deg.
+    measured: (axes,) m or rad, the values of the measuring systems.  Joint points: mm and deg.
     """
 
     limits: tuple[AxisLimits, ...]
@@ -43,7 +43,7 @@ class MachinePosition:
         self._offset = [to_si(value, axis.unit) - now for value, axis, now in zip(point, self.limits, measured, strict=False)]
 
     def block(self) -> None:
-        """A MOVE block of this kinematic begins: the interpolator takes the positions over."""
+        """Hand the positions to the interpolator: a MOVE block of this kinematic begins."""
         self._accepted = list(self._offset)
 
     def referenced(self, axis: int) -> None:

@@ -39,7 +39,7 @@ class MeasuredPosition:
         self._values = tuple(values)
 
     def read(self) -> tuple[float, ...]:
-        """The whole point; ProgramFault point not defined when a component is not occupied."""
+        """Return the complete point.  Raise ProgramFault point not defined when a component is not occupied."""
         return tuple(self.component(n) for n in range(len(self.axes)))
 
     def component(self, number: int) -> float:
@@ -53,10 +53,11 @@ class MeasuredPosition:
 def measured(
     at: MeasuringInput, edge_ns: int, cycle_ns: int, axes: Sequence[int], boards: Mapping[int, Board], history: History
 ) -> tuple[float | None, ...] | None:
-    """Positions of these axes for an edge of this input, m or rad; None for axes on other boards and for edges reported so late that
-    nothing is kept of their time.
+    """Return the positions of these axes at an edge of this input, m or rad.
 
-    None as a whole: an instant to store lies behind the newest positions, ask again next cycle.  history: of all axes of the control.
+    A component is None for axes on other boards and for edges older than the kept history.
+
+    The result is None when an instant to store is later than the newest positions: ask again next cycle.  history: all axes of the control.
     """
     board = boards[at.board] if at.board else None
     found: list[float | None] = []

@@ -1,7 +1,7 @@
 """Reference path recording: where a kinematic was at its last 50 marks.  SF 29 on, SF 30 off, SF 31 read.
 
 Source: rho 3 Releases part 1 (TO05), section 9 (L5185-5460).  A mark is each DISTANCE (mm or deg) of a measuring system, or with option
-byte 1 each so many interpolation cycles.  Joint and world points are kept, belts included.  Index 1 is the latest (L5386, AX-464).
+byte 1 a number of interpolation cycles.  Joint and world points are kept, belts included.  Index 1 is the latest (L5386, AX-464).
 """
 
 import math
@@ -19,7 +19,7 @@ ROUNDING = 1e-9  # mm or deg
 
 
 class Entry(NamedTuple):
-    """One mark: mm and deg, belts behind the axes."""
+    """One mark: mm and deg, axes first, then belts."""
 
     joints: tuple[float, ...]
     world: tuple[float, ...]

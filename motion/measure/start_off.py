@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from motion.errors import MotionError
 from motion.measure.inputs import Edge, MeasuringInput
 
-BETWEEN = 2  # P5 cycles more when other statements stand between the wait and the movement (TO04)
-ROUNDING = 1e-6  # of a position-controller cycle: 0.15 s is 150 cycles of 1 ms, whatever its last bit says
+BETWEEN = 2  # additional P5 cycles when other statements are between the wait and the movement (TO04)
+ROUNDING = 1e-6  # of a position-controller cycle: makes 0.15 s exactly 150 cycles of 1 ms despite rounding
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ class Outcome(Enum):
     """State of the block."""
 
     RUNNING = auto()
-    MET = auto()  # the statement behind the block is next, @MPOS is occupied
+    MET = auto()  # the statement after the block is next, @MPOS is occupied
     NOT_MET = auto()  # the end point is reached: the ERROR part is next
     FAULT = auto()  # the axes stopped on the path; `fault` is the program's runtime error
 
@@ -84,10 +84,10 @@ class MoveUntil:
     _run: RunOn | None = field(default=None, init=False)
 
     def begin(self, level: bool, now_ns: int) -> bool:
-        """Whether the block is to be loaded.  level: of the input now.
+        """Return whether the block is to be loaded.  level: present level of the input.
 
-        False: a normal or high-speed input has the value already, nothing moves, and what is measured is where the axes
-        stand (AX-455).  A probe must change, whatever its state is now.
+        False: a normal or high-speed input has the value already; nothing moves, and the present position is the measured one (AX-455).  A
+        probe must change, whatever its present state.
         """
         self._since_ns = now_ns
         if self.asked.by_edge or level != self.value:
@@ -125,7 +125,7 @@ class MoveUntil:
         self.path.abandon()
 
     def _counts(self, edge: Edge) -> bool:
-        """The change has to take place while the block is active (L1130)."""
+        """Return whether the edge counts: it must occur while the block is active (L1130)."""
         return edge.channel == self.asked.wire and edge.value == self.value and edge.stamp_ns >= self._since_ns
 
     def _measure(self, hit_ns: int) -> None:

@@ -1,9 +1,9 @@
 """Position-dependent outputs of the rho 3: SF 1 IO logic (binary) and SF 2 PPO (INTEGER and analog).
 
 Source: rho 3 Releases part 1, section 12 (L4211-4264); positions in workpiece coordinates (L8999-9001).  The text describes only how
-running functions are reset and stopped; what they do on the way is decision AX-465: an IO switches its output to the parameter
-value when the coordinate passes the position, a PPO leads its output in proportion to the coordinate's way, from the value
-that is proportional to the parameter value at the position; TIME_OFFS (ms) shifts both, positive: later.
+running functions are reset and stopped; their behaviour along the path is decision AX-465: an IO switches its output to the parameter
+value when the coordinate passes the position, a PPO leads its output in proportion to the coordinate's way, from the value that is
+proportional to the parameter value at the position; TIME_OFFS (ms) shifts both, positive: later.
 """
 
 import math
@@ -43,7 +43,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Analog:
-    """An analog output: rated value of P405 and the most the board gives, 13.3 or 10 V."""
+    """An analog output: rated value of P405 and the maximum of the board, 13.3 or 10 V."""
 
     rated: float
     volts: float = 10.0
@@ -188,7 +188,7 @@ def _seen(system: Sequence[float], point: Sequence[float]) -> Sequence[float]:
 
 
 def _reached(running: _Running, here: float) -> bool:
-    """Whether the coordinate has come to the position, from the side it began on."""
+    """Return whether the coordinate has reached the position from the side on which it began."""
     begin = running.begin if running.begin is not None else here
     way = running.call.position - begin
     return (here - running.call.position) * (1.0 if way >= 0.0 else -1.0) >= -STILL

@@ -27,7 +27,7 @@ class Arc:
     along: Vector
     radius: float
     angle: float  # > 0; more than 2 pi: a helix of several turns
-    rise: float  # m along the axis over the whole arc
+    rise: float  # m along the axis over the entire arc
     start: Rotation
     moving: bool  # orientation fixed to the contour
     rho: Rows  # residual rotation, by s
@@ -86,13 +86,13 @@ def arc(start: Pose, via: Pose, end: Pose, *, moving: bool = False, via_weight: 
 
 
 def full_circle(start: Pose, second: Pose, third: Pose, *, moving: bool = False) -> Arc:
-    """All the way round through three points; it ends in the orientation it began with (moving: after one whole turn)."""
+    """Return the full circle through three points; it ends in its initial orientation (moving: after one full turn)."""
     return around(start, second, third, 2 * math.pi, moving=moving)
 
 
 def around(start: Pose, second: Pose, third: Pose, angle: float, rise: float = 0.0, *, moving: bool = False) -> Arc:
     """On the circle through three points, from the first one towards the second and on: angle in rad, > 0, more than 2 pi makes several
-    turns; rise in m along the axis (right-handed to the motion) over the whole angle.  The orientation is that of the start, fixed or
+    turns; rise in m along the axis (right-handed to the motion) over the full angle.  The orientation is that of the start, fixed or
     moving with the contour."""
     _check_distances(start, second, third)
     if not 0.0 < angle < math.inf:
@@ -174,7 +174,7 @@ def _residual(start: Pose, via: Pose, end: Pose, ring: tuple[Vector, float, floa
 
 
 def _continued(vector: Vector, wanted: Vector) -> Vector:
-    """The rotation vector of the same rotation that is nearest to `wanted`: turns beyond half a circle go on."""
+    """Return the rotation vector of the same rotation that is nearest to `wanted`, so that rotations beyond half a turn continue."""
     angle = norm(vector)
     if angle < 1e-9:
         return vector

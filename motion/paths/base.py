@@ -3,7 +3,7 @@
 A curve runs from s = 0 to s = length.  On lines and arcs s is the arc length of the TCP in m, or the angle in rad where only
 the orientation turns.  Corners and splines have a smooth parameter of the same size that joins its neighbours with |p'| = 1
 and equal second derivatives; inside, |p'| may differ from 1 (corners: less), so speed on the path is sdot |p'|.  `way` gives
-true lengths.  A joint curve is the same for axes: q(s), s = travel of the axis that leads.
+true lengths.  A joint curve is the same for axes: q(s), s = travel of the leading axis.
 """
 
 import math

@@ -76,8 +76,9 @@ def radius_for(distance: float, u1: Sequence[float], u2: Sequence[float]) -> flo
 
 
 def clipped(wanted: float, block: float, share: float) -> float:
-    """What a block of length `block` gives to one of its corners: share 0.5 rho 3 and CODESYS, 0.4 Reis (RAPPR_FACT_MAX), 1/3 Beckhoff;
-    more than half where the other end of the block has no corner."""
+    """Return the part of a block of length `block` that one of its corners may use: share 0.5 rho 3 and CODESYS, 0.4 Reis
+    (RAPPR_FACT_MAX), 1/3 Beckhoff; more than half where the other end of the block has no corner.
+    """
     if not (0.0 < share < 1.0 and wanted >= 0.0):
         raise PathError(f"share {share} is not above 0 and below 1, or the range {wanted} is negative")
     return min(wanted, share * block)

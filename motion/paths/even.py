@@ -1,8 +1,8 @@
-"""A path of the axes by a parameter of its own where they swing faster than the tool goes.
+"""A path of the axes with its own parameter where they move faster than the tool.
 
-A line that passes a wrist pole 1e-6 m beside it turns axis 4 by half a turn within micrometres: by the way of the tool no even grid of a
-law sees that.  Here s(u) slows down there: ds/du = 1 / r with r = sqrt(1 + (x / RATE - 1)^2) where the axes' own rate x = |q'(s)| is above
-RATE, and 1 elsewhere, so that a path and the one it goes on into fit each other as before.
+A line that passes 1e-6 m from a wrist pole turns axis 4 by half a turn within micrometres: no even grid over the tool's way resolves that.
+Here s(u) slows down there: ds/du = 1 / r with r = sqrt(1 + (x / RATE - 1)^2) where the axes' own rate x = |q'(s)| is above RATE, and 1
+elsewhere, so that consecutive paths still fit each other.
 """
 
 import numpy as np

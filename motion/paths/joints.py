@@ -1,7 +1,7 @@
-"""Paths of the axes: piecewise quintics q(s), what time laws and pieces are made from.
+"""Paths of the axes: piecewise quintics q(s), from which time laws and pieces are made.
 
 Columns of a path: the axes (m or rad), then the way of the TCP (m) and its turning (rad), which carry the limits of path and
-orientation speed.  PTP is a straight line in the axes (s = travel of the axis that leads); corners between PTP blocks are the
+orientation speed.  PTP is a straight line in the axes (s = travel of the leading axis); corners between PTP blocks are the
 quintic of motion.paths.corner in axis space; between unlike blocks a quintic joins value, slope and bend of both.
 """
 
@@ -64,7 +64,7 @@ class JointPath:
         return (table[:, 0] - away).min(axis=0), (table[:, 0] + away).max(axis=0)
 
     def looks(self, count: int) -> Array:
-        """Places to look at: so many even intervals, and the knots, which lie close where the axes swing."""
+        """Return the places to examine: `count` even intervals, and the knots, which are dense where the axes move fast."""
         return np.union1d(np.linspace(0.0, self.length, count + 1), self.knots)
 
     def q(self, s: float) -> tuple[float, ...]:
@@ -88,7 +88,7 @@ def joint_path(knots: Sequence[float], rows: Sequence[Sequence[Sequence[float]]]
 
 
 def joint_line(start: Sequence[float], end: Sequence[float]) -> JointPath:
-    """Straight from start to end; PathError where nothing moves or a value is no number."""
+    """Return the straight path from start to end.  Raise PathError where nothing moves or a value is NaN."""
     a, b = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     length = float(np.max(np.abs(b - a))) if a.shape == b.shape and a.size else float("nan")
     if not NO_WAY < length < float("inf"):
@@ -100,7 +100,7 @@ def joint_blend(before: JointPath, leave_at: float, after: JointPath, reach_at: 
     """A quintic from s = leave_at on `before` to s = reach_at on `after`, joining value, slope and bend."""
     span = (before.length - leave_at + reach_at) if length is None else length
     first, last = _state(before, leave_at), _state(after, reach_at)
-    last[0, -2:] += first[0, -2:] - last[0, -2:] + 0.5 * span * (first[1, -2:] + last[1, -2:])  # way and turning go on counting
+    last[0, -2:] += first[0, -2:] - last[0, -2:] + 0.5 * span * (first[1, -2:] + last[1, -2:])  # way and turning keep counting
     return joint_path([0.0, span], [[hermite(span, list(first[:, j]), list(last[:, j])) for j in range(first.shape[1])]])
 
 
@@ -131,7 +131,7 @@ def shifted(rows: Array, u: float) -> Array:
 
 
 def joined(paths: Sequence[JointPath]) -> JointPath:
-    """One behind the other; way and turning go on counting.  PathError where values or slopes do not fit."""
+    """Return the paths in sequence; way and turning keep counting.  Raise PathError where values or slopes do not fit."""
     for number, (left, right) in enumerate(pairwise(paths)):
         end, begin = _state(left, left.length), _state(right, 0.0)
         n = left.axes

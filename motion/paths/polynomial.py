@@ -114,7 +114,7 @@ def whole(base: Curve) -> tuple[Curve, float, float]:
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Curves one behind the other, joined without a corner."""
+    """Consecutive curves, joined without a corner."""
 
     curves: tuple[Curve, ...]
     starts: tuple[float, ...]
@@ -151,7 +151,7 @@ def chain(curves: Sequence[Curve]) -> Chain:
 
 
 def check_join(left: Curve, right: Curve, number: int = 0) -> None:
-    """PathError unless `right` goes on where and as `left` ends."""
+    """Raise PathError unless `right` continues `left` in place and direction."""
     end, begin = left.at(left.length), right.at(0.0)
     if (
         norm(sub(end.position, begin.position)) > JOIN_M

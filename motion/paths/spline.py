@@ -110,7 +110,7 @@ def beside(interval: Polynomial, a: Vector, b: Vector) -> float:
 
 
 def _each(value: Sequence[float] | float, count: int) -> list[float]:
-    """One for all, a number of any kind (those of NumPy are no float all), or one for each."""
+    """Expand one number for all, of any numeric type (not every NumPy number is a float), or check one for each."""
     return [float(v) for v in value] if isinstance(value, Sequence | np.ndarray) else [float(value)] * count
 
 

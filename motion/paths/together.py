@@ -42,9 +42,9 @@ def side_by_side(parts: Sequence[JointPath | tuple[float, ...]], lead: int) -> J
 
 
 def repaced(path: JointPath, pace: Callable[[float], State], length: float) -> JointPath:
-    """The same way gone otherwise: pace gives (s on the path, its first and second derivative) for u in 0 .. length.
+    """Return the same path in another parameter: pace returns (s on the path, its first and second derivative) for u in 0 .. length.
 
-    Quintic Hermite pieces, halved until they follow to 2e-9; ends join with the slope and bend the pace gives them.
+    Quintic Hermite pieces, halved until they follow to 2e-9; the ends have the slope and bend that the pace defines.
     """
     edges, todo = [0.0], [length]
     columns: list[list[Sequence[float]]] = []

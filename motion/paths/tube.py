@@ -23,12 +23,12 @@ PULLS = 25  # adaptations of the pulls, each round
 STRONGER, WEAKER = 30.0, 0.1  # largest change of a pull at once
 WEAKEST, HELD = 1e-7, 1e12  # of the stiffness at a knot: nearly free; does not move
 FINEST = 7  # halvings of a chord
-ROUGH = 2.0  # the points are left when meeting them takes so many times the bend
+ROUGH = 2.0  # the curve leaves the points when meeting them needs this many times the bend
 
 
 @dataclass(frozen=True, slots=True)
 class Fitted:
-    """A curve and its s at (or, in a tube, beside) each of the points, first and last included."""
+    """A curve and its s at (or, in a tube, nearest to) each of the points, first and last included."""
 
     curve: Chain
     ends: tuple[float, ...]
@@ -51,7 +51,8 @@ def fitted(
     orientation_tension: Sequence[float],
     weight: Sequence[float],
 ) -> Fitted:
-    """The curve through the points or beside them.  tubes: m, one for each chord, inf: free; the others: one for each point, see spline().
+    """Return the curve through the points or past them.  tubes: m, one for each chord, inf: free; the others: one for each point, see
+    spline().
 
     The ends of a free chord are met.  A row with a tension below 1 meets all points and is pulled to its chords: see fit().  PathError:
     see spline() and fit().
@@ -90,7 +91,7 @@ def _polynomial(curve: Chain, number: int) -> Polynomial:
 
 
 def _smooth(points: Sequence[Pose], tubes: Sequence[float], free: Chain, turning: Sequence[float]) -> Fitted | None:
-    """None: no curve was found whose knots are no closer than a chord's part of 2 ** -FINEST."""
+    """Return None where no spline exists or its knots would be closer than 2 ** -FINEST of a chord."""
     knots = _knots(points, tubes)
     for _ in range(FINEST):
         lengths = [_between(a, b, free) for a, b in pairwise(knots)]

@@ -25,4 +25,4 @@ def _exact(curve: Curve, near: Joints, tool: Pose, machine: Machine) -> JointPat
     try:
         return exact_path(curve, machine.kinematics, near[: machine.arm], tool)
     except KinematicsError:
-        return None  # the general way says where
+        return None  # the general method names the place

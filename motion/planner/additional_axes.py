@@ -1,7 +1,7 @@
 """Courses of additional axes (7 .. 24) along a path: one polynomial of degree 5 or less in s for each, in step with the path.
 
 Along a block a course is straight; where blocks are rounded into each other, and along a row of SPLINE blocks (motion.planner.spline_rows),
-it joins what lies before and behind with the same slope and no step of the bend.
+it joins the courses before and after it with equal slope and continuous bend.
 """
 
 from collections.abc import Sequence
@@ -42,7 +42,7 @@ def shifted(course: Course, by: float) -> Course:
 
 
 def with_course(path: JointPath, course: Course) -> JointPath:
-    """path: of the arm alone; the columns of the additional axes are put behind its own."""
+    """Return the path of the arm with the columns of the additional axes appended."""
     if not course:
         return path
     count, arm = len(path.coefficients), path.axes

@@ -14,7 +14,7 @@ from motion.program.blocks import Block
 from motion.program.team import Shared
 from motion.val3.stack import Place
 
-QUIET = 5  # periods without a new block after which what is known is run: nothing more seems to come
+QUIET = 5  # periods without a new block after which the known blocks are run
 
 
 @dataclass

@@ -1,7 +1,7 @@
-"""One block -> its whole way, uncut: a TCP curve in the base of the robot, or a straight line of the axes.
+"""One block -> its complete, uncut path: a TCP curve in the base of the robot, or a straight line of the axes.
 
-Everything that can be known of a block before anything moves is found here: numbers that are none, targets out of reach or
-limits, the wrong configuration, circles that are none, zero blocks.
+Every fault that can be found before the axes move is found here: NaN, targets out of reach or limits, a wrong configuration, degenerate
+circles, zero blocks.
 """
 
 import math
@@ -28,9 +28,9 @@ from motion.program.errors import BlockError
 JOINT_LIMIT = 520  # VAL 3: joint position outside the software limits
 MULTI_TURN = 544  # VAL 3: a Cartesian path drives a multi-turn joint out of its range
 CONFIGURATION = 533  # VAL 3: unreachable in the given configuration
-SAME_JOINT = 1e-5  # rad or m: what is nearer is the same place
+SAME_JOINT = 1e-5  # rad or m: nearer places count as equal
 DUST = 1e-9  # of a slope
-NEXT = 1.0  # rad or m: of all ways to stand at the next place the one that goes on is nearer
+NEXT = 1.0  # rad or m: the continuing solution for the next place is nearer than this
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def _untransformed(number: int, block: Block, position: Joints, machine: Machine
 
 
 def _only_extra(number: int, block: Block, position: Joints, extra: Joints) -> Leg:
-    """The tool stands still and only additional axes move."""
+    """Return the leg of a block in which the tool is at rest and only additional axes move."""
     end = (*position[: len(position) - len(extra)], *extra)
     path = joint_line(position, end)
     return Leg(number, block, None, path, path.length, position, end)
@@ -177,7 +177,7 @@ def extra_of(block: Block, position: Joints, machine: Machine) -> Joints:
 
 
 def _along(curve: Curve, course: Course, block: Block, position: Joints, machine: Machine) -> JointPath:
-    """What the axes do along the curve, on the branch they are in; what is in their way, with its place."""
+    """Return the path of the axes along the curve on their present branch.  Report an obstacle with its place."""
     try:
         return followed(curve, position, block.tool.pose, course, machine)
     except KinematicsError as error:
@@ -218,9 +218,9 @@ def run_out(axis: AxisLimits, where: str) -> BlockError:
 
 
 def _run_out_of(machine: Machine, flange: Pose, q: Joints) -> AxisLimits | None:
-    """The axis whose travel ends where the arm would go on from q as it is; None: it could not go on at all."""
+    """Return the axis whose travel ends where the arm would continue from q, or None if it could not continue at all."""
     if machine.carried:
-        return None  # where the arm itself stands depends on what carries it
+        return None  # the position of the arm depends on its carrier
     for joints, _ in machine.kinematics.branches(flange):
         near = [
             value + math.tau * round((here - value) / math.tau) if kind_of(axis.unit) is Kind.ROTARY else value
@@ -239,7 +239,7 @@ def _where(curve: Curve, at: float) -> str:
     by_s = curve.derivatives(0.0)
     if max(map(abs, by_s.p1)) > DUST:
         return f"{at * 1e3:.1f} mm"
-    return f"{math.degrees(at):.1f} deg" if any(by_s.w) else f"{100 * at / curve.length:.0f} %"  # the tool stands, what carries moves
+    return f"{math.degrees(at):.1f} deg" if any(by_s.w) else f"{100 * at / curve.length:.0f} %"  # the tool is at rest, its carrier moves
 
 
 def check_values(target: JointTarget, machine: Machine) -> None:

@@ -12,6 +12,6 @@ def within_search(fresh: Sequence[Stretch], under_way: int) -> int:
 
 
 def few_are_new(fresh: Sequence[Stretch], ready: int) -> bool:
-    """Of those held back fewer than half are new: a tail for each block is more than the cycle's ring carries."""
+    """Return whether fewer than half of the held-back blocks are new: one tail per block would overload the cycle's ring."""
     first, last = fresh[0], fresh[ready - 1]
     return ready < len(fresh) and 2 * (last.last - first.last + 1) < last.source.ahead

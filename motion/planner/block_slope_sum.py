@@ -25,8 +25,9 @@ TRUE = 1 + 2e-4  # of a limit: no nearer to the tool's true rates are the column
 
 
 def own_ramp(block: Block, path: JointPath, machine: Machine) -> Ramped:
-    """The block by itself, as fast as it may.  With sine squares in so much more time as it must have where its path is bent, or where its
-    tool may not speed up as the axes can."""
+    """Return the block alone, as fast as allowed.  With sine squares it gets the additional time that a bent path needs, or a tool whose
+    acceleration limit is lower than that of the axes.
+    """
     pace, sine = block.pace, block.shape is Shape.SIN2
     made = ramped(
         path,

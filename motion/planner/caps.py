@@ -24,7 +24,9 @@ def robot_limits(machine: Machine, caps: Sequence[Cap]) -> LawLimits:
 
 
 def block_caps(block: Block, path: JointPath, way: float, start: float, end: float, machine: Machine, factors: Factors = FULL) -> list[Cap]:
-    """Of a block on the stretch start .. end of s.  path: of its axes, or of the corner it is passed in; way: whole length of the block."""
+    """Return the caps of a block on the stretch start .. end of s.  path: that of its axes, or of its corner; way: full length of the
+    block.
+    """
     pace, caps = block.pace, []
     accel, decel = min(pace.accel * factors.acceleration, 1.0), min(pace.decel * factors.deceleration, 1.0)
     lead = _lead(block, path)
@@ -35,7 +37,7 @@ def block_caps(block: Block, path: JointPath, way: float, start: float, end: flo
     ptp = block.kind is Interpolation.PTP  # accelerates as its axes can: of the tool its speeds alone are asked for
     path_accel = FREE if ptp else (pace.path_accel or FREE) * factors.acceleration
     path_decel = FREE if ptp else (pace.path_decel or FREE) * factors.deceleration
-    if pace.time is not None and way > 0.0:  # rounded at an end: as fast as the time of the whole block asks
+    if pace.time is not None and way > 0.0:  # rounded at an end: speed from the time of the entire block
         speed, ramp = figures(way, pace.time, pace.ramp)
         still = not np.any(path.at(np.zeros(1), 1)[0, WAY])
         caps.append(Cap(start, end, TURNING if still else WAY, speed, ramp, ramp))

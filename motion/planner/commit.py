@@ -17,9 +17,9 @@ Array = NDArray[np.float64]
 SPACING_S = 0.8e-3  # between nodes at most: wider ones round the corners of the jerk off and over
 CLOSE = 2e-7  # m or rad between pieces and path, looked at between the nodes
 NO_LIMIT = 1e9  # a record holds numbers: means none
-PLENTY, MOST = 128, 800  # pieces of a law: more, and only the nodes that are needed stay; the ring to the cycle holds so many
-FEW, FEW_S, SHORT_S = 2, 0.08, 8.0  # pieces of a law so short that ends for good: more, and only needed nodes stay; a piece lasts so long
-LONGEST_S, COLUMNS = 0.5, 7  # a piece of so many columns at most: the cycle looks at every ms of it at once; of more columns, shorter
+PLENTY, MOST = 128, 800  # pieces of a law: beyond, only needed nodes stay; capacity of the ring to the cycle
+FEW, FEW_S, SHORT_S = 2, 0.08, 8.0  # pieces of a short law that ends for good: beyond, only needed nodes stay; duration of a piece
+LONGEST_S, COLUMNS = 0.5, 7  # longest piece up to this many columns (shorter for more): the cycle examines each ms at once
 
 
 class TooLongError(MotionError):
@@ -43,10 +43,10 @@ def timed_pieces(
     new_tail: bool = False,
     whole: bool = False,
 ) -> list[TimedPiece]:
-    """Pieces of the whole law, the last one ends at rest.
+    """Return the pieces of the entire law; the last one ends at rest.
 
-    mask: which axis of the cell each axis of the path is (bits rising, default the first ones); blocks: (s at its end, block number),
-    rising.  A piece belongs to one block.  whole: nothing goes on from it, it is never cut.  Raises TooLongError.
+    mask: which axis of the cell each axis of the path is (ascending bits, default the first ones); blocks: (s at its end, block number),
+    ascending.  A piece belongs to one block.  whole: no law continues it, it is never cut.  Raise TooLongError.
     """
     whole = whole and law.duration <= SHORT_S
     bits = (1 << path.axes) - 1 if mask is None else mask
@@ -115,7 +115,7 @@ def _states(path: JointPath, s: Array, speed: Array, accel: Array) -> Array:
 
 
 def _gap(path: JointPath, law: Law, index: list[int], states: Array) -> float:
-    """Largest distance of the quintics from the path, with s as close as it can be: what leaves the path, not what is early or late."""
+    """Return the largest distance of the quintics from the path at the best s: deviations from the path, not in time."""
     times = law.step * np.array(index)
     left, right = states[:-1].reshape(len(index) - 1, -1, 3), states[1:].reshape(len(index) - 1, -1, 3)
     h = np.diff(times)[:, None]

@@ -1,4 +1,4 @@
-"""A law that was committed: its place in the chain, its pieces, and what another one may go on from.  Pure."""
+"""A committed law: its place in the chain, its pieces, and the state from which another law may continue."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -29,8 +29,8 @@ class Planned:
     begin: float
     end: float
     cuts: tuple[tuple[float, int], ...]
-    stops: bool  # the path ends at rest here by itself, not for want of more
-    quick: Swift | None = None  # what an open path goes on from
+    stops: bool  # the path is meant to end at rest here, not for lack of blocks
+    quick: Swift | None = None  # the quick law from which an open path continues
     first: int = 0  # sample of it at which this law begins
     width: float = 0.0
     led: bool = False
@@ -64,7 +64,7 @@ def state_at(law: Law, k: int) -> tuple[float, float, float]:
 
 
 def stretches_of(planned: Iterable[Planned]) -> list[Stretch]:
-    """Of all these laws, each once: a law that replaces the tail of another one shares some with it."""
+    """Return the stretches of all these laws, each once: a law that replaces the tail of another one shares some with it."""
     known: list[Stretch] = []
     for law in planned:
         known += [each for each in law.run.stretches if not any(each is one for one in known)]
@@ -82,7 +82,7 @@ def runs_between(planned: Iterable[Planned], between: tuple[float, float]) -> li
 
 
 def state_behind(kept: Sequence[tuple[int, RouteState]], planned: Iterable[Planned], number: int) -> RouteState:
-    """Of the route, behind a block that is not done.  kept: the route behind each of those.  Raises MotionError."""
+    """Return the state of the route after a block that is not done.  kept: the state after each such block.  Raise MotionError."""
     if not kept:
         raise MotionError("blocks of several kinematics cannot be cut: flush the stream")
     state = next((state for at, state in kept if at == number), None)

@@ -24,7 +24,7 @@ MOST = 16  # corners in a row that are looked at one by one: a longer row is, in
 def quicker(
     row: Sequence[Stretch], machine: Machine | Team, seconds: Callable[[Run], Work[float]], factors: Factors = FULL
 ) -> Work[list[list[Stretch]]]:
-    """Rows from rest to rest in place of `row`, which ends at rest; seconds: what a run takes.
+    """Return rows from rest to rest in place of `row`, which ends at rest; seconds: duration of a run.
 
     Corners of block slope, with a programmed speed or time stay as they are.
     """
@@ -98,7 +98,7 @@ def _parts(row: Sequence[Stretch]) -> list[list[Stretch]]:
 
 
 def _shortest(row: Sequence[Stretch], machine: Machine | Team, factors: Factors) -> list[float]:
-    """Seconds from rest to rest that the axes take at least from corner to corner, each way straight and at the programmed speeds."""
+    """Return the least seconds from rest to rest between corners, each way straight and at the programmed speeds."""
     return [_least(way, slowest, machine) for way, slowest in _ways(row, machine, factors)]
 
 
@@ -134,7 +134,7 @@ def stopping(
     row: Sequence[Stretch], machine: Machine | Team, passing: float, factors: Factors = FULL, *, moving: bool = False
 ) -> Work[tuple[list[list[Stretch]], float]]:
     """Runs that stop in all corners of a row whose end may be open, and their seconds, if that is quicker than the law of `passing`
-    seconds; else none.  moving: the first of them goes on with a motion, and is not counted."""
+    seconds; else none.  moving: the first of them continues a motion and is not counted."""
     if not any(stretch.kind is Kind.CORNER for stretch in row) or any(_fixed(stretch) for stretch in row):
         return [], 0.0
     least = 0.0

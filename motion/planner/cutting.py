@@ -1,4 +1,4 @@
-"""A path that is cut: which stretches of it lie behind a block, and what is left of the others from where the axes rest (AX-1080)."""
+"""Cut of a path: the stretches after a block, and the remainder of the others from where the axes rest (AX-1080)."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,11 +11,11 @@ from motion.planner.runs import Run, progress
 from motion.planner.stretch import EMPTY, Kind, Stretch
 
 LOOKS, CLOSER = 65, 60  # places looked at for where the axes rest; steps to come closer, each by a third
-WAY_COLUMNS = 2  # of a path, behind its axes
+WAY_COLUMNS = 2  # columns of a path after its axes
 
 
 def beyond(stretch: Stretch, number: int, state: RouteState) -> bool:
-    """It belongs to what follows this block, or depends on it.  state: of the route behind the block."""
+    """Return whether the stretch belongs to the path after this block or depends on it.  state: the route after the block."""
     if stretch.block != number:
         return stretch.block > number
     known = state.known / state.last.length if state.last is not None else 1.0
@@ -59,7 +59,7 @@ def _nearest(run: Run, low: float, high: float, places: Sequence[float]) -> tupl
 
 
 def _rest(stretch: Stretch, u: float, ahead: Sequence[Stretch]) -> list[Stretch]:
-    """Of one stretch; a corner is no longer one, but the end of its block and the beginning of the next."""
+    """Return the remainder of one stretch; a cut corner becomes the end of its block and the beginning of the next."""
     length = stretch.path.length
     if length - u <= EMPTY * length:
         return []
@@ -85,7 +85,7 @@ def _part(stretch: Stretch, begin: float, end: float, share: tuple[float, float]
 
 
 def begun_at(path: JointPath, places: Sequence[float]) -> JointPath:
-    """It begins where the axes rest, a fraction of a micrometre beside it, and ends where it ended."""
+    """Return the path with its start moved to where the axes rest, a fraction of a micrometre away; its end is unchanged."""
     table, length = path.coefficients.copy(), path.length
     aside = np.array(places) - table[0, 0, : len(places)]
     table[:, 0, : len(places)] += aside * (1.0 - path.knots[:-1] / length)[:, None]

@@ -35,7 +35,7 @@ def _rows(stretches: Iterable[Stretch]) -> Iterator[list[Stretch]]:
 
 
 def _may_be(run: Run) -> bool:
-    """Whether the law itself has to be looked at: it takes about as long to make as to run."""
+    """Return whether the law itself must be examined: making it lasts about as long as running it."""
     if any(stretch.source.pace.time is not None or stretch.source.shape is Shape.SIN2 for stretch in run.stretches):
         return True  # slower than the quick law, and quickly made
     try:
@@ -45,7 +45,7 @@ def _may_be(run: Run) -> bool:
 
 
 def _planned(row: Sequence[Stretch], robots: Machine | Team) -> BlockError | None:
-    """Whatever a planner says of it while it is run."""
+    """Return the fault that a planner reports while the row is run."""
     planner = Planner(robots, (0.0,) * robots.axes)
     planner.given(row)
     try:

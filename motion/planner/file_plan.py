@@ -19,7 +19,7 @@ from motion.program.errors import BlockError
 from motion.timing.slices import Work
 
 ROUNDING = 1e-6  # of a round: REAL32 gives seven digits
-SHORTEST_US = 100  # of a time base nobody compares
+SHORTEST_US = 100  # of a time base that is not compared
 
 
 def control_of(machine: Machine, period_us: int) -> Control:
@@ -29,8 +29,9 @@ def control_of(machine: Machine, period_us: int) -> Control:
 
 
 def file_path(block: Block, data: bytes, position: Joints, machine: Machine, period_us: int, number: int) -> FilePath:
-    """Every check of a MOVE_FILE block that begins where the axes stand: BlockError with the manual's number, block and axis.  period_us:
-    P5 of the cell; 0: there is none, and the file's own time is as good."""
+    """Run every check of a MOVE_FILE block that begins at the present position.  Raise BlockError with the manual's number, block and
+    axis.  period_us: P5 of the cell; 0: there is none, and the file's own time is used.
+    """
     call, rows = block.file, zip(position, machine.limits, strict=True)
     assert call is not None
     shown = tuple(within(place, axis.modulo) if axis.modulo else place for place, axis in rows)
@@ -53,7 +54,7 @@ def file_path(block: Block, data: bytes, position: Joints, machine: Machine, per
 
 
 def _check_rounds(run: Playback, machine: Machine, name: str, number: int) -> None:
-    """An axis of a cell is within its own modulo behind the block: a file that ends it with another one has no place in it."""
+    """Refuse a file that ends an axis with another modulo: after the block an axis of a cell is within its own modulo."""
     for axis, flag, last, there in zip(machine.limits, run.flags, run.rows[-1], run.end_position(), strict=True):
         modulo = from_si(axis.modulo, axis.unit)
         if flag == BY_FILE and abs(within(last, modulo) - there) > ROUNDING * modulo:
@@ -137,7 +138,7 @@ class FilePlan:
         return [] if taken else self._made
 
     def take_marks(self) -> list[Mark]:
-        """Functions in front of the block are called where it begins."""
+        """Return the marks.  Functions before the block are called at its beginning."""
         return [Mark(self._made[0].id, 0.0, 0, 0.0, function) for function in self.block.functions] if self._made else []
 
     def ending(self) -> Work[None]:

@@ -1,7 +1,7 @@
-"""Laws of a row that still grows: quick ones; where they would take about as long as stops in all corners, refined ones (AX-961).
+"""Laws of a growing row: quick ones, or refined ones where a quick law is hardly faster than stops in all corners (AX-961).
 
-A quick law goes on by itself (motion.planner.quick_law).  A refined one goes on into a quick one from rest a little way back, and both
-are refined together, from the place where it is left on (motion.timing.splice).
+A quick law extends itself (motion.planner.quick_law).  A refined one changes over into a quick one that begins at rest a little way back;
+both are refined together from the change-over on (motion.timing.splice).
 """
 
 from collections.abc import Sequence
@@ -28,9 +28,9 @@ Array = NDArray[np.float64]
 WORTH = 0.75  # of the time of passing: stops in a row that still grows take less than this, or it is passed (AX-661)
 SLOW = 1.25  # of it: where stops take less than this, the law is refined
 REFINED_S = 2.0  # of a law at most, from where it begins
-LONG_S = 0.4  # a shorter one stays quick: a refined law cannot be led over just before its end, where a quick one still goes on
+LONG_S = 0.4  # a shorter one stays quick: a refined law cannot change over just before its end, a quick one can
 SMALLEST = 1e-9
-BEHIND_S = 0.1  # behind the place where one law has become the other
+BEHIND_S = 0.1  # after the place where the change-over is complete
 NOTHING = "no law continues the present one within its acceleration and jerk"
 
 
@@ -46,7 +46,7 @@ class Grown(NamedTuple):
     later: tuple[Stretch, ...] = ()
 
     def paused(self, at: float) -> "Grown":
-        """A refined law that begins behind another one, at rest: their jerks do not add up (AX-317)."""
+        """Return a refined law that begins at rest after another one, so that their jerks do not add up (AX-317)."""
         return self._replace(law=self.law.later(PAUSE_S)) if self.origin.led and self.law.at_rest and at > 0.0 else self
 
 
@@ -69,7 +69,7 @@ class Growing:
         return Grown(run, made.law, Origin(made, 0, width)) if law is None else Grown(run, law, Origin(None, 0, width, True)).paused(at)
 
     def gone_on(self, last: Planned, at: float, row: Sequence[Stretch]) -> Work[Grown]:
-        """From tau = `at` of the last law on.  Raises MotionError where nothing goes on with it."""
+        """Continue the last law from tau = `at`.  Raise MotionError where no law continues it."""
         found = yield from self._along(last, at, row)
         before = last.end - at
         stops, seconds = yield from stopping(row, self._machine, SLOW * (found.law.duration - before), self._factors, moving=True)

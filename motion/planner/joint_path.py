@@ -3,11 +3,11 @@
 Values come from the inverse, slopes from the Jacobian (q' = J^-1 x'), bends from its change along q' (q'' = J^-1 (x'' - J' q')).
 The branch is kept by continuity: every inverse starts from the joints before it, and an interval counts only when its quintics follow
 the curve, so a path never jumps from one arm configuration to another (VAL 3 L5547-5554: a change of configuration cannot be forced on
-a line).  Beside a wrist pole the intervals become as short as the swing of the axes is; through the pole itself, where the inverse has
-nothing of axes 4 and 6 alone, the quintics are judged by where they lead the tool (AX-660).
+a line).  Near a wrist pole the intervals become as short as the swing of the axes; through the pole itself, where the inverse does not
+determine axes 4 and 6, the quintics are judged by the tool's position (AX-660).
 
-Additional axes that carry the robot or the workpiece have their own course e(s), which is given; what the arm has to do is what they
-leave over of the twist: J q' = x' - J_e e', and one order on J q'' = x'' - J' (q', e') - J_e e'' (AX-565).
+Additional axes that carry the robot or the workpiece have their own given course e(s); the arm makes the remainder of the twist: J q' = x'
+- J_e e', and one order on J q'' = x'' - J' (q', e') - J_e e'' (AX-565).
 """
 
 import math
@@ -34,13 +34,14 @@ SHORTEST = 1e-12  # of the curve: an interval that has to be halved further does
 BORDER = 1e-4  # of the curve: so near to where it leaves the reach a place is reported
 LARGEST = 0.5  # m or rad between neighbouring knots
 AT_POLE = 5e-8  # m or rad of the tool: a curve that misses a pole by no more is led straight through it
-HERE = 1e-8  # m or rad of the tool: axes that stand so near to the beginning of the curve stand there
+HERE = 1e-8  # m or rad of the tool: nearer axes are at the beginning of the curve
 SINGULAR = 1e-3  # smallest singular value of the Jacobian: less, and the axes lose digits of the pose
 RANK = 1e-9  # of the largest: a singular value that is smaller counts as none
-POLE = 1e-9  # and less than this: the Jacobian says nothing of how the axes go on
-STENCIL, STENCIL_STEP = (-8, -7, -6, -5, -4, -3, -2, -1, 1, 2, 3, 4, 5, 6, 7, 8), 5e-3  # places around a pole that say how; of the curve
+POLE = 1e-9  # below this the Jacobian does not determine how the axes continue
+# places around a pole that determine it instead; of the curve
+STENCIL, STENCIL_STEP = (-8, -7, -6, -5, -4, -3, -2, -1, 1, 2, 3, 4, 5, 6, 7, 8), 5e-3
 ENOUGH = 8  # of them
-BESIDE = 1e-5  # m or rad: so far beside their place on a pole the axes may begin
+BESIDE = 1e-5  # m or rad: allowed start distance of the axes from their place on a pole
 EPSILON = 1e-5  # rad or m, step for the change of the Jacobian
 
 Array = NDArray[np.float64]
@@ -177,7 +178,7 @@ def _value(row: tuple[float, ...], u: float) -> float:
 def _knot(
     curve: Curve, flange: Mounted, kinematics: Kinematics, course: Sequence[Row], s: float, near: Joints, *, at_start: bool = False
 ) -> _Knot:
-    """stands: the axes are at `near` already, where that leads the tool there."""
+    """stands: the axes are at `near` already if that puts the tool there."""
     arm, extra = kinematics.axes - len(course), states(tuple(course), s)
     near, pose = (*near[:arm], *(value for value, _, _ in extra)), flange.at(s)
     q = (
@@ -210,7 +211,7 @@ def _knot(
 
 
 def _at_pole(length: float, flange: Mounted, kinematics: Kinematics, course: Sequence[Row], s: float, near: Joints) -> State | None:
-    """Where the axes of the curve beside a pole lead on it: a polynomial through them.  None: they cannot be there at all."""
+    """Return the axes on a pole, from a polynomial through those of the curve near it; None where they cannot be there."""
     arm, step = kinematics.axes - len(course), STENCIL_STEP * length
     places = sorted(sorted((k for k in STENCIL if 0.0 <= s + k * step <= length), key=abs)[:ENOUGH])
     rows: list[Joints] = []
@@ -227,8 +228,9 @@ def _at_pole(length: float, flange: Mounted, kinematics: Kinematics, course: Seq
 
 
 def _solver(jacobian: Array) -> tuple[Callable[[Array], Array], float]:
-    """Joint rates for a twist, and the smallest singular value; least squares where the robot has not six axes or stands in a singular
-    pose."""
+    """Return joint rates for a twist, and the smallest singular value; least squares where the robot has other than six axes or a singular
+    pose.
+    """
     left, sizes, right = np.linalg.svd(jacobian, full_matrices=False)
     counts = sizes > RANK * sizes[0]
     inverse = (right[counts].T / sizes[counts]) @ left[:, counts].T

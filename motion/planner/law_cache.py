@@ -34,7 +34,7 @@ class KnownLaws:
         return law
 
     def seconds(self, factors: Factors) -> Callable[[Run], Work[float]]:
-        """What runs take."""
+        """Return the function for the duration of runs."""
 
         def taken(run: Run) -> Work[float]:
             return (yield from self.law(run, factors)).duration

@@ -19,7 +19,7 @@ WHOLE = 1.0 - 1e-9  # of a block: its end is reached
 
 
 class Mark(NamedTuple):
-    """Output `number` becomes `value` so long (s at full speed) after the beginning of a piece."""
+    """Output `number` becomes `value` this long (s at full speed) after the beginning of a piece."""
 
     piece: int
     after: float
@@ -34,7 +34,7 @@ class Mark(NamedTuple):
 
 
 def at_rest(each: Called | Output) -> Mark:
-    """Done where the axes stand: no piece has this number."""
+    """Return the mark of an action at rest: no piece has this number."""
     _, number, value, function = _done_at(0.0, each)
     return Mark(0, 0.0, number, value, function)
 
@@ -51,8 +51,9 @@ def check_outputs(stretch: Stretch) -> None:
 
 
 def marks_of(run: Run, law: Law, pieces: Sequence[TimedPiece], *, goes_on: bool) -> list[Mark]:
-    """Marks on the pieces of one law along the run, in the order of the way.  goes_on: what lies at its very beginning or before belongs
-    to the pieces it goes on from."""
+    """Marks on the pieces of one law along the run, in path order.  goes_on: marks at or before its very beginning belong to the pieces
+    that it continues.
+    """
     places = sorted(_places(run), key=lambda each: each[0])  # at one place as the text has them
     begins = np.concatenate([[0.0], np.cumsum([piece.duration for piece in pieces])])
     marks = []

@@ -1,16 +1,16 @@
-"""Nodes of a long law that are not needed: the quintics over wider intervals go where those over narrow ones went.
+"""Removal of unneeded nodes of a long law: the quintics over wider intervals follow those over the narrow ones.
 
-A law has a node about every millisecond, and a follower holds some thousand pieces (motion.execution.follower.WAITING): where something
-slow lasts, most nodes say nothing new.  AX-606.  A path begins when its last piece is in the cycle: one that ends at rest begins sooner
-with fewer (AX-1460).
+A law has a node about every millisecond, and a follower holds some thousand pieces (motion.execution.follower.WAITING): in a long slow
+section most nodes are redundant.  AX-606.  A path begins when its last piece is in the cycle: one that ends at rest begins sooner with
+fewer (AX-1460).
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-WIDEST = 32  # intervals one may stand for
-LEFT_S = 1.0  # before the end: a path that goes on is cut there, and an interval cannot be cut
+WIDEST = 32  # most intervals that one may replace
+LEFT_S = 1.0  # before the end: a continued path is cut there, and an interval cannot be cut
 PLACES = 8  # at which a quintic is looked at, at most
 SAME, SAME_SPEED, SAME_ACCEL = 1e-9, 1e-6, 2e-4  # m or rad; per s; share of the limit of acceleration
 
@@ -38,7 +38,7 @@ def needed(
 
 
 def _alike(times: Array, states: Array, starts: NDArray[np.intp], width: int, accel: Array) -> NDArray[np.bool_]:
-    """Whether one quintic over so many intervals from each of these nodes meets the nodes between."""
+    """Return whether one quintic over `width` intervals from each of these nodes meets the nodes between."""
     ends = starts + width
     left, right = (states[at].reshape(len(at), len(accel), 3) for at in (starts, ends))
     h = (times[ends] - times[starts])[:, None]

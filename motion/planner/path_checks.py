@@ -27,7 +27,9 @@ TOUCH = 1e-9  # m, or share of a speed
 
 @dataclass(frozen=True, slots=True)
 class Slowed:
-    """A block whose programmed speed an axis cannot keep everywhere.  share: times its speed that would take, at the worst place."""
+    """A block whose programmed speed an axis cannot keep everywhere.  share: overload at the worst place, as a multiple of the allowed
+    speed.
+    """
 
     axis: str
     share: float

@@ -53,7 +53,7 @@ NO_WAY = "what the block begins or ends with needs a way: none is left behind it
 
 @dataclass
 class Planner:
-    """add() blocks; plan() gives the pieces that are due.  A caller that must not wait: begin(), work() until it is True, take()."""
+    """add() blocks; plan() returns the pieces that are due.  A caller that must not wait: begin(), work() until it is True, take()."""
 
     machine: Machine | Team
     start: Sequence[float]
@@ -63,22 +63,22 @@ class Planner:
     next_id: int = 1
     slowed: dict[int, Slowed] = field(init=False, default_factory=dict)  # block -> what its worst axis cannot keep
     lead_s: float = LEAD_S
-    carried_s: float = 0.0  # a piece takes so long to the axes; a new tail counts when all of it is there
-    queued_s: float = 0.0  # until what was handed on before is with the axes: a new tail comes behind it
+    carried_s: float = 0.0  # transfer time of a piece to the axes; a new tail is valid when all of it has arrived
+    queued_s: float = 0.0  # until the previous pieces have reached the axes: a new tail follows them
     horizon_s: float = HORIZON_S
     ahead_s: float = AHEAD_S
     window: int = WINDOW
-    cuts: bool = False  # cut() may be asked for: the route behind each block that waits is kept
+    cuts: bool = False  # cut() may be called: the route after each waiting block is kept
     _route: Route | TeamRoute = field(init=False)
     _fresh: deque[Stretch] = field(init=False, default_factory=deque)  # known, not planned
     _planned: deque[Planned] = field(init=False, default_factory=deque)
-    _done: int = field(init=False, default=0)  # blocks behind the axes
+    _done: int = field(init=False, default=0)  # blocks completed by the axes
     _laws: KnownLaws = field(init=False, default_factory=KnownLaws)
     _marks: list[Mark] = field(init=False, default_factory=list)
     _work: Slices[list[TimedPiece]] | None = field(init=False, default=None)  # the law that is being made
     _tau: float = field(init=False, default=0.0)  # as of the last begin()
     _patience: float = field(init=False, default=1.0)  # times the lead, once a tail came too late
-    _behind: deque[tuple[int, RouteState]] = field(init=False, default_factory=deque)  # blocks not done, and the route behind each
+    _behind: deque[tuple[int, RouteState]] = field(init=False, default_factory=deque)  # blocks not done, and the route after each
     _looked: tuple[float, Planned, tuple[int, float]] | None = field(init=False, default=None)  # tau, law, and place() there
     searched: bool = field(init=False, default=False)  # some block has BLOCK_SEARCH
     _given: int = field(init=False, default=0)  # last block of stretches another route made
@@ -132,7 +132,7 @@ class Planner:
         return bool(self._fresh) or self._route.pending or self._work is not None
 
     def add(self, block: Block | Shared) -> int:
-        """The next block, of a team a shared one; its number, counted from 1.  Raises BlockError, or MotionError when there is no room."""
+        """Add the next block (a shared one for a team) and return its number, from 1.  Raise BlockError, or MotionError when full."""
         if not self.room:
             raise MotionError(f"{self.waiting} blocks are waiting, {self.capacity} may")
         match self._route, block:
@@ -167,8 +167,9 @@ class Planner:
         self._given = max([self._given, *(stretch.last for stretch in stretches)])
 
     def cut(self, number: int) -> bool:
-        """Blocks behind this one are dropped, and the axes stop at its end.  False: some of their path is handed on, and the axes have to
-        rest first (remaining()).  Raises MotionError."""
+        """Drop the blocks after this one, so that the axes stop at its end.  Return False when part of their path is already handed on:
+        the axes must come to rest first (remaining()).  Raise MotionError.
+        """
         state = state_behind(self._behind, self._planned, number)
         while not self.work():
             pass
@@ -193,7 +194,7 @@ class Planner:
         return rest_of(ahead, runs, places)
 
     def left(self) -> tuple[Called | Output, ...]:
-        """What blocks without way have begun or ended with, and no way was left to do it on; behind finish()."""
+        """Calls and outputs of blocks without way for which no path is left; valid after finish()."""
         return self._route.left()
 
     def _take(self) -> None:
@@ -229,7 +230,7 @@ class Planner:
 
     @property
     def working(self) -> bool:
-        """A law is being made, or its pieces wait for take()."""
+        """Return whether a law is being made or its pieces wait for take()."""
         return self._work is not None
 
     def begin(self, tau: float, *, hurry: bool = False) -> bool:
@@ -287,7 +288,7 @@ class Planner:
         return self._from_rest(self._window(ready))
 
     def _ready(self, tau: float) -> int:
-        """Fresh stretches that may be planned: of those with BLOCK_SEARCH, so many blocks behind the one under way."""
+        """Return how many fresh stretches may be planned; BLOCK_SEARCH limits the number of blocks after the current one."""
         return within_search(self._fresh, self.place(tau)[0]) if self.searched else len(self._fresh)
 
     def _window(self, most: int) -> list[Stretch]:
@@ -315,7 +316,7 @@ class Planner:
         return self.carried_s * share * (len(self._planned[-1].cuts) + len(self._fresh))
 
     def _from_rest(self, row: list[Stretch]) -> Work[list[TimedPiece]]:
-        """A law of its own: near the optimum where the path ends at rest by itself, a quick one where it will go on."""
+        """Return a separate law: a near-optimal one where the path ends at rest for good, a quick one where it will continue."""
         if row[-1].stop:
             row, *later = yield from quicker(row, self.machine, self._laws.seconds(self.factors), self.factors)
             self._back(stretch for part in later for stretch in part)
@@ -353,12 +354,12 @@ class Planner:
         self._fresh.extendleft(reversed(list(row)))
 
     def _extended(self, at: float, first_id: int, ready: int) -> Work[list[TimedPiece]]:
-        """The last law is replaced from this piece on by one that goes on along what has become known since."""
+        """Replace the last law from this piece on by one that continues along the path known since."""
         last, row = self._planned[-1], self._window(ready)
         try:
             grown = yield from Growing(self.machine, self.factors).gone_on(last, at, row)
         except MotionError:
-            # Too fast by now for what lies behind: what was committed ends at rest before it, and the path goes on from there.
+            # Already too fast for the following path: the committed part ends at rest before it, and the path continues from there.
             self._back(row)
             self._planned[-1] = replace(last, quick=None, led=False)
             return []
@@ -376,7 +377,7 @@ class Planner:
                 self._back(row)
                 self._patience = min(2.0 * self._patience, PATIENCE)
                 return []
-        except TooLongError:  # fewer stretches at once; a single one goes on from rest
+        except TooLongError:  # fewer stretches at once; a single one begins at rest
             self._back(row)
             if len(row) > 1:
                 return (yield from self._extended(at, first_id, len(row) // 2))
@@ -417,7 +418,7 @@ class Planner:
             self._planned.popleft()
         if not self._planned:
             if not self._fresh and self._work is None and not self._route.pending:
-                self._done = self._route.added  # all of them without way: there is no law they could end with
+                self._done = self._route.added  # all without way: no law exists with which they could end
             return self._done, 1.0 if self._done else 0.0
         now = self._planned[0]
         if self._looked is None or self._looked[0] != tau or self._looked[1] is not now:  # asked for several times a turn

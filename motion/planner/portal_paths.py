@@ -1,5 +1,5 @@
 """Portals: the linear axes are the coordinates, so lines and corners between lines along which the tool does not turn need no inverse at
-all, and the axes of the wrist stand still."""
+all, and the axes of the wrist are at rest."""
 
 import math
 
@@ -13,7 +13,7 @@ from motion.paths.polynomial import Polynomial, Row, slopes, whole
 from motion.paths.tool_path import FINEST, Rate, divided
 from motion.planner.additional_axes import about
 
-STILL = 1e-9  # rad: an axis of the wrist that goes no further stands
+STILL = 1e-9  # rad: smaller motion of a wrist axis counts as rest
 
 
 def exact_path(curve: Curve, kinematics: Kinematics, near: Joints, tool: Pose) -> JointPath | None:

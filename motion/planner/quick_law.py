@@ -2,10 +2,9 @@
 
 The raw law is the fastest one under speeds and 9/10 of the accelerations (TOPP); the law itself is its mean over the last w seconds,
 which turns steps of acceleration into ramps of jerk 2 a / w at most along a straight path.  A mean of the past does not change
-when only the future is planned anew: so a tail joins exactly where the part in front of it was left, position, speed and
-acceleration, whatever the path does.  The mean is behind the raw law by up to half the way made in w, so the raw law keeps a speed
-limit that much before and behind the place it holds for; then the mean keeps it.  Where curvature makes more of it than the axes may do,
-speed is lowered there and the law is made again.
+when only the future is planned anew: so a tail joins the part before it exactly in position, speed and acceleration, whatever the path
+does.  The mean is behind the raw law by up to half the way made in w, so the raw law keeps a speed limit that far before and after its
+place; then the mean keeps it.  Where curvature makes more of it than the axes may do, speed is lowered there and the law is made again.
 """
 
 import math
@@ -29,19 +28,19 @@ WIDTH = 1.2  # times acceleration / jerk of the slowest axis (AX-961)
 POINTS = (200, 1600)  # of the grid over s
 A_STRETCH = 8  # places for each polynomial of the path, if there is room
 FINER = 4  # looks at the tool in an interval of the grid
-STENCIL = 4  # samples behind a cut that must not change: speed and acceleration are differences over them
+STENCIL = 4  # samples after a cut that must not change: speed and acceleration are differences over them
 ACCEL_GOOD, JERK_GOOD = 1.015, 1.045
 ROUNDS = 10
 STUBBORN = 16  # rounds more, from rest: a corner smaller than the grid may have to be passed a hundred times more slowly (AX-601)
 FAIR = 1.003  # times too much that is left as it is then
-SLOWEST = (1e-4, 1e-8)  # of the largest sdot^2: what is slower is not lowered any more; and in those rounds
+SLOWEST = (1e-4, 1e-8)  # of the largest sdot^2: lower values are not lowered further; the second in the late rounds
 HAIR = 1.01  # in sdot^2
-WORST = 1.03  # of what is good: a tail that comes out worse is not taken
+WORST = 1.03  # of the good value: a worse tail is rejected
 
 
 @dataclass(frozen=True)
 class Swift:
-    """law: of the whole, from its beginning; raw: (m,) s of the raw law at k * STEP_S; speed: sdot of the raw law there."""
+    """law: the entire law from its beginning; raw: (m,) s of the raw law at k * STEP_S; speed: sdot of the raw law there."""
 
     law: Law
     raw: Array
@@ -62,7 +61,7 @@ def cropped(made: Swift, sample: int, width: float) -> tuple[Swift, int]:
 
 
 def width_s(limits: LawLimits) -> float:
-    """Seconds of the mean: the same for the whole of a growing path."""
+    """Return the seconds of the mean: constant for an entire growing path."""
     finite = np.isfinite(limits.accel) & np.isfinite(limits.jerk)
     slowest = float(np.max(limits.accel[finite] / limits.jerk[finite])) if np.any(finite) else 0.02
     return max(round(WIDTH * slowest / STEP_S), 2) * STEP_S
@@ -76,10 +75,9 @@ def swift(path: JointPath, limits: LawLimits, width: float, before: Swift | None
 def swift_work(
     path: JointPath, limits: LawLimits, width: float, before: Swift | None = None, cut: int = 0, start: float = 0.0
 ) -> Work[Swift]:
-    """From rest at `start` (before: None), or going on with `before` (same path coordinate) from its sample `cut` on.
+    """Plan from rest at `start` (before: None), or continue `before` (same path coordinate) from its sample `cut` on.
 
-    A slice is a part of a round.  Raises MotionError where no law leads to the end, or none that goes on with `before` and keeps the
-    limits.
+    A slice is a part of a round.  Raise MotionError where no law leads to the end, or none continues `before` within the limits.
     """
     count = round(width / STEP_S)
     keep = 0 if before is None else cut + STENCIL
@@ -125,8 +123,9 @@ def swift_work(
 
 
 def _kept(path: JointPath, limits: LawLimits, grid: Array, behind: float, width: float) -> Array:
-    """(n,) largest sdot^2 of the raw law on the grid, for its mean to keep the speed limits from s = behind on: each holds as far around
-    its place as half the way that is made in `width` at its speed."""
+    """(n,) largest sdot^2 of the raw law on the grid, for its mean to keep the speed limits from s = behind on: each limit applies around
+    its place as far as half the way made in `width` at its speed.
+    """
     step = float(grid[1] - grid[0])
     more = max(math.ceil((float(grid[0]) - behind) / step), 0)
     s = np.concatenate([grid[0] - step * np.arange(more, 0, -1), grid])
@@ -179,7 +178,7 @@ def _braking(first: Array, accel: Array, grid: Array, speed: float) -> Array:
 
 
 def _sampled(grid: Array, raw: topp.Topp) -> tuple[Array, Array]:
-    """s and sdot of the raw law at STEP_S, 2 STEP_S .. behind its start, to its end."""
+    """Return s and sdot of the raw law at STEP_S, 2 STEP_S .. after its start, to its end."""
     times, root = raw.times, np.sqrt(raw.b)
     moments = np.arange(1, int(np.ceil(check_seconds(float(times[-1])) / STEP_S - 1e-9)) + 1) * STEP_S
     index = np.clip(np.searchsorted(times, moments, side="right") - 1, 0, len(times) - 2)
@@ -192,7 +191,7 @@ def _sampled(grid: Array, raw: topp.Topp) -> tuple[Array, Array]:
 
 
 def _smoothed(raw: Array, speed: Array, count: int, length: float) -> Swift:
-    """Mean over the last `count` steps; before the raw law began it stood."""
+    """Return the mean over the last `count` steps; before its start the raw law is at rest."""
     padded = np.concatenate([np.full(count, raw[0]), raw, np.full(count, raw[-1])])
     halves = 0.5 * (padded[1:] + padded[:-1])
     total = np.concatenate([[0.0], np.cumsum(halves)])
@@ -216,8 +215,9 @@ def _excess(path: JointPath, limits: LawLimits, law: Law, keep: int) -> Array:
 def _lowered(
     most: Array, accel: Array, grid: Array, made: Swift, excess: Array, count: int, raw: topp.Topp, late: bool
 ) -> tuple[Array, Array]:
-    """Speeds and accelerations lowered where it was too much, as far before and behind as the mean reaches; late: in the last rounds,
-    speeds alone where it runs: with less to brake by it would creep far and wide."""
+    """Lower speeds and accelerations around each excess as far before and after as the mean reaches.  late: in the last rounds lower only
+    speeds where it moves, because with less deceleration it would creep over long distances.
+    """
     s, step = made.law.s, float(grid[1] - grid[0])
     first = len(s) - len(excess) - 2
     factor = np.ones(len(grid))

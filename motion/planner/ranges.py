@@ -1,4 +1,4 @@
-"""How much of a leg a range takes."""
+"""How much of a leg a range covers."""
 
 from collections.abc import Callable, Sequence
 

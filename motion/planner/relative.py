@@ -41,8 +41,9 @@ def resolved(block: Block, position: Joints, machine: Machine) -> Block:
 
 
 def unwound(block: Block, position: Joints, machine: Machine) -> Block:
-    """Endless axes, which count on from round to round inside the planner: each travels from its position within the modulo to the
-    programmed number, a whole turn or more where the numbers say so."""
+    """Unwind endless axes, which count continuously inside the planner: each travels from its position within the modulo to the programmed
+    number, a full turn or more if the numbers require it.
+    """
     target, limits = block.target, machine.limits
     if not any(axis.modulo for axis in limits):
         return block
@@ -55,7 +56,7 @@ def unwound(block: Block, position: Joints, machine: Machine) -> Block:
 
 def _unwound(wanted: Sequence[float], position: Sequence[float], limits: Sequence[AxisLimits]) -> tuple[float, ...]:
     if len(wanted) != len(limits):
-        return tuple(wanted)  # whoever reads it reports that
+        return tuple(wanted)  # the reader of the result reports that
     rows = zip(wanted, position, limits, strict=True)
     return tuple(here + value - within(here, axis.modulo) if axis.modulo else value for value, here, axis in rows)
 
@@ -77,7 +78,7 @@ def moved(shift: Shift, here: Pose) -> Pose:
 
 
 def moved_extra(shift: Shift, position: Sequence[float]) -> tuple[float, ...]:
-    """Additional axes behind the block, from where they are shown; BlockError where the numbers are not one for each."""
+    """Return the additional axes after the block, from their displayed positions.  Raise BlockError unless there is one number for each."""
     if len(shift.extra) not in (0, len(position)):
         raise BlockError(f"{len(shift.extra)} values of additional axes, the robot has {len(position)}", code=154, source="VAL 3")
     return _added(position, shift.extra or (0.0,) * len(position))

@@ -27,9 +27,9 @@ class Machine:
     turn_speed: float = inf
     turn_accel: float = inf
     too_fast: TooFast = TooFast.SLOW
-    shape: Shape = Shape.JERK  # of blocks that do not say
+    shape: Shape = Shape.JERK  # of blocks without a shape of their own
     corrects: str = "xyzabc"  # components of a world point that a workpiece system corrects (P313)
-    shares: tuple[float, float] = (1.0, 1.0)  # of the axes' acceleration and jerk `limits` are: pieces carry the whole
+    shares: tuple[float, float] = (1.0, 1.0)  # shares of the axes' acceleration and jerk in `limits`: pieces carry the full values
 
     def __post_init__(self) -> None:
         if not self.arm <= len(self.limits) <= MAX_JOINTS:
@@ -37,7 +37,7 @@ class Machine:
 
     @property
     def arm(self) -> int:
-        """Axes of the arm; the ones behind them are additional."""
+        """Number of arm axes; the axes after them are additional."""
         return self.kinematics.main.axes if isinstance(self.kinematics, Group) else self.kinematics.axes
 
     @property

@@ -1,10 +1,10 @@
 """Blocks -> stretches of path: geometry alone, block by block, as far as it is known.
 
 With only block k the path is known up to the point where its corner may begin (VAL 3 L5591-5608: "A leave"); block k + 1 fixes that
-corner and the path up to its own.  So a route that is fed block by block and one that has the whole program give the same path.
+corner and the path up to its own.  So a route that is fed block by block and one that has the entire program yield the same path.
 What cannot be run is refused when its block is added, with the manual's number, the block and the axis; the route is then
-as it was before.  The curve of a row of SPLINE blocks is known when the row is over: its fault comes with the block behind it (or
-finish()), names the block of the row, and the row is forgotten; the block behind it may be added again.
+as it was before.  The curve of a row of SPLINE blocks is known when the row is over: its fault is reported with the block after it (or
+finish()), names the block of the row, and the row is forgotten; the block after it may be added again.
 """
 
 import math
@@ -51,7 +51,7 @@ class _State:
     number: int = 0
     last: Leg | None = None  # not yet run out to its end
     known: float = 0.0  # s on the last leg that is out
-    begun: float = 0.0  # of it, what the corner at its start takes
+    begun: float = 0.0  # the part of it used by the corner at its start
     tail: JointPath | None = None  # the last stretch, while no stop follows it
     splines: tuple[tuple[int, Block], ...] = ()
     spline_start: Joints = ()
@@ -66,7 +66,7 @@ RouteState = _State
 class Route:
     """add() blocks, take() stretches."""
 
-    evens: ClassVar[bool] = True  # what it gives away, see evenly
+    evens: ClassVar[bool] = True  # whether take() returns even stretches, see evenly
 
     def __init__(self, machine: Machine, start: Sequence[float]) -> None:
         if len(start) != machine.axes:
@@ -88,7 +88,7 @@ class Route:
 
     @property
     def pending(self) -> bool:
-        """Something is left that only the next block or finish() fixes, or that take() has not given away."""
+        """Return whether a part is left that only the next block or finish() fixes, or that take() has not returned."""
         return self._now.last is not None or bool(self._now.splines) or bool(self._now.out)
 
     def add(self, block: Block) -> int:
@@ -107,7 +107,7 @@ class Route:
 
     def _resolved(self, block: Block) -> Block:
         block = shaped(block, self._machine)
-        if block.recorded:  # nobody knows before: as if it were here
+        if block.recorded:  # unknown beforehand: assume the present position
             return replace(block, target=JointTarget(shown(self._now.position, self._machine.limits)))
         if block.target != MEASURED:
             return block
@@ -125,7 +125,7 @@ class Route:
         return [evenly(each) for each in out] if self.evens else list(out)
 
     def kept(self) -> "RouteState":
-        """What is known behind the last block, to come back to."""
+        """The state after the last block, to return to."""
         return replace(self._now)
 
     def back_to(self, state: "RouteState") -> None:
@@ -133,7 +133,7 @@ class Route:
         self._now = replace(state)
 
     def left(self) -> tuple[Called | Output, ...]:
-        """What blocks without way behind the last one begin or end with; the caller that takes it executes it."""
+        """Return the calls and outputs of blocks without way after the last one; the caller executes them."""
         carried, self._now.carried = self._now.carried, ()
         return carried
 
@@ -143,8 +143,9 @@ class Route:
         self._now = _State(tuple(position), self._now.number, measured=tuple(position) if measured else None)
 
     def ending(self, block: Block | None = None) -> Work[None]:
-        """The row of splines that `block` does not go on with (None: the last one) is ended in slices: a long one takes seconds.  add() and
-        finish() do the same at once.  Raises BlockError."""
+        """End in slices the row of splines that `block` does not continue (None: the last one): a long one needs seconds.  add() and
+        finish() do the same at once.  Raise BlockError.
+        """
         row = self._now.splines
         if row and not (block is not None and block.kind is Interpolation.SPLINE and goes_on(row, block)):
             kept = replace(self._now)
@@ -234,7 +235,7 @@ class Route:
 
     # ---- stretches ---------------------------------------------------------------------------------------------------
     def _main(self, leg: Leg, end: float, *, stop: bool = False) -> None:
-        """The stretch of a leg from what is known to `end`."""
+        """Add the stretch of a leg from its known part to `end`."""
         now, start = self._now, self._now.known
         if end - start <= EMPTY * leg.length:
             if stop and now.out:
@@ -301,7 +302,7 @@ class Route:
 
     # ---- corners -----------------------------------------------------------------------------------------------------
     def _join(self, last: Leg, leg: Leg) -> float:
-        """The corner between the last leg and this one; how much of this one it takes."""
+        """Add the corner between the last leg and this one; return how much of this one it uses."""
         block_slope = last.block.slope is Slope.BLOCK
         if (
             last.resting
@@ -363,7 +364,7 @@ class Route:
         return own_ramp(leg.block, leg.path or self._axes_of(leg, 0.0, leg.length, leg.start), self._machine)
 
     def _leave(self, leg: Leg) -> float:
-        """The most its corner can take of a leg, known without the next block; 0: it runs to its end and stops."""
+        """Return the most that its corner can use of a leg, known without the next block; 0: it runs to its end and stops."""
         blend = leg.block.blend
         if leg.resting or blend.rounding is Rounding.OFF or (leg.block.kind is Interpolation.CIRCULAR and not blend.past_circles):
             return 0.0
@@ -376,7 +377,7 @@ class Route:
         return clipped(wanted, leg.length, self._share_to(leg))
 
     def _share_to(self, leg: Leg) -> float:
-        """The most of the last leg the corner at its end may take: more than half only where it has none at its start."""
+        """Return the most of the last leg that the corner at its end may use: more than half only without a corner at its start."""
         alone = self._now.begun == 0.0 and leg.block.slope is not Slope.BLOCK
         return leg.block.blend.share if alone else min(leg.block.blend.share, HALF)
 

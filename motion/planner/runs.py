@@ -1,4 +1,4 @@
-"""Stretches between two rests -> one path with its limits: what a time law is made from."""
+"""Stretches between two rests -> one path with its limits, the input of a time law."""
 
 import math
 from bisect import bisect_right
@@ -28,7 +28,7 @@ class Run:
     stretches: tuple[Stretch, ...]
     starts: tuple[float, ...]
     limits: LawLimits
-    tools: int = 0  # columns of the path that only carry limits of a team's tools: no axis is behind them
+    tools: int = 0  # columns of the path that only carry limits of a team's tools and no axis
 
     @property
     def even(self) -> bool:
@@ -57,8 +57,8 @@ class Run:
 def progress(stretch: Stretch, u: float) -> tuple[int, float]:
     """(block, share of its way that is made) u after the start of a stretch.
 
-    The share is that of the programmed way: in the first half of a corner it goes on to 1, in the second half it comes from 0 to
-    where the next block is joined (AX-414).
+    The share is that of the programmed way: in the first half of a corner it rises to 1, in the second half from 0 to the place where the
+    next block is joined (AX-414).
     """
     part = min(max(_made(stretch.path, u) if stretch.even else u / stretch.path.length, 0.0), 1.0)
     begin, end = stretch.share
@@ -104,7 +104,7 @@ def _limits(machine: Machine | Team, caps: Sequence[Cap]) -> LawLimits:
 
 
 def all_caps(stretch: Stretch, start: float, machine: Machine | Team, factors: Factors) -> list[Cap]:
-    """Of a team: what each kinematic's own block asks of its own columns."""
+    """Return the caps of a team: each kinematic's block limits its own columns."""
     if not isinstance(machine, Team):
         return caps_of(stretch, start, machine, factors)
     own = ((n, caps_of(part, start, machine.machines[n], factors)) for n, part in own_parts(stretch))
@@ -112,8 +112,9 @@ def all_caps(stretch: Stretch, start: float, machine: Machine | Team, factors: F
 
 
 def _chained(paths: Sequence[JointPath], counting: int) -> JointPath:
-    """As motion.paths.joints.joined, without looking at the joins again: the route made them.  counting: columns at the end that go on
-    counting from path to path."""
+    """Join like motion.paths.joints.joined, without checking the joins that the route made.  counting: last columns that keep counting
+    from path to path.
+    """
     knots, tables, offset, counted = [np.zeros(1)], [], 0.0, np.zeros(counting)
     for path in paths:
         table = path.coefficients.copy()

@@ -1,7 +1,7 @@
 """Laws of blocks with the sine-square slope (AX-575): one block from rest to rest, or a row of blocks with block slope, whose laws are
 added as they were when its curve was made.
 
-One speed and two ramps serve the whole block: its slowest place sets them.  Where a curve adds to the acceleration or the jerk of an axis
+One speed and two ramps serve the entire block: its slowest place sets them.  Where a curve adds to the acceleration or the jerk of an axis
 the law is stretched in time, which leaves its shape.
 """
 
@@ -59,7 +59,7 @@ def _alone(run: Run) -> Law | None:
 
 
 def _added(run: Run) -> Law | None:
-    """Blocks one after the other, and between them the time in which both run, as slopes.frozen has it.
+    """Return the law of successive blocks and, between them, of the time in which both run, as in slopes.frozen.
 
     None: the row begins or ends within a block, because its beginning was run before the rest was known: no block's own ramp begins there.
     """

@@ -30,7 +30,7 @@ def place_of(block: Block, position: Joints, machine: Machine) -> Joints:
 
 
 def curve_of(row: Row, start: Joints, machine: Machine) -> Fitted:
-    """The whole curve; BlockError names the block whose way makes none."""
+    """Return the entire curve.  Raise BlockError with the block for which no curve exists."""
     first = row[0][1]
     points = [tcp(start, first, machine), *(base_pose(block, start, machine) for _, block in row)]
     marks = [first.curving, *(block.curving for _, block in row)]

@@ -24,8 +24,8 @@ class Kind(Enum):
 class Stretch:
     """Path of the axes between two places of the route.
 
-    block: number of the block (of a corner: the one before it); share: how much of that block's way lies behind its start, and
-    behind its end (for a corner: of the following block).
+    block: number of the block (of a corner: the one before it); share: how much of that block's way is done at its start and at its end
+    (for a corner: of the following block).
     """
 
     path: JointPath
@@ -35,14 +35,14 @@ class Stretch:
     share: tuple[float, float]
     following: Block | None = None  # of a corner
     stop: bool = False  # the axes rest at its end
-    way: float = 0.0  # whole length of the block (of a corner: of the one before)
+    way: float = 0.0  # full length of the block (of a corner: of the one before)
     square: Callable[[], tuple[JointPath, JointPath]] | None = field(
         default=None, compare=False
     )  # of a corner: to the point, and on from it
     clock: Clock | None = field(default=None, compare=False)  # block slope with sine squares: when it is where
     slowed: Slowed | None = None  # an axis cannot keep the programmed speed all along
-    ending: tuple[Called | Output, ...] = ()  # of blocks without way behind it: done at its end
-    even: bool = False  # its parameter is no longer the way: the axes swing faster than the tool goes (motion.paths.even)
+    ending: tuple[Called | Output, ...] = ()  # of blocks without way after it: done at its end
+    even: bool = False  # its parameter is not the way: the axes move faster than the tool (motion.paths.even)
 
     @property
     def last(self) -> int:
@@ -51,12 +51,12 @@ class Stretch:
 
 
 def shaped(block: Block, machine: Machine) -> Block:
-    """With the ramps of the robot, where it does not say."""
+    """Return the block with the robot's ramps where it sets none."""
     return replace(block, shape=machine.shape) if block.shape is Shape.ROBOT and machine.shape is Shape.SIN2 else block
 
 
 def evenly(stretch: Stretch) -> Stretch:
-    """By a parameter that goes on while the axes swing.  What is applied to time by the way itself stays as it is."""
+    """Return the stretch with a parameter that advances while the axes swing.  Stretches whose timing uses the way itself are unchanged."""
     blocks = [each for each in (stretch.source, stretch.following) if each is not None]
     if stretch.clock is not None or any(each.pace.time is not None for each in blocks):
         return stretch

@@ -85,20 +85,20 @@ def team_of(installation: Installation) -> Team:
 
 
 def called(name: str, robot: Robot) -> Robot:
-    """A robot under a name of its own, its axes with it (left.J1): one file may stand for several kinematics."""
+    """Return the robot under its own name, its axes included (left.J1): one file may describe several kinematics."""
     axes = (replace(axis, limits=replace(axis.limits, name=f"{name}.{axis.limits.name}")) for axis in robot.axes)
     return replace(robot, name=name, axes=tuple(axes))
 
 
 @dataclass(frozen=True)
 class TeamStretch(Stretch):
-    """source: of the kinematic that leads.  parts: (kinematic, its own stretch, as long in s as the whole one) of those that move."""
+    """source: that of the leading kinematic.  parts: (kinematic, its stretch, as long in s as the shared one) of those that move."""
 
     parts: tuple[tuple[int, Stretch], ...] = field(default=())
 
 
 def worst(stretches: Iterable[tuple[int, Stretch]]) -> dict[int, Slowed]:
-    """Of stretches with the number of their block: what the axis cannot keep that is slowed most, of blocks that are."""
+    """Return per slowed block the most slowed axis, from stretches with their block numbers."""
     found: dict[int, Slowed] = {}
     for number, stretch in stretches:
         for _, own in own_parts(stretch):

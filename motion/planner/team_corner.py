@@ -16,7 +16,7 @@ from motion.program.passing import passed
 
 
 class Member(Route):
-    """The route of one of several.  forced: shares of the blocks before and behind that the next corner takes."""
+    """The route of one of several kinematics.  forced: shares of the blocks before and after that the next corner uses."""
 
     evens: ClassVar[bool] = False  # all go by one parameter
 
@@ -35,8 +35,9 @@ class Member(Route):
         self._now.number = next_ - 1
 
     def look(self, block: Block) -> tuple[float, float, float] | None:
-        """(share of the last block, share of this one) the corner between them would take, and the length of this one; None: it stops
-        there."""
+        """Return (share of the last block, share of this one) for the corner between them, and the length of this one; None: it stops
+        there.
+        """
         last = self._now.last
         if last is None or last.block.slope is Slope.BLOCK:
             return None
@@ -65,7 +66,7 @@ def cut(path: JointPath, at: float) -> tuple[JointPath, JointPath]:
 
 
 def paced(path: JointPath, rates: tuple[float, float], length: float) -> JointPath:
-    """From the rate (own s by common s) before a corner to that behind it, without a bend at both ends."""
+    """Lead from the rate (own s by common s) before a corner to the one after it, without a bend at both ends."""
     a, b = rates
     if abs(b - a) <= 1e-12 * max(a, b):
         return rescaled(path, length)

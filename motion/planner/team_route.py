@@ -21,13 +21,14 @@ from motion.program.errors import BlockError
 from motion.program.team import Shared
 
 MOST = 0.5  # of a block, for one that begins or ends in the corner
-LEFT = 0.999  # of what is known of a block, at most, may go into the corner at its end
+LEFT = 0.999  # largest share of a block's known part for the corner at its end
 
 
 @dataclass(frozen=True)
 class _Held:
-    """A shared block whose end is not known yet.  begins: share up to which it is run already; ways: of each kinematic that moves, the
-    paths known from there on, and the length of its whole block; rests: where every kinematic stands before it."""
+    """A shared block whose end is not known yet.  begins: share up to which it is run already; ways: per moving kinematic the paths known
+    from there on and the full length of its block; rests: positions of all kinematics before it.
+    """
 
     number: int
     shared: Shared
@@ -37,7 +38,7 @@ class _Held:
 
     @property
     def scale(self) -> float:
-        """Common s of the whole block."""
+        """Common s of the entire block."""
         return max(length for _, length in self.ways.values())
 
     def block(self, n: int) -> Block:
@@ -49,8 +50,9 @@ class _Held:
 
 @dataclass(frozen=True)
 class _Corner:
-    """Between two shared blocks.  leave, reach: shares of both; half: as common s, the same on both sides; lengths: of the whole ways
-    behind it, of those that move there."""
+    """Between two shared blocks.  leave, reach: shares of both; half: as common s, the same on both sides; lengths: full lengths after it
+    of the kinematics that move there.
+    """
 
     leave: float
     reach: float
@@ -111,7 +113,7 @@ class TeamRoute:
         return list(out)
 
     def left(self) -> tuple[Called | Output, ...]:
-        """What blocks without way behind the last one begin or end with, once."""
+        """Return the calls and outputs of blocks without way after the last one, once."""
         carried, self._now.carried = self._now.carried, ()
         return carried
 
@@ -149,7 +151,7 @@ class TeamRoute:
         alone = len(shared.moving) == 1
         way = self._add_alone(number, shared.moving[0], shared) if alone else self._add_shared(number, shared)
         for route in now.routes:
-            route.left()  # what has no way is known here, of all
+            route.left()  # actions without way are kept here, for all kinematics
         unmet = any(block.unmet for block in shared.own)  # looked at as if it had no way, and has one
         now.carried = () if way or unmet else tuple(each for own in shared.own for each in (*own.carried, *own.functions, *own.outputs))
         if shared.ends:
@@ -264,7 +266,7 @@ class TeamRoute:
             if corner is not None and self._put_corner(held, number, shared, corner):
                 return True
         except MotionError:
-            pass  # it stops in the point; what is wrong with the block is reported when it is added from there
+            pass  # it stops in the point; the fault of the block is reported when it is added from there
         now.routes, now.out = kept.routes, kept.out
         return False
 
@@ -287,7 +289,7 @@ class TeamRoute:
                 reaches.append(found[1])
                 through = True
         if not through:
-            return None  # who moved comes to rest, and others begin
+            return None  # the moving ones come to rest, others begin
         before, behind = held.scale, max(lengths.values())
         half = min(min(leaves) * before, min(reaches) * behind)
         return _Corner(half / before, half / behind, half, lengths)

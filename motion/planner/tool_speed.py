@@ -30,8 +30,9 @@ Twist = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
 def limited(path: JointPath, machine: Machine, source: Block, following: Block | None = None, *, anyhow: bool = False) -> JointPath:
-    """The path with the columns that limits of the tool act on.  following: of a corner, the block behind it, whose tool counts from the
-    middle on; anyhow: its columns are too much, so true ones also where no limit is reached."""
+    """The path with the columns that limits of the tool act on.  following: of a corner, the block after it, whose tool counts from the
+    middle on; anyhow: its columns are too large, so compute true ones even where no limit is reached.
+    """
     blocks = [source] if following is None else [source, following]
     tops = tool_tops(blocks, machine)
     if not any(top < inf for top in tops) or any(block.pace.time is not None for block in blocks):

@@ -32,7 +32,7 @@ class CornerReport:
     line: int
     missed: float
     begins: float  # m before the point
-    ends: float  # m behind it
+    ends: float  # m after it
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Trace:
     corners: tuple[CornerReport, ...]
     ends: tuple[tuple[int, float], ...]  # (block, s at which it is left)
     belts: tuple[BeltWay, ...] = ()
-    cuts: tuple[int, ...] = ()  # rows at which the axes, at rest, stand at other numbers (SF 3)
+    cuts: tuple[int, ...] = ()  # rows at which the numbers of the resting axes change (SF 3)
 
     def rate(self, values: Array, order: int) -> Array:
         """Differences by time, at rest before and after; same length."""
@@ -85,7 +85,7 @@ class Trace:
         return np.asarray(np.abs(self.rate(self.q, order)) / np.array([getattr(axis, name) for axis in machine.limits]))
 
     def later(self, blocks: int, seconds: float = 0.0) -> "Trace":
-        """The same, so many blocks and so long later."""
+        """Return the same trace, shifted by these blocks and seconds."""
         return replace(
             self,
             t=self.t + seconds,
@@ -150,7 +150,7 @@ def numbered(error: BlockError, number: int) -> BlockError:
 def trace(
     stretches: Sequence[Stretch], machine: Machine, factors: Factors = FULL, period: float = PERIOD_S, start: Sequence[float] = ()
 ) -> Trace:
-    """Runs all whole runs; `start`: position of the axes when there is none.  Raises MotionError where a path cannot be run at all."""
+    """Run all complete runs; `start`: position of the axes when there is none.  Raise MotionError where a path cannot be run at all."""
     rows, q, blocks, ends = sampled(stretches, machine, factors, period, start)
     return seen(rows, stretches, machine, q, blocks, ends, period)
 

@@ -1,8 +1,8 @@
-"""Neutral blocks: what an interpreter, a position table or the text form passes to the planner.  Frozen data, SI, no control's words.
+"""Neutral blocks: what an interpreter, a position table or the text form passes to the planner.  Frozen data in SI units.
 
-A block is one move from where the one before it ends.  Its `blend` defines how its own end point is passed; `leave` lies before the
-point on this block, `reach` behind it on the next.  What each of the three controls means by its words is decided where those
-words are known (motion.program.passing, motion.program.reis, motion.val3); here everything is a number with a unit.
+A block is one move from where the one before it ends.  Its `blend` defines how its own end point is passed; `leave` lies before the point
+on this block, `reach` after it on the next.  What each of the three controls means by its words is decided where those words are known
+(motion.program.passing, motion.program.reis, motion.val3); here everything is a number with a unit.
 """
 
 import copy
@@ -48,7 +48,7 @@ class Slope(Enum):
 class Shape(Enum):
     """How the speed of a block from rest to rest goes up and down (AX-575)."""
 
-    ROBOT = "robot"  # as the robot's default says
+    ROBOT = "robot"  # the robot's default
     JERK = "jerk"  # jerk-limited, the quickest
     SIN2 = "sin2"  # rho 3 `Sinus*2-slope`: the acceleration is a sine square of the time
 
@@ -67,10 +67,10 @@ class Blend:
 
     rounding: Rounding = Rounding.OFF
     leave: float = 0.0  # before the point; rho 3 R and BAHN_RADIUS: leave = reach
-    reach: float = 0.0  # behind the point
+    reach: float = 0.0  # after the point
     distance: float = 0.0  # > 0: the corner is missed by this much, leave and reach follow from it (BAHN_DISTANZ has priority)
     axes: tuple[float, ...] = ()  # PTP by the axis criterion (P213 x R_PTP): m or rad per axis
-    share: float = 0.5  # the most of a block one corner may take: rho 3 0.5, Reis 0.4 (RAPPR_FACT_MAX)
+    share: float = 0.5  # the most of a block that one corner may use: rho 3 0.5, Reis 0.4 (RAPPR_FACT_MAX)
     past_circles: bool = False  # VAL 3 and Reis round corners next to arcs, the rho 3 never does (L1906-1908)
     flyby: float | None = None  # share of the mean of both path speeds at the middle of the corner (_IV_FLYBY_S)
 
@@ -87,14 +87,14 @@ class Pace:
     turn_speed: float | None = None  # rad/s of the tool
     path_accel: float | None = None  # m/s2 along the path, speeding up
     path_decel: float | None = None
-    time: float | None = None  # s for the whole block, wins over every speed (BAHN_ZEIT)
+    time: float | None = None  # s for the entire block, overrides every speed (BAHN_ZEIT)
     ramp: float = 0.25  # share of `time` for speeding up, and again for slowing down (_IACC_TIME)
     lead: bool = False  # PTP: `speed` is that of the axis with the largest travel (Reis), the others follow
 
 
 @dataclass(frozen=True, slots=True)
 class JointTarget:
-    """Axes themselves: m or rad, additional axes behind those of the arm."""
+    """Axis positions: m or rad, arm axes first, then additional axes."""
 
     q: tuple[float, ...]
 
@@ -115,9 +115,10 @@ UNKNOWN = JointTarget((math.nan,))  # of a block with a shift or a file: known w
 
 @dataclass(frozen=True, slots=True)
 class Shift:
-    """MOVE_REL of the rho 3: the target lies so far from where the block before ends; numbers are added to numbers (AX-567).  values: of
+    """MOVE_REL of the rho 3: the target is relative to the end of the previous block; numbers are added to numbers (AX-567).  values: of
     each axis (m or rad), or with `angles` x, y, z (m) and three angles (rad) of the tool in the block's frame.  extra: of additional axes
-    beside a pose (m or rad), empty: they stay."""
+    that accompany a pose (m or rad), empty: they stay.
+    """
 
     values: tuple[float, ...]
     angles: Convention | None = None
@@ -152,8 +153,9 @@ class Output:
 @dataclass(frozen=True, slots=True)
 class Until:
     """MOVE UNTIL: the block ends early when this input has the value.  channel: a measuring input by its number (rho 3: 6x0 probe, 6xy
-    high-speed input), 0: the RC input `number`; error: label the program goes on at when the input never had it, empty: at the next
-    block; within: s of movement after which the block ends without it (MAX_TIME), None: at its target alone."""
+    high-speed input), 0: the RC input `number`; error: label at which the program continues when the input never had it, empty: at the
+    next block; within: s of movement after which the block ends without it (MAX_TIME), None: at its target alone.
+    """
 
     number: int
     value: bool = True
@@ -175,7 +177,7 @@ class StartWait:
 
 @dataclass(frozen=True, slots=True)
 class Flying:
-    """Flying measurement where the block begins, the axes go on: rho 3 SF 43 MEASURE_ON with its edge, SF 44 MEASURE_OFF (None)."""
+    """Flying measurement where the block begins, without a stop: rho 3 SF 43 MEASURE_ON with its edge, SF 44 MEASURE_OFF (None)."""
 
     channel: int  # probe 6x0
     edge: bool | None = True
@@ -291,8 +293,9 @@ class FileCall:
 
 @dataclass(frozen=True, slots=True)
 class Curving:
-    """Spline and orientation weights, 0 .. 1 (Reis _ISPL_TENS, _IORI_TENS, _IORI_WEIGHT, _IORI_CIRCHP).  tube: m, a spline leaves the
-    straight line to this point by no more and may pass beside the point, 0: meets it."""
+    """Spline and orientation weights, 0 .. 1 (Reis _ISPL_TENS, _IORI_TENS, _IORI_WEIGHT, _IORI_CIRCHP).  tube: m, largest deviation of a
+    spline from the straight line to this point, which it may then miss; 0: it meets the point.
+    """
 
     tension: float = 1.0
     orientation_tension: float = 1.0
@@ -325,17 +328,17 @@ class Block:
     on_belt: OnBelt | None = None
     alteration: Alteration | None = None
     angle: float | None = None  # CIRCULAR, rad: the circle through via and target is run so far, and beyond the target
-    rise: float = 0.0  # with angle: m along the axis over the whole angle, a helix
+    rise: float = 0.0  # with angle: m along the axis over the full angle, a helix
     lowest: Vector | None = None  # LIMIT_MIN: x, y, z (m) in the block's frame below which the tool is nowhere
     highest: Vector | None = None  # LIMIT_MAX
     shift: Shift | None = None  # PTP and LINEAR: the target is relative, and `target` UNKNOWN
     file: FileCall | None = None  # the way is that of a file, and `target` UNKNOWN
     freeze: bool = False  # in an alterable part: from the end of this block on the correction stays as it is (alterEnd before the end)
     recorded: int = 0  # the target is this entry of the reference path, and `target` UNKNOWN
-    otherwise: str = ""  # of a block to @MPOS or an entry: label the program goes on at where nothing was measured or stored
-    ahead: int = 0  # at most so many blocks behind the one under way are prepared: BLOCK_SEARCH (rho 3 SF 46), 0: all that are known
+    otherwise: str = ""  # of a block to @MPOS or an entry: label at which to continue if nothing was measured or stored
+    ahead: int = 0  # most blocks prepared after the current one: BLOCK_SEARCH (rho 3 SF 46), 0: all known ones
     system: WcFrame | None = None  # WC_SYSTEM its poses are in, None: the one in force (motion.program.systems)
-    label: str = ""  # in front of it
+    label: str = ""  # before it
     acts: tuple[Act, ...] = ()  # of belts, done at rest before it
     line: int = field(default=0, compare=False)  # of the program text; 0: none
 
@@ -351,7 +354,7 @@ class Block:
 
     @property
     def measures(self) -> bool:
-        """@MPOS may be another one behind it."""
+        """Return whether @MPOS may change with this block."""
         calls = self.functions
         return self.until is not None or any(isinstance(c, Latching) or (isinstance(c, Flying) and c.edge is not None) for c in calls)
 
@@ -365,8 +368,8 @@ class Program:
     start: tuple[float, ...]  # m or rad
     blocks: tuple[Block, ...]
     units: tuple[str, ...] = ()  # outside units of the axes, "mm" or "deg"; empty: all deg
-    acts: tuple[Act, ...] = ()  # behind the last block
-    system: WcFrame | None = None  # WC_SYSTEM behind it
+    acts: tuple[Act, ...] = ()  # after the last block
+    system: WcFrame | None = None  # WC_SYSTEM after it
 
 
 Part = TypeVar("Part")

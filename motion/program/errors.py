@@ -17,7 +17,7 @@ class BlockError(MotionError):
 
 
 class TextError(MotionError):
-    """One fault of a program text: line, key (empty: the line as a whole) and, where there is one, the range."""
+    """One fault of a program text: line, key (empty: the entire line) and, where there is one, the range."""
 
     def __init__(self, line: int, key: str, what: str) -> None:
         self.line, self.key, self.what = line, key, what

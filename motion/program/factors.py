@@ -1,7 +1,7 @@
 """A, D and V factors of the rho 3: global and per kinematic, their product, and what resets them.
 
 Source: rho 3 Releases part 1, sections 14 (L2671-2745) and P25 (L5087-5117); doubt D-60: a set bit inverts what its operation
-does by default.  Manual speeds and the jog keys stand in motion/program/jog.py.
+does by default.  Manual speeds and the jog keys are in motion/program/jog.py.
 """
 
 from collections.abc import Sequence

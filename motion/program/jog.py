@@ -1,7 +1,7 @@
 """Manual mode of the rho 3: jog keys, their speeds and slopes, and the limit that holds in manual mode.
 
 Source: rho 3 Releases part 1, L628-632 (slow -> fast after about 1.5 s; flange at most 25 cm/s), L3633-3695 (P104, P105, P122
-in automatic; P128, P129, P130 the same for jogging in joint coordinates, unset ones take the older values; P117 for world
+in automatic; P128, P129, P130 the same for jogging in joint coordinates, unset ones inherit the older values; P117 for world
 coordinates, up and down), L5558 (P114: fast joint jog and manual limit).  Which of P111 .. P114 is which: AX-410.
 """
 
@@ -54,7 +54,7 @@ class SlopeParameters:
         return self.p104, self.p105, self.p122
 
     def jogging(self) -> tuple[float, float | None, float | None]:
-        """The same for jogging in joint coordinates: each unset parameter takes the older one's value (L3669-3695)."""
+        """The same for jogging in joint coordinates: each unset parameter inherits the older one's value (L3669-3695)."""
         return (
             self.p104 if self.p128 is None else self.p128,
             self.p105 if self.p129 is None else self.p129,

@@ -1,4 +1,4 @@
-"""R and R_PTP of the rho 3: presets, modal values, values of one block, and the range they give round a target.
+"""R and R_PTP of the rho 3: presets, modal values, values of one block, and the resulting range around a target.
 
 Source: rho 3 Releases part 1, section 6 (L1842-1908): R absolute in the unit of the measuring system (here m), R_PTP a factor
 0.01 .. 100 on P213; P212 presets both at program start; P214 = 0 axis distances, 1 one spatial distance per kinematic (D-21).

@@ -4,7 +4,7 @@ Source: rho 3 Releases part 1, sections 6.2 (L1815-1840): the start is the momen
 its distance of the end; not before the middle of the previous block; an overlapped block ends before the middle of the next one.
 The sum may exceed what the axes can do (sharp corners: up to twice): the start is then delayed until it does not (AX-413).
 
-Time and path are separate here as everywhere: the sum is formed once at 100 %, and the curve it gives is frozen as a path (AX-413).
+Time and path are separate here as everywhere: the sum is formed once at 100 %, and the resulting curve is frozen as a path (AX-413).
 """
 
 import math
@@ -28,7 +28,7 @@ TRIES = 24  # start times looked at between the earliest one and no overlap
 SAMPLES = 60  # of the overlap, against the limits
 NODES = 24  # of the frozen curve: with 16 the U cycle of the portal took 0.3 ms more
 ROOM = 1 + 1e-6
-SLOWEST = 0.02  # of the faster block's speed: below it the sum stands nearly still and makes no path
+SLOWEST = 0.02  # of the faster block's speed: below it the sum is nearly at rest and defines no path
 CREEP, LITTLE = 0.15, 1e-3  # of a block's mean speed, and of its length: see _little
 
 
@@ -75,7 +75,9 @@ class Ramped:
         return high
 
     def clock(self, begin: float, end: float) -> Clock | None:
-        """Of its stretch between these s; None: its ramps are jerk-limited, whose law is made anew along the whole curve."""
+        """Return the clock of the stretch between these s; None: its ramps are jerk-limited, and their law is made anew along the entire
+        curve.
+        """
         if not isinstance(self._profile, SineSquare):
             return None
         whole = self.path.length
@@ -227,8 +229,9 @@ def summed(before: Ramped, after: Ramped, start: float, t: Array) -> Array:
 
 
 def frozen(before: Ramped, after: Ramped, found: Overlap) -> tuple[JointPath, Clock] | None:
-    """The curve of the overlap as a path of the axes (way and turning go on as on the two blocks), and when both are where on it; None
-    where the sum nearly stands still, so that it makes no path that can be run at any speed."""
+    """Return the curve of the overlap as a path of the axes (way and turning continue those of the two blocks) and the clock of both
+    blocks on it; None where the sum is nearly at rest, so that no path exists that can be run at any speed.
+    """
     t = np.linspace(found.start, before.duration, NODES + 1)
     one, two = before.motion(t), after.motion(t - found.start)
     place = summed(before, after, found.start, t)
@@ -260,8 +263,9 @@ def frozen(before: Ramped, after: Ramped, found: Overlap) -> tuple[JointPath, Cl
 
 
 def _little(before: Ramped, after: Ramped, found: Overlap, leaving: float, joining: float) -> bool:
-    """Whether sine squares meet where both nearly stand, or with next to nothing of their ways: the point is as good as stopped in, and
-    a law of its own would creep through that bend of a tenth of a millimetre, or not see it (AX-601)."""
+    """Return whether sine squares meet where both are nearly at rest or over a negligible way: that is practically a stop in the point,
+    and a separate law would creep through the bend of a tenth of a millimetre or not resolve it (AX-601).
+    """
     one, two = before.path.length, after.path.length
     creeping = leaving < CREEP * one / before.duration and joining < CREEP * two / after.duration
     return creeping or (found.leave < LITTLE * one and found.reach < LITTLE * two)
