@@ -1,6 +1,6 @@
 """Checks of a command before it becomes an order to the cycle: its numbers and axes, the enabling inputs, drives on and referenced.
 
-Each check raises Refusal with the reason and what exactly is missing.
+Each check raises Refusal with the reason and the missing condition.
 """
 
 import math

@@ -26,7 +26,7 @@ class BlockHandshake:
 
     def __init__(self, pattern: Handshaking | None, bits: HandshakeBits | None) -> None:
         self.pattern, self.bits = pattern, bits
-        self.asked = Asked()  # the request, as the telegrams since the link began have said it
+        self.asked = Asked()  # the request, as received in telegrams since the link began
         self._move = CommandState.NONE
         self._answered = False  # the start bit has fallen: done and refused are taken back
 
@@ -37,7 +37,7 @@ class BlockHandshake:
             self.pattern.restart()
 
     def hear(self, levels: Mapping[str, float], fault: str) -> Asked:
-        """The request after this telegram; what it does not carry is as before.  fault: why its numbers cannot be used."""
+        """Update the request from this telegram; values that it does not carry are unchanged.  fault: why its numbers are unusable."""
         old = self.asked
         self.asked = Asked(
             bool(levels.get(START, old.start)), round(levels.get(NUMBER, old.number)), bool(levels.get(PARITY, old.parity)), fault

@@ -10,7 +10,7 @@ from gateway.pure.arbitration.command_numbers import OVERRIDE, MoveNumbers
 
 
 class BlockOverrides:
-    """What the PLC's blocks say of it."""
+    """Overrides set by the PLC's data blocks."""
 
     def __init__(self, numbers: MoveNumbers, axes: int) -> None:
         self.robots: Mapping[str, int] = {}  # by name, the axes (bit n-1 = axis n) of each
@@ -41,7 +41,7 @@ class BlockOverrides:
             return [Command(Code.OVERRIDE, velocity=1.0)] if fresh else []  # these blocks have none: full programmed speed
         self._owed |= fresh
         fault = self._numbers.missing(names)
-        if fault:  # what is set stays; what would move is refused until good ones are written
+        if fault:  # the set override stays; motion is refused until a valid one is written
             return fault if fresh and all(self._numbers.seen(name) for name in names) else []
         changed = False
         for name in names:

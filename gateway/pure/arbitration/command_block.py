@@ -1,6 +1,6 @@
 """The own command and status block (AX-011), for PLCs that may be reprogrammed.
 
-Words are 16 bit; 32-bit values high word first; REAL is IEEE single.  A block is taken whole: one RK512 telegram or one FC16/FC23;
+Words are 16 bit; 32-bit values high word first; REAL is IEEE single.  A block is processed as a unit: one RK512 telegram or one FC16/FC23;
 a PLC that can only write single registers writes word 0 with the toggle last.
 """
 
@@ -74,7 +74,7 @@ def mask_word(mask: int, axes: int, *, every: bool = True) -> int:
 
 
 def mask_of_word(word: int, axes: int) -> int:
-    """The other way round; in a cell of fewer than 16 axes bit 15 is no axis, and stays."""
+    """Reverse the mapping; in a cell of fewer than 16 axes bit 15 is not an axis and is kept."""
     return word & (1 << MASKED) - 1 | (word >> MASKED) * max(((1 << axes) - 1) >> MASKED, 1) << MASKED
 
 
@@ -110,7 +110,7 @@ class CommandBlock:
     """Command words of one command source and the toggle that confirms the one taken."""
 
     def __init__(self, words: Sequence[int] = (), axes: int = AXES) -> None:
-        """`words`: what a predecessor left set; it is never carried out.  `axes`: of the cell."""
+        """`words`: left by a predecessor and never executed.  `axes`: number of axes of the cell."""
         self._axes = axes
         self.words = [*words, *[0] * COMMAND_WORDS][:COMMAND_WORDS]
         self._toggle = self.words[0] & TOGGLE

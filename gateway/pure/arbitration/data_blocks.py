@@ -1,11 +1,10 @@
 """The old-style command source: data blocks as the PLC program already has them, and its start/busy/done handshake.
 
-A SEND is taken whole: all its words first, then its edges, in a fixed order (AX-142).  Edges need a telegram before them: after a start
-of services or a lost link the first telegram only sets the state of the bits, so a start bit already set starts nothing.
+A SEND is processed as a unit: first all its words, then its edges, in a fixed order (AX-142).  Edges need a telegram before them: after a
+start of services or a lost link the first telegram only sets the state of the bits, so a start bit already set starts nothing.
 
-Targets, speed, number and override are `gateway.pure.arbitration.command_numbers`: a command that needs one that was refused, or that
-the PLC has not
-written since the link began, is refused whole (AX-610).
+Targets, speed, number and override are `gateway.pure.arbitration.command_numbers`: a command that needs a value that was refused, or that
+the PLC has not written since the link began, is refused completely (AX-610).
 """
 
 import math
@@ -34,7 +33,7 @@ RC_NAMES = {  # entries that are RC inputs -> field of RcNumbers (AX-002)
 }
 
 
-RANGES = {  # counts a number of that type can hold; the other types stand for their word as it is
+RANGES = {  # range of counts of that type; the other types are the raw word
     Step5Type.KF: (-0x8000, 0x7FFF),
     Step5Type.DH: (-0x8000_0000, 0x7FFF_FFFF),
     Step5Type.KH: (0, 0xFFFF),
@@ -46,7 +45,7 @@ RANGES = {  # counts a number of that type can hold; the other types stand for t
 }
 FLOATS = (Step5Type.KG, Step5Type.REAL)
 SELECTED_BY = {Pattern.STROBE_PARITY: (NUMBER, PARITY), Pattern.NUMBER_SELECT: (NUMBER,)}  # what a request of this pattern carries
-WHOLE = 1e-6  # so near to a whole number a number in floating point is one
+WHOLE = 1e-6  # tolerance within which a floating-point number counts as an integer
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +70,7 @@ class Slot:
 
     @property
     def range_words(self) -> str:
-        """low..high, with what is open left out."""
+        """Return low..high without an open end."""
         return f"{'' if self.low is None else f'{self.low:g}'}..{'' if self.high is None else f'{self.high:g}'}"
 
     def within(self, first: int, end: int) -> bool:
@@ -92,7 +91,7 @@ class DataBlock:
     from_plc: bool
     slots: tuple[Slot, ...] = ()
     data: bytearray = field(default_factory=bytearray)
-    fresh: bool = False  # the PLC has written it since the link began: its words are no older than the link
+    fresh: bool = False  # the PLC has written it since the link began: none of its words is older
 
     def __post_init__(self) -> None:
         self.data = bytearray(2 * self.words)
@@ -107,7 +106,7 @@ class DataBlock:
         self.data[2 * word : 2 * word + 2] = new.to_bytes(2, "big")
 
     def get(self, slot: Slot) -> float:
-        """The slot's value in its unit; raises ProtocolError when the bytes are no number of that type."""
+        """Return the slot's value in its unit.  Raise ProtocolError when the bytes are not a number of that type."""
         if slot.type is None:
             return float(self.bit(slot.word, slot.bit))
         at = 2 * slot.word
@@ -176,11 +175,11 @@ class DataBlocks:
         inputs: Sequence[str] = (),
         selected: Selected = AS_WRITTEN,
     ) -> None:
-        """`inputs`: signals and flags that are RC inputs beside cell.feed_allow and the others."""
+        """`inputs`: signals and flags that are RC inputs in addition to cell.feed_allow and the like."""
         self.blocks: Mapping[int, DataBlock] = {block.number: block for block in blocks}
         self.life: int | None = None  # life word of the last telegram, if it wrote one
         self.clamped = 0
-        self.forced: Mapping[tuple[int, int], tuple[int, int]] = {}  # block, word -> mask and values that stand whoever writes (AX-498)
+        self.forced: Mapping[tuple[int, int], tuple[int, int]] = {}  # block, word -> mask and values that override every writer (AX-498)
         self._said = PlcWords({block.number: block.words for block in blocks})
         self._axes = tuple(axes)
         self._handshake = BlockHandshake(selected.pattern, handshake)
@@ -188,10 +187,10 @@ class DataBlocks:
         self._inputs = (*RC_NAMES, *inputs)
         self._host = host
         self._edges = Edges()
-        self._reported: dict[Slot, str] = {}  # what was reported of a bad number that is still there
+        self._reported: dict[Slot, str] = {}  # reported fault per slot whose number is still invalid
         self._numbers = MoveNumbers({slot.name for block in blocks if block.from_plc for slot in block.slots})
         self.overrides = BlockOverrides(self._numbers, len(self._axes))
-        self._leaving = False  # drives-on fell: give control back as soon as the axes rest
+        self._leaving = False  # drives-on fell: release control as soon as the axes rest
 
     # ---- from the PLC ------------------------------------------------------------------------------------------------
     def restart(self) -> None:
@@ -202,17 +201,17 @@ class DataBlocks:
         self.overrides.restart()
         self._said.restart()
         for block in self.blocks.values():
-            block.fresh = block.fresh and not block.from_plc  # what a Modbus client writes is its command source's business
+            block.fresh = block.fresh and not block.from_plc  # writes of a Modbus client belong to that command source
 
     def written(self, db: int, word: int, data: bytes, now: Ns) -> None:
-        """One SEND, already known to fit: take it whole, then act on its edges."""
+        """Process one SEND that fits: first all its words, then its edges."""
         block, first, end = self.blocks[db], 2 * word, 2 * word + len(data)
         block.data[first:end] = self.laid(db, self._said.write(db, first, data))[first:end]
         block.fresh = True
         self._take(block, [slot for slot in block.slots if slot.overlaps(first, end)], first, len(data))
 
     def _take(self, block: DataBlock, slots: Sequence[Slot], first: int, size: int) -> None:
-        """Slots whose bytes were written, from `first` so many: their values, then what they ask for."""
+        """Process the slots written in `size` words from `first`: store their values, then act on them."""
         levels: dict[str, float] = {}
         for slot in slots:
             if slot.within(first, first + size):
@@ -227,7 +226,7 @@ class DataBlocks:
         self._act({name: value for name, value in levels.items() if not name.endswith((".target", ".life"))}, asked)
 
     def laid(self, db: int, data: bytes) -> bytes:
-        """The whole block with its forced words over it."""
+        """Return the complete block with its forced words applied."""
         mine = [(word, *over) for (block, word), over in self.forced.items() if block == db]
         if not mine:
             return data
@@ -304,7 +303,7 @@ class DataBlocks:
             self._host.command(command)
 
     def _ask(self, pattern: Handshaking, levels: Mapping[str, float], asked: Collection[str]) -> None:
-        """What this telegram says of the request."""
+        """Update the request from this telegram."""
         if not {START, NUMBER, PARITY} & set(asked):
             return
         request = self._handshake.hear(levels, self._numbers.missing(SELECTED_BY.get(pattern.pattern, ())))
@@ -336,7 +335,7 @@ class DataBlocks:
         self._begin(Command(Code.PTP_ABSOLUTE, mask, speed, 1.0, targets), [*numbers.target_names, SPEED] if position is None else [])
 
     def _begin(self, command: Command, needed: Sequence[str]) -> None:
-        """A move or program: refused whole while one of its numbers is refused or not written."""
+        """Begin a move or program; refuse it while one of its numbers is refused or not written."""
         self._handshake.begin()
         fault = self._numbers.missing([*needed, *self.overrides.names])
         if not fault:

@@ -23,7 +23,7 @@ from gateway.pure.image.records.cell import EVERY_AXIS, AxisFlag, CellState, Mot
 from gateway.pure.image.records.planner import PlannerState, ProgramFacts, ProgramOrder
 from protocols.base.machine import Ns, ms
 
-ENABLE_PATIENCE = ms(5_000)  # brake, power and enabling of six drives take well under 2 s
+ENABLE_PATIENCE = ms(5_000)  # brake, power and enabling of six drives need well under 2 s
 RESET_PATIENCE = ms(2_000)
 
 Planner = Callable[[Sequence[float], Sequence[float], int, float, float, int], bytes]  # start, target (SI), mask, v, a, job -> piece
@@ -40,7 +40,7 @@ class CommandDispatcher:
         """`first_job`: a number above every job a predecessor may have used; `programs`: those of the cell, by their numbers."""
         self.axes = tuple(axes)
         self.programs = programs
-        self.planner: PlannerState | None = None  # what the planner process says; None: it is not there
+        self.planner: PlannerState | None = None  # state of the planner process; None: it does not run
         self.control = Ownership()
         self.cell: CellState | None = None
         self.admission = Admission(self.axes)
@@ -97,12 +97,12 @@ class CommandDispatcher:
         return axes_with(flag, self.cell, len(self.axes))
 
     def strayed(self, language: str = "en") -> str:
-        """Axes that did not follow or did not come to rest, in words."""
+        """Describe the axes that did not follow or did not come to rest."""
         return self._outcomes.strayed(self.cell, language)
 
-    # ---- time goes on ----------------------------------------------------------------------------------------------------
+    # ---- time passes ----------------------------------------------------------------------------------------------------
     def observe(self, cell: CellState, now: Ns) -> None:
-        """Take over what the cycle published and settle the open jobs; generation 0: there is no cycle."""
+        """Adopt the state published by the cycle and settle the open jobs; generation 0: there is no cycle."""
         before, self.cell = self.cell, cell
         if before is not None and before.generation != cell.generation:
             for job in self._open:
@@ -152,7 +152,7 @@ class CommandDispatcher:
         return job
 
     def refuse(self, source: int, code: Code, reason: Reason, detail: str) -> Job:
-        """A command that a command source could not give because of its numbers: the outcome is stored like that of a given one."""
+        """Refuse a command that a command source could not issue because of its numbers; its outcome is stored like any other."""
         job = Job(self._outgoing.number(), source, code)
         state = self.source(source)
         state.last = state.by_code[code] = job
@@ -178,7 +178,7 @@ class CommandDispatcher:
             case _:
                 self.control.demand(job.source)
                 if code not in ABOUT_AXES or not job.mask & self.admission.every_axis:
-                    job.span = self.control.axes_of(job.source)  # what names no axes is about those it has
+                    job.span = self.control.axes_of(job.source)  # a command without axes concerns those its source controls
                 self.control.demand(job.source, job.span)
                 self._owners_command(job, code, command, cell, now)
 
@@ -230,7 +230,7 @@ class CommandDispatcher:
         move.reason, move.detail = Reason.STOPPED_BY_SOURCE, str(move.source)
 
     def go_on_with(self, move: Job, *, back: bool = False) -> None:
-        """What was held goes on, or back along its path; Refusal."""
+        """Continue the held move, or run it back along its path.  Raise Refusal."""
         cell = self.cell
         if cell is None or not cell.generation:
             raise Refusal(Reason.NOT_READY, "the cycle does not run")
@@ -298,7 +298,7 @@ class CommandDispatcher:
                 self._order(Order.OVERRIDE, job.id, mask=_named(axes), value=self.overrides.ordered(axes, command.velocity))
 
     def _resume(self, job: Job, cell: CellState) -> None:
-        """Every move of its lanes that was stopped goes on."""
+        """Continue every stopped move of its lanes."""
         moves = self._moves_of(cell.stopped(job.span))
         if not moves:
             raise Refusal(Reason.NOTHING_TO_RESUME)
@@ -333,8 +333,9 @@ class CommandDispatcher:
         return self.command(source, Command(Code.PROGRAM, number, velocity, acceleration), now)
 
     def order_stream(self, source: int, robot: int, mask: int, *, held: bool = False) -> Job:
-        """The interpreter wants to move a robot (its number, from 1) in the name of a command source: blocks of a language follow one by
-        one, the planner judges each as it comes.  held: hold-to-run."""
+        """Open a stream in which the interpreter moves a robot (its number, from 1) for a command source: the blocks arrive one by one,
+        and the planner checks each on arrival.  held: hold-to-run.
+        """
         job = Job(self._outgoing.number(), source, Code.PROGRAM, mask=mask, quiet=True, held=held, what=f"a stream of robot {robot}")
         state = self.source(source)
         state.last = state.by_code[Code.PROGRAM] = job
@@ -355,7 +356,7 @@ class CommandDispatcher:
         return job
 
     def _program(self, job: Job, command: Command, cell: CellState) -> None:
-        """The planner reads and tries it whole before anything moves (AX-322)."""
+        """Hand the program to the planner, which reads and tries all of it before any motion (AX-322)."""
         number = command.mask
         if number not in self.programs:
             known = ", ".join(f"{n} {program.name}" for n, program in sorted(self.programs.items())) or "none"
@@ -396,7 +397,9 @@ class CommandDispatcher:
 
     # ---- links -----------------------------------------------------------------------------------------------------------
     def link(self, source: int, on_loss: OnLoss, *, alive: bool) -> None:
-        """The command source's link came or went; when the owner's went, the move ends as configured and nothing restarts by itself."""
+        """Record that the command source's link came or went.  Loss of the owner's link ends the move as configured; nothing restarts
+        automatically.
+        """
         self.control.link(source, alive=alive)
         if alive or not self.owns(source) or self.cell is None:
             return

@@ -1,4 +1,4 @@
-"""How old programs start a move and hear of it: one table for each pattern, one machine for all (AX-403).
+"""How old programs start a move and receive its outcome: one table for each pattern, one machine for all (AX-403).
 
 A telegram gives the machine its bits; the machine decides whether a move starts and what the answering bits show.  A telegram that
 equals the one before is never an event, and the first one after a start or a lost link only sets the state of the bits: no
@@ -28,7 +28,7 @@ class State(Enum):
     """State of one exchange."""
 
     IDLE = auto()
-    BUSY = auto()  # started, nothing final heard
+    BUSY = auto()  # started, no final outcome yet
     TAKEN = auto()  # accepted, acknowledged
     DONE = auto()
     FAILED = auto()  # refused or ended badly
@@ -46,11 +46,11 @@ class Event(Enum):
 
 
 class Act(Enum):
-    """What is to be done beside the new state."""
+    """The action that accompanies the new state."""
 
     NOTHING = auto()
     START = auto()
-    COPY = auto()  # the answering bit takes the request's level
+    COPY = auto()  # the answering bit copies the request's level
 
 
 Table = Mapping[tuple[State, Event], tuple[State, Act]]

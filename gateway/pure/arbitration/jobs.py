@@ -43,12 +43,12 @@ class Job:
     detail: str = ""
     mask: int = 0
     until: Ns | None = None  # aborted with TIME_OUT then
-    quiet: bool = False  # its being done is no news
+    quiet: bool = False  # its completion is not reported
     watch: int = 0  # job whose end is this job's end (resume watches the move)
     also: tuple[int, ...] = ()  # jobs that have to end well, too: resume of several lanes
     span: int = EVERY_AXIS  # axes (bit n-1 = axis n) of the lanes that it is about
     held: bool = False  # hold-to-run: it stops without the services, whatever on_services_loss says
-    what: str = ""  # which program or robot, in words; "": its code says it
+    what: str = ""  # which program or robot, in words; "": implied by its code
 
     @property
     def open(self) -> bool:

@@ -32,7 +32,7 @@ class LinkWatch:
         if self.has_life_word:
             if life is None or life == self._life:
                 return None
-            fresh = self._life is not None  # the first value only says where the counter is
+            fresh = self._life is not None  # the first value only sets the counter
             self._life = life
             if not fresh:
                 return None

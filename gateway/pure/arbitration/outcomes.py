@@ -50,7 +50,7 @@ class Outcomes:
         return program.fault
 
     def strayed(self, cell: CellState | None, language: str = "en") -> str:
-        """Axes that did not follow or did not come to rest, each with number and text of the old error list; empty: none."""
+        """Describe the axes that did not follow or did not come to rest, with number and text of the old error list; empty: none."""
         found = cell.axes if cell is not None else []
         strayed = [(axis.name, found[n].finding) for n, axis in enumerate(self._axes[: len(found)]) if found[n].finding]
         return ", ".join(f"{name} {sentence(number, language)}" for name, number in strayed)

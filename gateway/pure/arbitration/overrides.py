@@ -4,7 +4,7 @@ from gateway.pure.image.records.cell import CellState
 
 
 class Overrides:
-    """Of each axis: what was ordered; None: by a predecessor, so that what the cycle shows counts."""
+    """Ordered override of each axis; None: ordered by a predecessor, so the value shown by the cycle applies."""
 
     def __init__(self, axes: int) -> None:
         self._ordered: list[float | None] = [None] * axes

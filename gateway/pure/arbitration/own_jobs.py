@@ -38,7 +38,7 @@ class OwnJobs:
         self._known: dict[OwnJob, bytes] = {}  # what the partner has
 
     def due(self, now: Ns, content: Callable[[int], bytes]) -> Iterator[tuple[OwnJob, bytes]]:
-        """Jobs to give now, with the bytes to send; `content(key)` is asked only where they may be wanted."""
+        """Return the jobs that are due, with the bytes to send; `content(key)` is called only for jobs that may be due."""
         for job in self.jobs:
             if job in self._open.values():
                 continue

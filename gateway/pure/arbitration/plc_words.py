@@ -4,10 +4,10 @@ from collections.abc import Mapping
 
 
 class PlcWords:
-    """Bytes of whole blocks, by number; 2 bytes a word."""
+    """Bytes of complete blocks, by number; 2 bytes a word."""
 
     def __init__(self, words: Mapping[int, int]) -> None:
-        """`words`: so many each block has."""
+        """`words`: size of each block."""
         self._said = {number: bytearray(2 * count) for number, count in words.items()}
         self._since = {number: bytearray(2 * count) for number, count in words.items()}  # 1: written since the link began
 
@@ -17,7 +17,7 @@ class PlcWords:
             since[:] = bytes(len(since))
 
     def write(self, db: int, first: int, data: bytes) -> bytes:
-        """From this byte on; the whole block as the PLC has it now."""
+        """Write from this byte on; return the complete block as the PLC now has it."""
         self._said[db][first : first + len(data)] = data
         self._since[db][first : first + len(data)] = b"\1" * len(data)
         return bytes(self._said[db])

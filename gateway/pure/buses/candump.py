@@ -1,4 +1,4 @@
-"""Lines of `candump -L` and of our own broker's log (AX-095: three more numbers behind the frame, remarks behind #)."""
+"""Lines of `candump -L` and of the log of axisgate's broker (AX-095: three more numbers after the frame, remarks after #)."""
 
 import re
 from collections.abc import Iterable, Iterator

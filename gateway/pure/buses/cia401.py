@@ -1,7 +1,7 @@
-"""CiA 401 couplers on a CANopen bus beside the drives: RPDO1 out of the completed cycle, TPDO1 and their heartbeats in (AX-401).
+"""CiA 401 couplers on the drives' CANopen bus: RPDO1 out of the completed cycle, TPDO1 and their heartbeats in (AX-401).
 
 Source: CiA 401, default PDO 1: up to 64 digital outputs (6200h) in RPDO1 200h+n, up to 64 digital inputs (6000h) in TPDO1 180h+n, channel
-0 is bit 0 of byte 0.  A coupler is spoken to between its release by the master and its next boot-up message, as a drive is.
+0 is bit 0 of byte 0.  A coupler is addressed between its release by the master and its next boot-up message, like a drive.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,7 +33,7 @@ class Coupler:
     inputs_only: bool = False  # it refused what its outputs need
     released: bool = False
     heard: bytes = b""  # last TPDO1 since the release
-    changed_ns: Ns = 0  # bus stamp of the first one that said so
+    changed_ns: Ns = 0  # bus stamp of the first one with this value
     silent: int = 0  # cycles since anything came from it
     sent: bytes = b""
     due: int = 0  # cycles until the next refresh
@@ -76,7 +76,7 @@ class CouplerFamily:
         self._shown.update(contacts)
 
     def said(self) -> dict[int, Said]:
-        """What the inputs say, by contact; outputs are good while their node takes them."""
+        """Return the state of the inputs, by contact; outputs are valid while their node accepts them."""
         found: dict[int, Said] = {}
         for coupler in self.couplers.values():
             alive = self._alive(coupler)
@@ -92,7 +92,7 @@ class CouplerFamily:
 
     @property
     def lost(self) -> bool:
-        """A coupler that matters for readiness is away, or does not take its outputs."""
+        """Return whether a coupler required for readiness is missing or does not accept its outputs."""
         for coupler in self.couplers.values():
             if coupler.vital_outputs and (coupler.inputs_only or not self._alive(coupler)):
                 return True
@@ -147,7 +147,7 @@ class CouplerFamily:
         return self.drives.hear(frame)
 
     def release(self, node: int, mode: int) -> None:
-        """Configured and operational; what its inputs say counts from now on."""
+        """Release a configured, operational coupler; its inputs are valid from now on."""
         coupler = self.couplers.get(node)
         if coupler is None:
             self.drives.release(node, mode)

@@ -1,8 +1,8 @@
-"""Real contacts at the gateway: what each output shows out of the cycle's state, and what was received of the inputs (AX-400).
+"""Real contacts at the gateway: the value of each output from the cycle's state, and the received inputs (AX-400).
 
 A signal the cycle knows itself (ready, drives on, brakes, RC outputs, the watchdog) is shown by the process that drives the contact; every
 other one comes from the services and falls to `on_loss` when they are gone.  The watchdog is a function of the number of completed
-cycles and of nothing else, so it stands still with the cycle.
+cycles and of nothing else, so it stops with the cycle.
 """
 
 from collections.abc import Sequence
@@ -49,7 +49,7 @@ class Said(NamedTuple):
 
     value: bool = False
     quality: Quality = Quality.BAD
-    forced: bool = False  # by `io test`: counts whatever the signal says
+    forced: bool = False  # by `io test`: overrides the signal
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +87,7 @@ class Outputs:
         self._last = dict.fromkeys((output.number for output in outputs), False)
 
     def show(self, state: CellState, rc_outputs: bytes | bytearray, said: Sequence[Said]) -> dict[int, bool]:
-        """Contact number -> value; `said`: what the services say, empty when they are gone."""
+        """Return contact number -> value; `said`: values from the services, empty when they are gone."""
         for output in self._outputs:
             self._last[output.number] = self._value(output, state, rc_outputs, said)
         return self._last

@@ -9,7 +9,7 @@ from functools import cache
 
 from protocols.base.can_bits import frame_bits, plain_bits, worst_bits
 
-SAMPLES = 64  # payloads behind `typical`
+SAMPLES = 64  # payloads from which `typical` is computed
 BLOCKING_BYTES = 8  # the longest frame that may just have begun when SYNC is due: nothing can take that away
 
 
@@ -49,7 +49,7 @@ class Judgement:
     cycle: Times  # us in each cycle, slower frames by their share
     acyclic: Times  # us of one acyclic exchange a cycle on top
     sync_blocked: float  # us SYNC may have to wait for a frame that has just begun
-    shortest_ms: int  # shortest whole cycle that carries all of it in the worst case
+    shortest_ms: int  # shortest cycle that carries all of it in the worst case
     fits: bool  # worst case, one acyclic exchange and the blocking frame included
 
 
@@ -71,7 +71,7 @@ def judge(plan: Sequence[Traffic], bitrate: int, cycle_ms: float) -> Judgement:
 
 
 def _need(always: Sequence[Traffic], acyclic: Times, blocked: float, bitrate: int, cycle_ms: float) -> float:
-    """Worst us in one cycle; a slower frame may fall into it whole."""
+    """Return the worst us in one cycle; a slower frame may fall completely into it."""
     return sum(times(one, bitrate).worst for one in always if not one.every_ms or one.every_ms >= cycle_ms) + acyclic.worst + blocked
 
 

@@ -79,7 +79,7 @@ class Correction:
         facts = self.facts
         if facts.life >= 0:
             if inputs.values[facts.life] != self._life:
-                self._since = now if self._life >= 0 else NEVER  # what was there at the start is no life
+                self._since = now if self._life >= 0 else NEVER  # the counter found at the start does not prove life
                 self._life = inputs.values[facts.life]
         else:
             self._since = min(inputs.stamps[facts.byte : facts.byte + facts.size])
@@ -103,10 +103,10 @@ class CoreAlter:
         self._order: AlterOrder | None = None
         self._q: tuple[float, ...] = ()
         self._tip: Pose | None = None  # tool centre point of the cycle before
-        self._held = False  # after an error: the axes stand
+        self._held = False  # after an error: the axes stay at rest
 
     def _slowest(self, robot: PathKinematics) -> float:
-        """Time the slowest of its axes takes to stop."""
+        """Return the time that its slowest axis needs to stop."""
         own = self._limits[first_of(robot) : robot.axes]
         return max(axis.speed / axis.accel + axis.accel / axis.jerk for axis in own)
 
@@ -170,7 +170,7 @@ class CoreAlter:
             self.fault = (SILENT, 0)
             alter.end()
         alter.step()
-        if alter.mode is Mode.ERROR and not self._held:  # a correction that is no number
+        if alter.mode is Mode.ERROR and not self._held:  # a correction that is NaN
             self._halted(REACH, 0)
         q = self._q if self._held else self._altered(sample.q)
         speeds = tuple((b - a) / self._period for a, b in zip(self._q, q, strict=True))

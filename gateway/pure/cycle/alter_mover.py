@@ -1,4 +1,4 @@
-"""The mover of a cell with a correction ([alter]): alterable parts of a program, alone or beside belts.  Pure."""
+"""The mover of a cell with a correction ([alter]): alterable parts of a program, alone or combined with belts.  Pure."""
 
 from gateway.pure.cycle.alter import CoreAlter
 from gateway.pure.cycle.belt_mover import BeltMover
@@ -33,7 +33,7 @@ class AlterMover(Mover):
         super().order_program(record)
 
     def stop(self, reason: Reason) -> None:
-        """At the end of an alterable path nothing is left to go on with: the part is over."""
+        """Stop the mover.  At the end of an alterable path nothing is left to continue: the part is over."""
         if self.alter.on and self.stepper.state is State.IDLE:
             self._leave_part(reason)
         else:
@@ -86,7 +86,7 @@ class AlterMover(Mover):
         program = self.program
         if program.job and not program.failed:
             self._end_program(reason)
-            program.met = True  # what still comes of it is dropped
+            program.met = True  # its remaining records are dropped
             self._state.stop_cause = reason
         self.alter.freeze()
         if self.stepper.state is not State.IDLE:
@@ -112,7 +112,7 @@ class AlterMover(Mover):
 
 
 class AlterBeltMover(AlterMover, BeltMover):
-    """Both; a program has its parts one after the other."""
+    """Both kinds of part; a program has them in sequence."""
 
 
 def make_mover(parts: LaneParts, state: CellState, homings: Homings) -> Mover:

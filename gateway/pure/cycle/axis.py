@@ -24,8 +24,8 @@ class CoreAxis:
     drive: DriveMaker
     lag_warn: float = math.inf
     lag_trip: float = math.inf
-    standstill: float = math.inf  # so far an axis may be from where it has to stand still
-    zeroed: bool = True  # False: absolute, and nobody has said yet where it reads 0
+    standstill: float = math.inf  # allowed distance of an axis from its standstill position
+    zeroed: bool = True  # False: absolute encoder whose zero is not set yet
     modulo: float = 0.0  # an endless axis goes round at it; 0: an axis with ends
     kinematic: int = 1  # number of its robot in the cell
     travel: tuple[float, float] = (-math.inf, math.inf)  # ends, m or rad
@@ -48,7 +48,7 @@ class HeldAxis:
     referenced: bool = False
     run: Referencing | None = None  # by the gateway
     led: bool = False  # set position and speed of this cycle come from the run
-    by_drive: bool = False  # the drive references by itself
+    by_drive: bool = False  # the drive references autonomously
     set: float = 0.0  # set position sent for the next SYNC
     active_inc: int = 0  # where the drive is asked to be at this SYNC: sent two bursts ago, activated by the last SYNC (AX-144)
     received_inc: int = 0  # sent with the burst before this one: the drive activated it at this SYNC
@@ -61,7 +61,7 @@ class HeldAxis:
     power_number: int = 0  # its value: asking an enum for it costs a microsecond
     limited: bool = field(init=False)  # has a place where it was referenced: travel limits of the drive hold from there
     finding: int = 0  # 647, 648: why the axis was switched off last; until somebody acknowledges it
-    behind: float = 0.0  # active_inc - where the drive says it is, in m or rad
+    behind: float = 0.0  # active_inc minus the drive's actual position, in m or rad
 
     def __post_init__(self) -> None:
         self.limited = self.plan.reference is not None and not self.plan.modulo

@@ -1,8 +1,7 @@
-"""What a cycle does for each of its axes: set values, supervision, what others see.  Pure.
+"""The work of a cycle for each of its axes: set values, supervision, published state.  Pure.
 
 `AxisLoops` is built twice: `InPython` is the reference, gateway/cycle/native/axes.c does the same in C where it was built (AX-320).  A
-property
-test holds them side by side.
+property test compares them.
 """
 
 from collections.abc import Sequence
@@ -67,7 +66,7 @@ class InPython:
 
     @staticmethod
     def watch_axes(axes: list[HeldAxis], actuals: Sequence[Actual | None], first: int, /) -> int:
-        """Index of the first axis, from `first` on, whose lag was found too large; -1: none.  Those behind it are not yet looked at."""
+        """Return the index of the first axis, from `first` on, whose lag is too large; -1: none.  Later axes are not examined yet."""
         for n in range(first, len(axes)):
             axis, actual = axes[n], actuals[n]
             gap, axis.gap = axis.gap, actual is None

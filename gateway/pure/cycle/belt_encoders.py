@@ -1,4 +1,4 @@
-"""Encoders of the belts: what they said last, whether they still speak, and offsets of counters that are kept over a restart.  Pure."""
+"""Encoders of the belts: last values, supervision, and offsets of counters that are kept over a restart.  Pure."""
 
 from dataclasses import dataclass
 from math import isnan, nan
@@ -22,7 +22,7 @@ class BeltEncoders:
     """By the place of their belt in the cell."""
 
     def __init__(self, belts: int) -> None:
-        self.counts = [0] * belts  # as they said last
+        self.counts = [0] * belts  # last received
         self.heard = [False] * belts  # since the last cycle
         self.silent = [0] * belts  # cycles
         self._present = [False] * belts
@@ -35,7 +35,7 @@ class BeltEncoders:
         self._present[place] = True
 
     def begins(self, place: int, raw: int, span: int) -> None:
-        """The first telegram has `raw` of 0..span-1; from here the counts go on from 0."""
+        """The first telegram has `raw` of 0..span-1; from here on counting begins at 0."""
         self._zeros[place] = Zero(raw, span)
 
     def count(self, place: int, value: int) -> None:
@@ -55,7 +55,7 @@ class BeltEncoders:
         return belt.counter - zero.says(self.counts[place]) * belt.data.increment
 
     def listen(self, belts: Belts) -> None:
-        """Once a cycle, after the counters have been updated with what they said."""
+        """Call once a cycle, after the counters have been updated with the received values."""
         if self._kept:
             self._restore(belts)
         for n, present in enumerate(self._present):

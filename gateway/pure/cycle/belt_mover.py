@@ -1,4 +1,4 @@
-"""The mover of a cell with belts: synchronous parts of a program beside its paths.  Pure."""
+"""The mover of a cell with belts: synchronous parts of a program in addition to its paths.  Pure."""
 
 from collections.abc import Callable, Sequence
 
@@ -116,7 +116,7 @@ class BeltMover(Mover):
         program.begun = True
 
     def _act(self, order: ActOrder) -> None:
-        """A part by itself: over at once, or when the belt is there."""
+        """Run a part without motion: it is over at once, or when the belt is there."""
         program = self.program
         self.belts.act(order)
         if not program.begun:
@@ -144,11 +144,11 @@ class BeltMover(Mover):
         self.stepper.set_override(self.override)  # on the belt it was what the joints allow
 
     def _leave_belt(self, reason: Reason) -> None:
-        """Stopped inside a part: it is over, and the axes come to rest whatever the belt does."""
+        """End a part that was stopped: the axes come to rest whatever the belt does."""
         belts, program = self.belts, self.program
         if program.job and not program.failed:
             self._end_program(reason)
-            program.met = True  # what still comes of it is dropped
+            program.met = True  # its remaining records are dropped
             self._state.stop_cause = reason
         fault = belts.stop()
         if fault is not None:
@@ -159,7 +159,7 @@ class BeltMover(Mover):
             self.stepper.abandon()
 
     def _belt_fault(self, fault: BeltFault) -> None:
-        """The part cannot go on; with types 2 and 3 READY opens, so that the belt can be stopped (rho3 L6112)."""
+        """End a part that cannot continue; with types 2 and 3 READY opens, so that the belt can be stopped (rho3 L6112)."""
         state, belts = self._state, self.belts
         belts.fault = None
         state.belt_code, state.belt_block, state.belt_axis = fault.code, belts.block, fault.axis

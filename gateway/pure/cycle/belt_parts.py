@@ -66,7 +66,7 @@ class BeltRide:
 
 @dataclass(slots=True)
 class BeltWay:
-    """Types 2 and 3: the part gives the tool's coordinates, whose rotation stays."""
+    """Types 2 and 3: the part defines the tool's coordinates, with constant rotation."""
 
     part: SynchronPart | None = None
     rotation: Rotation | None = None  # of the tool at the start

@@ -1,8 +1,8 @@
 """Belts in the cycle: counters once a cycle, and the synchronous part a program is in.  Pure; a cell without belts has none of this.
 
-Type 1: the stepper's path is carried (motion.sync.join); types 2 and 3: the part itself gives the tool's coordinates, cycle by cycle,
+Type 1: the stepper's path is carried (motion.sync.join); types 2 and 3: the part itself defines the tool's coordinates, cycle by cycle,
 and the joints are found from them.  Whatever ends a part ends at rest: the robot leaves a belt of type 1 within an acceleration and a
-jerk; faults of types 2 and 3 open READY (rho3 L6112), and the drives stop by themselves (AX-543).
+jerk; faults of types 2 and 3 open READY (rho3 L6112), and the drives stop autonomously (AX-543).
 """
 
 from collections.abc import Mapping, Sequence
@@ -37,7 +37,7 @@ TRAVEL, SILENT, SPEED = 65001, 65002, 65003  # AX-545: an axis would leave its t
 DELAY = 2  # cycles from the SYNC that latches a belt to the one that activates the set value made of it (AX-144)
 SILENT_CYCLES = 5
 SETTLED, PATIENT_CYCLES = 0.03, 100  # share of the belt's speed its filter may be off when a robot gets on; cycles that is waited for
-BEHIND_CYCLES = 50  # an axis at its speed limit may be behind its belt for so long
+BEHIND_CYCLES = 50  # how long an axis at its speed limit may lag behind its belt
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +76,7 @@ class CoreBelts:
         self.encoders.expect(place)
 
     def begins(self, place: int, raw: int, span: int) -> None:
-        """The first telegram of its encoder has `raw` of 0..span-1; from here the counts go on from 0."""
+        """The first telegram of its encoder has `raw` of 0..span-1; from here on counting begins at 0."""
         self.encoders.begins(place, raw, span)
 
     def restore(self, place: int, offset: float) -> None:
@@ -151,7 +151,7 @@ class CoreBelts:
         return self.order is None
 
     def synchron(self, order: SynchronOrder, q: Sequence[float]) -> None:
-        """SYNCHRON: the axes (all of the cell) rest at q.  MotionError where a part is under way, or there is no such belt."""
+        """Begin SYNCHRON: the axes (all of the cell) rest at q.  Raise MotionError where a part is under way or the belt does not exist."""
         if self.order is not None or not 0 <= order.belt < len(self.facts) or order.kinematic not in self.facts[order.belt].carriers:
             raise MotionError(f"SYNCHRON of kinematic {order.kinematic} on belt {order.belt + 1}: not possible now")
         self._robot.choose(order.kinematic)
@@ -188,7 +188,7 @@ class CoreBelts:
         self._sync = None
 
     def release(self) -> bool:
-        """SYNCHRON_END of type 1: the robot comes to rest beside the belt; True when it has."""
+        """SYNCHRON_END of type 1: bring the robot to rest beside the belt; True when it has."""
         self.forget()
         if self._ride.carried is None or self._ride.rig is None:
             return True
@@ -207,7 +207,7 @@ class CoreBelts:
         return self._way.in_phase(Phase.RUNNING)
 
     def stop(self) -> BeltFault | None:
-        """Nothing may go on: type 1 leaves its belt; with types 2 and 3 it is the error of feed hold (rho3 L6113)."""
+        """Stop the part: type 1 leaves its belt; with types 2 and 3 return the error of feed hold (rho3 L6113)."""
         if self._way.part is not None and self.running:
             return BeltFault(self._way.part.hindered("stopped").code, 0, opens_ready=True)
         self.release()
@@ -286,7 +286,7 @@ class CoreBelts:
         return self._ride.value
 
     def _look_ahead(self, carried: Carried, q: Sequence[float]) -> None:
-        """Were the robot to leave its belt now: would every axis come to rest inside its travel?"""
+        """Check that every axis would come to rest inside its travel if the robot left its belt now."""
         assert self._ride.rig is not None
         if carried.coupling.state not in (Hold.CATCHING, Hold.ON):
             return
@@ -330,7 +330,7 @@ class CoreBelts:
         return self._limited(goal, resting.done_id)
 
     def _limited(self, goal: tuple[float, ...], done: int) -> Sample:
-        """No axis faster than it may be: the whole step is shortened, as P306 sub-query 6 = 3 does it (rho3 L5549-5596)."""
+        """Shorten the entire step so that no axis exceeds its speed, as with P306 sub-query 6 = 3 (rho3 L5549-5596)."""
         h = self._period
         shares = [abs(b - a) / (axis.speed * h) for a, b, axis in zip(self._q, goal, self._robot.limits, strict=True)]
         most = max(shares)

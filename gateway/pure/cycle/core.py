@@ -40,8 +40,8 @@ from protocols.base.machine import Ns
 if TYPE_CHECKING:
     from gateway.pure.cycle.shared_output import CoreShared
 
-SETTLE_S = 0.5  # after its last set value an axis has so long to come to its place; then it stands (AX-268)
-LOST_STOP_S = 2.0  # an axis still moving so long after its chain or control input was lost is switched off
+SETTLE_S = 0.5  # settling time after the last set value before standstill monitoring starts (AX-268)
+LOST_STOP_S = 2.0  # an axis still moving this long after its chain or control input was lost is switched off
 CHAIN, CONTROL, FEED, RUN, TRAVEL = (int(permit) for permit in Permit)
 FLOW = FEED | RUN
 BROKEN = ((Power.FAULT, Reason.DRIVE_FAULT), (Power.LOST, Reason.DRIVE_LOST))
@@ -165,7 +165,7 @@ class CycleLogic:
                 lane.stop(Reason.SERVICES_LOST)
 
     def _apply_override(self) -> None:
-        """Feed hold and a missing feed allow hold on the path; the move goes on when they are back (as the old feed hold)."""
+        """Hold on the path on feed hold or missing feed allow; the move continues when they are back (like the old feed hold)."""
         for lane in self.lanes:
             ordered = lane.ramp.step(lane.ordered) * lane.factor
             value = ordered if self._permissions.permits & FLOW & ~lane.withheld == FLOW else 0.0
@@ -223,7 +223,7 @@ class CycleLogic:
                 self._acknowledge()
 
     def _move(self, record: OrderRecord) -> None:
-        """A piece by itself, or a program."""
+        """Start a single piece or a program."""
         lane = leading(self.lanes, record.mask or EVERY_AXIS)
         if lane is None:
             self.state.fail(record.job, Reason.BUSY)
@@ -297,7 +297,7 @@ class CycleLogic:
         if not moved:
             return
         if reason is not Reason.DRIVES_OFF:
-            self._because(reason, mask)  # also at rest: whoever finds the drives off reads why
+            self._because(reason, mask)  # also at rest: the reason stays readable while the drives are off
         lanes = lanes_with(self.lanes, sum(1 << n for n in places))
         for lane in lanes:
             if lane.homings.job:
@@ -380,8 +380,9 @@ class CycleLogic:
             self._broke(reason, [n for n, found in powers if found is power])
 
     def _judge_events(self) -> None:
-        """What drives did by themselves; of an axis nobody wants on it is no matter."""
-        self._broke(Reason.DRIVE_FAULT, self._said(Event.DROPPED, Event.TIMEOUT))  # left control by itself: a fresh command brings it back
+        """Handle spontaneous events of drives; ignored for axes that are not commanded on."""
+        # left control spontaneously: a fresh command brings it back
+        self._broke(Reason.DRIVE_FAULT, self._said(Event.DROPPED, Event.TIMEOUT))
         self._broke(Reason.SET_VALUE, self._said(Event.JUMP, Event.RANGE))  # not sent by the drive object: the axis is off its path
 
     def _said(self, *events: Event) -> list[int]:
@@ -390,7 +391,7 @@ class CycleLogic:
         return [n for n in found if any(event in self._axes[n].drive.events for event in events)]
 
     def _broke(self, reason: Reason, axes: list[int]) -> None:
-        """The drives of these axes (from 0) are no longer led: those of their lanes go off."""
+        """Switch off the lanes of these axes (from 0), whose drives are no longer controlled."""
         if axes:
             mask = held_together(self.lanes, axes)
             self._because(reason, mask)

@@ -1,4 +1,4 @@
-"""What a cell gives the core of its cycle beside its axes.  Pure."""
+"""Settings of the core of a cycle in addition to its axes.  Pure."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

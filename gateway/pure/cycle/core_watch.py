@@ -29,7 +29,7 @@ class Permissions:
 
 @dataclass(slots=True)
 class ServicesWatch:
-    """`finish`: a path goes on to its end without them."""
+    """`finish`: a path continues to its end without them."""
 
     finish: bool
     alive: bool = False
@@ -51,4 +51,4 @@ class DriveWatch:
     drive: DriveAxes
     watch: WatchAxes
     settled: bool = False  # every drive follows, and none lost its increments
-    eventful: bool = False  # a drive did something by itself
+    eventful: bool = False  # a drive acted spontaneously

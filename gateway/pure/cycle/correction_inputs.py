@@ -11,7 +11,7 @@ LARGEST = 3e38
 
 
 def end_bit(byte: int) -> int:
-    """RC input of alterEnd, behind a correction from this byte on."""
+    """Return the RC input of alterEnd, which follows a correction from this byte on."""
     return (byte + _VALUES.size) * 8
 
 

@@ -18,10 +18,10 @@ class DriveOnGate:
     """Of one lane; for the program under way."""
 
     def __init__(self, axes: Sequence[HeldAxis]) -> None:
-        self.kept: set[int] = set()  # axes whose set value stays where they stand
+        self.kept: set[int] = set()  # axes whose set value stays at their position
         self._axes = axes
         self._rule = DriveOn(len(axes))
-        self.mask = EVERY_AXIS  # axes (bit n-1 = axis n) that are moved together; others are no matter
+        self.mask = EVERY_AXIS  # axes (bit n-1 = axis n) that move together; others are ignored
 
     @property
     def watches(self) -> bool:
@@ -47,7 +47,7 @@ class DriveOnGate:
         self._rule.program_ended()
 
     def accepting(self) -> None:
-        """A part that ends with an input begins where the axes really stand: those that are back go with it."""
+        """Begin a part that ends with an input at the actual positions of the axes; axes that are back take part."""
         self.kept = {n for n in self.kept if not (self._rule.on[n] and self._axes[n].drive.follows)}
 
     def accepted(self) -> None:
@@ -109,7 +109,7 @@ class DriveOnGate:
         return found
 
     def begin_of(self, piece: TimedPiece) -> list[float]:
-        """Where the path of a piece may begin: the axes' places, for kept ones what the piece takes them for."""
+        """Return where the path of a piece may begin: the axes' positions; for kept ones the positions that the piece assumes."""
         places = [axis.set for axis in self._axes]
         for axis, place in zip(piece.axes, piece.nodes[0][::3], strict=False):
             if axis in self.kept:

@@ -32,7 +32,7 @@ class RcNumbers:
 
 
 AS_SHIPPED = RcNumbers()
-SIGNAL_AXES = 12  # have INPOS and referenced among the RC outputs (AX-508); those behind them do not (AX-572)
+SIGNAL_AXES = 12  # axes with INPOS and referenced among the RC outputs (AX-508); later axes have none (AX-572)
 
 
 def free_outputs(numbers: RcNumbers, axes: int) -> frozenset[int]:
@@ -50,9 +50,9 @@ EVERY = tuple(Permit(bits) for bits in range(int(ALL_PERMITS) + 1))  # arithmeti
 class PermitView:
     """One cycle's judgement; the bits are those of Permit as plain numbers, for the cycle asks for them each time."""
 
-    permits: int  # stand
-    taken: int  # a living command source says 0
-    lost: int  # nobody says anything any more
+    permits: int  # set
+    taken: int  # a live command source reports 0
+    lost: int  # no source reports any longer
     just_lost: int  # set in the cycle before
     reset: bool  # rising edge of Control reset
 
@@ -68,7 +68,7 @@ class EnablingInputs:
         self._steady: PermitView | None = None  # the judgement while the bytes stay as they are
         self._seen: tuple[bool, object, object] | None = None
         self.assume(assumed)
-        self._reset_bit = True  # a control reset that is set at start is no edge
+        self._reset_bit = True  # a control reset already set at start is not an edge
 
     def assume(self, assumed: Permit) -> None:
         """From here on these count as 1 and the others are read."""

@@ -1,4 +1,4 @@
-"""Detects a multi-turn encoder that overflowed while the gateway was off.  It then shows another position by its whole range."""
+"""Detects a multi-turn encoder that overflowed while the gateway was off.  Its position is then wrong by its full range."""
 
 import math
 
@@ -23,8 +23,11 @@ def wrapped(last_inc: int, now_inc: int, inc_per_turn: int) -> int:
 
 
 def wrapped_endless(last_inc: int, now_inc: int, inc_per_turn: int, round_inc: float) -> int:
-    """The same of an endless axis, whose increments are known but for whole rounds of `round_inc`: one range, where that shows it at such
-    another place; 0: it is where it was, or it was turned by hand.  By hand it may have been turned there, too."""
+    """Return the same for an endless axis, whose increments are known modulo `round_inc`.
+
+    The result is one range where an overflow explains the new position; 0: the axis is where it was, or it was turned by hand.  Turning
+    by hand may also have led to the position of an overflow.
+    """
     tolerance = min(HALF_TURN * inc_per_turn, round_inc / FINE)
     if abs(beside(now_inc - last_inc, round_inc)) <= tolerance:
         return 0
@@ -33,5 +36,5 @@ def wrapped_endless(last_inc: int, now_inc: int, inc_per_turn: int, round_inc: f
 
 
 def beside(inc: float, round_inc: float) -> float:
-    """Increments without whole rounds, the shorter way."""
+    """Return the increments modulo one round, the shorter way."""
     return math.remainder(inc, round_inc)

@@ -1,6 +1,6 @@
 """Endless axes of a core: at rest their positions are brought back into 0 .. modulo.  Source: rho 3 P303, P311, L5598-5644; AX-568.  Pure.
 
-The increments of the drive go on; what they mean moves by whole rounds, so nothing moves and no set value changes.
+The drive's increments keep counting; their meaning shifts by full rounds, so nothing moves and no set value changes.
 """
 
 import math

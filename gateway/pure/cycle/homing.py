@@ -1,4 +1,4 @@
-"""Reference runs in the core: which axes reference, by the gateway or by their drive, and what their job comes to.  Pure."""
+"""Reference runs in the core: which axes reference, by the gateway or by their drive, and the outcome of the job.  Pure."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ class Homings:
 
     def __init__(self, axes: Sequence[HeldAxis], state: CellState, period_s: float) -> None:
         self.job = 0
-        self.under_way = False  # a job is, or an axis still comes to rest from one
+        self.under_way = False  # a job runs, or an axis is still coming to rest from one
         self._axes, self._state, self._period = axes, state, period_s
         self.mask = EVERY_AXIS  # axes (bit n-1 = axis n) it may reference
 
@@ -36,7 +36,7 @@ class Homings:
         self._ended()  # axes that know where they are have nothing to do
 
     def end(self, reason: Reason) -> None:
-        """The job failed; runs come to rest."""
+        """Fail the job and bring its runs to rest."""
         self._state.fail(self.job, reason)
         self.job = 0
         for axis in self._own:
@@ -81,7 +81,7 @@ class Homings:
         self._ended()
 
     def _judge_drive(self, axis: HeldAxis) -> None:
-        """The drive stands in its home position: from now on its increments mean what the plan says (AX-306)."""
+        """Assign the planned meaning to the increments of a drive in its home position (AX-306)."""
         plan, state = axis.plan.reference, axis.drive.homing
         if state is Homing.DONE and isinstance(plan, DriveHoming):
             axis.by_drive, axis.referenced = False, True

@@ -1,4 +1,4 @@
-"""Inputs that measure while the axes go on, and inputs a movement waits for, in the cycle.  Pure.
+"""Inputs of flying measurement, and inputs that a movement waits for, in the cycle.  Pure.
 
 The rules are those of motion.measure.flying (rho 3 Releases part 2, section 8) and motion.measure.start_off (part 1, section 4); here they
 get levels and stamps from the image, and positions as the drives latched them (AX-328, AX-329).
@@ -31,7 +31,7 @@ class Wire:
     """An RC input watched from cycle to cycle; level None: it was never good."""
 
     number: int
-    period_ns: Ns  # a module the cycle hears itself may have spoken so long after the SYNC (AX-481)
+    period_ns: Ns  # a module received by the cycle itself may have reported this long after the SYNC (AX-481)
     level: bool | None = None
     _stamp: Ns = 0
 

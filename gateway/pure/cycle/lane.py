@@ -1,4 +1,4 @@
-"""A lane of the cycle: what moves the axes of one kinematic, or those of none, for itself.  Pure.
+"""A lane of the cycle: moves the axes of one kinematic, or those of none, independently.  Pure.
 
 A cell of one kinematic has one lane with all its axes.  An order for axes of several lanes goes to the first of them, which holds the axes
 of the others until it has nothing left to do with them.
@@ -37,10 +37,10 @@ class Lane:
         self.ramp = ramp
         self.override = 0.0  # as ordered
         self.factor = 1.0  # on it, of the program or PTP move under way
-        self.held = False  # what moves is hold-to-run: it stops without the services
+        self.held = False  # the motion is hold-to-run: it stops without the services
         self.own = self.holds = own  # axes (bit n-1 = axis n)
         self.places: tuple[int, ...] = ()  # of those it holds, from 0
-        self.kinematics: list[LaneState] = []  # of several that it leads together for good: what is each one's own
+        self.kinematics: list[LaneState] = []  # separate states of kinematics that it always leads together
         self._single: dict[int, float] = {}  # axes of a kinematic -> override ordered for it alone, since the last one for all
         self.moves = own  # axes of the order under way
         self.hold(own)
@@ -62,7 +62,7 @@ class Lane:
 
     @property
     def ordered(self) -> float:
-        """Override of what is under way: with several kinematics the lowest of those it moves."""
+        """Override of the current motion: with several kinematics the lowest of those it moves."""
         if not self.kinematics:
             return self.override
         single = self._single
@@ -125,7 +125,7 @@ class Lane:
                 self.factor = min(max(record.value, 0.0), 1.0)
 
     def show(self, shown: LaneState, whole: CellState) -> None:
-        """Its published state; what has ended since the last cycle is passed on to that of the whole cell."""
+        """Fill its published state; jobs that ended since the last cycle are passed on to the state of the entire cell."""
         state = self.state
         if state.done_job != shown.done_job:
             whole.done_job = state.done_job

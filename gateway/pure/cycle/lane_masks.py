@@ -8,7 +8,7 @@ from gateway.pure.image.records.cell import EVERY_AXIS
 def masks_of(kinematics: Sequence[int], *, one: bool) -> list[int]:
     """Axes (bit n-1 = axis n) of each lane, in the order of the kinematics; kinematics: number of the robot of each axis, 0: none.
 
-    `one`: belts and corrections are parts of the whole cell, and all its axes are in one lane.
+    `one`: belts and corrections belong to the entire cell, and all its axes are in one lane.
     """
     if one or len(set(kinematics)) < 2:
         return [EVERY_AXIS]

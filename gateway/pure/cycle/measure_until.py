@@ -1,4 +1,4 @@
-"""MOVE UNTIL in the cycle: the input a part of a program ends with, and the position caught at its edge (@MPOS).  Pure.
+"""MOVE UNTIL in the cycle: the input that ends a part of a program, and the position caught at its edge (@MPOS).  Pure.
 
 Positions are those the drives latched at each SYNC; the edge has the stamp its command source gave the input's byte, and what lies
 between two SYNCs is interpolated (motion.measure).  Source: rho 3 Releases part 1, L1100-1290; part 2, L6756-6830; AX-391, AX-457.
@@ -63,7 +63,7 @@ class CoreMeasure:
         self._part = _Part()
 
     def _heard_by(self) -> int:
-        """Cycles behind the end of a part: by then the drives have reported an edge that they passed."""
+        """Cycles after the end of a part until the drives have reported every edge that they passed."""
         return TO_REST_NS // self._period_ns + LATE
 
     def program_started(self) -> None:
@@ -100,7 +100,7 @@ class CoreMeasure:
 
     @property
     def runs_on(self) -> bool:
-        """This part goes on by `distance` behind its edge."""
+        """Return whether this part continues by `distance` after its edge."""
         return self._until is not None and self._until.runs_on
 
     def course(self, places: Sequence[float], speeds: Sequence[float]) -> Course | None:
@@ -161,7 +161,7 @@ class CoreMeasure:
             and ((before is not None and before is not until.level) or not until.by_edge)
         ):
             if path is not State.RUNNING and not until.by_edge:
-                return False  # the level counts when the path goes on
+                return False  # the level counts when the path continues
             self._part.hit = edge
         return self._part.hit is not None and path is State.RUNNING
 

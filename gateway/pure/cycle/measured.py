@@ -7,7 +7,7 @@ from gateway.pure.image.records.cell import CellState
 
 
 class Measured:
-    """What one kinematic measures anew takes the place of what it had measured before, and of nothing else."""
+    """Stored measurements; a new one of a kinematic replaces only the previous one of the same kinematic."""
 
     def __init__(self, state: CellState, axes: Sequence[HeldAxis]) -> None:
         self._state, self._masks = state, dict[int, int]()

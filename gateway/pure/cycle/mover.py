@@ -32,7 +32,7 @@ ARRIVAL_S = 2.0  # after the set values: an axis that is not in its window by th
 
 
 def why_refused(error: MotionError) -> Reason:
-    """Of a piece that cannot be taken; what is no fault of the piece is one of the axes: off, or not free."""
+    """Return the reason for refusing a piece; if the piece is valid, its axes are off or not free."""
     match error:
         case LatePieceError():
             return Reason.PATH_LATE
@@ -84,7 +84,7 @@ class Mover(PathMover):
             self._take_piece(record.piece)
 
     def _rest(self, *, flushed: bool) -> None:
-        """Nothing more comes of the part.  flushed: it is over where the axes come to rest, and what comes now belongs to the next one."""
+        """End the part.  flushed: it is over where the axes come to rest, and later records belong to the next part."""
         program = self.program
         program.rests = True
         if not flushed:
@@ -152,7 +152,7 @@ class Mover(PathMover):
             self.stepper.stop()
 
     def _point(self, record: PieceRecord) -> None:
-        """A part by itself, over at once; the axes rest."""
+        """Execute a part without motion, which is over at once; the axes rest."""
         if record.part is Part.RECALL:
             self.storing.tape.recall(*recall_of(record))
         else:
@@ -208,13 +208,13 @@ class Mover(PathMover):
         self.storing.store(actual, self._counters, program=self.program.job != 0)
 
     def _counters(self) -> Sequence[float]:
-        """What measuring systems say that are no axes."""
+        """Values of the measuring systems other than axes."""
         return ()
 
     def _attend(self, sample: Sample) -> None:
-        """What belongs to a program beside its path: outputs, the input its part ends with, the end of a part."""
+        """Serve a program apart from its path: outputs, the input that ends its part, the end of a part."""
         program, stepper = self.program, self.stepper
-        waits = self.start.on and self.free  # a part without way: what it does comes behind its input
+        waits = self.start.on and self.free  # a part without way: its actions follow its input
         over = (program.rests or program.complete) and self.free and not program.met
         for switch in () if waits else program.passed(sample.piece_id, stepper.within, over=over):
             if isinstance(switch, FunctionAt):
@@ -292,7 +292,7 @@ class Mover(PathMover):
             if not self.program.failed:
                 self._state.done_job = self.running
                 if program.begun:
-                    self._state.met = program.met and not (program.flushed or program.late)  # of its last part, which nothing rests behind
+                    self._state.met = program.met and not (program.flushed or program.late)  # of its last part, after which nothing waits
             self._over()
         elif self._arriving * self.stepper.period > ARRIVAL_S:
             self._state.fail(self.running, Reason.FOLLOWING_ERROR)

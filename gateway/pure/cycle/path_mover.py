@@ -54,7 +54,7 @@ class PathMover:
 
     @property
     def free(self) -> bool:
-        """No path is under way: the set position is whatever the axes say."""
+        """Return whether no path is under way: the set position then follows the axes."""
         return self.stepper.state is State.IDLE
 
     @property
@@ -79,7 +79,7 @@ class PathMover:
         self.stepper.set_override(0.0 if self.start.on else value)
 
     def move(self, record: OrderRecord) -> None:
-        """One piece by itself."""
+        """Start a single piece."""
         try:
             piece = decode(record.piece)
             if self._homings.job or self.program.job or self._state.emergency or not self.all_enabled(piece.mask):
@@ -118,7 +118,7 @@ class PathMover:
         if self.stepper.state is State.RUNNING:
             self.stepper.stop()
             self._state.stop_cause = reason
-        elif self.starved:  # nothing to stop on: it must not begin, or go on, by itself afterwards
+        elif self.starved:  # no path to stop on: it must not begin or continue on its own afterwards
             self._state.fail(self.program.job, reason)
             self.running, self._state.stop_cause = 0, reason
             self._clear()
@@ -139,7 +139,7 @@ class PathMover:
             self._state.stop_cause = reason
 
     def resume(self) -> None:
-        """What was stopped or held goes on."""
+        """Continue the stopped or held motion."""
         self.program.held, self.program.backward = False, False
         self.stepper.resume()
 
@@ -170,7 +170,7 @@ class PathMover:
         return all(axis.wanted for n, axis in enumerate(self._axes) if self.program.mask >> n & 1)
 
     def leave(self) -> bool:
-        """Some axes are not wanted on any more: True where the program under way goes on without them, or stops on its path."""
+        """Release axes that are no longer commanded on; True where the running program continues without them or stops on its path."""
         if not self.program.job or not any(axis.wanted for axis in self._own):
             return False
         moves = self.gate.leave(self.stepper.ahead)
@@ -202,14 +202,14 @@ class PathMover:
         """What comes next cannot be run without this axis: the program ends where what was committed ends."""
         self._state.drive_axis = axis
         self._end_program(Reason.DRIVE_ON_NOT_AVAILABLE)
-        self.program.met = True  # what still comes of it is dropped
+        self.program.met = True  # its remaining records are dropped
 
     # ---- what all of them need ----------------------------------------------------------------------------------------
     def _begin(self, job: int) -> None:
         self.running, self._arriving = job, 0
 
     def _end_program(self, reason: Reason) -> None:
-        """It failed; what was committed of it is run."""
+        """Fail the program; its committed part still runs."""
         self._state.fail(self.program.job, reason)
         self.program.failed = True
         self.program.switches.clear()
@@ -220,7 +220,7 @@ class PathMover:
             self._clear()
 
     def _clear(self) -> None:
-        """The program is over; a beginning of a path whose end never came is no path."""
+        """End the program and drop a path whose end never arrived."""
         self.program.clear()
         self.stepper.uncommit()
 

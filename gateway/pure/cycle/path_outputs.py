@@ -1,6 +1,6 @@
 """IO logic and PPO of a program in the cycle: outputs led by a workpiece coordinate of the set values.  Pure.
 
-What they do on the way, and what stops them, is motion.outputs.rho3 (rho 3 Releases part 1, L4211-4264; AX-465, AX-466); here they get
+Their behaviour on the path and their end are in motion.outputs.rho3 (rho 3 Releases part 1, L4211-4264; AX-465, AX-466); here they get
 their coordinate once a cycle and their places in the image (AX-392).
 """
 
@@ -43,7 +43,7 @@ class CoreOutputs:
         self._places, self._robots, self._period = places, robots, period_s
         analog = {number: Analog(place.rated, place.volts) for (kind, number), place in places.items() if kind is Kind.PPO and place.rated}
         self._functions = PathOutputs(analog)
-        self._running = 0  # at most so many functions run
+        self._running = 0  # upper bound of the number of running functions
         self._failed = 0  # job that failed last
         self.cell: CellState | None = None  # of all lanes, where there are several
         self.masks: Mapping[int, int] = {}  # in a cell of several kinematics: kinematic -> its axes (bit n-1 = axis n)
@@ -102,7 +102,7 @@ class CoreOutputs:
                 set_bit(image, place.output, value != 0.0)
             else:
                 octet, size = place.output >> 3, place.bits >> 3
-                image[octet : octet + size] = _raw(value, place).to_bytes(size, "big")  # as words stand at every command source (AX-010)
+                image[octet : octet + size] = _raw(value, place).to_bytes(size, "big")  # the word order of every command source (AX-010)
 
 
 def _failed_in(state: CellState, mask: int) -> int:
@@ -112,14 +112,14 @@ def _failed_in(state: CellState, mask: int) -> int:
 
 
 def _raw(value: float, place: OutputPlace) -> int:
-    """Two's complement of so many bits, held at their ends; analog: FULL is the most the board gives."""
+    """Return two's complement, limited to the range of its bits; analog: FULL is the maximum of the board."""
     scaled = value / place.volts * FULL if place.rated else value
     half = 1 << (place.bits - 1)
     return min(max(round(scaled), -half), half - 1) & (2 * half - 1)
 
 
 def as_call(asked: Function) -> tuple[Kind, Call]:
-    """As the functions themselves take it."""
+    """Convert to the arguments of the functions."""
     kind = Kind.PPO if asked.ppo else Kind.IOL
     return kind, Call(asked.number, asked.kinematic, asked.coordinate, asked.position, asked.value, asked.time_ms, asked.system)
 

@@ -19,7 +19,7 @@ from protocols.base.machine import Ns
 
 
 def set_machine_position(axes: Sequence[HeldAxis], state: CellState, places: Mapping[int, float]) -> None:
-    """SF 3: what the increments mean moves, the increments go on; the axes rest.  Referencing and a new cycle undo it."""
+    """SF 3: shift the meaning of the increments while the axes rest.  Referencing and a new cycle undo it."""
     for n, place in places.items():
         axis, scaling = axes[n], axes[n].scaling
         way = axis.set - place
@@ -29,7 +29,7 @@ def set_machine_position(axes: Sequence[HeldAxis], state: CellState, places: Map
 
 
 class ReferencePathRecorder:
-    """Reference paths; each is kept until the next SF 29 of its kinematic, also behind the program."""
+    """Reference paths; each is kept until the next SF 29 of its kinematic, also after the program."""
 
     def __init__(self, mpos: Measured) -> None:
         self._mpos = mpos
@@ -54,7 +54,7 @@ class ReferencePathRecorder:
         self._paths[kinematic].on(kinematic, order.system, order.distance)
 
     def store(self, systems: Sequence[float], sets: Sequence[float]) -> None:
-        """Once a cycle.  systems: what the measuring systems say, sets: (axes,) set values."""
+        """Call once a cycle.  systems: values of the measuring systems, sets: (axes,) set values."""
         for kinematic in self._running:
             self._paths[kinematic].step(kinematic, systems, sets, ())
 
@@ -85,7 +85,7 @@ class CoreLatch:
         return self._latch is not None
 
     def call(self, order: LatchAt, inputs: InputImage, now: Ns) -> None:
-        """setLatch: what was latched before is gone."""
+        """setLatch: discard the latched value."""
         self._order, self._history, self._changes = order, History(self._axes), []
         self._wire = Wire(order.number, self._period_ns)
         self._wire.look(inputs, now)

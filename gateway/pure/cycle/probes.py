@@ -12,7 +12,7 @@ from gateway.pure.cycle.axis import HeldAxis
 from motion.measure.history import History
 
 TOGETHER = 3  # cycles the telegrams of one edge may come apart
-LATE = 6  # cycles until an edge whose place no position passed is taken as heard: the axis stood
+LATE = 6  # cycles until an edge whose place no position passed is accepted: the axis was at rest
 HALVINGS = 30
 
 

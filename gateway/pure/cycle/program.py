@@ -22,9 +22,9 @@ class ProgramRun:
     begun: bool = False
     complete: bool = False
     switches: deque[Entry] = field(default_factory=deque)  # outputs to come, in the order of the way
-    met: bool = False  # the input the part ends with came: what still comes of the part is dropped
+    met: bool = False  # the input that ends the part came: its remaining records are dropped
     rests: bool = False  # nothing more comes of the part
-    failed: bool = False  # what was committed of it is still run
+    failed: bool = False  # its committed part still runs
     held: bool = False  # by an order to the stream: what comes waits
     backward: bool = False  # it goes back along its path as soon as the axes rest
     flushed: bool = False  # the part was ended by an order, not by its input
@@ -38,7 +38,7 @@ class ProgramRun:
         self.part_over()
 
     def clear(self) -> None:
-        """It is over: what still comes of it is dropped."""
+        """End it; its remaining records are dropped."""
         self.order(0)
 
     @property
@@ -60,8 +60,9 @@ class ProgramRun:
             self.switches.pop()
 
     def passed(self, piece: int, after: float, *, over: bool = False) -> Iterator[Entry]:
-        """Outputs whose place lies behind the set values; each comes once, also when the path is run back and forth.  over: the path is run
-        to its end, and nothing more comes of it."""
+        """Yield the outputs whose place the set values have passed, each once, even when the path is run back and forth.  over: the path
+        has reached its end.
+        """
         waiting = self.switches
         while waiting and (over or waiting[0].piece < piece or (waiting[0].piece == piece and after >= waiting[0].after - REACHED)):
             yield waiting.popleft()

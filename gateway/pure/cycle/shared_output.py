@@ -39,7 +39,7 @@ class CoreShared:
         self._period, self._time = period_s, 0.0
 
     def step(self, axes: Sequence[HeldAxis], outputs: bytearray, *, jog: bool) -> int:
-        """Once a cycle; jog: no program runs.  The axis (from 1) that moved beside another one of its output; 0: none did."""
+        """Call once a cycle; jog: no program runs.  Return the axis (from 1) that moved with another one of its output; 0: none."""
         self._time += self._period
         wrong = 0
         for facts, output in zip(self.facts, self._outputs, strict=True):

@@ -1,4 +1,4 @@
-"""Feed allow and feed hold of single kinematics: they hold the path of one lane, the others go on (AX-1787).  Pure."""
+"""Feed allow and feed hold of single kinematics: they hold the path of one lane, the others continue (AX-1787).  Pure."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ def is_held(services_ns: Ns, now: Ns) -> bool:
 
 
 class SingleInputs:
-    """They are added to the inputs of the cell: a kinematic goes on where both are set."""
+    """They act in addition to the inputs of the cell: a kinematic moves where both are set."""
 
     def __init__(self, places: Sequence[tuple[int, int, int]], kinematics: Sequence[int]) -> None:
         """places: kinematic, bit of Permit, RC input; kinematics: number of the robot of each axis."""

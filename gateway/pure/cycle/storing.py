@@ -32,7 +32,7 @@ class Storing:
 
     @property
     def by_drives(self) -> bool:
-        """What the drives' own probes catch is wanted (hear)."""
+        """Return whether catches of the drives' own probes are needed (hear)."""
         return self.measure.by_drives or self.flying.by_drives
 
     def program_started(self) -> None:
@@ -48,7 +48,7 @@ class Storing:
         self.flying.hear(said)
 
     def store(self, actual: Sequence[float | None], counters: Callable[[], Sequence[float]], *, program: bool) -> None:
-        """actual: (axes,) as latched at this SYNC, None where the telegram did not come; counters: of measuring systems that are no axes;
+        """actual: (axes,) as latched at this SYNC, None where the telegram did not come; counters: of measuring systems other than axes;
         program: one is under way."""
         self.measure.store(actual)
         if not program:
@@ -65,7 +65,7 @@ class Storing:
             self.tape.store([*places, *counters()], [axis.set for axis in self._axes])
 
     def call(self, entry: FlyingAt | LatchAt | ReferencePathPoint, inputs: InputImage, sync_ns: int, systems: int) -> None:
-        """Done at a place of a piece.  systems: how many measuring systems there are beside the axes."""
+        """Execute an action at a place of a piece.  systems: number of measuring systems in addition to the axes."""
         match entry:
             case FlyingAt():
                 self.flying.call(entry, inputs, sync_ns)

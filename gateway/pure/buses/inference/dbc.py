@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from gateway.pure.buses.inference.roles import Inferred
 from gateway.pure.buses.inference.signals import Found
 
-SURE = 0.8  # what is reported as proved by the recording
+SURE = 0.8  # confidence from which a finding is reported as proved by the recording
 
 
 def names(found: Inferred) -> dict[int, str]:

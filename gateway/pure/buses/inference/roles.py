@@ -27,7 +27,7 @@ class Axis:
 
 @dataclass(frozen=True, slots=True)
 class Inferred:
-    """The whole proposal."""
+    """The complete proposal."""
 
     cycles: Cycles
     reverse: bool  # numbers have their high byte first
@@ -136,7 +136,7 @@ class _Follower:
 
 
 def _actual_bits(set_: Series, actual: Series, known: Mapping[int, list[Found]], way: Sequence[int], cycles: Cycles) -> list[Found]:
-    """power_on follows drive_on, enabled follows enable and falls before the brake; a switch stands at a position; the rest has no name."""
+    """power_on follows drive_on, enabled follows enable and falls before the brake; a switch has a position; the rest is unnamed."""
     taken = known[actual.identifier]
     causes = {found.name: found.start for found in known[set_.identifier] if found.name in SET_CHAIN}
     limit = round(ANSWER_S * 1e9 / max(cycles.period_ns, 1))

@@ -9,9 +9,9 @@ from statistics import median
 from protocols.base.machine import Frame, Ns
 
 LEAST = 100  # cycles: less proves nothing
-SHARE = 0.8  # a message that belongs to the cycle is there in so many of them
-MANY, FEW = 1.5, 5  # flips: a bit above that flips so much more often begins a new number
-CARRY = 0.3  # share of a bit's flips with which the bit below flips too: less, and they are no neighbours of one number
+SHARE = 0.8  # share of the cycles in which a cyclic message is present
+MANY, FEW = 1.5, 5  # flips: a higher bit that flips this much more often begins a new number
+CARRY = 0.3  # share of a bit's flips with which the bit below flips too: below it they are not neighbours in one number
 
 
 @dataclass(frozen=True, slots=True)

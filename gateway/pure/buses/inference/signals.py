@@ -73,7 +73,9 @@ def _sign_like(series: Series, piece: Piece) -> bool:
 
 
 def _one_number(series: Series, below: Piece, above: Piece) -> bool:
-    """With its low bits a number that travels changes its step less than the high bits alone say (they count in whole 2^n)."""
+    """Return whether both pieces are one number: with its low bits the step of a moving number varies less than its high bits alone show
+    (they count in multiples of 2^n).
+    """
     if below.flips <= FLAG_FLIPS or above.bits < 3:
         return False
     high = _number(series, above)
@@ -98,7 +100,7 @@ def quiet(steps: Sequence[int]) -> list[int]:
 
 
 def unwrapped(number: Numbers) -> tuple[list[int], int]:
-    """The steps as the number's width sees them, and how often it ran over its end; jumps that are no wrap stay 0."""
+    """Return the steps within the number's width and the number of overflows; jumps other than overflows stay 0."""
     size = 1 << number.piece.bits
     limit = _fastest(number.steps)
     found, wraps = [], 0
@@ -142,7 +144,7 @@ def position(number: Numbers) -> Found | None:
     if way < WAY or fastest == 0 or fastest > way / 8:
         return None
     changes = sorted(abs(b - a) for a, b in itertools.pairwise(steps) if a or b)
-    rough = changes[int(NEARLY_ALL * len(changes))] / fastest  # a few jumps, as at switching on, are no reason to doubt
+    rough = changes[int(NEARLY_ALL * len(changes))] / fastest  # ignores a few jumps, as at switching on
     if rough > SMOOTH:
         return None
     bits, note = _width(number)
@@ -162,7 +164,7 @@ def _width(number: Numbers) -> tuple[int, str]:
 
 
 def correlation(a: Sequence[float], b: Sequence[float]) -> float:
-    """-1..1; 0 where one of them stands still."""
+    """Return the correlation, -1..1; 0 where one of them is constant."""
     n = len(a)
     mean_a, mean_b = sum(a) / n, sum(b) / n
     both = sum(map(operator.mul, a, b)) / n - mean_a * mean_b
@@ -171,7 +173,7 @@ def correlation(a: Sequence[float], b: Sequence[float]) -> float:
 
 
 def speed(number: Numbers, way: Sequence[int]) -> Found | None:
-    """Runs with the step of the position in the same message, or one to three cycles beside it."""
+    """Find a number that follows the step of the position in the same message, or one to three cycles off."""
     steps = quiet([b - a for a, b in itertools.pairwise(way)])
     best = 0.0
     for shift in range(-3, 4):
