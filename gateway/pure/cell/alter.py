@@ -20,7 +20,7 @@ class Alter:
     # first RC input of a byte that changes with every correction; None: the command source writes again and again
     life: Annotated[int | None, Ge(0), Le(1023)] = None
     silence_ms: Annotated[int, Ge(10), Le(10000), Unit("ms")] = 100  # so old a correction may be
-    # so often it is taken; in between the set values go straight from one to the next
+    # sampling period; in between the set values go straight from one to the next
     every_ms: Annotated[int, Ge(1), Le(1000), Unit("ms")] = 4
     status: Annotated[int | None, Ge(0), Le(1023)] = None  # first RC output of two words: answer and mode, alterStopTime
     robot: Robots = ()  # whose programs it corrects; empty: the only one

@@ -87,7 +87,7 @@ class FirstEnable:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AxisDefaults:
-    """[defaults.axis]: what every axis takes over that does not set it."""
+    """[defaults.axis]: values for every axis that does not set them."""
 
     following_error: FollowingError | None = None  # None: only the drive supervises the lag
     home: Home = Home()
@@ -136,7 +136,7 @@ def plant_settings(given: object) -> object:
 class PlantAxis:
     """[plant.axis.NAME]: the emulated axis; places in axis units, all else as `drivers.emulator.servo.settings` names it.
 
-    `settings` holds the keys of ServoSettings the file gives (motor_inertia_kgm2, kv_per_s, ..): at the motor shaft, SI.
+    `settings` holds the keys of ServoSettings set in the file (motor_inertia_kgm2, kv_per_s, ..): at the motor shaft, SI.
     """
 
     start: Annotated[float, Unit("{u}")] = 0.0  # axis position at power-up, unit

@@ -36,7 +36,7 @@ class Belt:
     accel: Annotated[float, Gt(0.0), Le(1e6), PER_S2] = 2000.0  # with which the robot catches up, unit/s2
     jerk: Annotated[float, Gt(0.0), Le(1e9), PER_S3] = 20000.0
     robot: Robots = ()  # who follows it, by the names of [[robot]]; empty: the only one
-    factors_of: Mapping[str, Factors] = field(default_factory=dict)  # P503 of robots that stand otherwise to it
+    factors_of: Mapping[str, Factors] = field(default_factory=dict)  # P503 of robots with another orientation to it
 
 
 @dataclass(frozen=True, slots=True)

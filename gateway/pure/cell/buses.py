@@ -54,7 +54,7 @@ class Bus:
     layout_evidence: str = ""
     axes: Annotated[str, Pattern(r"^([1-6](\.\.[1-6])?)?$", '"1..6"')] = ""  # "1..6": module numbers on this bus
     on_loss: Literal["zero", "hold"] = "zero"
-    # rho3-io: a coupled control silent for so long is an error; 0: not supervised (rho3 2.5)
+    # rho3-io: a coupled control silent for this long is an error; 0: not supervised (rho3 2.5)
     coupling_ms: Annotated[int, Ge(0), Le(60000), Unit("ms")] = 300
 
     @property

@@ -1,7 +1,7 @@
 """The cell as plain frozen data: one dataclass per table of the cell file, one attribute per key.
 
-Attribute = key, class = table; `from` is spelled `from_` because Python keeps the word. Values stand in the units of the
-file (deg, mm, ms, %); inside units are made by `drivers.drives.scaling`. Source of the shapes: users.md 3.4, 3.5; design.md 5.
+Attribute = key, class = table; `from` is spelled `from_` because Python keeps the word. Values are in the units of the file (deg, mm, ms,
+%); `drivers.drives.scaling` converts them to internal units. Source of the shapes: users.md 3.4, 3.5; design.md 5.
 """
 
 import datetime
@@ -41,7 +41,7 @@ __all__ = [  # who reads a cell finds its tables here
 
 @dataclass(frozen=True, slots=True)
 class CellHead:
-    """[cell]: what this plant is and how it is played."""
+    """[cell]: name of the plant and mode of operation."""
 
     name: Annotated[str, MinLen(1)]
     replaces: str = ""
@@ -91,8 +91,8 @@ class Robot:
     model: str = ""
     name: str = ""
     zero: str = ""
-    shape: Literal["jerk", "sin2", "robot"] = "robot"  # as the robot file says, or jerk, sin2
-    # as the robot file says, or a word, or P306 sub-query 6, 0..3
+    shape: Literal["jerk", "sin2", "robot"] = "robot"  # as set in the robot file, or jerk, sin2
+    # as set in the robot file, or a word, or P306 sub-query 6, 0..3
     too_fast: Annotated[Literal["slow", "abort", "error", 0, 1, 2, 3, "robot"], Spelled(plain_number)] = "robot"
     # components of world points a workpiece system corrects (P313)
     corrects: Annotated[str, Pattern("^x?y?z?a?b?c?$", "letters of xyzabc in this order")] = "xyzabc"
@@ -127,7 +127,7 @@ class Notice:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CellTables:
-    """The whole file, table by table; the loader has worked in P numbers and defaults."""
+    """The entire file, table by table; the loader has applied P numbers and defaults."""
 
     format: Literal[1]
     cell: CellHead
@@ -165,7 +165,7 @@ class CellTables:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cell(CellTables):
-    """A whole, checked cell file."""
+    """A complete, checked cell file."""
 
     file: str
     sources: Mapping[str, Source] = field(default_factory=dict)  # "axis.1.limits.speed" -> P103[1], line 34

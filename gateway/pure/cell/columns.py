@@ -37,7 +37,7 @@ class Column:
 
     @property
     def why(self) -> str:
-        """What is behind the range."""
+        """Return the reason for the range."""
         return next((mark.text for mark in self.marks if isinstance(mark, Why)), "")
 
     @property

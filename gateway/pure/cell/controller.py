@@ -1,4 +1,4 @@
-"""[controller] of a cell: whose signals the image contains beside axisgate's own; without the table only those (AX-332)."""
+"""[controller] of a cell: whose signals the image contains in addition to axisgate's own; without the table only those (AX-332)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -58,7 +58,7 @@ class ControllerPoint:
     min: float = 0.0
     max: float = 0.0
     integer: bool = False
-    description: Annotated[str, MaxLen(200)] = ""  # free text, as ioStatus gives it
+    description: Annotated[str, MaxLen(200)] = ""  # free text, as ioStatus returns it
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class ControllerPlc:
 
     start: Annotated[str, MinLen(1)]  # start program (_SSTARTPLC), with FOLDER/ in front if it is in one
     path: Annotated[str, MinLen(1)] = "PLC"  # folder of NAME.PLC files (S:/PLC); relative to the cell file
-    # commands a period (IPLC_LOAD); none: a whole scan each period; 0: the PLC is off
+    # commands a period (IPLC_LOAD); none: a complete scan each period; 0: the PLC is off
     load: Annotated[int | None, Ge(0), Le(1_000_000), Unit("commands")] = None
     watchdog: Annotated[int, Ge(1), Le(100), Unit("1/100 s")] = 30  # longest scan (_ITIME_PLC)
 

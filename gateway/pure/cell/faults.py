@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One fault.  `kind` is syntax, field (one key by itself) or cross (keys that do not fit each other)."""
+    """One fault.  `kind` is syntax, field (a single key) or cross (keys that do not fit each other)."""
 
     file: str
     key: str

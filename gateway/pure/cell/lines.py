@@ -1,4 +1,4 @@
-"""[[line]], [[db]], [handshake.NAME] and [[telegram]] of a cell: what a PLC or host is reached by.  Shapes: users.md 3.4."""
+"""[[line]], [[db]], [handshake.NAME] and [[telegram]] of a cell: how a PLC or host is connected.  Shapes: users.md 3.4."""
 
 from dataclasses import dataclass
 from typing import Annotated, Literal
@@ -9,7 +9,7 @@ from gateway.pure.cell.marks import BAUDS, OWN_NAME, Name, OnLoss, Pattern, Regi
 
 PORTS = "sim | /dev/... | COM5 | pty:/path | tcp://host:port | rfc2217://host:port"
 LinePort = Annotated[str, Pattern(r"^(sim|/dev/\S+|COM\d+|pty:\S+|tcp://\S+:\d+|rfc2217://\S+:\d+)$", PORTS)]
-LONGEST = 4000  # bytes of a block at the station that takes most; each profile has its own limit, which `check` knows
+LONGEST = 4000  # bytes of a block at the station with the highest limit; each profile has its own limit, which `check` knows
 ENGLISH = {"I": "E", "Q": "A", "F": "M", "C": "Z", "DB": "D", "DX": "X"}  # S7 and English STEP 5; users.md 3.2
 
 
@@ -28,7 +28,7 @@ TelegramUnit = Annotated[str, Pattern(r"^(\d+(\.\d+)? )?[^\s\d]\S*$", '"mm" or "
 
 @dataclass(frozen=True, slots=True)
 class Rk512:
-    """[line.rk512]: what is served and how addresses are counted."""
+    """[line.rk512]: the served areas and how addresses are counted."""
 
     db_address_unit: Literal["word", "byte"] = "word"
     reaction: bool = True
@@ -85,7 +85,7 @@ class Choices:
 class Supervision:
     """[line.supervision]: when the partner counts as silent and what the axes do then."""
 
-    # 0 (telegrams only): a quiet partner is no loss; the loader's default there (AX-195)
+    # 0 (telegrams only): a quiet partner does not count as lost; the loader's default there (AX-195)
     max_silence_ms: Annotated[int, Ge(0), Le(60000), Unit("ms")] = 1000
     life_word: str | None = None  # e.g. DB10.DW31: counts up in every SEND of the PLC
     on_loss: OnLoss = "stop_on_path"  # hold | finish_move | stop_on_path | quick_stop
@@ -157,7 +157,7 @@ class Db:
     """[[db]]: a data block of `words` STEP 5 words; `line` is filled in by the loader when the cell has one RK512 line.
 
     Other kinds than D are served as their type: X extended block; E A M words of bytes; T Z numbers.  With role active or both a block may
-    be sent (writer axisgate) or fetched (writer plc) by us, every so often or when it changed (AX-250, AX-252).
+    be sent (writer axisgate) or fetched (writer plc) by axisgate, periodically or when it changed (AX-250, AX-252).
     """
 
     number: Annotated[int, Ge(0), Le(255)]

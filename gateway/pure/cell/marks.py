@@ -1,6 +1,6 @@
 """Marks of a cell table's columns: range, unit, pattern and spelling of a key, as annotations of the dataclass field.
 
-Ranges are those of annotated_types; the marks here add what a file needs beside them. A mark with a hook `__get_pydantic_core_schema__`
+Ranges are those of annotated_types; the marks here add what else a file needs.  A mark with a hook `__get_pydantic_core_schema__`
 adds its part to the schema that `gateway.cell_file.validation` makes of the tables; nothing here imports the validator.
 """
 
@@ -26,7 +26,7 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class Why:
-    """What is behind the range of a value: the hint of a fault beyond it."""
+    """The reason for the range of a value: the hint of a fault beyond it."""
 
     text: str
 

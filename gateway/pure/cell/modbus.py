@@ -19,7 +19,7 @@ View = Annotated[str, Registered("Modbus views")]
 
 @dataclass(frozen=True, slots=True)
 class ModbusRegisters:
-    """One [[modbus.registers]] table: values beside the view, readable as holding and as input registers."""
+    """One [[modbus.registers]] table: values in addition to the view, readable as holding and as input registers."""
 
     at: Annotated[int, Ge(0), Le(65535)]
     from_: str
@@ -59,11 +59,11 @@ class ModbusRole:
 
 @dataclass(frozen=True, slots=True)
 class ModbusTls:
-    """[modbus.tls]: Modbus/TCP Security; PEM files, looked for beside the cell file."""
+    """[modbus.tls]: Modbus/TCP Security; PEM files, searched next to the cell file."""
 
     certificate: str
     key: str
-    ca: str  # of the clients: without a certificate it signed nobody is heard
+    ca: str  # of the clients: only clients with a certificate signed by it are accepted
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ class ModbusLimits:
     clients: Annotated[int, Ge(1), Le(1024)] = 32
     per_address: Annotated[int, Ge(1), Le(1024)] = 16  # connections of one address
     receive_ms: Annotated[int, Ge(50), Le(60000), Unit("ms")] = 2000  # a frame's first byte to its last
-    stall_ms: Annotated[int, Ge(100), Le(600000), Unit("ms")] = 10_000  # answers waiting and nobody taking them
+    stall_ms: Annotated[int, Ge(100), Le(600000), Unit("ms")] = 10_000  # how long a client may leave answers unread
     idle_ms: Annotated[int, Ge(0), Le(86_400_000), Unit("ms")] = 0  # no byte at all; 0: idle clients stay
 
 

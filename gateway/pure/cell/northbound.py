@@ -24,8 +24,8 @@ class NorthMqtt:
     topic: Annotated[str, Pattern(r"^[^#+\s]+$", "a topic without # and +")] = "axisgate"
     keep: Annotated[int, Ge(1), Le(1_000_000), Unit("messages")] = 10000  # messages stored; the oldest is dropped and counted
     user: str = ""
-    password_file: str = ""  # beside the cell file
-    tls_ca: str = ""  # PEM beside the cell file; asked for beyond loopback
+    password_file: str = ""  # next to the cell file
+    tls_ca: str = ""  # PEM next to the cell file; required beyond loopback
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,5 +1,6 @@
-"""[[position]] of a cell file as plain frozen data: what a number of the handshakes number-select and strobe-parity means, beside the
-numbers of [[program]]."""
+"""[[position]] of a cell file as plain frozen data: the meaning of a number of the handshakes number-select and strobe-parity, in addition
+to the numbers of [[program]].
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

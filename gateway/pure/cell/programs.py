@@ -11,7 +11,7 @@ class Program:
     """[[program]]: a program in the documented text form (docs/guide/motion-programs.md)."""
 
     number: Annotated[int, Ge(1), Le(9999)]
-    file: Annotated[str, MinLen(1)]  # beside the cell file, then as configs/programs
+    file: Annotated[str, MinLen(1)]  # next to the cell file, then in configs/programs
     kinematics: str = ""  # name of [robot]; empty: the only one there is
 
     @property

@@ -96,7 +96,7 @@ class Rho3:
 COMPONENTS = "xyzabc"  # P313
 ENDLESS = (3, 4)  # P303
 COUPLED = (2, 15, 16, 19)  # P20: with a bit coupling
-# Of `others`: what acts when P601 sends it to the boosters, and what acts in [controller] kind = "rho3".
+# Parameters of `others` that act when P601 sends them to the boosters, and those that act in [controller] kind = "rho3".
 DOWNLOADED = frozenset(("P114", *(f"P{number}" for number in range(602, 616))))
-JOGGED = frozenset(("P113", "P114", "P128"))  # act on jog keys of the page, the last two beside P113
+JOGGED = frozenset(("P113", "P114", "P128"))  # act on jog keys of the page, the last two in addition to P113
 CONTROLLED = frozenset(("P3", "P11", "P13", "P14", "P25", "P27", "P35", "P36", "P212", "P213", "P214"))

@@ -1,4 +1,4 @@
-"""[[route]] of a cell file as plain frozen data: two values joined, and what the target shows when the source is lost (AX-395)."""
+"""[[route]] of a cell file as plain frozen data: two joined values, and the target's value when the source is lost (AX-395)."""
 
 from dataclasses import dataclass
 from typing import Annotated, Literal
@@ -24,10 +24,10 @@ class Route:
     scale: float = 1.0  # target = source x scale + offset
     offset: float = 0.0
     edge: Literal["level", "rising", "falling", "change"] = "level"
-    pulse_ms: Annotated[int, Ge(1), Le(60000), Unit("ms")] = 100  # rising, falling: so long the target is 1
+    pulse_ms: Annotated[int, Ge(1), Le(60000), Unit("ms")] = 100  # rising, falling: how long the target is 1
     debounce_ms: Annotated[int, Ge(0), Le(60000), Unit("ms")] = 0
-    every_ms: Annotated[int, Ge(0), Le(3_600_000), Unit("ms")] = 0  # at most one change of the target in so long
-    # what the plant needs from one command source to the other; 0: nothing said
+    every_ms: Annotated[int, Ge(0), Le(3_600_000), Unit("ms")] = 0  # shortest time between changes of the target
+    # time that the plant allows from one command source to the other; 0: unspecified
     within_ms: Annotated[int, Ge(0), Le(3_600_000), Unit("ms")] = 0
     on_loss: Literal["hold", "zero", "value"] = "hold"
     loss_value: float = 0.0

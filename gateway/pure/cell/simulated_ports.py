@@ -7,7 +7,7 @@ SIM = "sim"
 
 
 def unused_ports(cell: Cell, *, bus: bool = True) -> str:
-    """The sentence that names them; empty: there are none.  bus: those of CAN buses, too (`run --bus` gives another one)."""
+    """Return the sentence that names them; empty: there are none.  bus: include those of CAN buses (`run --bus` sets another one)."""
     if cell.cell.target != "simulation":
         return ""
     ports = [f"line {line.name} ({line.port})" for line in cell.line if line.port != SIM]

@@ -42,7 +42,7 @@ class Val3UserIo:
 
 @dataclass(frozen=True, slots=True)
 class Val3Board:
-    """[[val3.board]]: a user board whose refresh takes time."""
+    """[[val3.board]]: a user board with a refresh time."""
 
     name: Annotated[str, MinLen(1)]
     refresh_us: Annotated[float, Ge(0.0), Le(1e6), Unit("us")]
@@ -60,7 +60,7 @@ class Val3Service:
 
 @dataclass(frozen=True, slots=True)
 class Val3Profile:
-    """[[val3.profile]]: a user profile beside "default", for setProfile."""
+    """[[val3.profile]]: a user profile in addition to "default", for setProfile."""
 
     name: Annotated[str, MinLen(1)]
     password: str = ""
@@ -88,7 +88,7 @@ class Val3:
 
     application: Annotated[str, MinLen(1)]  # its folder on the disk, or its .pjx file
     disk: str = "usrapp"  # folder that is Disk:// (on a CS8 usr/usrapp); relative to the cell file
-    autostart: bool = False  # with the run, never again by itself
+    autostart: bool = False  # once, with the run
     mode: Literal["manual", "test", "local", "remote"] = "remote"
     system: str = ""  # getVersion("system"): s8.1cs9_B123, s7.9
     auto_connect: bool = False  # autoConnectMove as an application starts

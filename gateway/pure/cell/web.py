@@ -13,11 +13,11 @@ class Web:
     """Where the page is served, and what it may do."""
 
     bind: Bind = "127.0.0.1:8480"  # address:port
-    names: tuple[str, ...] = ()  # names a browser may ask for beside the bound address: a guard against rebinding (AX-473)
+    names: tuple[str, ...] = ()  # host names a browser may use in addition to the bound address: a guard against rebinding (AX-473)
     read_only: bool = False  # nothing can be changed through the page; stop on the path stays
     tls_certificate: str = ""  # PEM; both or none; asked for beyond loopback
     tls_key: str = ""
-    data: str = ""  # folder of users, sessions and audit; "": web/ beside the cell file
+    data: str = ""  # folder of users, sessions and audit; "": web/ next to the cell file
 
     @property
     def host(self) -> str:

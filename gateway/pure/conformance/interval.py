@@ -26,7 +26,7 @@ class Measure:
     clock: str
 
     def place(self) -> Place:
-        """Inside or outside only where the whole interval is."""
+        """Return inside or outside only where the entire interval is."""
         low, high = self.ns - self.uncertainty, self.ns + self.uncertainty
         least = low if self.least is None else self.least
         most = high if self.most is None else self.most

@@ -49,8 +49,9 @@ class Purpose(Generic[T]):
 
 @dataclass(frozen=True, slots=True)
 class Particulars:
-    """What few cases have: a reference beside the clause, limits in words, an end of their own instead of the suite's postamble, an early
-    turn."""
+    """Fields that few cases have: a reference in addition to the clause, limits in words, an own end instead of the suite's postamble, an
+    early turn.
+    """
 
     cross: str = ""
     limits: str = ""

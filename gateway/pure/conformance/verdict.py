@@ -66,4 +66,4 @@ class Uncertain(Disturbed):
 
 
 class BenchFault(Inconclusive):
-    """A command, a relay or the operator of the bench failed: no case of the device is behind it."""
+    """A command, a relay or the operator of the bench failed, not the device under test."""

@@ -16,7 +16,7 @@ LAST_BIT = 1023  # PIC image: 1024 bits of each kind (rho3 L9292-9311)
 
 
 class AddressFault(ValueError):
-    """The text is no known address; the message names what was expected."""
+    """The text is not a known address; the message names the expected forms."""
 
 
 class Direction(Enum):
@@ -126,7 +126,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Operand:
-    """What a PLC program names beside single inputs and outputs: flags, timers, counters, and bytes to double words of them.
+    """An operand of a PLC program other than a single input or output: flags, timers, counters, and bytes to double words of them.
 
     `number` is the byte, or the number of a timer or counter; `bit` None: `bytes` bytes from there (0 for timers and counters).
     """

@@ -74,7 +74,7 @@ class Family:
 
 
 def family_of(table: Table) -> Family:
-    """A file of the catalogue.  CatalogueError names what is wrong with it."""
+    """Read a file of the catalogue.  Raise CatalogueError with its fault."""
     name, default = str(table.get("family", "")), _table(table.get("default"))
     entries: dict[int, Entry] = {}
     for row in _list(table.get("error")):

@@ -83,7 +83,7 @@ class ErrorList:
         self._records.pop((code, source, where), None)
 
     def acknowledge(self, right: Reset) -> int:
-        """Clears what this right may clear and whose cause is gone; how many went."""
+        """Clear the errors that this right may clear and whose cause is gone; return their number."""
         kept = {key: record for key, record in self._records.items() if record.active or record.reset > right}
         cleared = len(self._records) - len(kept)
         self._records = kept

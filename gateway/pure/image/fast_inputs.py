@@ -1,7 +1,7 @@
 """Inputs of [[measuring]] whose wire ends in the cycle: the core has their level in the cycle that receives it (AX-481).  Pure.
 
-The services bring the same bit by their route or contact one or two cycles later; they judge its byte as before, and what the cycle hears
-itself overrides it as long as the module reports it valid.
+The services bring the same bit by their route or contact one or two cycles later; they judge its byte as before, and the level received by
+the cycle itself overrides it as long as the module reports it valid.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,8 +1,8 @@
-"""Whether a process shows life: a hung one does not, one the machine gives no processor to cannot.
+"""Whether a process shows life; distinguishes a hung process from one that gets no processor time.
 
-What counts as its silence is time it could have used: it slept, or it was running and did not get round to its beat.  Time in which it
-wanted a processor (or its disk) and got none does not count, and neither does time in which the watcher itself did not look.  So a
-stopped, a blocked and a spinning process are found within the limit, and a busy machine ends nothing.
+Only time that the process could have used counts as silence: it slept, or it ran without beating.  Time in which it waited for a processor
+or its disk does not count, nor does time in which the watcher itself did not look.  So a stopped, a blocked and a spinning process are
+found within the limit, and a busy machine ends no process.
 """
 
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ from protocols.base.machine import Ns, ms
 
 LOOKS_FROM = 4  # the processor time is read from a quarter of the limit on: before that nothing has to be decided
 LONGEST_LOOK = ms(50)  # between two looks; more is the watcher's own delay
-BOUND = ms(5_000)  # beyond the limit: so long may a machine be busy before its process is taken for hung
+BOUND = ms(5_000)  # beyond the limit: how long a machine may be busy before its process counts as hung
 
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """Of a whole process: processor time used so far, and whether a thread of it wants a processor or waits for a disk."""
+    """Load of a process: processor time used so far, and whether one of its threads waits for a processor or a disk."""
 
     used: Ns
     wants: bool

@@ -1,7 +1,7 @@
 """Named values of a cell: what telegrams write and read (order.number ..), with quality and stamp.  Source: design.md 5; users.md 3.5.
 
-The names are those the cell file uses, so nothing grows.  A signal is a value that counts how often it was given: code that acts on it
-compares counts, and takes each one once, however late it looks.
+Only names of the cell file exist, so the table does not grow.  A signal is a value with a count of its writes: code that acts on it
+compares counts and so handles each write once, however late it looks.
 """
 
 from collections.abc import Iterable

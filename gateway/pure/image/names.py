@@ -1,4 +1,4 @@
-"""The names a data-block entry, a contact or a Modbus register may use, and what kind of value each is.
+"""The names a data-block entry, a contact or a Modbus register may use, and the kind of value of each.
 
 One row a name; AXIS is the name of an axis or `*` (all axes: a bit is 1 when it is 1 on every axis), LINE for a line,
 ROBOT for a robot.

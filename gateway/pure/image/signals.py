@@ -26,9 +26,9 @@ class Signal:
     en: str
     lines: str = ""  # lines of the manual the number is in
     until: str = ""  # last software version that used this number
-    named: str = "rho3"  # "axisgate": the manual gives the number but no symbol
+    named: str = "rho3"  # "axisgate": the manual prints the number but no symbol
     also: tuple[str, ...] = ()  # other names: former and misprinted ones, the German ending
-    row: str = ""  # which table it was repeated from: a row moves as a whole
+    row: str = ""  # the table it was repeated from: a row moves as a unit
     printed: int | None = None  # another number the manual prints for it: the only one it may be moved to
 
     def text(self, language: str) -> str:
@@ -58,7 +58,7 @@ class SignalList:
         return self._bits.get(place)
 
     def symbols(self) -> Mapping[str, RcBit]:
-        """Name -> place, as the address parser takes it."""
+        """Name -> place, as the address parser accepts it."""
         return {name: signal.at for name, signal in self._names.items()}
 
     def moved(self, places: Mapping[str, int]) -> "SignalList":
@@ -87,7 +87,7 @@ class SignalList:
 def from_tables(tables: Iterable[Mapping[str, str | int]], sizes: Mapping[str, int] | None = None) -> SignalList:
     """Signals out of the [[signal]] tables; `count` repeats a table with {n} counting from `first`.
 
-    `sizes`: how many axes, kinematics and belts there are (keys axis, kinematic, belt); all the control can have unless said.
+    `sizes`: how many axes, kinematics and belts there are (keys axis, kinematic, belt); default: the maximum of the control.
     """
     signals: list[Signal] = []
     for table in tables:

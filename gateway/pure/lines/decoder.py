@@ -1,4 +1,4 @@
-"""Decodes what goes over a 3964R line, character by character as it comes, into sentences: STX, DLE, NAK, blocks, RK512 telegrams.
+"""Decodes the traffic of a 3964R line, character by character, into sentences: STX, DLE, NAK, blocks, RK512 telegrams.
 
 Both sides or one side only (a tap in one wire): with both, a block begins when the other side has answered STX; with one, it begins
 with whatever follows STX.  Order of the characters: serial-protocols 1.3, 1.4; telegrams: 2.1..2.4.
@@ -11,8 +11,8 @@ from typing import Protocol
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char
 
-GAP = ms(500)  # a block that pauses so long has been given up (largest ZVZ/CDT of all profiles: 220 ms)
-ALONE = ms(100)  # one side only: STX or NAK so long after STX is a repeat or giving up, not data
+GAP = ms(500)  # a block that pauses this long was abandoned (largest ZVZ/CDT of all profiles: 220 ms)
+ALONE = ms(100)  # one side only: STX or NAK this long after STX is a repeat or an abandonment, not data
 COMMANDS = {0x41: "SEND", 0x4F: "SEND (DX)", 0x45: "FETCH"}
 TYPES = {0x44: "DB", 0x58: "DX", 0x45: "E", 0x41: "A", 0x4D: "M", 0x54: "T", 0x5A: "Z"}
 IN_WORDS = (0x44, 0x58, 0x54, 0x5A)
@@ -47,7 +47,7 @@ class LineReport:
 
 
 class Decoder(Protocol):
-    """Decodes the characters of both sides of a line as they come."""
+    """Decodes the characters of both sides of a line in the order received."""
 
     def take(self, stamp: Ns, side: str, what: int | Damage) -> Sequence[LineReport]:
         """Reports that this character completes."""
@@ -67,7 +67,7 @@ class _Block:
 
 
 class LineDecoder:
-    """`take` gives the sentences a character completes; `both`: the two sides are received."""
+    """`take` returns the sentences that a character completes; `both`: both sides are received."""
 
     def __init__(self, both: bool = True, block_check: bool = True) -> None:
         self._both, self._check = both, block_check

@@ -1,4 +1,4 @@
-"""What `line diagnose` concludes from what it saw: pure, so that every wording is tested with a partner that has that very fault.
+"""What `line diagnose` concludes from its observations: pure, so that every wording is tested with a partner that has the fault.
 
 Sources: serial-protocols 1 and 2; users.md (open line with cross-talk, 16 ms latency timer, equal priorities); AX-204.
 """
@@ -33,21 +33,21 @@ class Evidence:
 
     our_format: str = "9600 8E1"
     our_priority: str = "low"
-    idle: list[Heard] = field(default_factory=list)  # while we said nothing
-    pattern: bytes = b""  # said into the idle line
+    idle: list[Heard] = field(default_factory=list)  # while axisgate was silent
+    pattern: bytes = b""  # sent into the idle line
     returned: list[Heard] = field(default_factory=list)  # and what came
     answers: dict[str, list[Heard]] = field(default_factory=dict)  # line format -> what came after STX
     late: Heard | None = None  # what came after the acknowledgement delay, at our format
     late_after: Ns = 0  # after our STX
     answer_times: list[Ns] = field(default_factory=list)  # STX to DLE at our format
-    latency_timer_ms: int | None = None  # what the system says of the adapter
+    latency_timer_ms: int | None = None  # reported by the system for the adapter
     latency_file: str = ""
     hidden_adapter: bool = True  # there may be a USB adapter whose latency timer the system does not show
     checks: dict[str, Heard | None] = field(default_factory=dict)  # check we sent (right, stx, once, none) -> answer to the block
     their_difference: int | None = None  # their BCC xor the right one
     reaction: bytes | None = None  # to a FETCH; b"": no reaction
     spoilt: str = ""  # what was wrong with the reaction
-    blocks: list[bytes] = field(default_factory=list)  # the partner sent by itself; they were acknowledged
+    blocks: list[bytes] = field(default_factory=list)  # sent unasked by the partner; they were acknowledged
     conflict: Heard | None | str = "not tried"  # what came after our STX met theirs
 
 

@@ -17,7 +17,7 @@ from protocols.base.step5 import Step5Type, decode
 FEW_BITS = 4  # bits of a word that change at once, at most, for it to be a row of bits
 COUNTED = 0.8  # part of the steps that are +1 for a life word
 MOST_WORDS = 256  # a cell's block has no more
-LEAST = 4  # samples below which nothing is said about types
+LEAST = 4  # fewest samples for a statement about types
 FLOAT = (1e-4, 1e7)  # magnitude of a believable float other than 0
 
 
@@ -60,13 +60,13 @@ class Learned:
     blocks: int = 0
     bad_checks: int = 0
     includes_stx: int = 0
-    raw: list[bytes] = field(default_factory=list)  # blocks that are no RK512
+    raw: list[bytes] = field(default_factory=list)  # blocks other than RK512
     conflicts: int = 0
     withdrew: str = ""  # side that answered DLE in a conflict
     repeats: int = 0
     reaction_times: list[Ns] = field(default_factory=list)
     flags: int = 0
-    tests: int = 0  # blocks of our own probe and diagnosis, which say nothing of the partner
+    tests: int = 0  # blocks of axisgate's probe and diagnosis, which carry no information about the partner
     first: Ns = 0
     last: Ns = 0
 
@@ -207,7 +207,7 @@ def _is_bits(changes: Sequence[tuple[int, int]]) -> bool:
 
 # ---- the draft
 def draft(seen: Learned, source: str, baud: int, frame: str) -> str:
-    """A cell file that `axisgate check` takes, its evidence as comments."""
+    """Return a cell file that `axisgate check` accepts, with its evidence as comments."""
     seconds = (seen.last - seen.first) / 1e9
     lines = [
         f"# Draft learned from {source}: {seen.blocks} blocks in {seconds:.1f} s.  Evidence: observed, meanings are not.",
@@ -295,7 +295,7 @@ def _words(seen: Learned, db: int) -> list[Guess]:
 
 def _db(seen: Learned, number: int, writer: str) -> list[str]:
     jobs = [job for job in seen.jobs if job.db == number]
-    taken = [job for job in jobs if any(number == 0 for number in job.numbers)]  # what was refused says nothing of the size
+    taken = [job for job in jobs if any(number == 0 for number in job.numbers)]  # a refused job does not show the size
     words = min(MOST_WORDS, max(job.word + job.words for job in taken))
     lines = ["[[db]]", f"number  = {number}"]
     for job in jobs:

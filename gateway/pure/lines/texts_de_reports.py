@@ -1,4 +1,4 @@
-"""The German of what `diagnose` and the report say of a line; the rest and the rules: line_texts_de."""
+"""German texts of `diagnose` and the report about a line; the other texts and the rules: texts_de."""
 
 REPORT = {
     "This report states how the tested item behaved in the listed tests on the listed bench. It is not a certificate and not a "

@@ -1,6 +1,6 @@
 """Cuts a trace of 3964R into the turns a person speaks of: STX, DLE, NAK, a block with its check, stray characters.
 
-A listener that answers nothing: it follows both sides of the line, so that a 10h after STX is "ready", inside a block data, and behind the
+A listener that answers nothing: it follows both sides of the line, so that a 10h after STX is "ready", inside a block data, and after the
 block check "block good".  Source of the order: rho 3 Releases part 1, section 7.1; serial-protocols 1.3, 1.4.
 """
 
@@ -12,8 +12,8 @@ from gateway.pure.lines.trace import Item
 from protocols.base.machine import Damage, Ns, ms
 
 STX, ETX, DLE, NAK, ETB = 0x02, 0x03, 0x10, 0x15, 0x17
-GAP = ms(500)  # a block that pauses so long has ended, whatever its receiver thought (character delay of all profiles: 220 ms at most)
-FORGET = ms(5000)  # an STX nobody answered so long means nothing any more (acknowledgement delay: 2000 ms at most)
+GAP = ms(500)  # a block that pauses this long has ended, whatever its receiver assumed (character delay of all profiles: 220 ms at most)
+FORGET = ms(5000)  # an STX unanswered for this long is void (acknowledgement delay: 2000 ms at most)
 
 
 class Kind(IntEnum):
@@ -56,7 +56,7 @@ class Turn:
 
 
 class Turns:
-    """Takes items in line order; `finish` gives the turns, ordered by their first character."""
+    """Accepts items in line order; `finish` returns the turns, ordered by their first character."""
 
     def __init__(self, block_check: bool = True, gap: Ns = GAP) -> None:
         self._check, self._gap = block_check, gap
@@ -173,7 +173,7 @@ class Turns:
 
 
 def turns(items: Iterable[Item], block_check: bool = True) -> list[Turn]:
-    """The whole trace at once."""
+    """Return the turns of a complete trace."""
     cutter = Turns(block_check)
     for item in items:
         cutter.take(item)

@@ -1,8 +1,7 @@
 """Modbus views of the other controls: the 40 bytes and markers of a Reis, the points of a VAL 3 controller (AX-408).
 
-Both are views of the same image as RhoView: what the PLC gives are RC inputs of bytes the command source owns, what it is given are RC
-outputs as all
-command sources have them.  Word r = bytes 2r (high), 2r+1 (low) (AX-010).  Protocol addresses, base 0.
+Both are views of the same image as RhoView: the PLC writes RC inputs in bytes that the command source owns, and reads the RC outputs that
+all command sources share.  Word r = bytes 2r (high), 2r+1 (low) (AX-010).  Protocol addresses, base 0.
 """
 
 from collections.abc import Callable, Collection, Sequence
@@ -31,7 +30,7 @@ class Image:
     inputs: InputImage
     owned: Collection[int]
     written: Callable[[Collection[int]], None]
-    outputs: bytes = bytes(RC_BYTES)  # replaced whole at every tick
+    outputs: bytes = bytes(RC_BYTES)  # replaced completely at every tick
 
 
 class ReisView:
@@ -105,7 +104,7 @@ class ReisView:
 
 
 class Val3View:
-    """The points of the cell in the order they are there, each kind counted by itself.
+    """The points of the cell in their order, each kind counted separately.
 
     Coil n is digital input n, discrete input n digital output n, holding 2n analog input n and input register 2n analog output n as REAL in
     its unit; input register 1000+k the ioStatus of point k of all.
@@ -160,7 +159,7 @@ class Val3View:
         return None
 
     def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None:
-        """Analog inputs, whole values only: half a REAL is none; one out of its range is 03 and nothing is written."""
+        """Write analog inputs, complete values only: half a REAL is refused; one out of its range is 03 and nothing is written."""
         points = self.analog_in[address // 2 : (address + len(values)) // 2]
         touched = {byte for point in points for byte in (point.byte, point.byte + 1)}
         if address % 2 or len(values) != 2 * len(points) or not touched <= set(self.image.owned):
@@ -180,4 +179,4 @@ class Val3View:
         try:
             return [control.value(f"{kind}.{point.name}") for point in points]
         except (ValueError, EncodeError):
-            return None  # a run-time error of the language: nobody vouches for the value
+            return None  # a run-time error of the language: the value is invalid

@@ -26,14 +26,14 @@ class Placed:
 
 
 def type_of(name: str) -> str:
-    """REAL for what is measured, else one register; variables of the PHG by their base type."""
+    """Return REAL for a measured value, else one register; variables of the PHG by their base type."""
     if name.startswith(PREFIX):
         return register_type(name)
     return "REAL" if name.rpartition(".")[2] in MEASURED or name.endswith(".override") else "UINT16"
 
 
 def place(at: int, name: str, type_: str, axes: Sequence[str]) -> list[Placed]:
-    """`axis.*.actual` is every axis, one behind the other in the order of the cell; flags of `axis.*` are one value, all of them."""
+    """Place a name.  `axis.*.actual` is every axis, consecutive in the order of the cell; flags of `axis.*` are one value, all of them."""
     kind = type_ or type_of(name)
     if name.startswith("axis.*.") and name.rpartition(".")[2] in MEASURED:
         names = [name.replace("*", axis, 1) for axis in axes]

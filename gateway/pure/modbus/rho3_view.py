@@ -38,7 +38,7 @@ class Flags(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class BlockFiles:
-    """Data blocks as file records: read(number) gives one as it is (None: there is none); `written`: those that this command source
+    """Data blocks as file records: read(number) returns the present block (None: there is none); `written`: those that this command source
     writes, by write(number, word, bytes)."""
 
     read: Callable[[int], bytes | None] = lambda number: None
@@ -62,9 +62,10 @@ class RhoView:
         errors: Callable[[], Sequence[int]] = tuple,
         blocks: BlockFiles = NO_BLOCKS,
     ) -> None:
-        """`owned`: RC input bytes this command source may write; `written` is passed which it wrote; `command` takes command words (first,
-        values); `errors`: numbers of the errors that are set; `blocks`: data blocks as file records."""
-        self.outputs: bytes = bytes(RC_BYTES)  # RC outputs; replaced whole at every tick
+        """`owned`: RC input bytes this command source may write; `written` is passed which it wrote; `command` receives command words
+        (first, values); `errors`: numbers of the errors that are set; `blocks`: data blocks as file records.
+        """
+        self.outputs: bytes = bytes(RC_BYTES)  # RC outputs; replaced completely at every tick
         self.status: Sequence[int] = [0] * STATUS_WORDS
         self.command_words: Sequence[int] = [0] * COMMAND_WORDS
         self.flags: Flags | None = None  # of the control, where there is one
@@ -126,7 +127,7 @@ class RhoView:
         self._written(touched)
         return None
 
-    # ---- beside the tables
+    # ---- outside the tables
     def exception_status(self) -> int:
         """RC outputs 64..71."""
         return self.outputs[STATUS_BYTE]
@@ -144,10 +145,10 @@ class RhoView:
         return found if isinstance(found, ExceptionCode) else None
 
     def write_record(self, file: int, record: int, values: Sequence[int]) -> ExceptionCode | None:
-        """Words of such a block."""
+        """Write words of a block."""
         self._write_block(file, record, b"".join(value.to_bytes(2, "big") for value in values))
         return None
 
     def read_queue(self, address: int) -> Sequence[int] | ExceptionCode:
-        """Standing errors; reading takes none away."""
+        """Return the standing errors; reading removes none."""
         return [number & 0xFFFF for number in self._errors()][:MOST_ERRORS] if address == ERRORS_AT else MISSING

@@ -1,1 +1,1 @@
-"""Routes: values joined across command sources, images, blocks and contacts, with what happens when a source is lost.  Pure."""
+"""Routes: values joined across command sources, images, blocks and contacts, with the reaction to a lost source.  Pure."""

@@ -53,7 +53,7 @@ _PARAMETER = re.compile(r"(?:([^:]*):)?\s*([0-9A-Fa-f]{4})h(?::([0-9A-Fa-f]{2}))
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """One end.  `byte`, `bit`, `form`, `order` say where in a block or image; `name` is the value or contact, or a block's line.
+    """One end.  `byte`, `bit`, `form`, `order` define the place in a block or image; `name` is the value or contact, or a block's line.
 
     A register: `name` is CLIENT.DEVICE, `db` the table (0 coils, 1 discrete inputs, 3 input, 4 holding registers), `byte` its address.
     A drive parameter: `name` is the axis, `db` the object, `byte` its sub-index.
@@ -164,7 +164,7 @@ def _register(text: str, device: str, table: Table, address: int, form: str, ord
 
 
 def number_at(place: Place, data: bytes | bytearray) -> float | None:
-    """Value in the block or image; None: the bytes are no number of that form."""
+    """Return the value in the block or image; None: the bytes are not a number of that form."""
     if place.form == BIT:
         return float(data[place.byte] >> place.bit & 1)
     try:

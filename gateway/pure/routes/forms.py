@@ -1,8 +1,7 @@
 """Number forms at the ends of a route: raw bytes <-> number, in every byte order of registers and data words (AX-396).
 
-Bytes are named as Modbus users do: ABCD is high byte first, high word first, the order of all our command sources (AX-010); two-byte
-forms take the
-first two letters of ABCD and CDAB as AB, of BADC and DCBA as BA.
+Bytes are named as Modbus users do: ABCD is high byte first, high word first, the order of all command sources (AX-010); two-byte forms
+read ABCD and CDAB as AB, BADC and DCBA as BA.
 """
 
 import math
@@ -36,7 +35,7 @@ def span_of(form: str) -> tuple[float, float]:
 
 
 def number_of(form: str, order: str, raw: bytes) -> float:
-    """The number of exactly size_of(form) bytes; DecodeError for a pattern that is no number (digit A..F, NaN)."""
+    """Return the number of exactly size_of(form) bytes.  Raise DecodeError for an invalid pattern (digit A..F, NaN)."""
     if len(raw) != size_of(form):
         raise DecodeError(f"{form}: {size_of(form)} bytes expected, {len(raw)} received: {raw.hex(' ')}")
     data = _swapped(order, raw)

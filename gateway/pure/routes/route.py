@@ -1,7 +1,7 @@
 """One route: a source sampled once per step, a target value with validity bit and life counter out of it (AX-395).
 
 The source is a number, or None where it is invalid (a link is down, a value was never written, the bytes are no number).  Levels
-follow the source; edges are given once, as a pulse, and need a sample before them: a state found when a source begins or comes back is
+follow the source; edges are output once, as a pulse, and need a sample before them: a state found when a source begins or comes back is
 only adopted, so a bit that is still set starts nothing.
 """
 
@@ -43,7 +43,7 @@ class RouteSettings:
     high: float = math.inf
     edge: Edge = Edge.LEVEL
     pulse_ns: Ns = ms(100)
-    debounce_ns: Ns = 0  # a source has to stand so long before it counts
+    debounce_ns: Ns = 0  # how long a source must be stable before it counts
     rate_ns: Ns = 0  # at least between two changes of the target; the last value always gets through
     loss: Loss = Loss.HOLD
     loss_value: float = 0.0  # as the target shows it

@@ -1,4 +1,4 @@
-"""Records between the cycle and the master of a bus, beside the cyclic data."""
+"""Records between the cycle and the master of a bus, in addition to the cyclic data."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -8,7 +8,7 @@ from gateway.pure.image.records.layout import I64, U8, U16, Code, Layout
 
 
 class Aside(IntEnum):
-    """Records between the cycle and the master of a bus: frames that are no cyclic data, and what the cycle must know of a node."""
+    """Records between the cycle and the master of a bus: non-cyclic frames, and what the cycle must know of a node."""
 
     FRAME = 0
     RELEASE = 1  # to the cycle: this node is configured; data = the mode it is in (6061h)

@@ -1,6 +1,6 @@
 """Synchronous parts through the pieces ring: parameters of one for the cycle, and of each block of types 2 and 3.
 
-Numbers are doubles; NaN is what is not given.
+Numbers are doubles; NaN marks a missing value.
 """
 
 from dataclasses import dataclass

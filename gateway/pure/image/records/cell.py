@@ -18,8 +18,8 @@ from motion.execution.pieces import MAX_AXES
 MOST_AXES = MAX_AXES  # of one cell (AX-572)
 EVERY_AXIS = (1 << MOST_AXES) - 1
 RC_BYTES = 128  # PIC image: 1024 bits (rho3 0.2)
-NEVER = 0  # a stamp that says: not yet
-SPARE = 7  # bytes behind a lane: they make it as long as two axes and a byte
+NEVER = 0  # a stamp that means: not yet
+SPARE = 7  # bytes after a lane: they make it as long as two axes and a byte
 
 
 class Motion(IntEnum):
@@ -33,7 +33,7 @@ class Motion(IntEnum):
 
 
 class Permit(IntFlag):
-    """Enabling inputs as the cycle judges them (AX-002); a missing one does not stand."""
+    """Enabling inputs as the cycle judges them (AX-002); a missing one counts as not set."""
 
     CHAIN = 1  # emergency-stop chain closed
     CONTROL = 2
@@ -96,15 +96,15 @@ class CellState:
     taken: U64 = 0  # last order id taken from the ring
     emergency: OneByteBool = False  # emergency-stop latch
     ready: OneByteBool = False
-    permits: U8 = 0  # Permit bits: which enabling inputs stand
-    stop_cause: U16 = 0  # Reason number of the last stop the cycle made by itself
+    permits: U8 = 0  # Permit bits: which enabling inputs are set
+    stop_cause: U16 = 0  # Reason number of the last stop that the cycle itself initiated
     skipped: U64 = 0  # grid instants without SYNC
     incomplete: U64 = 0  # cycles in which an actual value was missing
     late: U64 = 0  # telegrams that came in the cycle after theirs
-    services_lost: U64 = 0  # times the services' life stood still
+    services_lost: U64 = 0  # how often the services' life counter stopped
     piece: U64 = 0  # id of the planner's piece under way, 0: none
     compute_ns: U64 = 0  # time of the last cycle from the last actual value to set values ready
-    parts: U64 = 0  # parts of programs that are over: the axes rest, and the planner goes on from where they stand
+    parts: U64 = 0  # completed parts of programs: the axes rest, and the planner continues from their positions
     engaged: F64 = 0.0  # belt value (m or rad) at which the robot got onto its belt last
     belt: F64 = 0.0  # counter of the belt under way, or of the first one; m or rad
     belt_speed: F64 = 0.0
@@ -141,10 +141,10 @@ class CellState:
             found = found or _failure(lane, job)
         return found
 
-    # ---- by lanes: what a cell of one answers for itself ---------------------------------------------------------------
+    # ---- by lanes: a cell of one answers these itself -----------------------------------------------------------------
     @property
     def apart(self) -> list["LaneState"]:
-        """Those that lead axes; empty: one lane leads the axes of all kinematics, whose records say what is each one's own alone."""
+        """Lanes that lead axes; empty: one lane leads the axes of all kinematics, and their records hold only their own fields."""
         return self.lanes if any(lane.holds for lane in self.lanes) else []
 
     def done(self, job: int) -> bool:
@@ -199,9 +199,11 @@ class CellState:
 
 @dataclass(slots=True)
 class LaneState:
-    """One lane of a cell of several: a kinematic that moves for itself, or the axes of none.  What its fields mean is what those of
-    CellState mean, for these axes alone.  Where one lane leads all (belts, a correction) they hold nothing, and own, override and
-    withheld alone count."""
+    """One lane of a cell of several: a kinematic that moves independently, or the axes of none.
+
+    Its fields mean the same as those of CellState, for these axes only.  Where one lane leads all (belts, a correction) only own,
+    override and withheld are used.
+    """
 
     own: U32 = 0  # axes (bit n-1 = axis n) of its kinematic
     holds: U32 = 0  # axes it leads now: its own, and those of others while it moves them, too; 0: another lane has them
@@ -240,7 +242,7 @@ def _failure(state: CellState | LaneState, job: int) -> int:
 
 
 def worst(motions: Iterable[Motion]) -> Motion:
-    """Of several lanes: one that moves before one that rests with a rest of its path, and that before one at rest."""
+    """Return the state of several lanes: moving takes precedence over held with a remainder of the path, and that over at rest."""
     return max(motions, key=MOTIONS_BY_WEIGHT.index, default=Motion.IDLE)
 
 
@@ -249,11 +251,11 @@ MOTIONS_BY_WEIGHT = (Motion.IDLE, Motion.STOPPED, Motion.STOPPING, Motion.REFERE
 STATE, AXIS, LANE = Layout(CellState, "cell-state/2"), Layout(AxisState), Layout(LaneState)
 CELL_STATE_LAYOUT = f"{STATE.text} axes x {AXIS.struct.format}"  # lanes follow where there are some: recordings without read as ever
 MOST_LANES = 32
-assert LANE.size % AXIS.size == 1 and AXIS.size > MOST_LANES  # so the length of a record says how many there are of each
+assert LANE.size % AXIS.size == 1 and AXIS.size > MOST_LANES  # so the length of a record determines both numbers
 
 
 def cell_state_size(axes: int, lanes: int = 0) -> int:
-    """Bytes of the packed state of a cell of so many axes and lanes (0: one): a cycle copies those it has, not those there may be."""
+    """Return the bytes of the packed state of a cell of these axes and lanes (0: one): a cycle copies existing ones only."""
     return STATE.size + axes * AXIS.size + lanes * LANE.size
 
 
@@ -351,7 +353,7 @@ ORDER_LAYOUT = _ORDER.text
 
 
 def order_size(piece_size: int) -> int:
-    """Bytes of one record of the command ring whose longest piece has so many."""
+    """Return the bytes of one record of the command ring whose longest piece has `piece_size`."""
     return _ORDER.size + piece_size
 
 

@@ -9,7 +9,7 @@ from motion.execution.pieces import RECORD_SIZE
 
 @dataclass(frozen=True, slots=True)
 class StartOrder:
-    """The part that follows begins when RC input `number` has this value, and so long (s) after it."""
+    """The following part begins this time (s) after RC input `number` has this value."""
 
     number: I32
     level: Yes
@@ -18,7 +18,7 @@ class StartOrder:
 
 @dataclass(frozen=True, slots=True)
 class FlyingAt:
-    """SF 43 or SF 44 so long (s at full speed) after the beginning of a piece.  channel: probe 6x0; number: RC input of its wire; mask:
+    """SF 43 or SF 44 this long (s at full speed) after the beginning of a piece.  channel: probe 6x0; number: RC input of its wire; mask:
     axes (bit n-1 = axis n) whose positions are stored; edge: True positive, None: switched off; drives: axes whose drives catch it."""
 
     piece: int

@@ -64,9 +64,9 @@ def _multi_byte(value: int | None) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Channels:
-    """The control as programs see it: RC inputs and outputs, INTEGER inputs as taken with their strobes, high-speed inputs that P11 gives
+    """The control as programs see it: RC inputs and outputs, INTEGER inputs as taken with their strobes, high-speed inputs set by P11
     and their values (bit 0 = channel 610), the multi-function inputs (None: the control has none), the global factors; of a ROBOTstar its
-    markers M0..M2047, with binary inputs and outputs.  reals: REAL inputs 201..224, reals_given: those that are wired."""
+    markers M0..M2047, with binary inputs and outputs.  reals: REAL inputs 201..224, reals_given: the wired ones."""
 
     inputs: Annotated[bytes, Code(f"{RC_BYTES}s")] = bytes(RC_BYTES)
     outputs: Annotated[bytes, Code(f"{RC_BYTES}s")] = bytes(RC_BYTES)

@@ -24,8 +24,9 @@ class _Maker(Protocol[R_co]):
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """Struct code of a field, padding behind it included; a code of several numbers ("12d") is a tuple. read, write: functions of one
-    value, where it is no plain number."""
+    """Struct code of a field, following padding included; a code of several numbers ("12d") is a tuple.  read, write: conversions of a
+    value that is not a plain number.
+    """
 
     text: str
     read: object = None

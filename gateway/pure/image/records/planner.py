@@ -26,14 +26,14 @@ class Say(IntEnum):
 
     BEGIN = 1  # a program begins; text: head statements so far as known (robot NAME)
     LINE = 2  # a statement of the text form
-    FINISH = 3  # nothing follows for the time being: run to the end of what is there
+    FINISH = 3  # nothing follows for the time being: run all known blocks to their end
     END = 4  # the program is complete
     DROP = 5  # forget everything (the cycle abandoned the motion, or the program is aborted)
-    RUN = 6  # a whole program of the cell; text: its number, velocity and acceleration factor (run_record)
+    RUN = 6  # a complete program of the cell; text: its number, velocity and acceleration factor (run_record)
     STREAM = 7  # a stream of the interpreter begins, at rest; text: number of its robot, from 1
     WHOLE = 8  # the lines of this stream are read when END has come, and run as a program of the cell is
     FLUSH = 9  # the axes rest on the path, and blocks that are not over are dropped (AX-1080)
-    CUT = 10  # blocks behind this one are dropped; text: its number
+    CUT = 10  # drop the blocks after this one; text: its number
     SINGLE = 11  # blocks wait for STEP; text: on, off
     STEP = 12  # the next one of them
     LOST = 13  # statements of this stream that its sender could not hand over; text: how many, and how many may wait
@@ -116,19 +116,19 @@ class Part(IntEnum):
     FAULT = 3  # a block of the job cannot be run: it is over where the pieces before end
     OUTPUT = 4  # an RC output changes at a place of a piece that follows (SwitchAt)
     UNTIL = 5  # the part that follows ends when an input has a value (UntilInput)
-    REST = 6  # the part ends where the pieces before end; the next one begins where the axes stand then
-    SYNCHRON = 7  # a belt-synchronous part begins where the axes stand (beltrecords)
+    REST = 6  # the part ends with the previous pieces; the next one begins where the axes then rest
+    SYNCHRON = 7  # a belt-synchronous part begins at the present position (records.belts)
     BELT_BLOCK = 8  # one block of it, with a belt of type 2 or 3
     FUNCTION = 9  # IO logic or PPO is called at a place of a piece that follows (FunctionAt)
-    ALTER = 10  # an alterable part begins where the axes stand (alterrecords)
+    ALTER = 10  # an alterable part begins at the present position (records.alter)
     BELT_ACT = 11  # SYNC, or a special function of belts; a part of its own (beltacts)
     START = 12  # the part that follows begins when an input has a value (inputrecords)
     FLYING = 13  # a probe is switched on or off at a place of a piece that follows (inputrecords)
-    MACHINE = 14  # the axes stand at other places from here on; a part of its own (pointrecords)
+    MACHINE = 14  # the axes have other positions from here on; a separate part (records.points)
     RECALL = 15  # an entry of the reference path is wanted; a part of its own
     TAPE = 16  # the reference path begins or ends at a place of a piece that follows
     LATCH = 17  # VAL 3's latch is set at a place of a piece that follows
-    FLUSH = 18  # the part under way is over where the axes come to rest on its path
+    FLUSH = 18  # the current part ends where the axes come to rest on its path
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +147,7 @@ PIECE_LAYOUT = _PIECE.text
 
 @dataclass(frozen=True, slots=True)
 class _Taken:
-    """The region the cycle writes beside the ring."""
+    """The region that the cycle writes in addition to the ring."""
 
     number: U64
 
@@ -167,7 +167,7 @@ def unpack_taken(data: bytes) -> int:
 
 
 def piece_size(axes: int) -> int:
-    """Bytes of a record of the pieces ring of a cell of so many axes."""
+    """Return the bytes of a record of the pieces ring of a cell of these axes."""
     return _PIECE.size + record_size(axes)
 
 
@@ -183,8 +183,9 @@ class PieceRecord:
 
 @dataclass(frozen=True, slots=True)
 class SwitchAt:
-    """RC output `number` becomes 0 or 1 so long (s at full speed) after the beginning of a piece; number -1: what was said of this piece
-    and later ones is void."""
+    """RC output `number` becomes 0 or 1 this long (s at full speed) after the beginning of a piece; number -1: earlier records of this
+    piece and later ones are void.
+    """
 
     piece: U64
     after: F64
@@ -194,7 +195,7 @@ class SwitchAt:
 
 @dataclass(frozen=True, slots=True)
 class FunctionAt:
-    """rho 3 SF 1 IOL or SF 2 PPO is called so long (s at full speed) after the beginning of a piece."""
+    """rho 3 SF 1 IOL or SF 2 PPO is called this long (s at full speed) after the beginning of a piece."""
 
     piece: int
     after: float
@@ -219,7 +220,8 @@ NO_LIMIT = -1.0
 class UntilInput:
     """RC input `number` has this value.  mask: axes whose positions are stored; by_edge: a probe, it has to change during the block;
     drives: axes whose drives catch its edge; within: s of movement after which the part ends without it, NO_LIMIT: at its end; runs_on:
-    behind the edge by the distance that was ordered last (rho 3 channel 7x0)."""
+    continues after the edge by the distance that was ordered last (rho 3 channel 7x0).
+    """
 
     number: I32
     level: Yes
@@ -347,12 +349,12 @@ class PlannerState:
     passed: int = 0  # blocks whose end the axes have reached
     answers: tuple[Answer, ...] = ()  # of blocks of this job, the oldest first
     withheld: int = 0  # blocks that wait for their step
-    bound: str = ""  # what the part under way leads along beside its path: it can only be ended
-    back: bool = False  # the axes are behind the furthest place that they have been at
+    bound: str = ""  # what else the current part follows (belt, correction): it can only be ended
+    back: bool = False  # the axes have gone back from the furthest place that they reached
     order_fault: str = ""  # why the last order to the stream could not be executed
     heard: int = 0  # statements and orders of the stream that have been read
     job_before: int = 0  # that is over: the answers are those of its blocks until another one begins on this lane
-    others: tuple["PlannerState", ...] = ()  # of the lanes behind the first one, in a cell of several
+    others: tuple["PlannerState", ...] = ()  # of the lanes after the first one, in a cell of several
 
     @property
     def under_way(self) -> "PlannerState":
@@ -383,7 +385,7 @@ def job_over(state: PlannerState, **said: object) -> PlannerState:
 
 
 def planner_bytes(lanes: int = 0) -> int:
-    """Bytes of the region of a cell of so many lanes, 0: one."""
+    """Return the bytes of the region of a cell of this number of lanes, 0: one."""
     return PLANNER_BYTES * max(lanes, 1)
 
 

@@ -16,8 +16,9 @@ Outputs = Annotated[bytes, Code(f"{AREA}s")]
 
 @dataclass(frozen=True, slots=True)
 class PlcReport:
-    """The PLC behind a period.  `id`: start of the process; `written`: output bits the last scan wrote; `cells`: timers and counters with
-    what is left of them, as they are retained."""
+    """The PLC after a period.  `id`: start of the process; `written`: output bits the last scan wrote; `cells`: timers and counters with
+    their remaining values, as they are retained.
+    """
 
     id: U64
     running: Yes = False
@@ -52,7 +53,7 @@ _STEP = Layout(StepShown)
 
 @dataclass(frozen=True, slots=True)
 class PlcShown:
-    """The test display behind a scan (robotstar 5.7).  `name`: program, empty: it is off; `text`: check sum of the source that runs;
+    """The test display after a scan (robotstar 5.7).  `name`: program, empty: it is off; `text`: check sum of the running source;
     `rows`: the steps that were executed."""
 
     name: Annotated[bytes, Code(f"{NAME_BYTES}s")] = b""

@@ -11,7 +11,7 @@ from motion.execution.pieces import RECORD_SIZE
 
 @dataclass(frozen=True, slots=True)
 class ReferencePathPoint:
-    """SF 29 or SF 30 so long (s at full speed) after the beginning of a piece.  system: measuring system from 1, 0: off; distance: m, rad
+    """SF 29 or SF 30 this long (s at full speed) after the beginning of a piece.  system: measuring system from 1, 0: off; distance: m, rad
     or with `cycles` a number of them; kinematic: whose path."""
 
     piece: U64
@@ -24,7 +24,7 @@ class ReferencePathPoint:
 
 @dataclass(frozen=True, slots=True)
 class LatchAt:
-    """setLatch so long (s at full speed) after the beginning of a piece.  number: RC input of its wire; mask: axes (bit n-1 = axis n)
+    """setLatch this long (s at full speed) after the beginning of a piece.  number: RC input of its wire; mask: axes (bit n-1 = axis n)
     whose positions are stored; name: fIn0 or fIn1."""
 
     piece: U64
@@ -54,7 +54,7 @@ _MACHINE, _TAPE, _RECALL, _LATCH = Layout(_Machine), Layout(ReferencePathPoint),
 
 
 def machine_record(job: int, generation: int, mask: int, values: tuple[float, ...]) -> PieceRecord:
-    """SF 3, a part of its own: the axes of the mask stand at these places (m or rad), in their order."""
+    """SF 3, a separate part: assign these positions (m or rad) to the axes of the mask, in their order."""
     rest = iter(values)
     places = tuple(next(rest) if mask >> n & 1 else 0.0 for n in range(MOST_AXES))
     return _record(Part.MACHINE, job, generation, _MACHINE.pack(_Machine(mask, places)))
