@@ -7,7 +7,7 @@ REMEMBERED = 64  # streams that are counted; of older ones nothing comes any mor
 
 
 def room(planner: PlannerState) -> int:
-    """Statements of one stream that may be on their way, beside those of the other lanes."""
+    """Return how many statements of one stream may be in transit, in addition to those of the other lanes."""
     return BLOCKS // (1 + len(planner.others)) - KEPT
 
 
@@ -16,12 +16,13 @@ class StatementsAhead:
 
     def __init__(self) -> None:
         self._said: dict[int, int] = {}  # job -> records
-        self._read: dict[int, int] = {}  # job -> of them, as the planner said last
+        self._read: dict[int, int] = {}  # job -> how many of them were read, as last reported by the planner
         self._over: set[int] = set()  # jobs that have lost one
 
     def passed(self, record: BlockRecord, planner: PlannerState) -> BlockRecord | None:
-        """What the ring gets: the record; where there is no room for it, that its stream has lost statements; of that stream, nothing
-        more."""
+        """Return what enters the ring: the record; without room for it a report that its stream has lost statements, and then nothing more
+        of that stream.
+        """
         job = record.job
         if job in self._over:
             return None

@@ -20,7 +20,7 @@ from motion.sync.errors import NO_BELT, NOT_POSSIBLE, TEXTS, BeltError
 from motion.sync.facts import BeltFacts
 
 PARAMETERS, TYPE, COUNTER = 15, 21, 28  # special functions
-CYCLE_S = 0.01  # of a belt that is only asked whether it would take a value
+CYCLE_S = 0.01  # of a belt that only checks whether it would accept a value
 SYNC = 0
 _ACT = struct.Struct("=BBBi??3d")
 CONDITIONS = tuple(Condition)
@@ -53,8 +53,9 @@ def act_of(record: PieceRecord) -> ActOrder:
 
 
 def act_order(act: BeltAct, belts: Sequence[BeltFacts], number: int, part: Synchron | None = None, kinematic: int = 1) -> ActOrder | None:
-    """What the cycle does of it, None: nothing (SF 21); BlockError with the manual's number, for the block `number` behind it.  part: the
-    synchronous part that contains it."""
+    """Return the order to the cycle, None: none (SF 21).  Raise BlockError with the manual's number, for the following block `number`.
+    part: the synchronous part that contains the statement.
+    """
     if act.inside:
         return _endless(act, belts, number, part, kinematic)
     if isinstance(act, Sync):

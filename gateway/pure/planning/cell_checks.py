@@ -55,8 +55,9 @@ class Away:
     windows: Sequence[float] = ()
 
     def check(self, before: Sequence[float], behind: Sequence[float], number: int, machine: Machine, mask: int) -> None:
-        """A block that moves one of them, beyond its window: BlockError, before anything moves; before, behind: (axes,) where the robot's
-        stand, which are those of `mask`."""
+        """Check a block that moves one of them.  Raise BlockError before any motion if it leaves the window.  before, behind: (axes,)
+        positions of the robot's axes, which are those of `mask`, before and after the block.
+        """
         own = [n for n in range(mask.bit_length()) if mask >> n & 1]
         for axis, (place, start, end) in enumerate(zip(own, before, behind, strict=True)):
             least = self.windows[place] if place < len(self.windows) else MOVES

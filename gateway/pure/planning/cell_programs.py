@@ -1,4 +1,4 @@
-"""What a cell gives its planner.  Pure."""
+"""The data of a cell that its planner uses.  Pure."""
 
 from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -15,21 +15,22 @@ UNSEEN = 100  # turns after which pieces count as run that the cycle was never s
 
 @dataclass
 class Chain:
-    """Pieces of the part under way, and when each begins: tau, at full speed since the part began.  last_id: of the last piece handed on;
-    spare: of the next one: ids go on over jobs, a chain never meets an older number."""
+    """Pieces of the current part, and when each begins: tau, at full speed since the part began.  last_id: of the last piece handed on;
+    spare: of the next one: ids keep rising over jobs, so a chain never meets an older number.
+    """
 
     last_id: int = 0
     spare: int = 1
     _begins: dict[int, float] = field(default_factory=dict)
     _passed: dict[int, int] = field(default_factory=dict)  # piece -> blocks that are over where it begins
-    _ways: dict[int, TimedPiece] = field(default_factory=dict)  # those that take longer than SEEN_S
-    _now: int = 0  # piece the cycle is on: behind `_at` while it goes back
+    _ways: dict[int, TimedPiece] = field(default_factory=dict)  # those that last longer than SEEN_S
+    _now: int = 0  # piece the cycle is on: before `_at` while it goes back
     _blocks: dict[int, int] = field(default_factory=dict)  # of this job, piece -> block it begins in
     _over: int = 0
     _at: int = 0  # last piece the cycle was seen on; 0: the part has not begun
-    _rest: float | None = None  # tau at which it ran out, until it goes on
+    _rest: float | None = None  # tau at which it ran out, until it continues
     sent: int = 0  # record of the ring that it ends with
-    _unseen: int = 0  # turns since pieces were handed on behind a rest, and the cycle was seen on none of them
+    _unseen: int = 0  # turns since pieces were handed on after a rest while the cycle was seen on none of them
 
     def begin(self) -> None:
         """A part, or none."""
@@ -40,13 +41,13 @@ class Chain:
         self._at, self._rest = 0, None
 
     def began(self) -> None:
-        """A job: what was run before is no way back."""
+        """Begin a job: the path run before is not available for retrace."""
         self._blocks.clear()
         self._now = 0
         self.begin()
 
     def add(self, made: TimedPiece, tau: float, passed: int = 0, before: int = 0) -> None:
-        """One more, before which so many blocks are over; a new tail takes the place of those from its number on."""
+        """Add a piece; passed: number of blocks completed before it.  A new tail replaces the pieces from its number on."""
         if made.new_tail:
             self._drop(number for number in list(self._begins) if number >= made.id)
         self._begins[made.id] = tau
@@ -91,7 +92,7 @@ class Chain:
 
     @property
     def back(self) -> bool:
-        """It is on a piece that it had left behind already."""
+        """Return whether the cycle is on a piece that it had already completed."""
         return 0 < self._now < (self._at or next(iter(self._begins), self.spare) - 1) and self._now in self._blocks
 
     @property
@@ -129,7 +130,7 @@ class Chain:
         return 0 if first is None else max(self.last_id - max(self._at, first - 1), 0)
 
     def forget(self) -> None:
-        """Those the cycle has left behind."""
+        """Forget the pieces that the cycle has completed."""
         while self._begins and (number := next(iter(self._begins))) < self._at - 1:
             self._drop((number,))
 

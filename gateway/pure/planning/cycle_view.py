@@ -1,4 +1,4 @@
-"""What the cycle published last, as the planner takes it."""
+"""The last state published by the cycle, in the planner's form."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,6 +22,6 @@ class CycleView:
     measured: Sequence[float | None] = ()  # where the axes were measured last; None: they were not
     off: int = 0  # axes (bit n-1 = axis n) not commanded on
     override: float = 1.0
-    waiting: int = 0  # records that the cycle has still to take from the ring, of all lanes
+    waiting: int = 0  # records that the cycle has not yet read from the ring, of all lanes
     reached: int = ALWAYS  # record of the ring that the cycle took last, as the planner counts them
     way: float = 0.0  # m along the path, as the piece under way counts it

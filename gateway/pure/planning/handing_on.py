@@ -26,16 +26,16 @@ from motion.program.text.reader import Reader
 from motion.program.text.team import TeamReader
 from motion.sync.facts import BeltFacts
 
-CARRIED_S = 0.003  # a piece takes so long through the ring; a new tail has about as many as the one that it replaces
-TAKEN_S = 0.0035  # and so long where the cycle takes but one a period: a tail of many that has less time comes too late
-QUIET_TURNS = 6  # turns without a new block after which what is known is run
+CARRIED_S = 0.003  # transfer time of a piece through the ring; a new tail has about as many pieces as the one that it replaces
+TAKEN_S = 0.0035  # the same where the cycle reads only one piece a period: a long tail with less time comes too late
+QUIET_TURNS = 6  # turns without a new block after which the known blocks are run
 
 
 class HandingOn:
-    """One job: the part under way, and what the cycle has of it.  Its parts are made in gateway.pure.planning.planner."""
+    """One job: the current part, and how much of it the cycle has.  Its parts are made in gateway.pure.planning.planner."""
 
     def __init__(self, cell: CellPrograms, lane: str = "") -> None:
-        """lane: name of its kinematic, in a cell where each moves for itself."""
+        """lane: name of its kinematic, in a cell where each moves independently."""
         self.cell, self._lane = cell, f"{lane}: " if lane else ""
         self.slowing = Slowing()  # sentences about blocks that have begun
         self.workpiece = CellSystems()
@@ -62,7 +62,7 @@ class HandingOn:
         return job.robots
 
     def _own_places(self, position: Sequence[float]) -> list[float]:
-        """Of the robots of the job; standing: of all axes of the cell."""
+        """Return the positions of the job's robots; position: that of all axes of the cell."""
         mask = self.cell.mask_of(self._robots())
         return [position[n] for n in range(len(position)) if mask >> n & 1]
 
@@ -88,7 +88,7 @@ class HandingOn:
             return True
 
     def _fail_in_part(self, error: MotionError) -> None:
-        """As _fail; whoever made the law counts the blocks of the part under way."""
+        """Fail like _fail; the maker of the law counts the blocks of the current part."""
         self._fail(later_fault(error, self._job.before) if isinstance(error, BlockError) else error)
 
     def _fail(self, error: MotionError) -> None:

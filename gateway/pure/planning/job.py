@@ -26,33 +26,33 @@ class Job:
     reader: Reader | TeamReader = field(default_factory=Reader)
     number: int = 0  # of the program of the cell; 0: a stream
     factors: Factors = FULL
-    whole: list[str] | None = None  # lines of a stream that is read whole
+    whole: list[str] | None = None  # lines of a stream that is read completely before it moves
     lines: Iterator[tuple[int, str]] | None = None  # of a program of the cell, not read yet
     line_of: list[int] = field(default_factory=list)  # block - 1 -> line
     ended: bool = False
     start: Sequence[float] = ()  # of the axes where a part on a belt began
     part_start: Sequence[float] = ()  # of all robots, where the part under way began
     blocks: int = 0  # of the part under way
-    handed: bool = False  # the part under way is handed on whole, and another one follows
+    handed: bool = False  # the current part is handed on completely, and another one follows
     measured: Sequence[float | None] = ()
-    error: str = ""  # label to go on at when the input of the part under way does not come
+    error: str = ""  # label at which to continue when the input of the current part does not come
     last: Block | None = None  # looked at
     before: int = 0  # blocks before the part under way
     robots: Machine | Team | None = None  # that the text names; None: nothing has asked as yet
-    under_way: Coming | None = None  # the part that has begun; None: one of blocks that simply go on
-    open: bool = False  # it has begun and takes what comes, until something else follows
-    streams: bool = True  # its blocks move as they come; what the last ones without way ask for is done at the end of their part
+    under_way: Coming | None = None  # the part that has begun; None: one of plain consecutive blocks
+    open: bool = False  # it has begun and accepts blocks until another part follows
+    streams: bool = True  # its blocks move on arrival; actions of the last ones without way are done at the end of their part
     arrived: bool = False  # the cycle has reported its end
-    riding: BeltPlan | None = None  # it leads along a belt of type 1: what its blocks are seen from there with
-    held: bool = False  # the next part is handed on whole, and is not known to its end yet
+    riding: BeltPlan | None = None  # it follows a belt of type 1: the plan that converts its blocks into the belt's frame
+    held: bool = False  # the next part must be handed on completely, and is not known to its end yet
     skipping: str = ""  # label everything is left out up to
-    cut_behind: int = 0  # block behind which numbers are missing: what comes does not belong to its part
+    cut_behind: int = 0  # block after which numbers are missing: following blocks do not belong to its part
     heard: int = 0  # statements and orders that have been read
     off: int = 0  # axes (bit n-1 = axis n) that are not commanded on, as the program was ordered
 
     @property
     def bound(self) -> str:
-        """What the part under way leads along beside its path."""
+        """What the current part follows in addition to its path."""
         part = self.under_way
         if part is None or not (self.handed or self.planner is not None):
             return ""
@@ -93,17 +93,17 @@ class Job:
         self.open = False
 
     def left(self) -> tuple[Called | Output, ...]:
-        """What blocks without way have begun or ended with in a part that is run as it comes."""
+        """Calls and outputs of blocks without way in a part that is run on arrival."""
         return self.planner.left() if isinstance(self.planner, Planner) and not self.streams else ()
 
     def left_out(self, label: str) -> bool:
-        """A block behind an input that never came, before the label the program goes on at."""
+        """Return whether to skip a block after an input that never came, before the label at which the program continues."""
         if self.skipping and label == self.skipping:
             self.skipping = ""
         return self.skipping != ""
 
     def skip(self, label: str) -> None:
-        """Everything up to this label is left out, what is still to come too."""
+        """Skip everything up to this label, including blocks that have not arrived yet."""
         if not self.trial.skip(label):
             self.skipping = label
 
@@ -125,6 +125,6 @@ class Job:
             self.trial = self.trial.anew()
 
     def rests(self) -> None:
-        """Nothing is under way, and nothing known: what comes is looked at from where the axes are."""
+        """Reset to no known blocks: following ones are tried from the present position of the axes."""
         self.planner, self.under_way, self.riding, self.open = None, None, None, False
         self.trial = self.trial.anew()

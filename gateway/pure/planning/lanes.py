@@ -1,4 +1,4 @@
-"""The planner of a cell of several lanes: a job on each of them, planned beside the others.  Pure.
+"""The planner of a cell of several lanes: a job on each of them, planned in parallel.  Pure.
 
 A program is on the first of the lanes whose axes it moves, as its order is in the cycle.  In a cell of one lane this is Programs and
 nothing else.
@@ -13,7 +13,7 @@ from gateway.pure.planning.cell_programs import CellPrograms
 from gateway.pure.planning.streams import StreamPrograms
 from gateway.pure.planning.turn import busy, follow, positions
 
-REMEMBERED = 64  # jobs whose lane is known: one that ends says so within a few turns
+REMEMBERED = 64  # jobs whose lane is remembered: the end of a job is reported within a few turns
 
 
 class LanePrograms:
@@ -44,7 +44,7 @@ class LanePrograms:
         return replace(first, placed=placed, others=tuple(others))
 
     def follows(self, before: PlannerState) -> None:
-        """The planner before this one said this last."""
+        """Adopt the last report of the previous planner."""
         for lane, said in zip(self.lanes, (before, *before.others), strict=False):
             lane.follows(said)
         self._share_systems()
@@ -78,9 +78,9 @@ class LanePrograms:
                 del self._lane_of[next(iter(self._lane_of))]
         return self._lane_of.get(record.job, 0)
 
-    # ---- what takes longer than a turn -----------------------------------------------------------------------------------
+    # ---- work longer than one turn --- -----------------------------------------------------------------------------------
     def prepare(self, state: CellState, count: int) -> bool:
-        """A slice of each program that is read whole; True: there is more."""
+        """Do a slice of each program that is read completely; True: there is more."""
         preparing = [lane for lane in self.lanes if lane.preparing]
         for lane in preparing:
             lane.prepare(positions(state, count))

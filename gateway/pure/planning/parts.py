@@ -66,9 +66,9 @@ class Coming:
     tried: BeltPlan | None = None
     engages: bool = False
     alteration: Alteration | None = None  # of an alterable part
-    error: str = ""  # label to go on at when the input of its block did not come
-    otherwise: str = ""  # label to go on at when @MPOS, or the entry, it goes to is none
-    label: str = ""  # in front of it
+    error: str = ""  # label at which to continue when the input of its block did not come
+    otherwise: str = ""  # label at which to continue when its @MPOS or entry is missing
+    label: str = ""  # before it
     act: BeltAct | None = None  # of a belt: nothing else happens in this part
     point: tuple[float, ...] = ()  # places the axes get (SF 3); nothing else happens in this part
     recall: int = 0  # entry of the reference path that is asked for (SF 31); nothing else happens in this part
@@ -180,8 +180,9 @@ def begun(
     kinematic: int,
     before: Coming | None = None,
 ) -> list[Coming]:
-    """The parts that begin with this block, behind the one before it; BlockError for a belt the robot does not follow or that has no room
-    for the block.  kinematic: number of the robot in its cell."""
+    """Return the parts that begin with this block, after the previous one.  Raise BlockError for a belt that the robot does not follow or
+    that has no room for the block.  kinematic: number of the robot in its cell.
+    """
     synchron: Synchron | None = block.synchron
     label = "" if outside(block) else block.label
     if synchron is None:
@@ -210,7 +211,7 @@ def begun(
 
 
 def outside(block: Block) -> tuple[Act, ...]:
-    """Statements of belts in front of the block's part; those in it come behind them."""
+    """Return the belt statements before the block's part; those in it follow them."""
     return tuple(act for act in block.acts if act not in inside(block))
 
 
@@ -230,7 +231,7 @@ def ending(part: Coming, belts: Sequence[BeltFacts], job: int, generation: int) 
 def acting(
     acts: Sequence[Act], number: int, belts: Sequence[BeltFacts], label: str, robots: Machine | Team
 ) -> tuple[list[Coming], Sequence[BeltFacts]]:
-    """Their parts, in front of the block `number`, and the belts behind them; BlockError."""
+    """Return their parts, before the block `number`, and the belts after them.  Raise BlockError."""
     found: list[Coming] = []
     for act in acts:
         if isinstance(act, MachinePoint):
@@ -263,7 +264,7 @@ def _placed(act: MachinePoint, number: int, robots: Machine | Team) -> tuple[flo
 
 
 def later_fault(error: BlockError, blocks: int) -> BlockError:
-    """A block's fault, so many blocks later in the program."""
+    """Return a block's fault with its block number shifted by `blocks`."""
     return BlockError(error.what, code=error.code, block=error.block + blocks, axis=error.axis, source=error.source)
 
 
@@ -280,7 +281,7 @@ def measured_at(found: Sequence[float | None], mask: int) -> list[float | None]:
 
 @dataclass
 class Measuring:
-    """@MPOS for a program of a cell: what a block's input is, and where the axes of `mask` were at its edge.  channels: of the cell."""
+    """@MPOS for a program of a cell: the input of a block, and the positions of the axes of `mask` at its edge.  channels: of the cell."""
 
     channels: Mapping[int, MeasuringFacts]
     systems: int = 0  # measuring systems of the cell: its axes, then its belts
@@ -299,18 +300,18 @@ class Measuring:
         return UntilInput(facts.input, until.value, facts.mask & mask, asked.by_edge, facts.drives & mask, within, runs_on)
 
     def start(self, wait: StartWait, mask: int) -> StartOrder:
-        """Raises ProgramFault inadmissable input for what is no high-speed input of the robot."""
+        """Raise ProgramFault inadmissable input for anything but a high-speed input of the robot."""
         if not wait.channel:
             return StartOrder(wait.number, wait.value, wait.delay)
         return StartOrder(self._wire(wait.channel, InputKind.HIGH_SPEED, mask).input, wait.value, wait.delay)
 
     def flying(self, piece: int, after: float, call: Flying, mask: int) -> FlyingAt:
-        """Raises ProgramFault inadmissable input for what is no probe of the robot."""
+        """Raise ProgramFault inadmissable input for anything but a probe of the robot."""
         wire = self._wire(call.channel, InputKind.PROBE, mask)
         return FlyingAt(piece, after, call.channel, wire.input, wire.mask & mask, call.edge, wire.drives & mask)
 
     def latch(self, mark: Mark, call: Latching, mask: int, job: int, generation: int) -> PieceRecord:
-        """setLatch; raises ProgramFault for a fast input that is no wire of the robot."""
+        """setLatch.  Raise ProgramFault for a fast input that is not wired to the robot."""
         channel = self._latching(call, mask)
         wire = self.channels[channel]
         if wire.drives:
@@ -363,7 +364,7 @@ class Measuring:
         return facts
 
     def check(self, block: Block, mask: int, machine: Machine) -> None:
-        """Before anything moves: what the block measures is there, and what it reads will have been measured."""
+        """Check before any motion that the block's measuring inputs exist and that the position it reads will have been measured."""
         if block.target == MEASURED and mask & ~self.last:
             own = (n for n in range(mask.bit_length()) if mask >> n & 1)
             missing = next(k for k, n in enumerate(own) if not self.last >> n & 1)
@@ -379,7 +380,7 @@ class Measuring:
             elif isinstance(call, Recording) and call.system > self.systems:
                 raise BlockError(f"{BAD_MEASURING_SYSTEM} {call.system}: 1 .. {self.systems} exist", code=91, source="rho 3")
         if block.recorded:
-            self.last &= ~mask  # the entry takes the place of @MPOS
+            self.last &= ~mask  # the entry replaces @MPOS
         if block.until is not None:
             self._measured(mask, self.wanted(block.until, mask).mask)
 

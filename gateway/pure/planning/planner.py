@@ -1,9 +1,9 @@
 """The planner process without its rings: records in, records out, once a turn.  Pure.
 
 A job is a program.  Either it comes as a stream (BEGIN, statements of the text form, FINISH as often as wanted, END), and moves as soon
-as enough is known; or it is a program of the cell (RUN), which is read whole and looked at block by block before anything of it is handed
-to the cycle (AX-322).  A stream takes the same statements: its parts begin as they become known, and the last one stays open for what
-belongs to it (AX-970).  A fault in a block ends the job, and what was handed on before ends at rest.
+as enough is known; or it is a program of the cell (RUN), which is read completely and tried block by block before any of it is handed to
+the cycle (AX-322).  A stream accepts the same statements: its parts begin as they become known, and the last one stays open for further
+blocks (AX-970).  A fault in a block ends the job, and the blocks handed on before it end at rest.
 """
 
 from collections.abc import Iterator, Sequence
@@ -77,7 +77,7 @@ class Programs(HandingOn):
         self._listen(records)
         if self.state.job and self._job.handed and view.parts != seen.parts:
             self._job.measured, self._job.arrived = view.measured, True
-        if self.state.job and not self._reading.under_way:  # what is half read belongs to what is there
+        if self.state.job and not self._reading.under_way:  # a statement half read belongs to the present job
             if self._job.arrived:
                 self._go_on()
             elif self._job.held:
@@ -85,11 +85,11 @@ class Programs(HandingOn):
         return self.go_on()
 
     def go_on(self) -> list[PieceRecord]:
-        """What is due in this turn: once more where a law was made in what is left of it."""
+        """Return the records due in this turn; plan again where a law was made in its remaining time."""
         self._plan()
         self._show()
         taken = self._seen.taken
-        out = [record for record in self._out if record.job <= taken]  # a cycle that has not heard of the job would drop its fault
+        out = [record for record in self._out if record.job <= taken]  # a cycle that does not know the job yet would drop its fault
         self._out = [record for record in self._out if record.job > taken]
         return out
 
@@ -112,7 +112,7 @@ class Programs(HandingOn):
             self.state = restated(shown, cycle=self.generation, types=types, placed=self._placed, systems=systems, tool=tool, heard=heard)
 
     def follows(self, before: PlannerState) -> None:
-        """The planner before this one said this last: belts stay as programs have set them, as long as its cycle runs (AX-394)."""
+        """Adopt the last report of the previous planner: belts stay as programs have set them, as long as its cycle runs (AX-394)."""
         if before.cycle and len(before.types) == len(self.cell.belts):
             self._seen, self._placed = CycleView(before.cycle), before.placed
             self.workpiece.follows(before.systems)
@@ -120,9 +120,9 @@ class Programs(HandingOn):
             rows = zip(self.cell.belts, before.types, strict=True)
             self._belts = tuple(replace(each, kind=Type(kind), tolerance=tolerance) for each, (kind, tolerance) in rows)
 
-    # ---- what is said ------------------------------------------------------------------------------------------------------
+    # ---- statements --------------------------------------------------------------------------------------------------------
     def _listen(self, records: Sequence[BlockRecord]) -> None:
-        """New records, up to one that takes long: prepare() goes on with it, and the next turn with what comes behind."""
+        """Process new records up to a slow one: prepare() continues it, and the next turn continues with the records after it."""
         for record in records:
             if record.say is Say.DROP:
                 self._reading.forget()
@@ -136,7 +136,7 @@ class Programs(HandingOn):
 
     def _heard(self, record: BlockRecord) -> Work[None]:
         if record.say is Say.BEGIN and self.state.job and not self._job.ended:
-            return  # one stream at a time; whoever orders sees that its job did not begin
+            return  # one stream at a time; the ordering source sees that its job did not begin
         if record.say in (Say.BEGIN, Say.RUN, Say.STREAM):
             self._begin(record.job)
             self._job.off = self._seen.off if record.say is Say.RUN else 0
@@ -181,7 +181,7 @@ class Programs(HandingOn):
             yield from self._end()
 
     def _pause(self) -> Work[None]:
-        """Nothing follows for the time being: the axes come to rest at the last target, and what is done at rest behind it is done."""
+        """Pause the stream: the axes come to rest at the last target, and the actions at rest after it are done."""
         if isinstance(self._job.planner, Planner):
             yield from self._job.planner.ending()
             self._job.planner.finish()
@@ -191,7 +191,7 @@ class Programs(HandingOn):
             self._job.reader.acts = ()
 
     def _collect(self, record: BlockRecord) -> None:
-        """Of a stream: whose it is, that it is read whole, and what it says then."""
+        """Collect the lines of a stream that is read completely, with its job."""
         if record.say is Say.STREAM:
             self._job.number = self._job.trial.program = -int(record.text)
             self._job.whole = None
@@ -246,12 +246,12 @@ class Programs(HandingOn):
             self._add_whole(planner, block)
 
     def _behind_all(self, planner: Planner) -> Behind:
-        """Where all robots are behind what this planner was given."""
+        """Return where all robots are after the blocks of this planner."""
         part = self._job.under_way
         return Behind(planner, self._robots(), self._job.part_start, 0 if part is None else part.member)
 
     def _adding(self, number: int) -> Planner:
-        """What this block is added to; of blocks that are only looked at as yet, what they are looked at with."""
+        """Return the planner to which this block is added; for blocks that are only tried so far, the planner that tries them."""
         planner = self._job.planner
         if self._job.apart or not isinstance(planner, Planner):
             made = self._made(self._seen.position)
@@ -300,7 +300,7 @@ class Programs(HandingOn):
             away.check(before[own], planner.position[own], len(self._job.line_of), machine, self.cell.mask_of(machine))
 
     def _behind(self) -> Work[None]:
-        """What is done at rest behind the last block."""
+        """Add the actions at rest after the last block."""
         if self._job.reader.acts:
             planner = self._adding(len(self._job.line_of) + 1)
             yield from self._job.trial.ending(planner)
@@ -330,7 +330,7 @@ class Programs(HandingOn):
             self.state = replace(self.state, answers=(*self.state.answers, answer)[-ANSWERS:])
 
     def _next(self) -> None:
-        """The next part that is known begins; of a stream there may be none yet, and one that is handed on whole has to be whole."""
+        """Begin the next known part; a stream may have none yet, and a part that must be handed on completely has to be complete."""
         job, position = self._job, self._seen.position
         job.held = False
 
@@ -408,7 +408,7 @@ class Programs(HandingOn):
 
     @property
     def preparing(self) -> bool:
-        """A program of the cell is not read to its end yet, or a statement takes long."""
+        """Return whether a program of the cell is not read to its end yet or a slow statement is in progress."""
         return self._job.lines is not None or self._reading.busy
 
     def prepare(self, position: Sequence[float]) -> None:
@@ -433,7 +433,7 @@ class Programs(HandingOn):
             self._fail(error)
 
     def lost(self, count: int, most: int = BLOCKS) -> None:
-        """So many statements did not come: what follows them is not what was meant, and a stream is over."""
+        """End a stream that lost `count` statements: the ones after them would no longer mean what was intended."""
         if self.state.job and self._job.streams and not self._job.ended:
             lost = "a statement of the stream is" if count == 1 else f"{count} statements of the stream are"
             words = f"{lost} lost: more than {most} arrived before the planner used them"

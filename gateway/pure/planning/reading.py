@@ -1,5 +1,5 @@
-"""What the planner reads, one statement after the other, each in slices: a row of splines takes seconds, and the planner must show life and
-hand on pieces meanwhile.  Pure.
+"""The planner's queue of statements, each processed in slices: a row of splines needs seconds, and the planner must show life and hand on
+pieces meanwhile.  Pure.
 """
 
 from collections import deque
@@ -27,7 +27,7 @@ class Reading:
         return self._now is not None
 
     def put(self, work: Callable[[], Work[None]]) -> None:
-        """One more; it begins when what came before is done."""
+        """Queue a statement; it begins when the previous ones are done."""
         self._waiting.append(work)
 
     def go(self) -> bool:

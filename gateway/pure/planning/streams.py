@@ -1,6 +1,6 @@
-"""Programs that also take orders to a stream: flush, cut behind a block, single step (AX-1080).  Pure.
+"""Programs that also accept orders to a stream: flush, cut after a block, single step (AX-1080).  Pure.
 
-What is dropped counts as over: blocks keep their numbers.  Hold, go on and retrace are orders to the cycle and need nothing here.
+Dropped blocks count as completed: blocks keep their numbers.  Hold, continue and retrace are orders to the cycle and need nothing here.
 """
 
 from collections import deque
@@ -23,7 +23,7 @@ ORDERS = (Say.FLUSH, Say.CUT, Say.SINGLE, Say.STEP)
 
 @dataclass(frozen=True, slots=True)
 class _Read:
-    """A block that is not over, as the text has it, and how everything stood behind it."""
+    """A block that is not completed, as in the text, and the state after it."""
 
     number: int
     block: Block | Shared
@@ -35,8 +35,9 @@ class _Read:
 
 @dataclass(slots=True)
 class _Orders:
-    """Of one stream.  dropped: last block that was; stops_behind: the axes come to rest now, and go on to the end of this block, -1: of
-    none; ending: nothing follows behind the blocks that wait."""
+    """Orders of one stream.  dropped: last dropped block; stops_behind: the axes come to rest now and continue to the end of this block,
+    -1: of none; ending: nothing follows the waiting blocks.
+    """
 
     read: deque[_Read] = field(default_factory=deque)
     single: bool = False
@@ -62,7 +63,7 @@ class StreamPrograms(Programs):
         super()._drop()
         self._orders = _Orders()
 
-    # ---- what is said ------------------------------------------------------------------------------------------------------
+    # ---- statements --------------------------------------------------------------------------------------------------------
     def _obey(self, record: BlockRecord) -> Work[None]:
         orders = self._orders
         if record.say in ORDERS:
@@ -136,14 +137,14 @@ class StreamPrograms(Programs):
         yield from self._ended()
 
     def _ended(self) -> Work[None]:
-        """The end of the stream, which was said while blocks waited."""
+        """Execute the end of the stream, which was received while blocks waited."""
         if self._orders.ending and not self._orders.withheld:
             self._orders.ending = False
             yield from super()._obey(BlockRecord(Say.END, self.state.job))
 
-    # ---- what is dropped ---------------------------------------------------------------------------------------------------
+    # ---- dropped blocks ----------------------------------------------------------------------------------------------------
     def _flush(self) -> None:
-        """The axes rest where they are, and nothing of what was said is left."""
+        """Rest the axes where they are and drop all remaining statements."""
         job, orders = self._job, self._orders
         if job.bound:
             raise MotionError(f"the blocks under way ride on {job.bound}: they can only be ended")
@@ -157,7 +158,7 @@ class StreamPrograms(Programs):
             self._rest_now(-1)
 
     def _rest_now(self, behind: int) -> None:
-        """The part under way is over where the axes come to rest.  behind: they go on from there to the end of this block, -1: of none."""
+        """End the current part where the axes come to rest.  behind: they continue from there to the end of this block, -1: of none."""
         job = self._job
         if self._orders.stops_behind is None:
             self._out.append(PieceRecord(Part.FLUSH, self.state.job, self.generation))
@@ -166,7 +167,7 @@ class StreamPrograms(Programs):
         job.error = ""
 
     def _cut(self, behind: int, *, keep: bool) -> Work[None]:
-        """What was said behind this block is dropped, or waits for its step."""
+        """Drop the statements after this block, or keep them waiting for their step."""
         job, orders = self._job, self._orders
         rows, orders.read = list(orders.read), deque(each for each in orders.read if each.number <= behind)
         later = [each for each in rows if each.number > behind]
@@ -192,7 +193,7 @@ class StreamPrograms(Programs):
             self._rest_now(max(behind - job.before, 0))
 
     def _again(self, rows: Sequence[_Read], behind: int, ends: int) -> Work[None]:
-        """Parts to come are made anew; everything that is said from now on comes behind them.  ends: last block of the part under way."""
+        """Make the coming parts anew; later statements follow them.  ends: last block of the current part."""
         job, withheld = self._job, self._orders.withheld
         redo = [each for each in rows if ends < each.number <= behind]
         before = next((each for each in reversed(rows) if each.number <= min(ends, behind)), None)
@@ -221,7 +222,7 @@ class StreamPrograms(Programs):
             self.state = replace(self.state, block=max(self.state.block, over), passed=over)
 
     def _left(self, planner: Planner, behind: int) -> bool:
-        """The axes rest where they were stopped, and go on to the end of a block of the same part; False: they are beyond it."""
+        """Let the stopped axes continue to the end of a block of the same part; False: they are beyond it."""
         job = self._job
         try:
             rows = planner.remaining(behind, self._chain.near(planner.end), self._own_places(self._seen.position))
@@ -240,7 +241,7 @@ class StreamPrograms(Programs):
         super()._show()
         self._chain.sees(self._seen.piece)
         planner, job = self._job.planner, self._job
-        if self.state.job and job.handed and self._seen.piece and planner is not None:  # handed on whole, and still run
+        if self.state.job and job.handed and self._seen.piece and planner is not None:  # handed on completely, and still running
             tau = self._chain.tau(self._seen.piece, planner.end)
             block, share = planner.place(self._chain.near_to(tau, self._seen.piece, self._seen.position, self._seen.way))
             passed = max(self.state.passed, job.before + self._chain.passed(self._seen.piece, 0))

@@ -47,7 +47,7 @@ def machines_in(robots: Machine | Team) -> tuple[Machine, ...]:
 
 
 def systems_of(reader: Reader | TeamReader) -> list[WcFrame | None]:
-    """WC_SYSTEM of each kinematic, as the text has it where it is read to; None: nothing was said."""
+    """Return WC_SYSTEM of each kinematic at the present place in the text; None: not set."""
     readers = reader.readers.values() if isinstance(reader, TeamReader) else (reader,)
     return [each.systems.active for each in readers]
 
@@ -62,7 +62,7 @@ def own_blocks(robots: Machine | Team, block: Block | Shared) -> Iterator[tuple[
 
 
 def not_measured(part: Coming, robots: Machine | Team, measured: Sequence[float | None], mask_of: Callable[[Machine | Team], int]) -> bool:
-    """Where a kinematic of the part would go, and has a label to go on at: no place is known."""
+    """Return whether the target of a kinematic of the part is unknown and it has a label at which to continue."""
     own = own_blocks(robots, part.shared[0]) if part.shared else [(machines_in(robots)[part.member], part.blocks[0])]
     return any(block.otherwise != "" and None in measured_at(measured, mask_of(machine)) for machine, block in own)
 

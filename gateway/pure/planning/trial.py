@@ -1,4 +1,4 @@
-"""What of a program is tried before anything of it moves: its parts from the first one on that does not simply go on.  Pure."""
+"""Trial of a program before any of it moves: its parts from the first one on that is not a plain continuation.  Pure."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -66,7 +66,7 @@ class Files:
 
 @dataclass(frozen=True, slots=True)
 class Behind:
-    """Where what is tried begins: behind all that a planner, perhaps of one of several robots, has been given."""
+    """Where a trial begins: after all blocks of a planner, which may be that of one of several robots."""
 
     planner: Planner
     robots: Machine | Team
@@ -75,7 +75,7 @@ class Behind:
 
     @property
     def position(self) -> Joints:
-        """Of all robots, behind the planner's last block."""
+        """Positions of all robots after the planner's last block."""
         own = self.planner.position
         if not isinstance(self.robots, Team) or isinstance(self.planner.machine, Team):
             return own
@@ -84,17 +84,18 @@ class Behind:
 
 @dataclass
 class Trial:
-    """later: the parts to come; belts: as they will be behind everything looked at so far; program: its number."""
+    """later: the parts to come; belts: as they will be after everything tried so far; program: its number."""
 
     belts: Sequence[BeltFacts]
     files: Files
     program: int = 0
     later: deque[Coming] = field(default_factory=deque)
     under_way: Coming | None = None  # the part taken last
-    skipping: str = ""  # label that is behind all that is known
-    streams: bool = False  # blocks move as they come: what the last ones without way ask for is done at the end of their part
-    _route: Route | TeamRoute | None = None  # of the blocks behind the first one that ends with an input
-    _alone: tuple[int, Team, Joints] | None = None  # whose route that is, where one of several is on a belt or corrected; where all stood
+    skipping: str = ""  # label after all known blocks
+    streams: bool = False  # blocks move on arrival: actions of the last ones without way are done at the end of their part
+    _route: Route | TeamRoute | None = None  # of the blocks after the first one that ends with an input
+    # whose route that is, where one of several is on a belt or corrected; start positions of all
+    _alone: tuple[int, Team, Joints] | None = None
     _armed: dict[int, int] = field(default_factory=dict)  # channels that wait for their edge -> whose axes, of several, they store
     _moves: bool = False  # the part looked at has a way
     _left: tuple[Called | Output, ...] = ()  # of blocks without way before it, in parts that have none
@@ -106,7 +107,7 @@ class Trial:
         return self._route is not None
 
     def ending(self, planner: Planner, block: Block | None = None, member: int = 0) -> Work[None]:
-        """Before add() and behind(): what they would work out for long, in slices (motion.planner.route.Route.ending)."""
+        """Do in slices the slow work of the following add() or behind() (motion.planner.route.Route.ending)."""
         if self._route is None:
             yield from planner.ending()
         elif isinstance(self._route, Route):
@@ -150,8 +151,9 @@ class Trial:
         part.blocks.append(replace(block, target=MEASURED) if block.recorded else block)
 
     def _route_of(self, robots: Machine | Team, member: int, blocks: int) -> Route:
-        """Of a robot by itself, also where it is one of several and the others rest: it begins behind what was looked at, which is
-        finished."""
+        """Return the route of a single robot, also of one of several while the others rest: it begins after the tried blocks, which are
+        finished.
+        """
         if isinstance(robots, Team) and (self._alone is None or self._alone[0] != member):
             team_position = self.position
             assert team_position is not None
@@ -168,7 +170,7 @@ class Trial:
         assert isinstance(team, Team)
         if not self.later or not self.later[-1].takes(shared):
             self._finished(route)
-            if self._alone is not None:  # behind the part of one of them all have the same route again
+            if self._alone is not None:  # after the part of one of them all share a route again
                 team_position = self.position
                 assert team_position is not None
                 self._route, self._alone, self._tried = TeamRoute(team, team_position), None, number - 1
@@ -211,7 +213,7 @@ class Trial:
         self._left, self._moves = () if moves else (*self._left, *left), False
 
     def _begun(self, block: Block, number: int, robots: Machine | Team, kinematic: int, member: int) -> None:
-        """The parts in front of it, and its own."""
+        """Add the parts before it, and its own."""
         before = self.later[-1] if self.later else None
         self._acting(outside(block), number, robots, block.label)
         if block.recorded:
@@ -258,7 +260,7 @@ class Trial:
         return Trial(self.belts, self.files, self.program, streams=self.streams, _armed=self._armed)
 
     def begins_at(self, robots: Machine | Team, position: Sequence[float], blocks: int) -> None:
-        """What comes is a part of its own, and tried from here; so many blocks stand before it."""
+        """Try the following blocks as a separate part from here; blocks: number of blocks before it."""
         self._route = TeamRoute(robots, position) if isinstance(robots, Team) else Route(robots, position)
         self._alone, self._tried = None, blocks
         self._route.assume_measured()
@@ -269,7 +271,7 @@ class Trial:
 
     @property
     def position(self) -> Joints | None:
-        """Where everything looked at ends; None: nothing is looked at by itself."""
+        """Return where the tried blocks end; None: none are tried separately."""
         if self._route is None or self._alone is None:
             return None if self._route is None else self._route.position
         member, team, team_position = self._alone
@@ -286,7 +288,7 @@ class Trial:
             raise later_fault(error, self._tried) from error
 
     def behind(self, behind: Behind, acts: Sequence[Act], blocks: int, label: str) -> None:
-        """Statements behind the last block; label: in front of them."""
+        """Add the statements after the last block; label: before them."""
         self._finished(self._divided(behind, blocks))
         self.check_done(blocks)
         self._acting(acts, blocks + 1, behind.robots, label)
@@ -299,11 +301,11 @@ class Trial:
             raise BlockError(NO_WAY, block=blocks)
 
     def _divided(self, behind: Behind, blocks: int) -> Route | TeamRoute:
-        """What is tried from the first part on that does not simply go on; so many blocks stand before it."""
+        """Return the route tried from the first part on that is not a plain continuation; blocks: number of blocks before it."""
         if self._route is None:
             behind.planner.finish()
             self._left = () if self.streams else behind.planner.left()
-            self.begins_at(behind.robots, behind.position, blocks)  # whether anything is measured by then is looked at by itself (OfCell)
+            self.begins_at(behind.robots, behind.position, blocks)  # whether a position is measured by then is checked separately (OfCell)
         assert self._route is not None
         return self._route
 

@@ -8,7 +8,7 @@ from motion.planner.path_checks import Slowed
 
 @dataclass
 class Slowing:
-    """Of one part after the other of a program.  heard: sentences not taken yet."""
+    """Slowings of the successive parts of a program.  heard: sentences not taken yet."""
 
     heard: list[str] = field(default_factory=list)
     _passed: int = 0  # blocks of the program that were looked at
@@ -19,8 +19,9 @@ class Slowing:
         self._passed = self._reported = 0
 
     def look(self, slowed: Mapping[int, Slowed], before: int, block: int, rate: float, lines: Sequence[int]) -> str:
-        """What is wrong with the block under way, or "".  slowed: of the part, whose blocks lie behind `before`; block: of the part; rate:
-        share of the programmed speed that is asked for; lines: of each block of the program, 0: none."""
+        """Return the warning of the current block, or "".  slowed: of the part, whose blocks follow `before`; block: of the part; rate:
+        requested share of the programmed speed; lines: of each block of the program, 0: none.
+        """
         words = ""
         for number in range(max(min(self._passed, before + block - 1), before) + 1, before + block + 1):
             found = slowed.get(number - before)

@@ -25,7 +25,7 @@ class CellSystems:
     _read: dict[int, WcFrame] = field(default_factory=dict)  # as the program under way has chosen so far
 
     def begin(self) -> None:
-        """A program begins, or what is left of one is forgotten: what has not been reached was never chosen."""
+        """Begin a program, or forget the remainder of one: systems not yet reached count as never chosen."""
         self._coming.clear()
         self._read = dict(self.active)
 
@@ -55,7 +55,7 @@ class CellSystems:
     def behind(
         self, systems: Sequence[WcFrame | None], number: int, robots: Machine | Team, kinematic_of: Callable[[Machine], int]
     ) -> None:
-        """What each kinematic's text has chosen last, behind its last block."""
+        """Add the last choice of each kinematic's text, after its last block."""
         for machine, system in zip(machines_in(robots), systems, strict=True):
             self.chosen(system, number, kinematic_of(machine))
 
@@ -74,5 +74,5 @@ class CellSystems:
         return tuple(sorted((kinematic, system.values) for kinematic, system in self.active.items()))
 
     def follows(self, before: Shown) -> None:
-        """A planner before this one said so last."""
+        """Adopt the last report of the previous planner."""
         self.active = {kinematic: WcFrame(*values) for kinematic, values in before}

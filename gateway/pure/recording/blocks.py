@@ -1,8 +1,8 @@
 """The blocks a recording file is made of (AX-483): docs/guide/record.md has the table.
 
 File: MAGIC (8 bytes), then blocks.  Block: mark "AXB1", kind u8, three zero bytes, length of the payload u32, CRC-32 u32 over kind to
-length and payload, payload.  Little endian.  What a killed writer left half is left out; a spoiled block is counted, named by its
-place, and the search goes on with the next mark whose CRC is right.
+length and payload, payload.  Little endian.  An incomplete block of a killed writer is ignored; a corrupted block is counted and reported
+with its place, and the search continues at the next mark with a correct CRC.
 """
 
 import struct
@@ -24,13 +24,13 @@ class Kind(IntEnum):
     CELL = 2  # ZIP: the backup of the cell at the beginning
     START = 3  # JSON: a state at rest; cycles that follow continue it
     CYCLES = 4  # messages of cycles
-    LOST = 5  # JSON: what is missing here, and why
+    LOST = 5  # JSON: the missing records, and the reason
     END = 6  # JSON: the recording was ended on purpose
 
 
 @dataclass(slots=True)
 class Scan:
-    """What reading the blocks met beside them."""
+    """Findings of the reading other than blocks."""
 
     spoiled: list[int] = field(default_factory=list)  # places in the file at which a block should have been
     cut: int = 0  # bytes of a half block at the end
@@ -43,7 +43,7 @@ def encode(kind: Kind, payload: bytes) -> bytes:
 
 
 def decode(octets: bytes, scan: Scan) -> Iterator[tuple[int, Kind, bytes]]:
-    """(place, kind, payload) of all whole blocks after MAGIC, in order."""
+    """Yield (place, kind, payload) of all complete blocks after MAGIC, in order."""
     at = len(MAGIC)
     while at < len(octets):
         found = _block(octets, at)
@@ -62,7 +62,7 @@ def decode(octets: bytes, scan: Scan) -> Iterator[tuple[int, Kind, bytes]]:
 
 
 def whole_length(octets: bytes) -> int:
-    """Bytes up to the end of the last whole block: where a writer that comes back goes on."""
+    """Return the bytes up to the end of the last complete block, where a returning writer continues."""
     end = len(MAGIC)
     for at, _, payload in decode(octets, Scan()):
         end = at + HEAD.size + len(payload)
@@ -84,7 +84,7 @@ def _block(octets: bytes, at: int) -> tuple[Kind, bytes] | None:
 
 
 def _next(octets: bytes, at: int) -> int | None:
-    """The next place with a whole block."""
+    """Return the next place with a complete block."""
     while (at := octets.find(MARK, at)) >= 0:
         if _block(octets, at) is not None:
             return at

@@ -33,7 +33,7 @@ class What(IntEnum):
     SHOWN = 14  # bus, contacts of its couplers
     STEP = 15  # cycle, stamp, beat of the services, missing actual values
     OUTPUTS = 16  # cell state and RC outputs, as published
-    SERVICE_EVENT = 17  # what a command source or a tool said: no input of the core, but where its orders came from
+    SERVICE_EVENT = 17  # message of a command source or a tool: not an input of the core, but the origin of its orders
 
 
 class Phase(IntEnum):
@@ -85,7 +85,7 @@ def pack(what: What, payload: bytes = b"") -> bytes:
 
 
 def unpack(octets: bytes) -> Iterator[Message]:
-    """Messages one after the other; raises DecodeError at the first that is none."""
+    """Yield the messages in sequence.  Raise DecodeError at the first invalid one."""
     at = 0
     while at < len(octets):
         if at + HEAD.size > len(octets):
@@ -141,7 +141,7 @@ def chunks(cycle: int, octets: bytes | bytearray) -> Iterator[bytes]:
 
 
 class Assembly:
-    """Records of the ring to whole cycles; a part that is missing costs its cycle and is counted."""
+    """Assembles records of the ring to complete cycles; a missing part loses its cycle and is counted."""
 
     def __init__(self) -> None:
         self.broken = 0
@@ -169,14 +169,14 @@ class Assembly:
 
 
 def pack_service_event(stamp: Ns, source: Source, number: int, data: bytes) -> list[bytes]:
-    """Records of the ring; long texts take several."""
+    """Return records of the ring; a long text needs several."""
     room = SERVICE_EVENT_BYTES - SERVICE_EVENT.size
     parts = [data[at : at + room] for at in range(0, len(data), room)]
     return [SERVICE_EVENT.pack(stamp, source, number, len(part)) + part.ljust(room, b"\0") for part in parts]
 
 
 class ServiceEvent(NamedTuple):
-    """What a command source or a tool said."""
+    """Message of a command source or a tool."""
 
     stamp: Ns
     source: Source

@@ -1,6 +1,6 @@
 """Plays the script of a recording on a core and its buses: the same calls in the same order, with the recorded stamps (AX-485).  Pure.
 
-What comes out is compared with what was published then; how long the cycle computed is not compared, it is no output.
+The output is compared with the state published then; the computing time of the cycle is not an output and not compared.
 """
 
 import struct
@@ -138,7 +138,7 @@ class Player:
         self._image = unpack_inputs(payload)
 
     def _heard(self, payload: bytes) -> None:
-        """As the cycle takes them: what the bus saw before the burst belongs to a cycle that is over."""
+        """Process frames as the cycle does: those that the bus received before the burst belong to a completed cycle."""
         bus, phase, frames = unpack_frames(payload)
         before = phase == Phase.BEFORE
         actuals: list[Actual | None] = [None] * len(self._actuals) if before else self._actuals

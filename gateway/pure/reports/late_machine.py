@@ -3,8 +3,8 @@
 from gateway.pure.image.records.cell import AxisFlag, AxisState, CellState
 from protocols.base.machine import Ns, ms
 
-RECENT_NS = ms(3_000)  # so long before a drive stopped counts a SYNC that was skipped or an answer that came late
-AFTER_NS = ms(250)  # so long after it an answer that came late still explains the stop: what the machine keeps back comes after the stop
+RECENT_NS = ms(3_000)  # how long before a drive's stop a skipped SYNC or a late answer counts
+AFTER_NS = ms(250)  # how long after it a late answer still explains the stop: answers held back by the machine come after the stop
 STOPPED = AxisFlag.FAULT | AxisFlag.LOST
 SUPERVISED = frozenset((1, 2, 0x8130, 0x8700))  # SYNC and life: SERVODYN 1 and 2 (AX-082), CiA 301 heartbeat 8130h, CiA 402 SYNC 8700h
 

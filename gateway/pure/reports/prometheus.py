@@ -31,7 +31,7 @@ class Page:
         self._lines += [f"{name}_sum {number(seen.sum)}", f"{name}_count {total}"]
 
     def text(self) -> str:
-        """The whole page."""
+        """Return the complete page."""
         return "\n".join(self._lines) + "\n"
 
     def _head(self, name: str, kind: str, words: str) -> None:

@@ -1,10 +1,10 @@
-"""Sentences in English and German by their ids: a string everywhere, the English one, that can be said in German when it is printed."""
+"""Sentences in English and German by their ids: an English string everywhere, which can be printed in German."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
 
 class Sentence(str):
-    """English as a string; `german` beside it."""
+    """The English text as a string; `german` holds the German one."""
 
     german: str
 

@@ -1,7 +1,7 @@
-"""The German of sentences that were written in English: the journal, whose lines other programs read, keeps one language for ever.
+"""German translations of English sentences: the journal, whose lines other programs read, always keeps one language.
 
-A table id -> (English, German) as of configs/texts; {0}, {1} are what the sentence names.  A sentence is found by its fixed words: the
-whole of it, or its clauses between "; " and what is in front of ": ".
+A table id -> (English, German) as of configs/texts; {0}, {1} are the values in the sentence.  A sentence is found by its fixed words: as a
+whole, or by its clauses between "; " and the text before ": ".
 """
 
 import functools
@@ -15,7 +15,7 @@ DEEPEST = 6  # sentences in sentences
 
 
 class Spoken:
-    """Finds the German of a sentence; `more`: other tables of whole sentences, asked where no pattern fits ("": not known there)."""
+    """Finds the German of a sentence; `more`: other tables of complete sentences, used where no pattern fits ("": not known there)."""
 
     def __init__(self, table: Iterable[Words], more: Callable[[str], str] = lambda sentence: "") -> None:
         both = sorted(table, key=lambda words: -len(FIELD.sub("", words[0])))  # the one with the most fixed words first
@@ -74,5 +74,5 @@ def _pattern(english: str) -> str:
 
 
 def _longest(english: str) -> str:
-    """Fixed words without which the sentence is another one: quicker to look for than the whole pattern."""
+    """Return fixed words that the sentence must contain: a search for them is faster than the complete pattern."""
     return max(FIELD.split(english)[::2], key=len)

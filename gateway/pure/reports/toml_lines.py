@@ -1,6 +1,6 @@
 """Line of a key in a TOML file.
 
-tomllib gives values without places, so messages could only name a key. This walks the text once and knows just enough
+tomllib returns values without places, so messages could only name a key. This walks the text once and knows just enough
 TOML for it: headers, keys, strings, comments and the nesting of arrays and inline tables. It never judges the file.
 """
 
@@ -64,7 +64,7 @@ def _open(array: bool, names: tuple[str, ...], counts: dict[Path, int]) -> Path:
 
 
 def _value(text: str, position: int, path: Path, places: dict[Path, int], line: int) -> int:
-    """Notes a value and what is nested in it; returns the position behind it."""
+    """Note a value and its nested values; return the position after it."""
     places[path] = line
     stack: list[Path] = []  # open arrays (path with the running number) and inline tables (path as it is)
     array: list[bool] = []

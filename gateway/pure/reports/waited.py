@@ -16,12 +16,12 @@ class WaitedTime:
         self._next: Ns | None = None  # no sentence before
 
     def late(self, by_ns: Ns) -> None:
-        """A SYNC leaves that much after its grid instant; what no drive would notice is not noted."""
+        """Note that a SYNC left this long after its grid instant; a delay that no drive would notice is ignored."""
         if by_ns >= self._noted:
             self._sum, self._longest = self._sum + by_ns, max(self._longest, by_ns)
 
     def take_words(self, now: Ns) -> str:
-        """The sentence that is due; empty where nothing is to be said."""
+        """Return the sentence that is due; empty: none."""
         if not self._sum or (self._next is not None and now < self._next):
             return ""
         words = f"this machine was late: simulated time waited {self._sum // ms(1)} ms, at most {self._longest // ms(1)} ms at once"

@@ -25,7 +25,7 @@ class ChannelError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """`read` gives the value of one record in `unit`."""
+    """`read` returns the value of one record in `unit`."""
 
     name: str
     unit: str

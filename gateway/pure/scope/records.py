@@ -8,7 +8,7 @@ OUTPUTS_AT, INPUTS_AT = -2 * RC_BYTES, -RC_BYTES  # from the end: the state befo
 
 
 def scope_bytes(axes: int, lanes: int = 0) -> int:
-    """Of one record of a cell of so many axes and lanes."""
+    """Return the bytes of one record of a cell of these axes and lanes."""
     return cell_state_size(axes, lanes) + 2 * RC_BYTES
 
 

@@ -8,7 +8,7 @@ from gateway.pure.scope.trigger import Rows
 
 
 class Rolling:
-    """As Capture, without a trigger and without an end: what is older than `keep` records goes."""
+    """Like Capture, without a trigger and without an end: records older than the last `keep` are dropped."""
 
     full = False
     triggered_at: int | None = 0  # time 0 is the oldest record kept

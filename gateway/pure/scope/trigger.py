@@ -1,9 +1,9 @@
-"""When a scope begins to keep: a level passed, an edge, an error; with what was before it.
+"""Trigger of a scope: a level passed, an edge or an error, with the records before it.
 
 axis.A1.lag > 2.0        becomes true (it must have been false once: a level already passed triggers at its next crossing)
 axis.A1.actual < -5
 CTRL_ALLOW_RCI falls     rises, changes
-error                    emergency, a stop by itself, or a faulty axis appears
+error                    emergency, a spontaneous stop, or a faulty axis appears
 """
 
 import re

@@ -1,4 +1,4 @@
-"""What is compared in a block of bytes: declared bits and numbers by their names, and what is not declared, word by word (AX-493)."""
+"""Comparison of a block of bytes: declared bits and numbers by their names, the others word by word (AX-493)."""
 
 import math
 from collections.abc import Callable
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from gateway.pure.arbitration.data_blocks import DataBlock, Slot
 from protocols.base.errors import ProtocolError
 
-LIFE = "cell.life"  # counts by itself on either side: only that it counts is compared
+LIFE = "cell.life"  # counts independently on either side: only that it counts is compared
 FLOAT_SHARE = 0.01  # of the factor: so near to one another floats are the same number
 
 
@@ -16,7 +16,7 @@ class Place:
     """One bit, one number, or the rest of a word."""
 
     label: str  # D 0.8, DW 2
-    name: str  # move.busy; "" where nobody declared it
+    name: str  # move.busy; "" where it is not declared
     at: int  # first byte in its block
     mask: bytes  # which bits of which bytes
     number: Callable[[bytes], float] | None = None  # None: bits, equal or not
@@ -24,7 +24,7 @@ class Place:
     counts: bool = False
 
     def part(self, data: bytes) -> bytes:
-        """Its bits of a whole block."""
+        """Return its bits of a complete block."""
         part = data[self.at : self.at + len(self.mask)]
         if self.whole:
             return part
@@ -36,7 +36,7 @@ class Place:
         return self.mask.count(0xFF) == len(self.mask)
 
     def value(self, data: bytes) -> float:
-        """As a number: of bits what they are worth, NaN where the bytes are none of that type."""
+        """Return the value as a number: bits by their weight, NaN where the bytes are not of that type."""
         part = self.part(data)
         if self.number is not None:
             return self.number(part)
@@ -76,7 +76,7 @@ def _slot_place(block: DataBlock, slot: Slot) -> Place:
     label = f"D{slot.half or ('W' if slot.size == 2 else 'D')} {slot.word}"
     size = 1 if slot.half else slot.size
     if slot.type.name in ("KH", "KM") and slot.factor == 1.0:
-        within = 0.0  # codes are no quantities
+        within = 0.0  # codes have no tolerance
     return Place(label, slot.name, at, b"\xff" * size, reader, within, slot.name == LIFE)
 
 

@@ -16,8 +16,8 @@ from protocols.base.machine import Ns, ms
 
 HORIZON: Ns = ms(2_000)  # so far apart the same value is still looked for
 SLACK: Ns = ms(10)  # two ticks of the services: so exact moments of ours are
-LONGEST: Ns = ms(2_000)  # an answer counts for the time since the one before, at most so long
-SEARCHED: Ns = ms(50)  # a number that differs all the time is looked for so often: the search is long, and one in a while says as much
+LONGEST: Ns = ms(2_000)  # an answer counts for the time since the one before, at most this long
+SEARCHED: Ns = ms(50)  # search period for a number that always differs: the search is slow, and an occasional one shows as much
 KEPT = 8192  # contents of one block: more than the horizon holds at any pace
 
 
@@ -30,7 +30,7 @@ class Row:
     time: Ns = 0
     different: int = 0
     different_time: Ns = 0
-    later: Ns = 0  # ours had it so much later, at worst
+    later: Ns = 0  # largest delay of axisgate's value
     earlier: Ns = 0
     never: int = 0  # ours did not have it within the horizon at all
     largest: float = 0.0  # difference of numbers
@@ -43,7 +43,7 @@ class Row:
     _here: bytes | None = None
 
     def saw(self, there: bytes, here: bytes) -> None:
-        """For what counts by itself."""
+        """Record a counter that runs independently."""
         self.changes_there += self._there not in (None, there)
         self.changes_here += self._here not in (None, here)
         self._there, self._here = there, here
@@ -82,7 +82,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What the old controller said."""
+    """An answer of the old controller."""
 
     key: Hashable
     asked: Ns
@@ -110,16 +110,16 @@ class Comparison:
             here.append((now, data))
 
     def theirs(self, answer: Answer) -> None:
-        """What the old controller said; judged when the horizon has passed."""
+        """Record an answer of the old controller; it is judged when the horizon has passed."""
         self._waiting.append(answer)
 
     def settle(self, now: Ns) -> None:
-        """Judge what is old enough."""
+        """Judge the answers that are old enough."""
         while self._waiting and now - self._waiting[0].answered >= self._horizon:
             self._judge(self._waiting.popleft())
 
     def finish(self) -> None:
-        """The end: what still waits is judged by what is known."""
+        """Finish: judge the waiting answers by the known content."""
         while self._waiting:
             self._judge(self._waiting.popleft())
 
@@ -174,7 +174,7 @@ class Comparison:
 
 
 def _held(here: deque[tuple[Ns, bytes]], start: Ns, end: Ns) -> Iterator[tuple[Ns, Ns, bytes]]:
-    """(from, to, content) of what stood somewhere between two moments, in order."""
+    """Yield (from, to, content) of each content held between two moments, in order."""
     found: list[tuple[Ns, Ns, bytes]] = []
     until = end + 1
     for begun, data in reversed(here):
@@ -200,7 +200,7 @@ def _fits(place: Place, there: bytes, contents: Sequence[bytes]) -> bool:
 
 
 def _nearest(place: Place, there: bytes, here: deque[tuple[Ns, bytes]], asked: Ns, answered: Ns, horizon: Ns) -> Ns | None:
-    """How much later (earlier: negative) ours held it than it was said there; None: not within the horizon."""
+    """Return how much later (earlier: negative) axisgate held the content than the old controller sent it; None: not within the horizon."""
     best: Ns | None = None
     until, after = answered + horizon, b""
     for begun, data in reversed(here):
@@ -214,13 +214,13 @@ def _nearest(place: Place, there: bytes, here: deque[tuple[Ns, bytes]], asked: N
             if best is None or abs(apart) < abs(best):
                 best = apart
         if begun < asked - (horizon if best is None else abs(best)):
-            break  # what was before is further away
+            break  # earlier content is further away
         until, after = begun, data
     return best if best is None or abs(best) <= horizon else None
 
 
 def share(different: Ns, time: Ns, wrong: int, judged: int) -> float:
-    """Equal part, 0..1: of the time, or of the answers while there is no time yet."""
+    """Return the equal share, 0..1: of the time, or of the answers while there is no time yet."""
     if time:
         return 1.0 - different / time
     return 1.0 - wrong / judged if judged else 1.0

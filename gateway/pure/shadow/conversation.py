@@ -1,5 +1,5 @@
-"""Pairs the telegrams on a tapped RK512 line: who asked what, and what was answered.  Sides as the line decoder's: A the PLC, B the old
-control.  A telegram counts when the other side has acknowledged its block: what was refused is repeated.
+"""Pairs the telegrams on a tapped RK512 line: requests, their senders and the answers.  Sides as the line decoder's: A the PLC, B the old
+control.  A telegram counts when the other side has acknowledged its block: a refused one is repeated.
 """
 
 from dataclasses import dataclass

@@ -34,7 +34,9 @@ def read_name(unit: int, pdu: bytes) -> str:
 
 
 def read_places(pdu: bytes, bit_name: Callable[[int, int], str], numbers: Mapping[int, Number]) -> list[Place]:
-    """Of the data behind the byte count.  `bit_name`: of a bit by function and address; `numbers`: by the address of the first register."""
+    """Return the places in the data after the byte count.  `bit_name`: of a bit by function and address; `numbers`: by the address of the
+    first register.
+    """
     first, count = _span(pdu)
     table = TABLES[pdu[0]]
     if pdu[0] in BITS:

@@ -18,7 +18,7 @@ ETHERNET, COOKED, COOKED2, RAW = 1, 113, 276, (12, 101)
 LONGEST = 1 << 18
 VLAN, IPV4, IPV6, TCP = (0x8100, 0x88A8), 0x0800, 0x86DD, 6
 SYN, RST = 0x02, 0x04
-HELD = 32  # segments behind one that is missing; then it was lost on the way to the capture, not to the partner
+HELD = 32  # segments held after a missing one; beyond, it was lost on the way to the capture, not to the partner
 WRAP = 1 << 32
 
 
@@ -137,7 +137,7 @@ class Flow:
         if (segment.sequence - self.expected) % WRAP < WRAP // 2:
             self._held[segment.sequence] = segment.data
         elif (ahead := (segment.sequence + len(segment.data) - self.expected) % WRAP) < WRAP // 2:
-            self._held[self.expected] = segment.data[len(segment.data) - ahead :]  # repeated, and more behind it
+            self._held[self.expected] = segment.data[len(segment.data) - ahead :]  # repeated, and more after it
         if len(self._held) > HELD:
             self.lost += 1
             self.expected = min(self._held, key=lambda at: (at - segment.sequence + WRAP // 2) % WRAP)

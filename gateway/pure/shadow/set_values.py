@@ -17,7 +17,7 @@ from protocols.servodyn.codec import SET_SIGNALS, Codec
 from protocols.servodyn.codec import SYNC as SERVODYN_SYNC
 from protocols.servodyn.plan import SLOTS, set_id
 
-FLAGS = SET_SIGNALS.index("life")  # the commands stand before it: enable, drive on, limit switch, fault reset, brake
+FLAGS = SET_SIGNALS.index("life")  # the commands precede it: enable, drive on, limit switch, fault reset, brake
 SERVODYN_IDS = {set_id(slot): slot for slot in range(1, SLOTS + 1)}
 CANOPEN_IDS = {cobid.rpdo(1, node): node for node in range(1, 128)}
 CONTROLWORD = {
@@ -49,11 +49,13 @@ class SetValues:
 
     @property
     def whole(self) -> bool:
-        """Telegrams that are no set values are compared byte by byte: not on CANopen, where each master configures as it likes."""
+        """Return whether telegrams other than set values are compared byte by byte: not on CANopen, where each master has its own
+        configuration.
+        """
         return not self._canopen
 
     def content(self, frame: Frame) -> bytes:
-        """Of a set value; empty: it is too short."""
+        """Return the content of a set value; empty: it is too short."""
         if self.codec is None:
             if len(frame.data) != TARGET.size:
                 return b""
