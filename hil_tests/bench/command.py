@@ -164,7 +164,7 @@ def main(argv: list[str]) -> int:
 def measured(names: Sequence[str], arguments: argparse.Namespace) -> tuple[list[Figure], list[str]]:
     """Figures of these benches in this order and the names of those that failed twice.
 
-    One failure must not lose the hour of the others: among several, a bench that fails is repeated once, behind all of them.
+    One failure must not lose the hour of the others: among several, a bench that fails is repeated once, after all of them.
     """
     found = dict[str, list[Figure]]()
     for name in names:
@@ -226,7 +226,7 @@ def page(found: list[Figure]) -> str:
 
 
 def machine() -> str:
-    """The processor's name as the kernel tells it."""
+    """Return the processor's name as the kernel reports it."""
     for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
         if line.startswith("model name"):
             return line.partition(":")[2].strip()

@@ -66,7 +66,7 @@ def figures(blocks: int = 6, seconds: float = 10.0) -> list[Figure]:
 
 
 def alternate(bench: "Bench", ours: Side, theirs: Side, blocks: int, seconds: float) -> int:
-    """Blocks in turn until ours has its number; how many pairs were repeated.  Each pair is told on stderr: it takes a while."""
+    """Blocks in turn until ours has its number; how many pairs were repeated.  Each pair is reported on stderr, as it takes a while."""
     repeated = done = 0
     bar = Progress(bench.name, blocks)
     while done < blocks and repeated <= blocks:
@@ -204,7 +204,7 @@ class Bench:
         return False
 
     def _watch_drives(self, stop: threading.Event, seen: list[int]) -> None:
-        """Counts how often a drive was in fault or off while the block ran; a figure of a cycle whose drives stand says little."""
+        """Counts how often a drive was in fault or off while the block ran; a figure of a cycle without moving drives says little."""
         while not stop.wait(0.05):
             status = self.plc.status
             if status is not None:

@@ -50,7 +50,7 @@ class Master:
         self._due = time.monotonic_ns()
 
     def _write(self, node: int, request: bytes) -> None:
-        """Again until it is answered: a node that boots hears nothing."""
+        """Repeat until it is answered: a node that boots receives nothing."""
         for _ in range(500):
             self._port.send([Frame(cobid.sdo_request(node), request)])
             if any(frame.identifier == cobid.sdo_answer(node) and frame.data[0] == 0x60 for frame in self._hear(0.01)):

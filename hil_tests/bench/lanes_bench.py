@@ -1,5 +1,5 @@
-"""Lanes and streams: what a period costs with four lanes beside one, how many blocks of a stream the planner takes in a second, how soon
-the first set value and the answer to a block come.
+"""Lanes and streams: what a period costs with four lanes compared with one, how many blocks of a stream the planner takes in a second, how
+soon the first set value and the answer to a block come.
 
 Periods are those of the core on emulated drives, processor time with garbage collection as in the product.  Times of streams are virtual:
 a turn of the planner each period, one record of the stream a turn or many.
@@ -95,7 +95,7 @@ def step_ratio(rounds: int) -> tuple[float, float]:
 
 def line(bench: StreamBench, blocks: int, *, whole: bool) -> tuple[float, float, int]:
     """A row of short blocks with corners: s of virtual time from its first to its last set value, s of processor time of the planner,
-    periods in which it stood on the way.  whole: all of it is there before anything moves."""
+    periods in which it rested on the way.  whole: all of it is known before anything moves."""
     wave = [(100 + STEP * n, 100 + 20 * math.sin(n / 25)) for n in range(1, blocks + 1)]
     texts = [f"linear pose {x:.6g} {y:.6g} 50 0 0 0 leave=0.9 reach=0.9 path=200" for x, y in wave]
     bench.begin()

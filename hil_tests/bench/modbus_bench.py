@@ -1,7 +1,7 @@
-"""Our Modbus TCP server against the one pymodbus comes with: alone, beside a running 4 ms cell, and 10,000 connects that fail.
+"""Our Modbus TCP server against the one pymodbus comes with: alone, next to a running 4 ms cell, and 10,000 connects that fail.
 
-Blocks alternate, each side in a process of its own, the load is the C program.  Beside a cell ours is the cell's own server in its services
-process; theirs runs beside the same cell.
+Blocks alternate, each side in a process of its own, the load is the C program.  Next to a cell, ours is the cell's own server in its
+services process; theirs runs next to the same cell.
 """
 
 import contextlib

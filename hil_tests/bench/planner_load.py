@@ -1,6 +1,6 @@
-"""The cycle beside a planner that has all it can do: a program of hundreds of short segments, ordered again as soon as it ends.
+"""The cycle next to a fully loaded planner: a program of hundreds of short segments, ordered again as soon as it ends.
 
-Judged as bench drives, against the cycle's twin in C under the same Modbus load, which has no planner beside it (motion.md E, goal 2).
+Judged as bench drives, against the cycle's twin in C under the same Modbus load, which has no planner (motion.md E, goal 2).
 """
 
 import contextlib

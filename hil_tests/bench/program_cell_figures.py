@@ -118,7 +118,7 @@ class Timed(ProgramCell):
 
 
 def input_statement_ms(edges: int) -> float:
-    """From a user input to the statement behind WAIT UNTIL, 99 of 100: cycles, and what the processes of the gateway calculated in them."""
+    """From a user input to the statement after WAIT UNTIL, 99 of 100: cycles, and what the processes of the gateway calculated in them."""
     cell, found = Timed(), list[float]()
     for edge in range(edges):
         level, first = edge % 2 == 0, len(cell.places)

@@ -168,7 +168,7 @@ def at_work(run: CellRun, web: WebAsk) -> Iterator[None]:
 
 
 def runs(tool: ToolClient) -> bool:
-    """The robot program is a process, and has written its marker, which stays set behind it."""
+    """The robot program is a process, and has written its marker, which stays set after it."""
     return bool(tool.ask("process", do="list")["processes"]) and bool(tool.ask("get", address="M50.0")["value"])
 
 

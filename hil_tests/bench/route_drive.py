@@ -59,7 +59,7 @@ def measure(rounds: int, p5_ms: int, seed: int = 1) -> tuple[list[float], list[f
 
 
 class _Ear(BusListener):
-    """When a telegram to the drive, and one of it, said another position first."""
+    """When a telegram to the drive, and one from it, first contained another position."""
 
     def __init__(self) -> None:
         self.moved_ns, self.place, self._rest = 0, 0, 0

@@ -1,8 +1,8 @@
 """A VAL 3 application in a cell: synchronous tasks against the 4 ms grid, and how long a move, an alteration and an input take.
 
 `val3.sync_p99_us`, `val3.sync_p999_us`, `val3.sync_lost`: the interpreter's turns by its timer, in real time, with SCHED_FIFO where this
-user may have it; two tasks that only compute beside the synchronous one.  The others: the cell in virtual time, cycles plus the time that
-all its processes calculated meanwhile, 99 of 100.
+user may have it; two tasks that only compute run next to the synchronous one.  The others: the cell in virtual time, cycles plus the time
+that all its processes calculated meanwhile, 99 of 100.
 """
 
 import functools
@@ -147,7 +147,7 @@ def _number(cell: Val3Cell, at: int) -> float:
 
 
 def io_ms() -> float:
-    """From an input of the PLC to the output that a task sets behind its wait()."""
+    """From an input of the PLC to the output that a task sets after its wait()."""
     cell, found = _cell(FOLLOW), list[float]()
     for edge in range(2 * TIMES):
         level = edge % 2 == 0

@@ -2,7 +2,7 @@
 and how many records the page's scope loses in ten minutes of 16 channels at 2 ms.
 
 The cycle is measured by its own trace ring (SYNC sent minus due) in blocks that alternate: nobody looks, twenty viewers look.  The
-viewers are live connections in a process of their own, on all pages; how many were really connected stands in the row.
+viewers are live connections in a process of their own, on all pages; the row gives how many were really connected.
 """
 
 import asyncio
@@ -215,7 +215,7 @@ class Crowd:
         self._process.stdout.readline()
 
     def count(self) -> int:
-        """How many are connected and were told something since the last question."""
+        """Return how many are connected and have received something since the last question."""
         assert self._process.stdin is not None and self._process.stdout is not None
         self._process.stdin.write("\n")
         self._process.stdin.flush()
@@ -246,7 +246,7 @@ async def look(port: int, page: str, told: dict[int, int], number: int) -> None:
 
 
 async def crowd_of(port: int) -> None:
-    """Twenty viewers; a line on stdin is answered with the number of those that were told something since the last one."""
+    """Twenty viewers; a line on stdin is answered with the number of those that received something since the last one."""
     told: dict[int, int] = {}
     tasks = [asyncio.create_task(look(port, PAGES[n % len(PAGES)], told, n)) for n in range(VIEWERS)]
     while len(told) < VIEWERS and not all(task.done() for task in tasks):

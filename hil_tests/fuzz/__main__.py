@@ -1,6 +1,7 @@
-"""`python -m hil_tests.fuzz [--seed N] [--seconds S] [--only NAME] [--replay ROUND]`: bad input for every machine that hears a partner.
+"""`python -m hil_tests.fuzz [--seed N] [--seconds S] [--only NAME] [--replay ROUND]`: bad input for every machine that listens to a
+partner.
 
-Each round follows from its name alone; a find prints the name, and --replay plays just that round again.
+Each round follows from its name alone; a find prints the name, and --replay repeats that round only.
 Exit code: 0 nothing found, 1 a find.
 """
 

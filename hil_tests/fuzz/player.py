@@ -1,7 +1,7 @@
-"""Plays bad input to a byte machine in virtual time: everything follows from the seed, so every find can be played again.
+"""Feed bad input to a byte machine in virtual time: everything follows from the seed, so every find can be repeated.
 
-A round is a new machine and a few dozen steps: mutated messages, garbage, damage, a lost port, time.  After it the line is left in peace
-and the machine must do its work again.  Judged: no exception, no deadline that stands still, bounded memory and output, no dead machine.
+A round is a new machine and a few dozen steps: mutated messages, garbage, damage, a lost port, time.  Then the line is quiet
+and the machine must work again.  Judged: no exception, no deadline that stays in the past, bounded memory and output, no dead machine.
 """
 
 import collections
@@ -76,7 +76,7 @@ class Player:
         self.now = until
 
     def take(self) -> bytes:
-        """What it has said since."""
+        """Return what it has sent since the last call."""
         said = bytes(self.said)
         self.said.clear()
         return said

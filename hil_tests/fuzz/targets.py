@@ -1,4 +1,4 @@
-"""What is fuzzed: every machine that hears a partner over Modbus, 3964R or RK512."""
+"""What is fuzzed: every machine that listens to a partner over Modbus, 3964R or RK512."""
 
 import random
 import struct
@@ -40,7 +40,7 @@ GOOD = bytes.fromhex("03 0000 0001")
 
 
 class Server:
-    """A framing with a view behind it: the whole server but its sockets."""
+    """A framing with a view: the complete server without its sockets."""
 
     def __init__(self, framing: Framing | RtuFraming | RtuTcpFraming, line: bool) -> None:
         self.framing, self.line = framing, line
@@ -190,7 +190,7 @@ def _block(data: bytes) -> bytes:
 
 
 def _link_works(player: Player) -> None:
-    """After a quiet line a good block is acknowledged and told."""
+    """After a quiet line a good block is acknowledged and reported."""
     player.loses()
     player.passes(ms(60_000))
     player.take()

@@ -81,7 +81,7 @@ def _registered(node: ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef) -> 
 
 
 def _names(tree: ast.Module) -> Iterator[tuple[str, int]]:
-    """Names, attributes, keywords and words of short texts; an import alone is no use."""
+    """Names, attributes, keywords and words of short texts; an import alone does not count as a use."""
     for node in ast.walk(tree):
         match node:
             case ast.Name():

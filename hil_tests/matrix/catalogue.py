@@ -16,7 +16,7 @@ MOST_IDS = 3
 
 
 class MarkError(ValueError):
-    """A requirement mark that cannot be counted; the message says what is wrong with it."""
+    """A requirement mark that cannot be counted; the message names the fault."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """What a mark says: these rows, proved through these functions."""
+    """Content of a mark: these rows, proved through these functions."""
 
     ids: tuple[str, ...]
     by: tuple[str, ...]
@@ -64,7 +64,7 @@ def claim(args: tuple[object, ...], kwargs: dict[str, object]) -> Claim:
 
 
 def resolve(name: str) -> types.FunctionType:
-    """The plain function behind "module:qualname", whatever wraps it.  Raises MarkError."""
+    """Return the plain function of "module:qualname", without its wrappers.  Raises MarkError."""
     module_name, _, qualname = name.partition(":")
     if module_name.partition(".")[0] not in OURS or not qualname:
         raise MarkError(f"by={name!r}: module:function of {', '.join(OURS)} expected")

@@ -57,7 +57,7 @@ def _definitions(tree: ast.AST) -> Iterator[ast.FunctionDef | ast.AsyncFunctionD
 
 @functools.lru_cache(maxsize=4096)
 def _used(path: pathlib.Path, changed_ns: int, name: str) -> tuple[str, ...]:
-    """Sources of the test and of everything of its own file that it comes to, fixtures and constants too."""
+    """Return the sources of the test and of all it uses of its own file, including fixtures and constants."""
     bound = _bound(path, changed_ns)
     seen: dict[str, str] = {}
     waiting = [name]

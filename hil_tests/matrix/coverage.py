@@ -1,6 +1,6 @@
 """`make coverage-matrix`: id -> tests -> verdict and totals per list out of a real run; writes build/coverage-matrix.json.
 
-The run is the last `make test` where it was one of this very tree; else the marked tests run now.
+The run is the last `make test` if it was one of this tree; otherwise the marked tests run now.
 
 python -m hil_tests.matrix.coverage            as said
 python -m hil_tests.matrix.coverage --last     the last run, of whatever tree it was (MATRIX=--last with make)

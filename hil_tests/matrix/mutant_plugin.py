@@ -1,8 +1,8 @@
-"""pytest plug-in of `make mutants`: runs each marked test with each of its functions broken, in this very process.
+"""pytest plug-in of `make mutants`: runs each marked test with each of its functions broken, in this process.
 
 Killed means: the test failed by an assertion.  An exception of the mutant that merely ran through the test proves only that the
-function was called; it is told as `crash` and counts as not killed.  A pair of test and function that is killed meets no further mutant,
-unless --mutants-every says so.
+function was called; it is reported as `crash` and counts as not killed.  A pair of test and function that is killed gets no further
+mutant, except with --mutants-every.
 """
 
 import contextlib
@@ -220,7 +220,7 @@ def judged(raised: list[BaseException]) -> str:
 
 
 def is_assertion(error: BaseException) -> bool:
-    """Whether a test said no: assert, pytest.fail, a pytest.raises that did not see its exception."""
+    """Return whether a test failed by a check of its own: assert, pytest.fail, a pytest.raises without its exception."""
     if isinstance(error, BaseExceptionGroup):
         return all(is_assertion(inner) for inner in error.exceptions)
     return isinstance(error, (AssertionError, pytest.fail.Exception))

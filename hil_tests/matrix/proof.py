@@ -1,4 +1,4 @@
-"""docs/proof.md, and the line of the README that says the same: which rows are proved through what, and what the mutants said."""
+"""docs/proof.md, and the line of the README that says the same: which rows are proved through what, and the verdicts of the mutants."""
 
 import collections
 import re

@@ -1,4 +1,4 @@
-"""What of a running gateway comes to a function: a cell, a motion program, a command, or nothing but a test (API only).
+"""Which part of a running gateway reaches a function: a cell, a motion program, a command, or only a test (API only).
 
 cell: the processes of a run, without what reads motion programs; program: with it; command: the commands of axisgate.
 """

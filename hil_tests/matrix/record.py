@@ -1,4 +1,4 @@
-"""The record of a run with --matrix: what each marked test said, and of which tree that was true."""
+"""The record of a run with --matrix: the result of each marked test, and the tree it belongs to."""
 
 import hashlib
 import json
@@ -34,7 +34,7 @@ class Record:
 
 
 def tree() -> str:
-    """Fingerprint of the sources, tests, shipped files and demands as they stand now."""
+    """Fingerprint of the sources, tests, shipped files and demands of the present tree."""
     seen = hashlib.sha256()
     for path in sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*") if path.is_file()):
         if path.suffix not in MADE and not any(part in MADE for part in path.parts):

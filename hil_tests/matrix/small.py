@@ -42,7 +42,7 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Small:
-    """One change; `name` is also what a child process is told."""
+    """One change; `name` is also the argument of a child process."""
 
     name: str  # kind-hash
     line: int

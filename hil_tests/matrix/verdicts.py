@@ -84,7 +84,7 @@ class Pair:
 def matrix(
     rows: Mapping[str, Row], results: Sequence[Result], pairs: Iterable[Pair], reached: Mapping[str, str] | None = None
 ) -> dict[str, Entry]:
-    """All rows, proved or not; `reached`: what comes to each function, as the sources of this tree say unless it is given."""
+    """All rows, proved or not; `reached`: what reaches each function; by default from the sources of this tree."""
     known = kinds() if reached is None else reached
     by_pair = {(pair.test, pair.by): pair for pair in pairs}
     return {name: entry([result for result in results if name in result.ids], by_pair, known) for name in rows}

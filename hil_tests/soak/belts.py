@@ -1,9 +1,9 @@
-"""Random programs with synchronous parts, on belts of the three types that cells know; run by what runs them in the cycle.
+"""Random programs with synchronous parts, on belts of the three types that cells know, run by the parts that run them in the cycle.
 
 Each program has a part of type 1, 2 or 3 between two PTP moves; the arm, the SCARA and the portal follow belts in directions of their own.
-Judged at 1 ms: speed 1.00 of every axis, with types 2 and 3 acceleration 1.02, too (on a belt of type 1 it is not limited beside that of
-the path, AX-447; it is told).  The tool is within 0.1 mm of the belt where the last block of type 1 ends, once the robot has caught up,
-and of the point of each block of types 2 and 3.
+Judged at 1 ms: speed 1.00 of every axis, with types 2 and 3 acceleration 1.02, too (on a belt of type 1 it is not limited in addition to
+that of the path, AX-447; it is printed).  The tool is within 0.1 mm of the belt where the last block of type 1 ends, once the robot has
+caught up, and of the point of each block of types 2 and 3.
 """
 
 import math

@@ -1,6 +1,6 @@
-"""A virtual line that spoils whole telegrams and writes down, for a judge, what was said, what was heard, and which made which.
+"""A virtual line that damages telegrams and records for a judge what was sent, what was received, and which belongs to which.
 
-Each thing a station says at once (a control character, a block) is spoiled by at most one fault.  The record holds the characters as the
+Each unit a station sends (a control character, a block) is damaged by at most one fault.  The record holds the characters as the
 listener got them; nothing in it comes from a receiver of ours.
 """
 
@@ -20,7 +20,7 @@ SPOILED = -1  # as place: the fault made it, nobody said it
 
 @dataclass(slots=True)
 class Said:
-    """One thing a station said and what the other one heard of it."""
+    """One unit that a station sent, and what the other one received of it."""
 
     data: bytes
     fault: str = ""
@@ -90,7 +90,7 @@ class FaultedLine(VirtualLine[object]):
             way.last_arrival = max(way.last_arrival, way.under_way[-1][0])
 
     def _arrive(self, under_way: deque[tuple[Ns, bytes | Damage]], items: list[int | Damage], moment: Ns) -> None:
-        """Good characters in runs as a UART with a FIFO hands them over; a damage stands alone."""
+        """Good characters in runs as a UART with a FIFO hands them over; a damaged one arrives alone."""
         run = bytearray()
         last = under_way[-1] if items and under_way else (moment, Damage.BREAK)
         if isinstance(last[1], bytes) and last[0] >= moment and len(last[1]) < self._burst:

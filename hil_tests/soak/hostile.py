@@ -133,7 +133,7 @@ class Siege:
             self.run.command(ABANDON)
 
     def stop(self) -> None:
-        """By the page, a tool or the PLC in turn; the time until the cycle says that nothing moves."""
+        """By the page, a tool or the PLC in turn; the time until the cycle reports that nothing moves."""
         way = ("page", "tool", "plc")[self._ways % 3]
         self._ways += 1
         before, machine = time.monotonic(), self._kept_back()
@@ -233,7 +233,7 @@ class Siege:
 
     # ---- afterwards
     def comes_back(self, plc1: S5Plc, headers: dict[str, str]) -> None:
-        """Everything, each part within BACK_S; it says what is missing."""
+        """Wait for every part, each within BACK_S; report what is missing."""
         with contextlib.suppress(PortError), LineControl(f"{NAME}-plc1") as cable:
             cable.calm()
             cable.plug()

@@ -1,6 +1,7 @@
 """What the hostile partners of a run do, all at once, in a process of their own: python -m hil_tests.soak.hostile_acts --name RUN ..
 
-Each act goes on until the end, whatever is refused or gone, and counts what it did; the counts are the only line that is printed.
+Each act continues until the end, even if it is refused or its partner is gone, and counts what it did; the counts are the only line that is
+printed.
 """
 
 import argparse

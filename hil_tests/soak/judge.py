@@ -1,7 +1,7 @@
-"""The independent judge of the soak: reads what was said and heard on the line, never asks a receiver or sender of ours.
+"""The independent judge of the soak: reads what was sent and received on the line, and uses no receiver or sender of axisgate.
 
-Written from serial-protocols 1.2 to 1.4; imports nothing of protocols.p3964r or protocols.rk512.  Whatever it cannot trace to a fault
-that framing, check and marks cannot show is a failure.
+Written from serial-protocols 1.2 to 1.4; imports nothing of protocols.p3964r or protocols.rk512.  What it cannot trace to a fault that
+framing, check and marks cannot show is a failure.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ FIFO = 17  # characters that may have come in one burst behind the block
 
 
 def payload_of(wire: bytes) -> bytes | None:
-    """The data of a block as it was said (data doubled, end, check); None: not a block."""
+    """Return the data of a block as it was sent (data doubled, end, check); None: not a block."""
     data, at = bytearray(), 0
     while at + 1 < len(wire):
         if wire[at] == DLE and wire[at + 1] in (ETX, ETB):
@@ -27,7 +27,7 @@ def payload_of(wire: bytes) -> bytes | None:
 
 
 def framed(heard: Sequence[Item], start: int, longest_gap: Ns, with_check: bool = True) -> tuple[bytes, int] | None:
-    """The block whose first character stands at `start`, when nothing about it is wrong: its data and the index behind its end."""
+    """Return the block whose first character is at `start`, if nothing in it is wrong: its data and the index after its end."""
     data, check, at, before = bytearray(), 0, start, -1
     escaped = False
     while at < len(heard):
@@ -55,10 +55,10 @@ def framed(heard: Sequence[Item], start: int, longest_gap: Ns, with_check: bool 
 
 
 def taken(speaker: Record, listener: Record, data: bytes, longest_gap: Ns, with_check: bool) -> tuple[int, int] | None:
-    """Start and end of this block in what the listener heard, without a fault that framing, check or marks show.
+    """Return start and end of this block in what the listener received, without a fault that framing, check or marks show.
 
-    It begins where the listener said DLE with the STX as the last thing heard: a block whose first character was there before the DLE
-    was said did not wait for it, which is a fault of framing.
+    It begins where the listener sent DLE with the STX as the last character received: a block whose first character arrived before
+    the DLE was sent did not wait for it, which is a fault of framing.
     """
     heard = speaker.heard
     openings = [said.heard_at for said in listener.said[-3 * LOOK_BACK :] if not said.is_block and DLE in said.data][-LOOK_BACK:]
@@ -72,7 +72,7 @@ def taken(speaker: Record, listener: Record, data: bytes, longest_gap: Ns, with_
 
 
 def answer_of(back: Record, since: Ns) -> int | None:
-    """Index of the first DLE heard from this moment on: the one that was taken as the acknowledgement."""
+    """Return the index of the first DLE received from this moment on: the one that counted as the acknowledgement."""
     at = len(back.heard)
     while at > 0 and back.heard[at - 1][0] >= since:
         at -= 1
@@ -80,7 +80,7 @@ def answer_of(back: Record, since: Ns) -> int | None:
 
 
 def why_acknowledged(mine: Record, back: Record, block: int, since: Ns) -> tuple[str, str]:
-    """What was heard as the acknowledgement of said[block], which was never delivered: class and bytes; class "" is a failure."""
+    """Return what counted as the acknowledgement of said[block], which was never delivered: class and bytes; class "" is a failure."""
     at = answer_of(back, since)
     if at is None:
         return "", "no DLE was heard"

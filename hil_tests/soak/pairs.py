@@ -65,7 +65,7 @@ class Tally:
 
 @dataclass
 class Delivered:
-    """A block a side took: which thing said it was (the last of what it was made of), and whether it is what was said."""
+    """A block that a side received: the unit sent that it came from (the last of several), and whether it equals what was sent."""
 
     number: int
     data: bytes
@@ -101,7 +101,7 @@ class Side:
 
 
 def station_dialect(profile: Profile) -> Dialect:
-    """BUEP64 stands in a package of its own; flags are served by all."""
+    """BUEP64 has a package of its own; all serve flags."""
     dialect = buep64_dialect(Form()) if profile.name.startswith(BUEP64) else dialect_of(profile.name.removesuffix("-3964"))
     return replace(dialect, coordination_flag="serve")
 
@@ -235,7 +235,7 @@ class Pair:
 
     # ---- the verdicts
     def _judge_acknowledgements(self, side: int) -> list[int]:
-        """What this side has an acknowledgement for and the other never took in any attempt, as numbers of what was said."""
+        """Return the units for which this side has an acknowledgement and which the other never received in any attempt, by number."""
         other, mine, back = self.sides[1 - side], self.line.records[side], self.line.records[1 - side]
         missing = []
         for attempts, since in self.sides[side].acknowledged:

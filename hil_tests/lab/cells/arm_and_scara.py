@@ -1,4 +1,4 @@
-"""The cell of a six-axis arm and a SCARA: the shipped arm with a second robot and its four axes behind its own;
+"""The cell of a six-axis arm and a SCARA: the shipped arm with a second robot whose four axes follow its own;
 and the judge of the shipped program of both: geometry of its points alone."""
 
 import numpy as np
@@ -45,12 +45,12 @@ AXES = (
 
 
 def cell_text(more: str = "", robots: str = ROBOTS) -> str:
-    """As a file beside the shipped one would have it."""
+    """Return the text as a file next to the shipped one would have it."""
     return _with_scara(ARM.read_text(), f"{robots}{PROGRAMS}{more}")
 
 
 def both(text: str) -> str:
-    """The shipped cell with other programs, and the SCARA beside the arm."""
+    """The shipped cell with other programs, and the SCARA in addition to the arm."""
     return _with_scara(text, ROBOTS + text[text.index("[[program]]") : text.index("# ---- drives")])
 
 
@@ -92,7 +92,7 @@ def tips(rows: Array, n: int) -> Array:
 
 
 def carried(rows: Array) -> slice:
-    """Rows from PART to PLACE: the arm is at neither before and behind."""
+    """Rows from PART to PLACE: the arm is at neither before or after them."""
     arm = tips(rows, 0)
     first, last = (int(np.argmin(np.linalg.norm(arm - POINTS[0][n], axis=1))) for n in (0, 2))
     return slice(first, last + 1)

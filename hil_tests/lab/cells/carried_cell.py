@@ -34,7 +34,7 @@ TABLE |= {"speed": 90.0, "accel": 450.0, "jerk": 9000.0, "warn": 2.0, "trip": 2.
 
 
 def cell_text() -> str:
-    """As a file beside the shipped one would have it."""
+    """Return the text as a file next to the shipped one would have it."""
     text = ARM.read_text().replace('model      = "tx60-like" ', 'model      = "tx60-on-track" ')
     text = text.replace('file   = "arm-u-cycle"', 'file   = "track-and-table"')
     head, rest = text.split("# ---- the emulated machine", 1)

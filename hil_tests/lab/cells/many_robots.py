@@ -64,7 +64,7 @@ def program(robots: int = ROBOTS) -> str:
 
 
 def to_the_ends(robots: int = ROBOTS) -> str:
-    """All of them from wherever they stand, and on to their corners."""
+    """Move all of them from where they are to their corners."""
     text = program(robots)
     moves = (" and ".join(f"{name} {what}" for name in names(robots)) for what in ("ptp END", "linear CORNER"))
     return text[: text.index("move")] + "".join(f"move {move}\n" for move in moves)
@@ -103,7 +103,7 @@ def judge_lines(made: Driven, robots: int = ROBOTS) -> None:
 
 
 def out(rows: Array) -> Array:
-    """From the start to the ends: the first robot stands nowhere else so long."""
+    """From the start to the ends: the first robot rests nowhere else that long."""
     end = np.array(points(0)[1]) * 1e-3
     return rows[: int(np.argmin(np.linalg.norm(rows[:, :2] - end, axis=1))) + 1]
 

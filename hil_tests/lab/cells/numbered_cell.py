@@ -1,4 +1,4 @@
-"""The portal behind the S5's line: its PLC selects positions and programs by one number (AX-406)."""
+"""The portal on the line of the S5: its PLC selects positions and programs by one number (AX-406)."""
 
 from gateway.files.find import find_config, read_text
 

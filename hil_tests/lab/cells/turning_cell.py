@@ -23,8 +23,8 @@ home            = {{ by = "none" }}
 
 
 def cell_text(portal: str | None = None) -> str:
-    """As a file beside the shipped one would have it; portal: the text of that one, with other programs.  The second slave counts the other
-    way, the third has a gear whose turn is no whole number of increments."""
+    """Return the text as a file next to the shipped one would have it; portal: the text of that one, with other programs.  The second slave
+    counts the other way, the third has a gear whose turn is not an integer number of increments."""
     head = (portal or PORTAL.read_text()).split("[[axis]]", 1)[0]
     head = re.sub(r'model      = "portal" .*', 'model      = "turntables"', head).replace(
         'kinematics = "portal"', 'kinematics = "identity"'

@@ -1,4 +1,4 @@
-"""The arm and the SCARA of one cell with eight belts: the SCARA's four axes lie behind the arm's six.
+"""The arm and the SCARA of one cell with eight belts: the SCARA's four axes follow the arm's six.
 
 Belts B1 .. B3 (types 1, 2, 3) are the arm's, B5 .. B7 the SCARA's, both follow B4, each along another direction of its base.  Both have a
 measuring input, and one correction moves whichever robot's program runs.
@@ -97,7 +97,7 @@ HEAD: dict[str, Any] = {"p5_ms": P5_MS, "simulated": True, "buses": ["drives"], 
 
 
 class TwoRobots(RecordedBench, Cell402Bench):
-    """With eight encoders; `counted`: what they said, SYNC by SYNC."""
+    """With eight encoders; `counted`: their counts at each SYNC."""
 
     def _drives(self) -> tuple[Cia402Slave, BusFamily]:
         self.emulated = EmulatedBelts([EmulatedBelt(belt.id, accel=2.0 / INCREMENT) for belt in self.cell.belt])
@@ -122,8 +122,8 @@ class TwoRobots(RecordedBench, Cell402Bench):
 
 
 class OnBelts(Planned):
-    """Command source 1 orders programs of either robot; `correct` says what the correction is (mm, deg), cycle by cycle, while it
-    speaks."""
+    """Command source 1 orders programs of either robot; `correct` returns the correction (mm, deg) for each cycle in
+    which it is sent."""
 
     def __init__(self, cell: Cell = CELL) -> None:
         self.robots = TwoRobots(P5_MS, cell=cell)
@@ -165,7 +165,7 @@ class OnBelts(Planned):
         self.bench.cycle()
 
     def belt(self, number: int) -> Array:
-        """(SYNCs,) m: its value as the encoder said it after each SYNC since the order."""
+        """(SYNCs,) m: its value by the encoder after each SYNC since the order."""
         return np.array(self.robots.counted)[:, number - 1] - self.zeros[number]
 
     def begin(self, robot: str, *lines: str) -> Job:

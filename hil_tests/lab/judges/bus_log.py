@@ -27,7 +27,7 @@ class Logged:
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """What the broker said beside frames: who came and went, who was too slow, what the log lost."""
+    """What the broker recorded besides frames: who came and went, who was too slow, what the log lost."""
 
     stamp_ns: int
     text: str

@@ -95,7 +95,7 @@ class Judge:
 
 
 class SetPath:
-    """Set values as they stood on the bus, by the bus' own log; nobody of ours wrote it."""
+    """Set values as sent on the bus, from the bus' own log, which no part of axisgate writes."""
 
     def __init__(self, cell: Cell, frames: Iterable[Logged]) -> None:
         self._axes = cell.axis

@@ -42,7 +42,7 @@ MARGIN = 1e-4  # rad from the end of a travel, and m from the end of the reach: 
 
 @dataclass(frozen=True)
 class PoleLine:
-    """start: joints at its beginning; a, b: its ends, of the flange; miss: how far beside the pole it goes (m)."""
+    """start: joints at its beginning; a, b: its ends, of the flange; miss: its distance from the pole (m)."""
 
     arm: str
     start: Joints
@@ -80,7 +80,8 @@ def judge(arm: str) -> internal.Robot:
 
 
 def pole_lines(seed: int, count: int) -> Iterator[PoleLine]:
-    """So many lines over all arms, each beside a pole by 1e-6 .. 1/30 of the reach of its arm; every third turns the tool as well."""
+    """Return `count` lines over all arms, each at a distance from a pole of 1e-6 .. 1/30 of the reach of its arm; every third turns the
+    tool as well."""
     chance = random.Random(seed)
     arms = list(ARMS)
     made = 0

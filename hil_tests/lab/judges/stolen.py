@@ -1,7 +1,7 @@
 """Did the machine run at all?  A witness of the highest priority that only sleeps: where it overslept, nobody had its processor.  A host
 takes them away one by one, so each has a witness of its own.
 
-An ordinary witness has no priority: where it overslept by much, whoever has none either was not served.
+An ordinary witness has no priority: where it overslept by much, other processes without priority were not served either.
 
 python -m hil_tests.lab.judges.stolen FILE [--ordinary | CPU]     until SIGTERM; one line `FROM TO` (s, wall clock) for each time stolen
 """

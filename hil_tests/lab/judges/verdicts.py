@@ -61,7 +61,7 @@ def run_says_late(alarms: pathlib.Path, since_ns: int) -> str:
 
 
 def at_most(name: str, value: float, limit: float) -> Verdict:
-    """A figure with an upper bound; what is no number does not hold."""
+    """A figure with an upper bound; what is not a number does not hold."""
     return Verdict(name, value, f"<= {limit:g}", value <= limit)
 
 

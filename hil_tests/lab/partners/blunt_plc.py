@@ -17,7 +17,7 @@ Script = Generator[Ns, int, bytes | None]
 
 @dataclass(frozen=True)
 class Job:
-    """One command; `ends`: take | leave (the reaction) | torn (in the command) | unacknowledged (the reaction was heard, no DLE)."""
+    """One command; `ends`: take | leave (the reaction) | torn (in the command) | unacknowledged (the reaction was received, no DLE)."""
 
     command: bytes
     ends: str = "take"

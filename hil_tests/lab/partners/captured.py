@@ -29,7 +29,7 @@ def segment(source: tuple[bytes, int], target: tuple[bytes, int], sequence: int,
 
 @dataclass
 class CapturedWire:
-    """Listens on `port`; every connection goes on to `server`."""
+    """Listens on `port`; every connection is forwarded to `server`."""
 
     server: int
     fifo: pathlib.Path

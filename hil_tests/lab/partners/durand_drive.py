@@ -26,7 +26,7 @@ OBJECTS = (  # index, type, access, value
 
 
 class DurandDrive:
-    """One node on a python-can bus; its mode display follows the mode, all else stands still."""
+    """One node on a python-can bus; its mode display follows the mode, nothing else changes."""
 
     def __init__(self, channel: str, node: int, *, vendor: int = 0x1234, watches: bool = True) -> None:
         self._scheduler = SyncScheduler()  # its timers (heartbeat) need somebody to run them
@@ -50,7 +50,7 @@ class DurandDrive:
         self.node.nmt.reset()
 
     def object(self, index: int, sub: int = 0) -> object:
-        """The value that stands there."""
+        """Return the value of this entry."""
         return self.node.object_dictionary.read(index, sub)
 
     def _run(self) -> None:

@@ -1,7 +1,7 @@
 """A 3964R station with a passive RK512 above it, at the master end of a bare pty or a descriptor: written by hand, in real time.
 
-It shares nothing with protocols and says plain characters: no marks, FF as FF.  DB 10 has 128 words, no other block is there.  It has
-priority, reads a block or gives one, and does nothing else at the time.
+It shares nothing with protocols and sends plain characters: no marks, FF as FF.  It has DB 10 with 128 words and no other block, and
+high priority.  It receives a block or sends one, never both at the same time.
 """
 
 import os
@@ -14,7 +14,7 @@ WORDS = 128
 
 
 class ForeignStation:
-    """Runs in a thread; `path` is what others open.  `heard` are the blocks it took, `sent` those it gave."""
+    """Runs in a thread; `path` is what others open.  `heard` are the blocks it received, `sent` those it sent."""
 
     def __init__(self, *, answers: bool = True) -> None:
         self._fd, self._slave = os.openpty()

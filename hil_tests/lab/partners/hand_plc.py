@@ -1,6 +1,6 @@
 """The demo's two PLCs with a person for their program: targets typed at a prompt, sent as DB 10 on the simulated line.
 
-python -m hil_tests.lab.partners.hand_plc [RUN] [MODBUS-PORT]        beside `axisgate run demo --sim`
+python -m hil_tests.lab.partners.hand_plc [RUN] [MODBUS-PORT]        next to `axisgate run demo --sim`
 """
 
 import sys
@@ -91,7 +91,7 @@ def unfinished(block: Block) -> str:
 
 
 def carried_out(hand: Hand, wish: str) -> str:
-    """A wish that cannot be met is no end of this program."""
+    """An order that cannot be carried out does not end this program."""
     try:
         return hand.obey(wish)
     except TimeoutError:
@@ -99,7 +99,7 @@ def carried_out(hand: Hand, wish: str) -> str:
 
 
 def why(block: Block) -> str:
-    """What DB 11 says of it."""
+    """Return what DB 11 reports about it."""
     return f"error {words_of(block.word(1))}" if block.word(1) else "DB 11 reports no error, or was never fetched"
 
 

@@ -1,7 +1,7 @@
 """A 3964R station that does what the Linux line discipline did, and notes what its partner does against the procedure.
 
 Written from its description, character by character; it shares nothing with protocols but the shape of a machine.  It asks up to six times
-for a block (STX, answer within 550 ms), waits 220 ms of quiet before it asks again, takes up to 4000 characters and the character behind a
+for a block (STX, answer within 550 ms), waits 220 ms of quiet before it asks again, takes up to 4000 characters and the character after a
 lone DLE, refuses a block after 220 ms of silence, and gives way to a conflict: at once without priority, in any repeat with it.
 """
 

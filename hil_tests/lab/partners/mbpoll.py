@@ -4,7 +4,7 @@ import subprocess
 
 
 def mbpoll(port: int, *options: str, values: tuple[int, ...] = (), unit: int = 1) -> tuple[int, str]:
-    """Exit code and everything it said."""
+    """Return the exit code and all output."""
     command = ["mbpoll", "-m", "tcp", "-p", str(port), "-a", str(unit), "-1", "-q", "-o", "5", *options, "127.0.0.1"]
     done = subprocess.run([*command, *map(str, values)], capture_output=True, text=True, timeout=30, check=False)
     return done.returncode, done.stdout + done.stderr

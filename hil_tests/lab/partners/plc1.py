@@ -56,7 +56,7 @@ class S5Plc:
             self._words[number] = value & 0xFFFF
 
     def word_value(self, number: int) -> int:
-        """What stands in DW number of DB 10."""
+        """Return the word `number` of DB 10."""
         return self._words[number]
 
     def bit(self, word: int, bit: int, value: bool) -> None:
@@ -65,13 +65,13 @@ class S5Plc:
             self._words[word] = self._words[word] | 1 << bit if value else self._words[word] & ~(1 << bit)
 
     def pulse(self, word: int, bit: int) -> None:
-        """A bit that stands for two cycles."""
+        """Set a bit for two cycles."""
         self.bit(word, bit, True)
         self.wait_cycles(2)
         self.bit(word, bit, False)
 
     def send(self, *telegrams: tuple[int, int, bytes]) -> None:
-        """SENDs (db, word, data) beside the cyclic ones, one right after the other; returns when all were acknowledged."""
+        """Send SENDs (db, word, data) in addition to the cyclic ones, without pauses; return when all are acknowledged."""
         with self._lock:
             self._extra += telegrams
         self.wait(lambda s: not self._extra, PATIENCE_S, f"{len(telegrams)} SENDs")

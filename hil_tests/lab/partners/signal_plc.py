@@ -203,7 +203,7 @@ class SignalPlc:
         self.write()
 
     def write(self) -> None:
-        """The image as it stands, once more."""
+        """Write the present image once more."""
         self.way.write(FIRST, bytes(self.image))
 
     def look(self) -> "SignalPlc":

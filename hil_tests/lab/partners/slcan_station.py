@@ -1,4 +1,4 @@
-"""An slcan adapter as a process of its own: a pty that speaks Lawicel's ASCII protocol, on a local bus behind it.
+"""An slcan adapter as a process of its own: a pty that speaks Lawicel's ASCII protocol, connected to a local bus.
 
 python -m hil_tests.lab.partners.slcan_station --link PATH --bus NAME.  PATH becomes a link to the pty; ending the process is pulling the
 adapter.
@@ -52,7 +52,7 @@ class Station:
         return CR
 
     def heard(self) -> bytes:
-        """Frames of the bus as the adapter says them."""
+        """Return frames of the bus as the adapter reports them."""
         frames = self._port.receive()
         if not self._open:
             return b""

@@ -1,4 +1,4 @@
-"""A 3964R station by the table of the manuals, written by hand: it sends one block, answers what it hears, and knows no remainders.
+"""A 3964R station by the table of the manuals, written by hand: it sends one block, answers what it receives, and knows no remainders.
 
 It shares with protocols only the seven methods of a machine, so a virtual line moves its characters.
 """

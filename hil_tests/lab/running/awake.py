@@ -1,10 +1,10 @@
-"""Keeps the processors of a virtual machine from falling asleep while a cell runs on them by the clock (AX-591).
+"""Keep the processors of a virtual machine busy while a cell runs on them in real time (AX-591).
 
 A virtual processor with nothing to do is given to others by its host and comes back late: on one such machine a process of the highest
 priority that sleeps 1 ms overslept by more than 5 ms five times a second, and fifteen to thirty times less often while something, however
 unimportant, always wanted the processor.
 
-python -m hil_tests.lab.running.awake CPU     wants that processor, behind everybody else, until its parent dies or SIGTERM
+python -m hil_tests.lab.running.awake CPU     wants that processor at the lowest priority until its parent dies or SIGTERM
 """
 
 import contextlib
@@ -46,7 +46,7 @@ def awake(cpuinfo: pathlib.Path = CPUINFO) -> Iterator[list["subprocess.Popen[by
 
 
 def virtual(cpuinfo: pathlib.Path = CPUINFO) -> bool:
-    """Whether a host lends us the processors.  A guest of user-mode-linux is no matter of ours: its clock may stand still."""
+    """Return whether the processors are virtual.  A guest of user-mode-linux does not count: its clock may be stopped."""
     text = cpuinfo.read_text(encoding="utf-8", errors="replace") if cpuinfo.exists() else ""
     flags = next((line.split() for line in text.splitlines() if line.startswith("flags")), [])
     return "hypervisor" in flags and "User Mode Linux" not in text

@@ -25,7 +25,7 @@ BELTS = "".join(
 
 
 def with_belts(text: str) -> str:
-    """The portal's cell file with belts, absolute axes that stand where programs begin, and the belts' signals from the PLC."""
+    """The portal's cell file with belts, absolute axes that are where programs begin, and the belts' signals from the PLC."""
     text = re.sub(r'home            = \{ by = "gateway".*\}', 'home            = { by = "none" }', text)
     for axis, place in (("X", 100.0), ("Y", 100.0), ("Z", 50.0), ("C", 0.0)):
         text = re.sub(rf"(\[plant\.axis\.{axis}\][^\[]*?start +=) [\d.]+", rf"\g<1> {place}", text)
@@ -41,7 +41,7 @@ def with_signals(text: str) -> str:
 
 
 class BeltRun:
-    """What stands beside the programs of such a run."""
+    """The other parts of such a run, besides the programs."""
 
     def __init__(self, run: ProgramRun) -> None:
         self.programs, self._emulator = run, EmulatorControl(f"{run.run.name}-drives")
@@ -54,11 +54,11 @@ class BeltRun:
         self._emulator.ask("belt", belt=kind, speed=speed / INCREMENT)
 
     def silence(self, kind: int, *, silent: bool) -> None:
-        """Its encoder says nothing."""
+        """Stop the transmission of its encoder."""
         self._emulator.ask("belt", belt=kind, silent=silent)
 
     def zero(self, kind: int) -> None:
-        """The PLC sets the belt's counter to its reset value, 0; the input stands for some cycles, or none of them might see it."""
+        """The PLC sets the belt's counter to its reset value, 0; the input is set for several cycles, so that one of them sees it."""
         self.programs.coil(SET_COUNTER + kind - 1, True)
         seen = self.programs.state().cycle + 3
         self.programs.watch("cycles with the input", lambda state: state.cycle >= seen)

@@ -33,7 +33,7 @@ class Bus:
         self.process = self.start()
 
     def start(self) -> subprocess.Popen[str]:
-        """Start (again); returns when the broker said ready."""
+        """Start (again); return when the broker reports that it is ready."""
         self.process = subprocess.Popen(self._command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         assert self.process.stdout.readline() == "ready\n", self.process.communicate()[1]
@@ -52,7 +52,7 @@ class Bus:
         return self.log.read_text().splitlines(keepends=True)
 
     def stop(self, number: int = signal.SIGTERM) -> tuple[int, str]:
-        """End it; exit code and what it said on standard error."""
+        """End it; return its exit code and its standard error."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGCONT)
             self.process.send_signal(number)

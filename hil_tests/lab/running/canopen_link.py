@@ -15,7 +15,7 @@ HEARTBEAT_NS, STEP_S = 20_000_000, 0.002
 
 
 class DrivesLink:
-    """drivers.ports.can.cycle_bus.CycleLink with the drives behind it; `fail` is raised by the next look at it."""
+    """drivers.ports.can.cycle_bus.CycleLink with the drives on it; the next access raises `fail`."""
 
     def __init__(self, nodes: Sequence[int], gateway: int = 127) -> None:
         self._slave = Cia402Slave(BusSettings(8.0, 1, {}, {n: DriveSettings(QUICK) for n in nodes}), dict.fromkeys(nodes, DICTIONARY))

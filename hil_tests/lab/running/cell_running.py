@@ -62,7 +62,7 @@ STOLEN = (16, 17, 18, 27, 44)  # reasons: drive fault, drive lost, following err
 
 
 class Disturbed(Exception):
-    """The machine took the processor away before the test did anything: this repetition proves nothing and is played again."""
+    """The machine took the processor away before the test did anything: this repetition proves nothing and is repeated."""
 
 
 def spare_of(times: int) -> int:
@@ -336,7 +336,7 @@ class CellRun:
         self.arrived(HOME)
 
     def arrived(self, target: tuple[float, ...]) -> None:
-        """The mechanics stand at the target."""
+        """Return whether the mechanics are at the target."""
         time.sleep(SETTLE_S)
         now = time.monotonic_ns()
         missed = Judge(self.demo, self.record()).missed_by(Move(now, now, target, target))

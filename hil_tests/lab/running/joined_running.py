@@ -96,7 +96,7 @@ class JoinedRun:
 
 
 class Modules:
-    """Whoever stands behind the I/O blocks of a bus: answers each SYNC with its own blocks, keeps what it hears; a thread of its own."""
+    """The partner of the I/O blocks of a bus: answers each SYNC with its own blocks and keeps what it receives, in a thread of its own."""
 
     def __init__(self, bus: str, says: dict[int, bytes]) -> None:
         self.says = dict(says)

@@ -1,4 +1,5 @@
-"""A cell whose programs a PLC orders, as real processes: program files beside the cell, PLC 2 that orders them, eyes on the set values."""
+"""A cell whose programs a PLC orders, as real processes: program files next to the cell file, PLC 2 that orders them, a record of the set
+values."""
 
 import contextlib
 import os
@@ -88,7 +89,7 @@ class ProgramRun:
         return max(abs(a - b) for a, b in zip(before, self.sets(), strict=True)) < 1e-12
 
     def path(self, number: int, start: Sequence[float]) -> Array:
-        """The program's way from where the axes stood, densely; (n, axes)."""
+        """Return the program's path from where the axes were, densely; (n, axes)."""
         program, route = read(self.texts[number]), Route(self.machine, start)
         for block in program.blocks:
             route.add(block)
@@ -176,6 +177,6 @@ def away(rows: Array, path: Array) -> float:
 
 
 def along(state: CellState, path: Array) -> float:
-    """Share of the path behind the set values: the nearest of its places."""
+    """Return the share of the path that the set values have covered, by its nearest place."""
     here = np.array([axis.set for axis in state.axes[: path.shape[1]]])
     return int(np.argmin(np.linalg.norm(path - here, axis=1))) / len(path)

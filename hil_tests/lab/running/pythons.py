@@ -1,4 +1,5 @@
-"""The Pythons of this machine that the README promises, beside the one that runs; `python -m hil_tests.lab.running.pythons` prepares them.
+"""The Pythons of this machine that the README promises, except for the one that runs; `python -m hil_tests.lab.running.pythons` prepares
+them.
 
 One of the same minor version runs on the packages of this environment, whose compiled parts fit it; any other needs its own, in build.
 """

@@ -1,4 +1,4 @@
-"""The demo's cell as on metal: `axisgate run` without --sim, its drive bus behind a port, drives of another process on the far bus."""
+"""The demo's cell as on metal: `axisgate run` without --sim, its drive bus on a port, drives of another process on the far bus."""
 
 import contextlib
 import pathlib
@@ -31,7 +31,7 @@ CYCLE_MS = 2 * P5_MS  # an adapter takes some milliseconds of each cycle
 
 
 def real_cell(folder: pathlib.Path, port: str, *, evidence: bool) -> pathlib.Path:
-    """The demo's cell file with metal behind it; everything else as shipped."""
+    """Return the demo's cell file with real ports; everything else as shipped."""
     text = read_text(find_config("demo", "cells"))
     changes = [
         ('target           = "simulation"', 'target           = "machine"'),

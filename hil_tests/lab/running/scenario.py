@@ -34,7 +34,7 @@ KG_1200_5 = bytes.fromhex("0B4B0800")  # 1200.5 as S5 float
 
 
 class ScenarioFailed(Exception):
-    """The scenario could not be played to its end."""
+    """The scenario could not be completed."""
 
     def __init__(self, text: str, code: int = 1, late: str = "") -> None:
         super().__init__(text)
@@ -70,7 +70,7 @@ class Scenario:
         self.plc2: ModbusPlc | None = None
 
     def say(self, text: str) -> None:
-        """One line for whoever watches."""
+        """Print one line of progress."""
         self.show.say(text)
 
     # ---- start and stop ----------------------------------------------------------------------------------------------
@@ -104,7 +104,7 @@ class Scenario:
         self.show.close()
 
     def _record_bus(self) -> None:
-        """On a kernel bus there is no broker to keep a log: Debian's candump does (wall-clock stamps)."""
+        """Record a kernel bus, which has no broker to keep a log, by Debian's candump (wall-clock stamps)."""
         if self.bus is None or not self.bus.startswith("socketcan:"):
             return
         if shutil.which("candump") is None:

@@ -1,4 +1,4 @@
-"""A shadow beside a run that stands for the old controller: its serial line tapped, its Modbus captured, its drive bus listened to; both
+"""A shadow next to a run that represents the old controller: its serial line tapped, its Modbus captured, its drive bus listened to; both
 PLCs of the demo at work.
 """
 

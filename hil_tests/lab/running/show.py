@@ -75,7 +75,7 @@ class Show:
 
 
 def picture(cell: Cell, one: S5Plc, two: ModbusPlc, title: str) -> Group:
-    """Axes as PLC 2 reads them beside DB 11 as PLC 1 fetches it (KF at 0.1)."""
+    """Axes as PLC 2 reads them next to DB 11 as PLC 1 fetches it (KF at 0.1)."""
     status = two.status
     table = Table("axis", "actual", "lag", "on", "ref", "in pos", "DB 11 (KF)", title=title)
     for n, axis in enumerate(cell.axis):

@@ -1,4 +1,4 @@
-"""Longer steps at a page somebody is logged in at: orders beside its own keys, a token for a script, a stranger's questions."""
+"""Longer steps on a page with a logged-in user: orders besides its own keys, a token for a script, requests of a stranger."""
 
 import subprocess
 import sys

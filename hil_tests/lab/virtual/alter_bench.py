@@ -26,7 +26,7 @@ HEAD = "robot portal\nangles val3\naxes mm mm mm deg\nstart 100 100 50 0\n"
 
 
 def with_alter(text: str, table: str = ALTER) -> str:
-    """The portal's cell file with a correction from the PLC, and absolute axes that stand where programs begin."""
+    """The portal's cell file with a correction from the PLC, and absolute axes that are where programs begin."""
     text = re.sub(r'home            = \{ by = "gateway".*\}', 'home            = { by = "none" }', text)
     for axis, place in (("X", 100.0), ("Y", 100.0), ("Z", 50.0), ("C", 0.0)):
         text = re.sub(rf"(\[plant\.axis\.{axis}\][^\[]*?start +=) [\d.]+", rf"\g<1> {place}", text)
@@ -49,7 +49,7 @@ class AlterRobot(ServodynRobot):
 
 
 class AlterBench(Planned):
-    """Command source 1 orders programs and writes the correction: `correct` says what it is (mm, deg), cycle by cycle, while it speaks."""
+    """Command source 1 orders programs and writes the correction: `correct` returns it (mm, deg) for each cycle in which it is sent."""
 
     def __init__(self, robot: CellBench | None = None) -> None:
         self.speaks = True
@@ -60,7 +60,7 @@ class AlterBench(Planned):
         self.home()
 
     def home(self) -> "AlterBench":
-        """Drives on, a correction that lives and says 0, the axes where programs begin."""
+        """Drives on, a correction that is alive and 0, the axes where programs begin."""
         self.speaks, self.planner.alive, self.correct = True, True, lambda: (0.0,) * 6
         self.bench.permit(WAIT, value=False)
         if self.state.motion is not Motion.IDLE:  # what another test left behind

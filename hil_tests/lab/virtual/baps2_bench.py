@@ -142,7 +142,7 @@ class ServodynBench(CellBench):
 
 
 class ProgramCell:
-    """`programs`: name -> source, without what stands in front of PROGRAM; `files`: others of the memory."""
+    """`programs`: name -> source, without the lines before PROGRAM; `files`: others of the memory."""
 
     def __init__(self, files: Mapping[str, str | bytes], cell: Cell = CELL) -> None:
         self.cell = cell
@@ -293,7 +293,7 @@ class ProgramCell:
     # ---- what tests do
 
     def dies(self) -> None:
-        """The interpreter is gone, whatever it had said."""
+        """End the interpreter; what it has sent and is not yet read is lost."""
         self.port = None
 
     def start(self, name: str) -> int:

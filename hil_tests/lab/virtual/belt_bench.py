@@ -87,7 +87,7 @@ class BeltBench(CellBench):
             super().cycle()
 
     def another_planner(self, before: PlannerState) -> None:
-        """`before`: what the one before it said last."""
+        """`before`: the last record of its predecessor."""
         free = free_outputs(AS_SHIPPED, self.axes)
         self.programs = Programs(CellPrograms(lambda *_: self.machine, lambda _: self.all, lambda _: self.text, free, belts=self.facts))
         self.programs.follows(before)

@@ -1,7 +1,7 @@
-"""`Bench`: plays a dialogue with any byte machine, in virtual time, twice at once: whole pieces and byte by byte.
+"""`Bench`: run a dialogue with any byte machine in virtual time, twice at once: in complete pieces and byte by byte.
 
-Both twins must say and report the same.  An exception inside a machine is a failed assertion.  What nobody asked for by the end of the
-test is one, too (hil_tests/conftest.py).  Knows no protocol.
+Both twins must send and report the same.  An exception inside a machine is a failed assertion, and so is output that the test has not
+asked for by its end (hil_tests/conftest.py).  Knows no protocol.
 """
 
 import copy
@@ -17,7 +17,7 @@ played: list["Bench[Machine[object]]"] = []  # of the test under way
 
 
 class _Twin(Generic[M]):
-    """One of the two players with what it said and reported since last asked."""
+    """One of the two machines, with what it sent and reported since the last question."""
 
     def __init__(self, machine: M, in_pieces: bool) -> None:
         self.machine, self.in_pieces = machine, in_pieces
@@ -49,9 +49,9 @@ class _Twin(Generic[M]):
 
 
 class Bench(Generic[M]):
-    """`line.at(ms(5)).hears(b"...").says(b"...").reports(event)`; what is said and reported must be told completely.
+    """`line.at(ms(5)).hears(b"...").says(b"...").reports(event)`; the test must name all that is sent and reported.
 
-    leaves_at_once=False: what the machine says stays on its way until `left()`; then its `sent` is called.
+    leaves_at_once=False: the machine's output stays on its way until `left()`; then its `sent` is called.
     """
 
     def __init__(self, machine: M, leaves_at_once: bool = True) -> None:
@@ -98,7 +98,7 @@ class Bench(Generic[M]):
         return self._speak()
 
     def left(self) -> "Bench[M]":
-        """All that was said has left the line by now (leaves_at_once=False)."""
+        """All output has left the line by now (leaves_at_once=False)."""
         for twin in self._twins:
             self._left(twin)
         return self._speak()
@@ -133,7 +133,7 @@ class Bench(Generic[M]):
         return lists[0]
 
     def heard_out(self) -> None:
-        """Nothing was said or reported that nobody asked for."""
+        """Check that nothing was sent or reported that the test has not asked for."""
         self.says(b"").reports()
 
     # ---- one twin

@@ -23,7 +23,7 @@ WAYS = (60.0, -25.0, 90.0)  # rad of the motor
 
 @dataclass
 class Recording:
-    """`frames` as they were on the bus; the truth behind them, one value for each cycle and axis."""
+    """`frames` as they were on the bus; the true values, one for each cycle and axis."""
 
     frames: list[Frame] = field(default_factory=list)
     set_inc: list[list[int]] = field(default_factory=list)

@@ -33,7 +33,7 @@ class AbortedError(AssertionError):
 
 
 class CanopenBus:
-    """`said`: every frame of the drives with the time it was said; nodes 1, 2, .. unless named."""
+    """`said`: every frame of the drives with the time it was sent; nodes 1, 2, .. unless named."""
 
     def __init__(self, *drives: DriveSettings, cycle_ms: float = 4.0, seed: int = 1, nodes: dict[int, DriveSettings] | None = None) -> None:
         chosen = nodes or dict(enumerate(drives or (DriveSettings(QUICK),), 1))
@@ -78,7 +78,7 @@ class CanopenBus:
         self.said += [frame._replace(stamp_ns=now) for frame in self.slave.take_output()]
 
     def heard(self, identifier: int, since: int = 0) -> list[Frame]:
-        """What was said on an identifier."""
+        """Return what was sent on an identifier."""
         return [frame for frame in self.said[since:] if frame.identifier == identifier]
 
     def cycle(self, *sets: Frame) -> list[Frame]:
@@ -135,7 +135,7 @@ class Master:
         self.write(index, sub, value, entry.type.size)
 
     def read(self, index: int, sub: int = 0) -> int:
-        """Expedited upload of a number; signed as the data sheet says.  Raises AbortedError."""
+        """Expedited upload of a number; signed as in the data sheet.  Raises AbortedError."""
         entry = DICTIONARY.entry(index, sub)
         answer = self._good(self.ask(sdo.initiate(sdo.Request.INITIATE_UPLOAD, (index, sub))))
         signed = entry is not None and entry.type.low < 0

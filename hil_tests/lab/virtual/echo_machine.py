@@ -1,4 +1,4 @@
-"""The smallest byte machine: reports what it hears, says again what it hears if told to, and can ask for a wake."""
+"""The smallest byte machine: reports what it receives, echoes it on request, and can ask for a wake."""
 
 from dataclasses import dataclass
 

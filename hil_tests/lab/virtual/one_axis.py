@@ -45,7 +45,7 @@ class OneAxis:
         self.cycle(round(seconds * 1e9 / self.period_ns))
 
     def enable(self) -> None:
-        """Into control, where the axis stands."""
+        """Take control at the present position of the axis."""
         self.run(0.1)
         self.on = True
         self.run(0.4)
@@ -68,7 +68,7 @@ class OneAxis:
         return self.slave.axis(1).servo.position_rad
 
     def zero_here(self) -> None:
-        """The axis reads 0 where it stands."""
+        """Set the present position of the axis to 0."""
         self.scaling = replace(self.scaling, zero_inc=float(self.drive.position_inc))
         self.set = self.goal = 0.0
 

@@ -22,7 +22,7 @@ DICTIONARY = eds.parse(EDS.read_text())[0]
 
 
 def one_plan(*parameters: Parameter) -> NodePlan:
-    """What node 3 is told."""
+    """Return the plan for node 3."""
     return NodePlan(NODE, default_pdos(NODE, torque=True), parameters=parameters)
 
 
@@ -82,7 +82,7 @@ class OneNode:
         return self
 
     def on(self) -> "OneNode":
-        """Enabled and held where it stands."""
+        """Enabled and held at its present position."""
         for _ in range(200):
             self.cycle(Demand(on=True, position_inc=self.drive.set_inc))
             if self.drive.power is Power.ENABLED:

@@ -1,4 +1,4 @@
-"""The planner's inside beside a cell in virtual time: one turn a cycle, and what the ring carries meanwhile."""
+"""The planner's core next to a cell in virtual time: one turn a cycle, and what the ring carries meanwhile."""
 
 from collections import deque
 
@@ -23,7 +23,7 @@ A_CYCLE = 2  # pieces the core takes from the ring
 
 
 class PlannerBeside:
-    """`alive` False: a planner that died; what it had put into the ring is still carried.  `streams`: the texts of programs are said line
+    """`alive` False: a planner that died; what it had put into the ring is still carried.  `streams`: the texts of programs are sent line
     by line, one a turn, and move as they become known."""
 
     streams = False

@@ -11,7 +11,7 @@ class PlannerRegion:
         self._read = PlannerState()
 
     def through(self, said: PlannerState) -> PlannerState:
-        """`said` as its readers see it."""
+        """Return `said` as its readers see it."""
         if said is not self._said and said != self._said:
             self._read = unpack_planner(pack_planner(said))
         self._said = said

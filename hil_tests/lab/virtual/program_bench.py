@@ -1,4 +1,4 @@
-"""A cell in virtual time and the planner's inside beside it: programs ordered by a command source, no process, no clock."""
+"""A cell and the planner's core in virtual time: programs ordered by a command source, no process, no clock."""
 
 from dataclasses import replace
 
@@ -31,7 +31,7 @@ FACTS = {1: ProgramFacts("there", ALL), 2: ProgramFacts("back", ALL)}
 
 
 class WithPlanner:
-    """A cell in virtual time and the planner's inside beside it: one turn a cycle."""
+    """A cell and the planner's core in virtual time: one turn a cycle."""
 
     def __init__(self, cell: CellBench | None = None) -> None:
         self.cell = cell or CellBench(cell=CELL)

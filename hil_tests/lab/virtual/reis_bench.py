@@ -119,7 +119,7 @@ class ReisCell:
             assert not self.language.restore(name, text)
 
     def dies(self) -> None:
-        """The interpreter is gone, whatever it had said; what was on the disk stays."""
+        """End the interpreter; what it has sent and is not yet read is lost, what is on the disk stays."""
         self.kept = self.language.values()
         self.port = None
 

@@ -1,4 +1,4 @@
-"""A rho 3 with one line under test, on the bench: programs' calls, disable signals, and what the line says and reports.
+"""A rho 3 with one line under test, on the bench: programs' calls, disable signals, and what the line sends and reports.
 
 An exception in a call is a failed assertion, as on every Bench.
 """
@@ -21,7 +21,7 @@ ONE, TWO, THREE = (Process(number, 100 + number, stop_on_error=False) for number
 
 
 def wire(data: bytes) -> bytes:
-    """A block as it stands on the line."""
+    """Return a block as it is sent on the line."""
     return bytes(wire_block(data, True))
 
 
@@ -140,7 +140,7 @@ class InterfaceBench(Bench[ManagedLine]):
         return self
 
     def heard_from(self) -> bytes:
-        """What the line said since last asked, for a caller who compares it in his own way."""
+        """Return what the line has sent since the last question, for callers with a comparison of their own."""
         said = [bytes(twin.said) for twin in self._twins]
         for twin in self._twins:
             twin.said.clear()

@@ -27,7 +27,7 @@ class Blocks:
 
 
 class Areas:
-    """Every other area, without an end: a byte tells where it stands; what is written is kept as a list."""
+    """Every other area, unlimited: the value of a byte gives its address; what is written is kept as a list."""
 
     def __init__(self) -> None:
         self.written: list[tuple[Kind, int, int, bytes]] = []

@@ -1,4 +1,4 @@
-"""An emulated booster on its bus, switched on, and what its axis says."""
+"""An emulated booster on its bus, switched on, and the values of its axis."""
 
 from collections.abc import Callable
 from math import pi
@@ -37,7 +37,7 @@ def path(start: float, end: float) -> Callable[[float], float]:
 
 
 def until(bus: DriveBus, reached: Callable[[ActualValue], bool], seconds: float) -> float:
-    """Cycles until the actual value of axis 1 says so; seconds of bus time it took.  Fails after `seconds`."""
+    """Run cycles until the actual value of axis 1 satisfies this; seconds of bus time it took.  Fails after `seconds`."""
     began = bus.now
     while (bus.now - began) * 1e-9 < seconds:
         bus.cycle()

@@ -35,7 +35,7 @@ class Want:
 
 
 class DriveBus:
-    """`actual`: the last values heard; `trace`: every frame handed to the drives; `said`: every frame they sent."""
+    """`actual`: the last values received; `trace`: every frame handed to the drives; `said`: every frame they sent."""
 
     def __init__(self, *axes: ServoSettings, p5_ms: float = 4.0, seed: int = 1, substeps: int = 1) -> None:
         chosen = axes or (ServoSettings(),)
@@ -91,7 +91,7 @@ class DriveBus:
         assert all(value.enabled and value.brake_open for value in self.actual.values()), self.actual
 
     def move(self, path: Callable[[float], float], number: int = 1) -> None:
-        """From now on the set position is where the axis stands plus path(t) in inc."""
+        """From now on the set position is the present position plus path(t) in inc."""
         want = self.want[number]
         want.path, want.since = path, self.now
 
@@ -116,7 +116,7 @@ class DriveBus:
         return self.hear(self.slave.take_output())
 
     def hear(self, frames: list[Frame]) -> list[Frame]:
-        """The drives said this."""
+        """Take what the drives have sent."""
         self.said += frames
         for frame in frames:
             number, value = CODEC.decode_actual(frame)

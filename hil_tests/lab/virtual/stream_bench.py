@@ -129,7 +129,7 @@ class StreamBench(BeltBench):
         self._hand_over()
 
     def go(self) -> None:
-        """It goes on."""
+        """Resume."""
         self.dispatcher.go_on_with(self.job)
         self._hand_over()
 

@@ -216,7 +216,7 @@ class Val3Cell:
     # ---- what tests do
 
     def dies(self) -> None:
-        """The interpreter is gone, whatever it had said."""
+        """End the interpreter; what it has sent and is not yet read is lost."""
         self.port = None
 
     def put(self, bit: int, value: bool = True) -> None:

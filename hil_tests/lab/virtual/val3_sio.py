@@ -1,4 +1,4 @@
-"""`Desk`: a program's view of sio in virtual time, with the network played by hand."""
+"""`Desk`: a program's view of sio in virtual time, with a network operated by the test."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -18,7 +18,7 @@ WAITS = "waits"
 
 
 def error(code: int) -> str:
-    """What `outcome` says for a run-time error."""
+    """Return `outcome` of a run-time error."""
     return f"run-time error {code}"
 
 
@@ -123,13 +123,13 @@ class SioBench:
         return answer[0]
 
     def answer(self, number: int) -> None:
-        """The connection that was ordered stands now."""
+        """Establish the connection that was ordered."""
         self.opened.append(number)
         self.core.opened(number, self.now)
         self.settle()
 
     def at(self, now: Ns) -> "SioBench":
-        """Time goes on, waking the core whenever it asked for it."""
+        """Advance the time; wake the core at each of its deadlines."""
         while (due := self.core.deadline()) is not None and due <= now:
             assert due > self.now or self.now == 0, "a deadline that does not move"
             self.now = due

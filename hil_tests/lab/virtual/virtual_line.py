@@ -84,7 +84,7 @@ class VirtualLine(Generic[E]):
             way.next_fault = self._gap(way)
 
     def counts(self, side: int) -> Counts:
-        """Of what this side says."""
+        """Return the counts of what this side sends."""
         return self._ways[side].counts
 
     def kick(self, side: int) -> None:
