@@ -112,7 +112,7 @@ def number(
         if isinstance(value, str):
             raise StepFault(WRONG_TYPES)
         if low is not None and high is not None and not low <= value <= high:
-            raise StepFault(f"{what} {value:g} is outside {low:g} .. {high:g}")
+            raise StepFault(f"{what} {value:.10g} is outside {low:.10g} .. {high:.10g}")
         return value
 
     return read

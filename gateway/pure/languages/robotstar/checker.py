@@ -217,7 +217,7 @@ def _ranges(step: Step) -> Iterator[str]:
     if step.word in ("COPY", "ADD", "SUB", "MUL", "DIV", "MODULO") and isinstance(source, Number) and isinstance(destination, Ref):
         integer = destination.name.lstrip("_")[:1] == "I" and not destination.element
         if integer and not LOWEST <= source.value <= HIGHEST:
-            yield f"{source.value:g} is outside the range of an integer, {LOWEST} .. {HIGHEST}"
+            yield f"{source.value:.10g} is outside the range of an integer, {LOWEST} .. {HIGHEST}"
 
 
 def _target(checking: _Check, program: Program, step: Step) -> str:
@@ -240,8 +240,10 @@ def _target(checking: _Check, program: Program, step: Step) -> str:
 def _pattern(checking: _Check, program: Program, text: str) -> str:
     """What is wrong with the name of a pattern; the pattern itself is checked once, however many steps name it."""
     found = checking.memory.find(text, program.directory, TARGETS["PALLET"])
-    if found is None:
+    if found is None and checking.memory.find(text, program.directory) is None:
         return f"pallet program {text} not found"
+    if found is None:
+        return f"program {text} is no pallet program"
     if found.kind == "PAL" or _has_vectors(checking, found):
         checking.patterns[found.file] = found
         return ""

@@ -169,6 +169,6 @@ def typed(place: Place, operand: Operand) -> str:
             return f"{operand.name} is of type {operand.name[0]}; {' or '.join(place.types.strip('_'))} is needed"
     if isinstance(operand, Number) and place.low is not None and place.high is not None and not place.low <= operand.value <= place.high:
         if place.low == LEAST and not 0 < operand.value < LEAST:
-            return f"{place.name} {operand.value:g} must be above 0 and at most {place.high:g}"
-        return f"{place.name} {operand.value:g} is outside {place.low:g} .. {place.high:g}"
+            return f"{place.name} {operand.value:.10g} must be above 0 and at most {place.high:.10g}"
+        return f"{place.name} {operand.value:.10g} is outside {place.low:.10g} .. {place.high:.10g}"
     return ""

@@ -36,17 +36,30 @@ def _refusal(value: Scalar, name: str, variable: Variable) -> str:
     if parameter in RANGES and not isinstance(value, str):
         low, high = RANGES[parameter]
         if not low <= value <= high:
-            return f"{parameter} {value:g} is outside {low:g} .. {high:g}"
+            return f"{parameter} {value:.10g} is outside {low:.10g} .. {high:.10g}"
     return ""
 
 
 def wrong_kind(step: Step, kind_of: Callable[[str], str]) -> str:
-    """Of mathematics and logic: an operand that is no number, or no integer."""
+    """Of mathematics, logic and tests: an operand that is no number, or no integer."""
+    if step.word in ("TEST", "TEST_BIT"):
+        return _wrong_test(step, kind_of)
     allowed = "IR" if step.word in MATH else "I" if step.word in LOGIC else ""
     if not allowed:
         return ""
     kinds = (_kind(step.slots[place], kind_of) for place in ("source", "destination"))
     return "" if all(kind in allowed for kind in kinds) else WRONG_TYPES
+
+
+def _wrong_test(step: Step, kind_of: Callable[[str], str]) -> str:
+    """Of #VARIABLE: a bit of what is no integer, a structure, a text beside a number."""
+    if getattr(step.slots["area"], "name", "") != "VARIABLE":
+        return ""
+    if step.word == "TEST_BIT":
+        return "" if _kind(step.slots["byte"], kind_of) in ("", "I") else WRONG_TYPES
+    first, second = (_kind(step.slots[place], kind_of) for place in ("first", "second"))
+    mixed = bool(first and second) and (first == "S") != (second == "S")
+    return WRONG_TYPES if mixed or {first, second} & set("VPT") else ""
 
 
 def _kind(operand: Operand, kind_of: Callable[[str], str]) -> str:

@@ -92,7 +92,7 @@ class PathState:
         """A parameter; StepFault outside its range."""
         low, high = RANGES[name]
         if not low <= value <= high:
-            raise StepFault(f"{name} {value:g} is outside {low:g} .. {high:g}")
+            raise StepFault(f"{name} {value:.10g} is outside {low:.10g} .. {high:.10g}")
         self.values[name] = value
 
     def set_mode(self, mode: str) -> None:

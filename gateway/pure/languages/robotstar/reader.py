@@ -385,12 +385,17 @@ def _labels(reading: _Reading) -> None:
     lost: dict[str, list[Step]] = {}
     for step in program.steps:
         needed = needed_label(step)
-        if needed and needed not in program.labels:
+        if needed == NO_LABEL:
+            reading.fault("rsv.parameters", step.line, f"step {step.number}: {spelled(step, reading.words)}: label missing")
+        elif needed and needed not in program.labels:
             lost.setdefault(needed, []).append(step)
     for place, (name, steps) in enumerate(lost.items()):
         near = hint_for_print(name, [*program.labels]) if place < MOST_HINTS else ""
         hint = hints(near, also_at(step.number for step in steps[1:]))
         reading.fault("rsv.label_lost", steps[0].line, f"step {steps[0].number}: label {name} is not in this program", hint)
+
+
+NO_LABEL = "(none)"  # of a WAIT_BIT with a time, which branches when it is over
 
 
 def label_of(step: Step) -> str:
@@ -408,7 +413,7 @@ def needed_label(step: Step) -> str:
     time = step.slots.get("time")
     if step.word == "WAIT_BIT" and (time is None or getattr(time, "value", 1) == 0):
         return ""
-    return label_of(step) or "(none)"
+    return label_of(step) or NO_LABEL
 
 
 def _definitions_first(reading: _Reading) -> None:
