@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.faults import Faults, also_at, hints
 from gateway.pure.languages.base.near import nearest
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.plc.commands import Code, Command, Routine
@@ -49,8 +49,9 @@ def body_of(lines: list[Line], name: str, faults: Faults) -> tuple[list[Line], L
         lines = lines[1:]
     for at, line in enumerate(lines):
         if line.text.split(";")[0].strip().upper() in ("END", "ENDE"):
-            for rest in lines[at + 1 :]:
-                faults.error("after-end", Position(name, rest.line), f"{rest.text[:60]!r} behind END", "END is the last step")
+            if rest := lines[at + 1 :]:
+                hint = hints("END is the last step", also_at(each.step for each in rest[1:]))
+                faults.error("after-end", Position(name, rest[0].line), f"{rest[0].text[:60]!r} behind END", hint)
             return lines[:at], line
     last = lines[-1].line if lines else 1
     faults.error("no-end", Position(name, last), "END is missing", "END is the last step of a program")

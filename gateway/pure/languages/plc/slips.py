@@ -17,7 +17,8 @@ JOINED = re.compile(r"(XON|XO|UN|ON|LD|TD|[UOSRLT])([EIAOMTZ]\s*\d.*)$")
 SPLIT = re.compile(r"(\S+?\(?)(?=\s|$|(?<=\())\s*(.*)$")
 STEP5 = {  # {0}: the operand
     "SPA": "SP {0}", "SPB": "SP {0},1", "SPBN": "SP {0},0", "BE": "END", "A": "U {0}", "AN": "UN {0}", "X": "XO {0}", "XN": "XON {0}",
-    "SI": "ST I,{0}", "SV": "ST V,{0}", "SE": "ST E,{0}", "SA": "ST A,{0}", "!=F": "=?", "==I": "=?", "><F": "><", ">F": ">", "<F": "<",
+    "SI": "ST I,{0}", "SV": "ST V,{0}", "SE": "ST E,{0}", "SA": "ST A,{0}", "!=F": "=?", "==I": "=?", "==": "=?", "<>": "><",
+    "><F": "><", ">F": ">", "<F": "<",
     ">=F": ">=", "<=F": "<=", "+F": "+", "-F": "-", "XF": "MU", ":F": "DI", "TAK": "TA", "KEW": "K E", "KZW": "K Z", "SLW": "SH L,{0}",
     "SRW": "SH R,{0}", "UW": "U ACCU", "OW": "O ACCU", "XOW": "XO ACCU", "I": "ZV ACCU,{0}", "D": "ZR ACCU,{0}",
 }  # fmt: skip

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from gateway.pure.languages.base.faults import Faults, also_at, hints
+from gateway.pure.languages.base.near import MOST_HINTS, hint_for_print
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.plc.commands import CALLS, JUMPS, OPENERS, Code, Command, Program, Routine
 from gateway.pure.languages.plc.reader import read_routine
@@ -98,7 +99,10 @@ class Translation:
                     deepest = 0
         for name, steps in missing.items():
             hint = "SU calls programs of the same directory" if "/" in name else f"{name} is not in the directory"
-            self.faults.error("subprogram", self._place(key, steps[0]), NO_PROGRAM, hints(hint, also_at(steps[1:])))
+            folder = key.rpartition("/")[0]
+            others = [other.rpartition("/")[2] for other in self._texts if other.rpartition("/")[0] == folder and other != key]
+            near = hint_for_print(name, others) if len(self.faults) < MOST_HINTS else ""
+            self.faults.error("subprogram", self._place(key, steps[0]), NO_PROGRAM, hints(hint, near, also_at(steps[1:])))
         self._depths[key] = deepest
         self._ready[key] = Routine(key, tuple(self._resolved(key, command) for command in routine.commands), routine.last)
         return deepest
@@ -128,8 +132,9 @@ def check_labels(routine: Routine, place: Callable[[str, int], Position], faults
             lost.setdefault(command.name, []).append(command.line)
         elif labels[command.name] != group:
             faults.error("brackets", where, BRACKETS, f"the jump to {command.name} leaves or enters a bracket")
-    for name, steps in lost.items():
-        faults.error("label", place(routine.name, steps[0]), NO_LABEL, hints(f"there is no M {name}", also_at(steps[1:])))
+    for at, (name, steps) in enumerate(lost.items()):
+        near = hint_for_print(name, [*labels]) if at < MOST_HINTS else ""
+        faults.error("label", place(routine.name, steps[0]), NO_LABEL, hints(f"there is no M {name}", near, also_at(steps[1:])))
 
 
 def _groups(
