@@ -45,6 +45,7 @@ def test_misread_letters_of_a_print_are_put_right_and_each_change_is_named() -> 
         ("PB 1\n:U(\n:O E ?.2\n:O E 0.1\n:)\n:= A 0.0\n:BE", 3),  # once a single O with a comment
         ("PB 1\n0000 :U E 0.0   0010 :U E 1.0\n0001 :UN E 0.1\n0002 :BE", 2),  # two columns
         ("PB 1\n:U E 0.0 = A 0.0\n:BE", 2),
+        ("PB 1\nU E 0.0 ;= A0.0\nU E 0.1 ; lamp = A0.1\nBE", 2),  # a second statement was taken as a comment
         ("PB 1\n:U(\n:O E 0.0\n:O (E 0.1\n:)\n:= A 0.0\n:BE", 4),  # the same: its operand was dropped without a word
         ("PB 1\n:U( E 0.0\n:U E 0.1\n:)\n:= A 0.0\n:BE", 2),
         ("PB 1\n:U(\n:U E 0.1\n:= A 0.0\n:BE", 2),  # not closed
@@ -70,3 +71,19 @@ def test_a_block_that_is_called_and_nowhere_is_a_finding_until_it_is_in_the_fold
     assert capsys.readouterr().out.splitlines()[-1] == "PB8 is called in OB1 and is not in the list; import it too, or write it"
     assert main(["import", str(two), "--to", str(tmp_path / "b")]) == 0
     assert main(["import", str(one), "--to", str(tmp_path / "b")]) == 0
+
+
+def test_a_line_that_is_not_translated_keeps_its_label_and_its_reason() -> None:
+    result = imported("PB 1\n:U E 0.0\n:SPB =M1\nM1 :SS T 1\n:L KT 5\n:SE T 2\n:A DB 5\n:L DBB 7\nX :E 1.0\n:BE")
+    assert "M M1\nNOT_TRANSLATED M1 :SS T 1 ; line 4: the integrated PLC has no latching" in result.programs["PB1"]
+    assert "NOT_TRANSLATED X :E 1.0 ; line 9: subprograms of the integrated PLC have no parameters" in result.programs["PB1"]
+    reasons = {each.line: each.reason for each in result.refused}
+    assert reasons[5] == "KT 5: a time has up to three digits, a point and a time base from 0 to 3 (KT 050.1)"
+    assert 6 not in reasons and "line 6 (PB1): :SE T 2: uses what line 5 would have given, which is not translated" in result.notes
+    assert reasons[8] == "DB5.DBB7 has no marker; give it one with --words: DB5.DBB7 = M200"  # once read as DB 87
+
+
+def test_a_listing_with_addresses_and_without_colons() -> None:
+    text = "STEP 5   ANLAGE 3    SEITE 1\nPB 7\n0000   U  E  0.0   -START  Taster\n0002   O  A  4.0\n0004   =  A  4.0  -M1\n0006   BE"
+    result = imported(text)
+    assert (result.refused, result.programs) == ([], {"PB7": "PLC PB7\nU E0.0\nO A4.0\n= A4.0\nEND\n"})

@@ -20,6 +20,10 @@ COUNT = re.compile(r"(?:KZ|KC|C#)\s*(\d{1,3})\b")
 PAIR = re.compile(r"(?:KY|B#\()\s*(\d{1,3})\s*,\s*(\d{1,3})")
 
 
+NO_CONSTANT = "no constant and no byte that the integrated PLC loads"
+NO_TIME = "a time has up to three digits, a point and a time base from 0 to 3 (KT 050.1)"
+
+
 class Kind(Enum):
     """What a constant is good for: a timer start needs a time, a counter a count."""
 
@@ -34,6 +38,13 @@ class Constant:
 
     value: int
     kind: Kind = Kind.NUMBER
+
+
+def kind_of(operand: str) -> Kind | None:
+    """What a constant is meant for, also one that is wrong; None: for neither a timer nor a counter, or it is none."""
+    if operand.startswith(("KT", "S5T")):
+        return Kind.TIME
+    return Kind.COUNT if operand.startswith(("KZ", "C#")) else None
 
 
 def constant_of(operand: str, english: bool) -> Constant | None:

@@ -117,6 +117,7 @@ class Reader:
     english: bool = False
     _printed: bool = False  # a listing: each statement has a colon
     _addressed: bool = False  # and its address in front; else FADE and ADD1 are labels
+    _bare: bool = False  # a listing with addresses whose colons are not printed
     _block: Block | None = None
     _skipping: re.Pattern[str] | None = None  # up to the line that matches
     _skipped: str = ""
@@ -129,6 +130,9 @@ class Reader:
         self._printed = not self.step7 and 2 * sum(bool(PRINTED.match(line)) for line in lines) > len(lines)
         addresses = [bool(ADDRESSED.match(line.strip())) for line in lines if ":" in line]
         self._addressed = not self.step7 and 2 * sum(addresses) > len(addresses)
+        if not self.step7 and not addresses and 2 * sum(bool(without_colon(line)) for line in lines) > len(lines):
+            self._printed = self._addressed = self._bare = True
+            self.found.notes.append("the listing has no colons: what follows an address is read as a statement")
         for number, line in enumerate(self.text.removeprefix("\ufeff").splitlines(), 1):
             for part in self._parts(number, line):
                 self._line(number, part)
@@ -140,9 +144,12 @@ class Reader:
     def _parts(self, number: int, line: str) -> Iterator[str]:
         line = line.split("//", maxsplit=1)[0].replace("\f", " ").replace("\t", " ")
         if self._addressed and ":" not in line and (meant := without_colon(line)):
-            self._read_as(number, line.strip(), meant)
+            if not self._bare:
+                self._read_as(number, line.strip(), meant)
             line = meant
-        parts = line.split(";") if self.step7 else [line.split(";")[0]]
+        before, _, comment = line.partition(";")
+        spaced = re.sub(r"^\s*(=|[A-Z]{1,3})\s*(?=[EAMTZIQ]\s*\d)", r" \1 ", comment, flags=re.IGNORECASE)
+        parts = line.split(";") if self.step7 else [before + spaced if MORE.match(spaced) else before]
         yield from (part.strip() for part in parts if part.strip())
 
     def _line(self, number: int, part: str) -> None:
@@ -165,8 +172,7 @@ class Reader:
     def _declaration(self, number: int, part: str) -> None:
         self._skipping = re.compile(r"END_VAR\b", re.IGNORECASE)
         if DECLARATION.match(part) and re.match(r"VAR_(INPUT|OUTPUT|IN_OUT)", part, re.IGNORECASE):
-            self._refuse(number, part, "subprograms of the integrated PLC have no parameters")
-            self._add(Statement(number, "", "?", "", part))
+            self._refused(number, "", part, "subprograms of the integrated PLC have no parameters")
 
     def _header(self, number: int, part: str) -> bool:
         """Whether the line is a heading, or print without a meaning for the program."""
@@ -194,6 +200,11 @@ class Reader:
     def _refuse(self, number: int, text: str, reason: str) -> None:
         self.found.refused.append(Refused(number, self._block.name if self._block else "", text[:100], reason))
 
+    def _refused(self, number: int, label: str, text: str, reason: str) -> None:
+        """A line that is no statement; its place in the block is kept."""
+        self._refuse(number, text, reason)
+        self._add(Statement(number, label, "?", reason, text))
+
     def _statement(self, number: int, part: str) -> None:
         if self._block is not None and not self._block.name:
             return  # a row of a data block, which its head has named
@@ -208,8 +219,7 @@ class Reader:
             self.found.notes.append(f"line {number}: {part[:60]!r} is taken as print: it has no ':'")
             return
         if label and ((self.step7 and ":=" in body) or PARAMETER.match(rest) or DECLARES.match(body)):
-            self._refuse(number, part, "subprograms of the integrated PLC have no parameters")
-            self._add(Statement(number, "", "?", "", part))
+            self._refused(number, "", part, "subprograms of the integrated PLC have no parameters")
             return
         if not rest or rest.startswith("***"):
             if label:
@@ -220,12 +230,10 @@ class Reader:
             rest = meant
         word = WORD.match(rest)
         if word is None:
-            self._refuse(number, part, "this line is no statement of STEP 5 or STEP 7")
-            self._add(Statement(number, label, "?", "", part))
+            self._refused(number, label, part, "this line is no statement of STEP 5 or STEP 7")
             return
         if MORE.search(f" {word[2]}" if word[1] in ("(", ")") or word[1].endswith("(") else word[2]):
-            self._refuse(number, part, "there is more than one statement in the line; write one a line")
-            self._add(Statement(number, label, "?", "", part))
+            self._refused(number, label, part, "there is more than one statement in the line; write one a line")
             return
         self._add(self._normal(number, label, word[1].upper(), word[2].strip(), part))
 

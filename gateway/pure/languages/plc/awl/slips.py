@@ -20,6 +20,7 @@ DIGIT = r"[\dOQIL|!SBZ]"
 BIT = re.compile(rf"([EAMDIQFL])(?:(\s+)({DIGIT}{{1,4}})|([\dOIL|!]{DIGIT}{{0,3}}))\s*([.,])\s*([\dOQIL|!S]){BEHIND}")
 BYTES = "EB|AB|MB|EW|AW|MW|ED|AD|MD|IB|IW|ID|QB|QW|QD|FY|FW|FD|DW|DL|DR|DD|PY|PW|LB|OB|PB|FB|FX|SB|FC|DB|DX|T|Z|C"
 BYTE = re.compile(rf"({BYTES}|0B|[EAMPFSD]8)\s*({DIGIT}{{1,4}}){BEHIND}")
+DATA = re.compile(r"(?:DB\s*\d+\.)?D[BI][BWDX]\s*\d+(?!\w)")  # DBB 7 is no DB 8 7
 BLOCK = re.compile(rf"([OPFS]B|FX|FC|0B|[PFS]8)\s+({DIGIT}{{1,3}}){BEHIND}")  # a label has no blank
 TIME = re.compile(rf"KT\s*({DIGIT}{{1,3}})\s*([.,])\s*([0-3OQIL|!Z]){BEHIND}")
 DECIMAL = re.compile(rf"(K[FZBC]\s*[+-]?\s*|C#|L#[+-]?)({DIGIT}{{1,5}}){BEHIND}")
@@ -62,6 +63,8 @@ def put_right(text: str) -> str:
 
 def operand_of(word: str, text: str) -> str:
     """The operand of a statement; what follows it, a comment, stays."""
+    if DATA.match(text):
+        return text
     if word in PLAIN:
         found = re.match(rf"({DIGIT}{{1,3}}){BEHIND}", text)
         return digits(found[1]) + text[found.end() :] if found else text

@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from gateway.pure.languages.plc.awl.constants import Kind, constant_of
+from gateway.pure.languages.plc.awl.constants import NO_CONSTANT, NO_TIME, Kind, constant_of, kind_of
 from gateway.pure.languages.plc.awl.reader import Block, Refused, Statement
 from gateway.pure.languages.plc.awl.reasons import INDIRECT, NO_STATUS, REASONS, REST, WORD_ORDER
 from gateway.pure.languages.plc.steps import Wrong, step_of
@@ -99,7 +99,7 @@ class Translator:
                     if isinstance(wrong := step_of(line, 1), Wrong):
                         raise NoCounterpart(f"{wrong.text}; {wrong.hint}")
             except NoCounterpart as reason:
-                del self.lines[before:]
+                del self.lines[self.lines.index(f"M {statement.label}", before) + 1 if statement.label else before :]  # jumps go on
                 self._refuse(statement, str(reason))
         self._close_or()
         tail = [f"M {END}"] if self._ends else []
@@ -117,9 +117,9 @@ class Translator:
                 self._result_is_one()
             self.lines.append(f"M {statement.label}")
             self._loaded, self._one, self._call = None, False, None
-        if word == "?":
-            raise NoCounterpart("this line is no statement")
         family = self._family(word)
+        if word == "?":
+            raise NoCounterpart(operand)
         if family is None:
             formal = operand.startswith("=")  # LW, SVZ, SAR and others of a formal operand
             raise NoCounterpart(REASONS.get(word, REASONS["CALL"] if formal else f"the integrated PLC has no {word}"))
@@ -335,7 +335,7 @@ class Translator:
         self._fresh = False
 
     def _load(self, word: str, operand: str) -> None:
-        self._loaded = None
+        self._loaded = kind_of(operand)
         if found := BYTE.match(operand):
             self.lines.append(f"L {self._marker(found[1], int(found[2]))}")
         elif found := LOCAL_BYTE.match(operand):
@@ -353,7 +353,7 @@ class Translator:
                 self.narrow.append(self._line)  # a negative word to comparisons and calculations with 16 bits
         else:
             self._symbol(operand)
-            raise NoCounterpart(f"{operand or 'a missing operand'}: no constant and no byte that the integrated PLC loads")
+            raise NoCounterpart(f"{operand or 'a missing operand'}: {NO_TIME if self._loaded is Kind.TIME else NO_CONSTANT}")
 
     def _store(self, word: str, operand: str) -> None:
         if found := BYTE.match(operand):

@@ -8,6 +8,7 @@ from gateway.pure.languages.plc.awl.translator import CALCULATES, COMPARES, SHIF
 
 ALONE = {*SHIFTS, *(word for word, to in CALCULATES.items() if to in ("K E", "K Z", "DH", "HD")), "I", "D", "INC", "DEC", "+", "ADD"}
 BOTH = {*COMPARES, *CALCULATES, "MOD"} - ALONE - {"TAK"}
+STARTS = ("SI", "SV", "SE", "SA")  # of a timer, with the time in the accumulator
 LOADS = ("L", "LC", "LIR")
 FILLS = ("ITD", "DTR", "RND", "RND+", "RND-", "TRUNC", "+R", "-R", "*R", "/R", "SVW", "SVD", "SSI", "SSD", "PUSH", "POP", "ENT", "LEAVE")
 
@@ -36,7 +37,7 @@ class Accumulators:
         elif word in ALONE or word in FILLS:
             found, self.one = self.one, line or self.one
             return found
-        elif word == "T":
+        elif word == "T" or word in STARTS:
             return self.one
         return 0
 
