@@ -18,6 +18,8 @@ class OverrideRamp:
 
     def step(self, wanted: float) -> float:
         """One cycle towards `wanted` (0 .. 1)."""
+        if wanted == self.value:  # as in most cycles
+            return wanted
         if not 0.0 <= wanted <= 1.0:
             raise MotionError(f"override {wanted} is outside 0 .. 1")
         change = wanted - self.value
